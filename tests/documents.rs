@@ -139,7 +139,8 @@ fn prose_and_comments_end_at_100_columns() {
             }
         }
     }
-    let rooms = ["src", "cli", "bench", "training", "preload", "python", "tests", "fuzz", "scripts"];
+    let rooms =
+        ["src", "cli", "bench", "training", "preload", "python", "tests", "fuzz", "scripts"];
     for source in rooms.iter().flat_map(|room| files(room, "rs")) {
         let text = fs::read_to_string(&source).unwrap();
         for (line, number) in text.lines().zip(1..) {

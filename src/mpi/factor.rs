@@ -13,7 +13,7 @@ use super::domains::Domains;
 use super::exchange::{Rows, exchange};
 use crate::base::{Par, Result};
 use crate::dense::zeros;
-use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply};
+use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply, select};
 
 /// Columns of a coupling that are solved for together.
 const COLUMNS: usize = 64;
@@ -428,18 +428,7 @@ impl Places {
 
     /// These rows of a matrix, with the columns that have places.
     fn select(&self, matrix: CsMatView<'_, f64>, rows: &[usize]) -> CsMat<f64> {
-        let (mut starts, mut columns, mut entries) = (vec![0], vec![], vec![]);
-        for &i in rows {
-            let row = matrix.outer_view(i).expect("a row of the matrix");
-            for (j, &x) in row.iter() {
-                if let Some(place) = self.place[j] {
-                    columns.push(place);
-                    entries.push(x);
-                }
-            }
-            starts.push(columns.len());
-        }
-        CsMat::new((rows.len(), self.len), starts, columns, entries)
+        select(matrix, rows, &self.place, self.len)
     }
 
     /// The block of these rows, which are those that have places.

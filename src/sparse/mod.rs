@@ -14,6 +14,7 @@ mod options;
 mod path;
 mod problem;
 mod product;
+mod select;
 mod shifted;
 mod slices;
 mod small;
@@ -35,7 +36,7 @@ pub(crate) use problem::Problem;
 pub use product::multiply;
 #[cfg(feature = "mpi")]
 pub(crate) use product::{multiply_by_differences, multiply_magnitudes};
-#[cfg(feature = "mpi")]
+pub(crate) use select::select;
 pub(crate) use shifted::Shifted;
 pub use slices::eigs_sliced;
 pub(crate) use space::{InnerSpace, Inverse};

@@ -3,6 +3,7 @@
 mod curve;
 mod dataset;
 mod predict;
+mod shape;
 mod template;
 mod train;
 
@@ -19,6 +20,7 @@ pub struct Args {
 #[derive(Subcommand)]
 enum Command {
     Predict(predict::Args),
+    Shape(shape::Args),
     Dataset(dataset::Args),
     Train(train::Args),
     Template(template::Args),
@@ -28,6 +30,7 @@ enum Command {
 pub fn run(args: &Args) -> Result<()> {
     match &args.command {
         Command::Predict(args) => predict::run(args),
+        Command::Shape(args) => shape::run(args),
         Command::Dataset(args) => dataset::run(args),
         Command::Train(args) => train::run(args),
         Command::Template(args) => template::run(args),

@@ -66,5 +66,5 @@ fn the_commands_of_the_page_on_decimation_run() {
 
 #[test]
 fn the_commands_of_the_page_on_unions_run() {
-    run(include_str!("../../../docs/guide/unions.md"), 4);
+    run(include_str!("../../../docs/guide/unions.md"), 5);
 }

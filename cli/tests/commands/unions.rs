@@ -53,6 +53,27 @@ fn predictions_are_printed_written_and_below_those_of_the_parts() {
 }
 
 #[test]
+fn a_template_is_deformed_to_a_predicted_spectrum() {
+    let folder = Folder::new();
+    rectangle(&folder, "a.off", 16, 10);
+    rectangle(&folder, "b.off", 10, 14);
+    rectangle(&folder, "template.off", 15, 15);
+    folder.succeed("unions predict a.off b.off -o spectra.csv");
+    let deform = "unions shape template.off --spectrum spectra.csv -k 8 --tolerance 0.01 -o";
+    let said = folder.succeed(&format!("{deform} union.ply --picture union.png"));
+    let error = said.lines().find_map(|line| line.strip_prefix("error")).unwrap();
+    let percent: f64 = error.split_whitespace().next().unwrap().parse().unwrap();
+    assert!(percent <= 1.0, "{said}");
+    folder.succeed(&format!("{deform} again.ply --threads 1"));
+    let [one, other] = ["union.ply", "again.ply"].map(|name| fs::read(folder.path(name)).unwrap());
+    assert!(one == other);
+    assert!(folder.fail(&format!("{deform} union.ply")).contains("union.ply"));
+    folder.write("wrong.csv", "number,value\n1,3.0\n2,1.0\n");
+    let wrong = "unions shape template.off --spectrum wrong.csv -o x.ply";
+    assert!(folder.fail(wrong).contains("must ascend"));
+}
+
+#[test]
 #[ignore = "trains: scripts/test --training"]
 fn a_network_is_trained_and_used() {
     let folder = Folder::new();

@@ -64,6 +64,7 @@ pub const LINES: &[&str] = &[
      --poses 1 --pairs 4 --varied 0 --creatures 0",
     "unions train data.npz -o w.safetensors --epochs 1 --width 16 --hidden 16",
     "unions template --vertices 700 -o template.stl",
+    "unions shape left.off --spectrum values.csv --steps 2 -o out.ply",
 ];
 
 /// Their results differ from run to run: they measure time.
@@ -222,6 +223,7 @@ fn meshes(folder: &Folder) {
          f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
     );
     folder.write("samples.txt", "0\n400\n200\n600\n100\n700\n");
+    folder.write("values.csv", "60\n120\n150\n");
     folder.write("pairs.txt", "0 0\n17 17\n60 60\n121 121\n");
     let vertices = families::icosphere(2).unwrap().vertices().len();
     folder.write("points.txt", (0..vertices).map(|i| format!("{i}\n")).collect::<String>());

@@ -1,10 +1,10 @@
 use sprs::CsMat;
 
 use super::super::{Edges, TriMesh};
-use super::matrices::{Laplacian, submatrix};
+use super::matrices::Laplacian;
 use super::options::Boundary;
 use crate::base::{Error, Result};
-use crate::sparse::Mass;
+use crate::sparse::{Mass, select};
 
 /// Which vertices have no row: those set to zero, and those in no face.
 pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
@@ -46,9 +46,9 @@ pub(super) fn restrict(stiffness: CsMat<f64>, mass: Mass, removed: &[bool]) -> R
         }
         let mass = match mass {
             Mass::Lumped(all) => Mass::Lumped(kept.iter().map(|&v| all[v]).collect()),
-            Mass::Full(matrix) => Mass::Full(submatrix(&matrix, &kept, &rows)),
+            Mass::Full(matrix) => Mass::Full(select(matrix.view(), &kept, &rows, kept.len())),
         };
-        (submatrix(&stiffness, &kept, &rows), mass)
+        (select(stiffness.view(), &kept, &rows, kept.len()), mass)
     };
     check(&stiffness, &mass, &kept)?;
     Ok(Laplacian { stiffness, mass, kept, vertices })

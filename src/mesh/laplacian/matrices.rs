@@ -4,7 +4,7 @@ use faer::{Mat, MatRef};
 use sprs::CsMat;
 
 use crate::base::{Error, Result};
-use crate::sparse::Mass;
+use crate::sparse::{Mass, select};
 
 /// The matrices of the eigenproblem `W phi = lambda M phi`. Rows stand for the vertices in
 /// [`Laplacian::kept`].
@@ -71,10 +71,10 @@ impl Laplacian {
         }
         let mass = match &self.mass {
             Mass::Lumped(all) => Mass::Lumped(kept.iter().map(|&row| all[row]).collect()),
-            Mass::Full(matrix) => Mass::Full(submatrix(matrix, &kept, &rows)),
+            Mass::Full(matrix) => Mass::Full(select(matrix.view(), &kept, &rows, kept.len())),
         };
         Ok(Self {
-            stiffness: submatrix(&self.stiffness, &kept, &rows),
+            stiffness: select(self.stiffness.view(), &kept, &rows, kept.len()),
             mass,
             kept: kept.iter().map(|&row| all[row]).collect(),
             vertices: self.vertices,
@@ -91,20 +91,4 @@ impl Laplacian {
         Error::check_shape("functions", expected, (functions.nrows(), columns))?;
         Ok(Mat::from_fn(self.kept.len(), columns, |row, j| functions[(self.kept[row], j)]))
     }
-}
-
-/// The entries in the rows and columns that are kept; `rows` has the new number of each.
-pub(super) fn submatrix(matrix: &CsMat<f64>, kept: &[usize], rows: &[Option<usize>]) -> CsMat<f64> {
-    let mut starts = vec![0];
-    let (mut columns, mut values) = (Vec::new(), Vec::new());
-    for row in kept.iter().filter_map(|&v| matrix.outer_view(v)) {
-        for (column, &value) in row.iter() {
-            if let Some(column) = rows[column] {
-                columns.push(column);
-                values.push(value);
-            }
-        }
-        starts.push(columns.len());
-    }
-    CsMat::new((kept.len(), kept.len()), starts, columns, values)
 }

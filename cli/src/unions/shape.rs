@@ -1,0 +1,91 @@
+//! `catamaran unions shape`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use catamaran::Par;
+use catamaran::base::Progress;
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::MeshFile;
+use catamaran::spectral::{ShapeOptions, shape_from_spectrum};
+
+use crate::input::MeshArgs;
+use crate::output;
+use crate::picture::{PLAIN, PictureArgs};
+use crate::progress::Bar;
+use crate::report::{complain, report};
+use crate::shape::dense;
+
+/// Deform a mesh until it has a given spectrum: the shape of a predicted union.
+///
+/// Many shapes have the same eigenvalues; the result is one near the template, with its faces. The
+/// spectrum is that of a Dirichlet boundary if the template has a boundary, as `unions predict` has
+/// it, and the one without its zeros if the template is closed.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh to deform: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
+    #[arg(value_name = "TEMPLATE")]
+    template: PathBuf,
+    /// The eigenvalues: the last column of a table (.csv, .npy, ...), such as that of
+    /// `unions predict -o`.
+    #[arg(long, value_name = "FILE")]
+    spectrum: PathBuf,
+    /// How many of them are used, the first ones [default: all].
+    #[arg(short, value_name = "K")]
+    k: Option<usize>,
+    /// Steps at most.
+    #[arg(long, value_name = "N", default_value_t = ShapeOptions::default().steps)]
+    steps: usize,
+    /// Mean relative difference of eigenvalues that is good enough.
+    #[arg(long, value_name = "SHARE", default_value_t = ShapeOptions::default().tolerance)]
+    tolerance: f64,
+    /// Where the deformed mesh goes.
+    #[arg(short, long, value_name = "MESH")]
+    output: PathBuf,
+    #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Threads; all cores by default. The result does not depend on the number.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let output = Output::create(&args.output, overwrite)?;
+    let picture = args.picture.create(overwrite)?;
+    let template = args.repair.read(&args.template)?.mesh;
+    let table = dense(&args.spectrum)?;
+    let named = || args.spectrum.display().to_string();
+    let last = table.ncols().checked_sub(1).context("no columns").with_context(named)?;
+    let count = args.k.map_or(table.nrows(), |k| k.min(table.nrows()));
+    let wanted: Vec<f64> = (0..count).map(|i| table[(i, last)]).collect();
+    let bar = Bar::new("deforming");
+    let update = |fraction| bar.update(fraction);
+    let options = ShapeOptions::new()
+        .steps(args.steps)
+        .tolerance(args.tolerance)
+        .par(args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())))
+        .progress(Progress::new(&update));
+    let found = shape_from_spectrum(&template, &wanted, &options)
+        .with_context(|| args.template.display().to_string())?;
+    drop(bar);
+    report(format_args!("steps     {}", found.steps))?;
+    report(format_args!("error     {:.3} % of the eigenvalues, in the mean", 100.0 * found.error))?;
+    if found.error > args.tolerance {
+        let reached = 100.0 * args.tolerance;
+        complain(format_args!("the eigenvalues are not within {reached} %: no step nearby helps"));
+    }
+    if let Some(picture) = picture {
+        let panels = [(&template, PLAIN, "template"), (&found.mesh, PLAIN, "deformed")];
+        args.picture.draw(picture, &args.template, &panels)?;
+    }
+    output::mesh(output, &MeshFile::from(found.mesh))?;
+    report(format_args!("written   {}", args.output.display()))
+}

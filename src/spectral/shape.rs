@@ -1,0 +1,426 @@
+//! A surface with a given spectrum: a template, deformed until its eigenvalues are those wanted
+//! (isospectralisation; Cosmo et al. 2019. Thesis, section 2.6.1, figures 2.2 and 2.5).
+
+use faer::Mat;
+
+use crate::base::{Error, Par, Progress, Result, builder};
+use crate::dense::{
+    cholesky, lower_solve_in_place, transposed_product, upper_solve_in_place, zeros,
+};
+use crate::mesh::vector::{cross, dot, norm, scale, sub};
+use crate::mesh::{Boundary, Components, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
+use crate::sparse::{EigenOptions, Factor, Inverse, Shifted, Symbolic, eigs};
+
+/// Options of [`shape_from_spectrum`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ShapeOptions<'a> {
+    /// Steps at most. Default 60.
+    pub steps: usize,
+    /// Mean relative difference of eigenvalues that is good enough. Default 1e-3.
+    pub tolerance: f64,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Progress<'a>,
+}
+
+impl Default for ShapeOptions<'_> {
+    fn default() -> Self {
+        Self { steps: 60, tolerance: 1e-3, par: Par::all(), progress: Progress::none() }
+    }
+}
+
+builder! { ShapeOptions<'a> {
+    steps: usize,
+    tolerance: f64,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
+
+/// A template that was deformed.
+#[derive(Debug, Clone)]
+pub struct ShapeFromSpectrum {
+    /// The faces of the template, with other positions.
+    pub mesh: TriMesh,
+    /// Its eigenvalues, as many as were wanted.
+    pub eigenvalues: Vec<f64>,
+    /// Their mean relative difference from those wanted.
+    pub error: f64,
+    /// Steps that were taken.
+    pub steps: usize,
+}
+
+/// Deforms a template until the first eigenvalues of its cotangent Laplacian with barycentric masses
+/// are `eigenvalues`: those of a Dirichlet boundary, or, if the template is closed, all but the
+/// zeros. They are positive and ascending, in 1 / length^2.
+///
+/// The size is fitted first. Then each step is one of Levenberg and Marquardt for the relative
+/// differences, with the displacement of least `integral of |grad d|^2 + |d|^2 / area` among those
+/// that do as much, so that the surface bends before it crumples. A step that would turn a face or
+/// shrink it to less than a fifth is shortened. Many surfaces have the same eigenvalues; the result
+/// is one of them near the template. It may fall short of the tolerance: see
+/// [`ShapeFromSpectrum::error`].
+///
+/// ```
+/// use catamaran::{mesh::{TriMesh, families}, spectral::{ShapeOptions, shape_from_spectrum}};
+///
+/// let sphere = families::icosphere(2)?;
+/// let stretched = sphere.vertices().iter().map(|p| [p[0], 1.1 * p[1], 1.2 * p[2]]).collect();
+/// let template = TriMesh::new(stretched, sphere.faces().to_vec())?;
+/// // Those of a sphere of radius 1.
+/// let wanted = [2.0, 2.0, 2.0, 6.0, 6.0, 6.0, 6.0, 6.0];
+/// let found = shape_from_spectrum(&template, &wanted, &ShapeOptions::new().tolerance(0.01))?;
+/// assert!(found.error <= 0.01);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Argument`] names "eigenvalues" that are not positive and ascending, or more than the
+/// template has; [`Error::NonFinite`]; those of [`laplacian`](crate::mesh::laplacian()) and
+/// [`eigs`](crate::sparse::eigs()); [`Error::Cancelled`].
+pub fn shape_from_spectrum(
+    template: &TriMesh,
+    eigenvalues: &[f64],
+    options: &ShapeOptions<'_>,
+) -> Result<ShapeFromSpectrum> {
+    check(template, eigenvalues)?;
+    let wanted = Wanted::new(template, eigenvalues, options.par);
+    let as_given = wanted.shape(template.vertices().to_vec())?;
+    // Eigenvalues go with 1 / length^2.
+    let mean = 1.0 + as_given.residuals.iter().sum::<f64>() / eigenvalues.len() as f64;
+    let sized = template.vertices().iter().map(|p| scale(*p, mean.sqrt())).collect();
+    let metric = Metric::new(template, options.par)?;
+    let mut now = wanted.shape(sized)?;
+    let (mut damping, mut steps) = (1e-3, 0);
+    while steps < options.steps && now.error() > options.tolerance {
+        options.progress.report(steps as f64 / options.steps as f64)?;
+        let directions = metric.directions(&now, &wanted)?;
+        let mut better = None;
+        while better.is_none() && damping < DAMPING_LIMIT {
+            let step = directions.step(&now.residuals, damping, now.vertices.len())?;
+            let next = wanted.shape(wanted.moved(&now, &step))?;
+            match next.cost() < now.cost() {
+                true => better = Some(next),
+                false => damping *= 10.0,
+            }
+        }
+        let Some(next) = better else { break };
+        (now, damping) = (next, (0.1 * damping).max(LEAST_DAMPING));
+        steps += 1;
+    }
+    options.progress.report(1.0)?;
+    let error = now.error();
+    let mesh = TriMesh::new(now.vertices, template.faces().to_vec())?;
+    Ok(ShapeFromSpectrum { mesh, eigenvalues: now.values, error, steps })
+}
+
+/// Dampings, relative to the mean diagonal, above which steps are too short to matter.
+const DAMPING_LIMIT: f64 = 1e6;
+const LEAST_DAMPING: f64 = 1e-6;
+
+fn check(template: &TriMesh, eigenvalues: &[f64]) -> Result<()> {
+    let what = "eigenvalues";
+    let refuse = |why: String| Err(Error::Argument { what, why });
+    if let Some(i) = eigenvalues.iter().position(|x| !x.is_finite()) {
+        return Err(Error::NonFinite { what, index: (i, 0) });
+    }
+    match eigenvalues.first() {
+        None => return refuse("there are none".into()),
+        Some(x) if *x <= 0.0 => {
+            return refuse(format!(
+                "must be positive, but the first one is {x:e}: leave zeros out"
+            ));
+        }
+        Some(_) => {}
+    }
+    if let Some(i) = (1..eigenvalues.len()).find(|&i| eigenvalues[i] < eigenvalues[i - 1]) {
+        return refuse(format!("must ascend, but number {i} (from 0) is less than the one before"));
+    }
+    if eigenvalues.len() >= template.vertices().len() {
+        let (k, n) = (eigenvalues.len(), template.vertices().len());
+        return refuse(format!("{k} of a template of {n} vertices"));
+    }
+    Ok(())
+}
+
+/// What all shapes have in common.
+struct Wanted<'a> {
+    faces: &'a [[u32; 3]],
+    eigenvalues: &'a [f64],
+    boundary: Boundary,
+    /// Eigenvalues that are zero, below those wanted.
+    zeros: usize,
+    par: Par,
+}
+
+/// Positions, with their spectrum.
+struct Shape {
+    vertices: Vec<[f64; 3]>,
+    values: Vec<f64>,
+    /// Relative differences from the eigenvalues wanted.
+    residuals: Vec<f64>,
+    /// n x k, zero on a Dirichlet boundary.
+    vectors: Mat<f64>,
+}
+
+impl<'a> Wanted<'a> {
+    fn new(template: &'a TriMesh, eigenvalues: &'a [f64], par: Par) -> Self {
+        let closed = Edges::new(template).boundary().next().is_none();
+        let (boundary, zeros) = match closed {
+            true => (Boundary::Neumann, Components::new(template).len()),
+            false => (Boundary::Dirichlet, 0),
+        };
+        Self { faces: template.faces(), eigenvalues, boundary, zeros, par }
+    }
+
+    fn shape(&self, vertices: Vec<[f64; 3]>) -> Result<Shape> {
+        let mesh = TriMesh::new(vertices, self.faces.to_vec())?;
+        let options = LaplacianOptions::new().boundary(self.boundary.clone()).par(self.par);
+        let laplacian = laplacian(&mesh, &options)?;
+        let k = self.eigenvalues.len();
+        let options = EigenOptions::new().k(self.zeros + k).par(self.par);
+        let pairs = eigs(laplacian.stiffness.view(), &laplacian.mass, &options)?;
+        let vectors = laplacian.extend(pairs.vectors.as_ref().subcols(self.zeros, k))?;
+        let values = pairs.values[self.zeros..].to_vec();
+        let ratios = values.iter().zip(self.eigenvalues);
+        let residuals = ratios.map(|(found, wanted)| found / wanted - 1.0).collect();
+        Ok(Shape { vertices: mesh.vertices().to_vec(), values, residuals, vectors })
+    }
+
+    /// Positions after a step, shortened until every face keeps its side and enough of its area.
+    fn moved(&self, shape: &Shape, step: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        /// Of the area of a face, what a step must leave.
+        const KEPT: f64 = 0.2;
+        let mut length = 1.0;
+        loop {
+            let moved: Vec<[f64; 3]> =
+                shape.vertices.iter().zip(step).map(|(p, d)| add(*p, scale(*d, length))).collect();
+            let is_sound = |face: &[u32; 3]| {
+                let before = normal(&shape.vertices, face);
+                dot(before, normal(&moved, face)) >= KEPT * dot(before, before)
+            };
+            if self.faces.iter().all(is_sound) {
+                return moved;
+            }
+            length *= 0.5;
+        }
+    }
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|c| a[c] + b[c])
+}
+
+/// The normal of a face, twice its area long.
+fn normal(vertices: &[[f64; 3]], face: &[u32; 3]) -> [f64; 3] {
+    let [a, b, c] = face.map(|v| vertices[v as usize]);
+    cross(sub(b, a), sub(c, a))
+}
+
+impl Shape {
+    /// The mean size of the residuals.
+    fn error(&self) -> f64 {
+        self.residuals.iter().map(|r| r.abs()).sum::<f64>() / self.residuals.len() as f64
+    }
+
+    /// The sum of the squares of the residuals.
+    fn cost(&self) -> f64 {
+        self.residuals.iter().map(|r| r * r).sum()
+    }
+
+    /// The gradient of eigenvalue i by the positions, for vectors of length 1 in the inner product:
+    /// of `phi^T W phi - lambda phi^T M phi`, face by face.
+    fn gradient(&self, faces: &[[u32; 3]], i: usize) -> Vec<[f64; 3]> {
+        let phi = self.vectors.col(i);
+        let mut gradient = vec![[0.0; 3]; self.vertices.len()];
+        for face in faces {
+            let u = face.map(|v| phi[v as usize]);
+            let corners = face.map(|v| self.vertices[v as usize]);
+            // Edge j is opposite corner j.
+            let edges: [[f64; 3]; 3] =
+                std::array::from_fn(|j| sub(corners[(j + 2) % 3], corners[(j + 1) % 3]));
+            let normal = normal(&self.vertices, face);
+            let twice_area = norm(normal);
+            let area = 0.5 * twice_area;
+            let sum = (0..3).fold([0.0; 3], |sum, j| add(sum, scale(edges[j], u[j])));
+            // Of this face: phi^T W phi and phi^T M phi over the area.
+            let energy = dot(sum, sum) / (4.0 * area);
+            let square = u.iter().map(|u| u * u).sum::<f64>() / 3.0;
+            for (j, &v) in face.iter().enumerate() {
+                let of_area = scale(cross(normal, edges[j]), 0.5 / twice_area);
+                let of_sum = (u[(j + 1) % 3] - u[(j + 2) % 3]) / (2.0 * area);
+                let of_face = add(
+                    scale(sum, of_sum),
+                    scale(of_area, -energy / area - self.values[i] * square),
+                );
+                let entry = &mut gradient[v as usize];
+                *entry = add(*entry, of_face);
+            }
+        }
+        gradient
+    }
+}
+
+/// The inner product of displacements, `W + M / area` of the template (Neumann), factorised.
+struct Metric {
+    factor: Factor,
+    /// The vertices that have faces.
+    kept: Vec<usize>,
+}
+
+impl Metric {
+    fn new(template: &TriMesh, par: Par) -> Result<Self> {
+        let Laplacian { stiffness, mass, kept, .. } =
+            laplacian(template, &LaplacianOptions::new().par(par))?;
+        let area: f64 = (0..kept.len()).map(|i| mass.diagonal(i)).sum();
+        let shifted = Shifted::new(stiffness.view(), &mass);
+        let factor = Symbolic::new(shifted.symbolic())?
+            .positive(shifted.matrix(&shifted.values(-1.0 / area)))?;
+        let Some(factor) = factor else {
+            let why = "its Laplacian is not positive semi-definite".into();
+            return Err(Error::Argument { what: "template", why });
+        };
+        Ok(Self { factor, kept })
+    }
+
+    /// The steepest directions of the relative eigenvalues.
+    fn directions(&self, shape: &Shape, wanted: &Wanted<'_>) -> Result<Directions<'_>> {
+        let k = wanted.eigenvalues.len();
+        let mut slopes = zeros(self.kept.len(), 3 * k)?;
+        for (i, eigenvalue) in wanted.eigenvalues.iter().enumerate() {
+            let gradient = shape.gradient(wanted.faces, i);
+            for (row, &v) in self.kept.iter().enumerate() {
+                (0..3).for_each(|c| slopes[(row, 3 * i + c)] = gradient[v][c] / eigenvalue);
+            }
+        }
+        let mut steepest = slopes.clone();
+        self.factor.solve(steepest.as_mut(), wanted.par)?;
+        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par);
+        let gram = Mat::from_fn(k, k, |i, j| {
+            (0..3).map(|c| products[(3 * i + c, 3 * j + c)]).sum::<f64>()
+        });
+        Ok(Directions { steepest, gram, kept: &self.kept })
+    }
+}
+
+/// For each eigenvalue, the displacement that raises it most, by columns x, y and z.
+struct Directions<'m> {
+    steepest: Mat<f64>,
+    /// By how much each displacement raises each eigenvalue, relative to the one wanted.
+    gram: Mat<f64>,
+    kept: &'m [usize],
+}
+
+impl Directions<'_> {
+    /// The displacements that take the residuals away, to first order, but for damping relative to
+    /// the mean diagonal of the Gram matrix.
+    fn step(&self, residuals: &[f64], damping: f64, vertices: usize) -> Result<Vec<[f64; 3]>> {
+        let k = residuals.len();
+        let mean = (0..k).map(|i| self.gram[(i, i)]).sum::<f64>() / k as f64;
+        let mut factor = self.gram.clone();
+        (0..k).for_each(|i| factor[(i, i)] += damping * mean);
+        let mut weights = Mat::from_fn(k, 1, |i, _| residuals[i]);
+        let mut step = vec![[0.0; 3]; vertices];
+        if cholesky(factor.as_mut())?.is_err() {
+            return Ok(step);
+        }
+        lower_solve_in_place(factor.as_ref(), weights.as_mut());
+        upper_solve_in_place(factor.transpose(), weights.as_mut());
+        for (row, &v) in self.kept.iter().enumerate() {
+            for c in 0..3 {
+                let along = |i: usize| weights[(i, 0)] * self.steepest[(row, 3 * i + c)];
+                step[v][c] = -(0..k).map(along).sum::<f64>();
+            }
+        }
+        Ok(step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+    use crate::mesh::families;
+
+    /// A template whose eigenvalues are apart: a sphere, scaled along the axes and roughened.
+    fn bumpy(level: u32, axes: [f64; 3]) -> TriMesh {
+        let sphere = families::icosphere(level).unwrap();
+        let mut rng = Rng::new(4);
+        let mut moved = |p: &[f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|c| axes[c] * p[c] * (1.0 + 0.02 * (rng.uniform() - 0.5)))
+        };
+        let vertices = sphere.vertices().iter().map(&mut moved).collect();
+        TriMesh::new(vertices, sphere.faces().to_vec()).unwrap()
+    }
+
+    /// A rectangle of these sides, with its boundary.
+    fn sheet(a: f64, b: f64) -> TriMesh {
+        let grid = families::grid(14, 12).unwrap();
+        let vertices = grid.vertices().iter().map(|p| [a * p[0], b * p[1], 0.0]).collect();
+        TriMesh::new(vertices, grid.faces().to_vec()).unwrap()
+    }
+
+    #[test]
+    fn gradients_of_eigenvalues_are_those_of_differences() {
+        let mut rng = Rng::new(7);
+        for template in [bumpy(2, [1.0, 1.2, 1.5]), sheet(1.0, 1.3)] {
+            let eigenvalues = [1.0, 2.0, 3.0, 4.0];
+            let wanted = Wanted::new(&template, &eigenvalues, Par::Seq);
+            let shape = wanted.shape(template.vertices().to_vec()).unwrap();
+            let direction: Vec<[f64; 3]> = (0..template.vertices().len())
+                .map(|_| std::array::from_fn(|_| rng.uniform() - 0.5))
+                .collect();
+            let at = |t: f64| {
+                let along = shape.vertices.iter().zip(&direction);
+                wanted.shape(along.map(|(p, d)| add(*p, scale(*d, t))).collect()).unwrap().values
+            };
+            let (t, [before, after]) = (1e-6, [at(-1e-6), at(1e-6)]);
+            for i in 0..eigenvalues.len() {
+                let gradient = shape.gradient(wanted.faces, i);
+                let slope: f64 = gradient.iter().zip(&direction).map(|(g, d)| dot(*g, *d)).sum();
+                let expected = (after[i] - before[i]) / (2.0 * t);
+                let scale = expected.abs() + shape.values[i];
+                assert!((slope - expected).abs() < 1e-5 * scale, "{i}: {slope}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_template_gets_the_spectrum_of_another_shape() {
+        let spectrum = |mesh: &TriMesh| {
+            let wanted = Wanted::new(mesh, &[1.0; 12], Par::Seq);
+            wanted.shape(mesh.vertices().to_vec()).unwrap().values
+        };
+        for (template, other) in [
+            (bumpy(3, [1.0, 1.1, 1.25]), bumpy(3, [1.4, 0.9, 1.1])),
+            (sheet(1.0, 1.3), sheet(0.8, 2.0)),
+        ] {
+            let eigenvalues = spectrum(&other);
+            let options = ShapeOptions::new().tolerance(1e-4).par(Par::Seq);
+            let found = shape_from_spectrum(&template, &eigenvalues, &options).unwrap();
+            assert!(found.error <= 1e-4 && found.steps < 40, "{} {}", found.error, found.steps);
+            let again = spectrum(&found.mesh);
+            for (found, wanted) in again.iter().zip(&eigenvalues) {
+                assert!((found / wanted - 1.0).abs() < 2e-3);
+            }
+            let threads = options.par(Par::Threads(2));
+            let same = shape_from_spectrum(&template, &eigenvalues, &threads).unwrap();
+            assert_eq!(found.mesh, same.mesh);
+        }
+    }
+
+    #[test]
+    fn what_is_no_spectrum_is_refused_by_name() {
+        let template = families::icosphere(1).unwrap();
+        let with = |eigenvalues: &[f64]| {
+            let found = shape_from_spectrum(&template, eigenvalues, &ShapeOptions::new());
+            found.map_err(|e| e.to_string()).unwrap_err()
+        };
+        assert!(with(&[]).contains("eigenvalues: there are none"));
+        assert!(with(&[0.0, 1.0]).contains("leave zeros out"));
+        assert!(with(&[2.0, 1.0]).contains("must ascend"));
+        assert!(with(&[1.0, f64::NAN]).contains("eigenvalues"));
+        assert!(with(&[1.0; 42]).contains("of a template of 42 vertices"));
+    }
+}
