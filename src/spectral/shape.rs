@@ -90,15 +90,15 @@ pub fn shape_from_spectrum(
     // Eigenvalues go with 1 / length^2.
     let mean = 1.0 + as_given.residuals.iter().sum::<f64>() / eigenvalues.len() as f64;
     let sized = template.vertices().iter().map(|p| scale(*p, mean.sqrt())).collect();
-    let metric = Metric::new(template, options.par)?;
     let mut now = wanted.shape(sized)?;
     let (mut damping, mut steps) = (1e-3, 0);
     while steps < options.steps && now.error() > options.tolerance {
         options.progress.report(steps as f64 / options.steps as f64)?;
+        let metric = Metric::new(&now.mesh, options.par)?;
         let directions = metric.directions(&now, &wanted)?;
         let mut better = None;
         while better.is_none() && damping < DAMPING_LIMIT {
-            let step = directions.step(&now.residuals, damping, now.vertices.len())?;
+            let step = directions.step(&now.residuals, damping, template.vertices().len())?;
             let next = wanted.shape(wanted.moved(&now, &step))?;
             match next.cost() < now.cost() {
                 true => better = Some(next),
@@ -111,8 +111,7 @@ pub fn shape_from_spectrum(
     }
     options.progress.report(1.0)?;
     let error = now.error();
-    let mesh = TriMesh::new(now.vertices, template.faces().to_vec())?;
-    Ok(ShapeFromSpectrum { mesh, eigenvalues: now.values, error, steps })
+    Ok(ShapeFromSpectrum { mesh: now.mesh, eigenvalues: now.values, error, steps })
 }
 
 /// Dampings, relative to the mean diagonal, above which steps are too short to matter.
@@ -154,9 +153,9 @@ struct Wanted<'a> {
     par: Par,
 }
 
-/// Positions, with their spectrum.
+/// A deformed template, with its spectrum.
 struct Shape {
-    vertices: Vec<[f64; 3]>,
+    mesh: TriMesh,
     values: Vec<f64>,
     /// Relative differences from the eigenvalues wanted.
     residuals: Vec<f64>,
@@ -185,7 +184,7 @@ impl<'a> Wanted<'a> {
         let values = pairs.values[self.zeros..].to_vec();
         let ratios = values.iter().zip(self.eigenvalues);
         let residuals = ratios.map(|(found, wanted)| found / wanted - 1.0).collect();
-        Ok(Shape { vertices: mesh.vertices().to_vec(), values, residuals, vectors })
+        Ok(Shape { mesh, values, residuals, vectors })
     }
 
     /// Positions after a step, shortened until every face keeps its side and enough of its area.
@@ -194,10 +193,15 @@ impl<'a> Wanted<'a> {
         const KEPT: f64 = 0.2;
         let mut length = 1.0;
         loop {
-            let moved: Vec<[f64; 3]> =
-                shape.vertices.iter().zip(step).map(|(p, d)| add(*p, scale(*d, length))).collect();
+            let moved: Vec<[f64; 3]> = shape
+                .mesh
+                .vertices()
+                .iter()
+                .zip(step)
+                .map(|(p, d)| add(*p, scale(*d, length)))
+                .collect();
             let is_sound = |face: &[u32; 3]| {
-                let before = normal(&shape.vertices, face);
+                let before = normal(shape.mesh.vertices(), face);
                 dot(before, normal(&moved, face)) >= KEPT * dot(before, before)
             };
             if self.faces.iter().all(is_sound) {
@@ -233,14 +237,14 @@ impl Shape {
     /// of `phi^T W phi - lambda phi^T M phi`, face by face.
     fn gradient(&self, faces: &[[u32; 3]], i: usize) -> Vec<[f64; 3]> {
         let phi = self.vectors.col(i);
-        let mut gradient = vec![[0.0; 3]; self.vertices.len()];
+        let mut gradient = vec![[0.0; 3]; self.mesh.vertices().len()];
         for face in faces {
             let u = face.map(|v| phi[v as usize]);
-            let corners = face.map(|v| self.vertices[v as usize]);
+            let corners = face.map(|v| self.mesh.vertices()[v as usize]);
             // Edge j is opposite corner j.
             let edges: [[f64; 3]; 3] =
                 std::array::from_fn(|j| sub(corners[(j + 2) % 3], corners[(j + 1) % 3]));
-            let normal = normal(&self.vertices, face);
+            let normal = normal(self.mesh.vertices(), face);
             let twice_area = norm(normal);
             let area = 0.5 * twice_area;
             let sum = (0..3).fold([0.0; 3], |sum, j| add(sum, scale(edges[j], u[j])));
@@ -262,7 +266,7 @@ impl Shape {
     }
 }
 
-/// The inner product of displacements, `W + M / area` of the template (Neumann), factorised.
+/// The inner product of displacements, `W + M / area` of a shape (Neumann), factorised.
 struct Metric {
     factor: Factor,
     /// The vertices that have faces.
@@ -270,9 +274,9 @@ struct Metric {
 }
 
 impl Metric {
-    fn new(template: &TriMesh, par: Par) -> Result<Self> {
+    fn new(shape: &TriMesh, par: Par) -> Result<Self> {
         let Laplacian { stiffness, mass, kept, .. } =
-            laplacian(template, &LaplacianOptions::new().par(par))?;
+            laplacian(shape, &LaplacianOptions::new().par(par))?;
         let area: f64 = (0..kept.len()).map(|i| mass.diagonal(i)).sum();
         let shifted = Shifted::new(stiffness.view(), &mass);
         let factor = Symbolic::new(shifted.symbolic())?
@@ -372,7 +376,7 @@ mod tests {
                 .map(|_| std::array::from_fn(|_| rng.uniform() - 0.5))
                 .collect();
             let at = |t: f64| {
-                let along = shape.vertices.iter().zip(&direction);
+                let along = shape.mesh.vertices().iter().zip(&direction);
                 wanted.shape(along.map(|(p, d)| add(*p, scale(*d, t))).collect()).unwrap().values
             };
             let (t, [before, after]) = (1e-6, [at(-1e-6), at(1e-6)]);

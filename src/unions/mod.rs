@@ -20,6 +20,6 @@ pub use localizer::{Localizer, LocalizerOn};
 pub use model::{Scaling, SpectralUnion};
 pub use network::K;
 pub use ood::OodDetector;
-pub use partial::PartSpectra;
+pub use partial::{PartSpectra, cloud_spectrum};
 pub use shape_dna::{Match, ShapeDnaOptions, retrieve, shape_dna};
 pub use spectrum::interpolate;

@@ -1,7 +1,10 @@
 //! Parts of a surface, and their spectra.
 
-use crate::base::{Error, Progress, Result};
-use crate::mesh::{Adjacency, Boundary, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
+use crate::base::{Error, Par, Progress, Result};
+use crate::mesh::{
+    Adjacency, Boundary, CloudOptions, Edges, Laplacian, LaplacianOptions, TriMesh,
+    cloud_laplacian, laplacian,
+};
 use crate::sparse::{EigenOptions, eigs};
 
 /// Residual of eigenpairs: eigenvalues are then right to about its square.
@@ -102,18 +105,44 @@ impl<'m> PartSpectra<'m> {
     }
 
     fn eigenvalues(&self, operator: &Laplacian, k: usize) -> Result<Vec<f64>> {
-        let rows = operator.kept.len();
-        if k > rows {
-            let why = format!("{k} eigenvalues of a part with {rows} vertices inside");
-            return Err(Error::Argument { what: "k", why });
-        }
-        let options = EigenOptions {
-            k,
-            tolerance: TOLERANCE,
-            par: self.options.par,
-            progress: self.progress,
-            ..EigenOptions::default()
-        };
-        Ok(eigs(operator.stiffness.view(), &operator.mass, &options)?.values)
+        eigenvalues(operator, k, self.options.par, self.progress)
     }
+}
+
+/// The k smallest Dirichlet eigenvalues of the part of a surface that points were sampled from
+/// (thesis, figure 2.8), ascending, in units of 1 / length^2: those of [`cloud_laplacian`], zero at
+/// the points that their neighbours do not surround. The boundary of the options counts for nothing.
+///
+/// ```
+/// use catamaran::{mesh::CloudOptions, unions::cloud_spectrum};
+///
+/// let points: Vec<[f64; 3]> =
+///     (0..31 * 31).map(|i| [f64::from(i / 31) / 30.0, f64::from(i % 31) / 30.0, 0.0]).collect();
+/// let first = cloud_spectrum(&points, 1, &CloudOptions::new())?[0];
+/// // 2 pi^2, of the unit square.
+/// assert!((first / 19.74 - 1.0).abs() < 0.02);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`cloud_laplacian`] and [`eigs`]; [`Error::Argument`] when fewer than k points are inside.
+pub fn cloud_spectrum(points: &[[f64; 3]], k: usize, options: &CloudOptions) -> Result<Vec<f64>> {
+    let operator = cloud_laplacian(points, &options.clone().boundary(Boundary::Dirichlet))?;
+    eigenvalues(&operator, k, options.par, Progress::none())
+}
+
+fn eigenvalues(
+    operator: &Laplacian,
+    k: usize,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>> {
+    let rows = operator.kept.len();
+    if k > rows {
+        let why = format!("{k} eigenvalues of a part with {rows} vertices inside");
+        return Err(Error::Argument { what: "k", why });
+    }
+    let options =
+        EigenOptions { k, tolerance: TOLERANCE, par, progress, ..EigenOptions::default() };
+    Ok(eigs(operator.stiffness.view(), &operator.mass, &options)?.values)
 }

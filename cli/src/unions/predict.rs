@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{LaplacianOptions, TriMesh};
-use catamaran::unions::{K, PartSpectra, SpectralUnion};
+use catamaran::mesh::{CloudOptions, LaplacianOptions, TriMesh};
+use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
 
 use crate::input::MeshArgs;
 use crate::picture::{PLAIN, Paint, PictureArgs};
@@ -15,10 +15,10 @@ use crate::report::report;
 
 /// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
 ///
-/// The parts are meshes with boundary, in any pose and position, of any connectivity; which of
-/// their points correspond is not needed. Prints 20 Dirichlet eigenvalues of each part, those
+/// The parts are meshes with boundary or point clouds (files without faces), in any pose and
+/// position, of any connectivity; which of their points correspond is not needed. Prints 20 Dirichlet eigenvalues of each part, those
 /// predicted for the union, and how unlike the shapes of the training the parts are: above 1 the
-/// prediction is a guess.
+/// prediction is unreliable.
 #[derive(clap::Args)]
 pub struct Args {
     /// Two parts or more: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
@@ -89,7 +89,8 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(picture) = picture {
         let clipped: Option<Vec<f64>> =
             found.as_ref().map(|(_, inside)| inside.iter().map(|x| x.clamp(0.0, 1.0)).collect());
-        let mut panels: Vec<_> = meshes.iter().map(|mesh| (mesh, PLAIN, "part")).collect();
+        let drawn = meshes.iter().filter(|mesh| !mesh.faces().is_empty());
+        let mut panels: Vec<_> = drawn.map(|mesh| (mesh, PLAIN, "part")).collect();
         if let (Some((mesh, _)), Some(inside)) = (&found, &clipped) {
             panels.push((mesh, Paint::Values(inside), "union"));
         }
@@ -116,8 +117,11 @@ fn model(path: Option<&Path>) -> Result<SpectralUnion> {
     })
 }
 
-/// The Dirichlet spectrum of a mesh.
+/// The Dirichlet spectrum of a mesh, or of the surface that points without faces are from.
 fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
+    if mesh.faces().is_empty() {
+        return Ok(cloud_spectrum(mesh.vertices(), K, &CloudOptions::new())?);
+    }
     let all = vec![true; mesh.vertices().len()];
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
     Ok(spectra.dirichlet(&all, K)?)

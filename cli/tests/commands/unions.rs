@@ -53,6 +53,30 @@ fn predictions_are_printed_written_and_below_those_of_the_parts() {
 }
 
 #[test]
+fn parts_may_be_point_clouds() {
+    let folder = Folder::new();
+    rectangle(&folder, "a.off", 32, 20);
+    rectangle(&folder, "b.off", 20, 28);
+    for name in ["a", "b"] {
+        let mesh = fs::read_to_string(folder.path(&format!("{name}.off"))).unwrap();
+        let mut lines = mesh.lines().skip(1);
+        let counts = lines.next().unwrap().split_whitespace().next().unwrap().to_owned();
+        let points = lines.take(counts.parse().unwrap()).map(|line| format!("{line}\n"));
+        let text = format!("OFF\n{counts} 0 0\n{}", points.collect::<String>());
+        folder.write(&format!("{name}-cloud.off"), text);
+    }
+    folder.succeed("unions predict a.off b.off -o meshes.csv");
+    folder.succeed("unions predict a-cloud.off b-cloud.off -o clouds.csv --picture none.png");
+    let [meshes, clouds] =
+        ["meshes.csv", "clouds.csv"].map(|name| fs::read_to_string(folder.path(name)).unwrap());
+    for (mesh, cloud) in columns(&meshes).iter().zip(columns(&clouds)) {
+        for (x, y) in mesh.iter().zip(cloud) {
+            assert!((y / x - 1.0).abs() < 0.05, "{y} of a cloud, {x} of the mesh");
+        }
+    }
+}
+
+#[test]
 fn a_template_is_deformed_to_a_predicted_spectrum() {
     let folder = Folder::new();
     rectangle(&folder, "a.off", 16, 10);
