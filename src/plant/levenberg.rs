@@ -14,6 +14,7 @@ const SMALL: f64 = 1e-11;
 const MAX_ITERATIONS: usize = 200;
 
 /// Where the sum of squares is least.
+#[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub parameters: Vec<f64>,
     /// Standard deviations of parameters; infinite where the data don't tell them apart, NaN at a bound.

@@ -33,6 +33,7 @@ fn measured(plant: &Plant, nights: bool, heights: bool) -> Measurements {
             false => vec![],
         },
         seconds,
+        marks: vec![],
     }
 }
 
@@ -51,10 +52,11 @@ fn exact_weights_and_heights_give_back_the_constants() {
         near(found.weight, data.weights[0], 1e-9);
         assert!(found.loss.error < 1e-6 * found.loss.value);
         assert!(found.weight_deviation < 1e-9);
-        match found.steepness {
-            Some(kappa) => near(kappa, KAPPA, 1e-6),
-            None => assert!(nights),
+        match found.steepness[..] {
+            [kappa] => near(kappa, KAPPA, 1e-6),
+            _ => assert!(nights && found.steepness.is_empty()),
         }
+        assert!(found.other_water.is_empty() && found.other_steepness.is_empty());
         assert_eq!(found.heights.len(), data.heights.len());
         for (a, b) in found.weights.iter().zip(&data.weights) {
             assert!((a - b).abs() < 1e-9);
@@ -130,4 +132,55 @@ fn measurements_that_tell_nothing_are_named() {
     );
     let error = fit(&bare.unwrap(), &data, &FitOptions::new()).unwrap_err();
     assert!(error.to_string().contains("no leaves"), "{error}");
+}
+
+#[test]
+fn heights_of_marks_tell_the_steepness_of_each_part() {
+    let plant = grown(90);
+    let of = |steepness| Elasticity::Relative { dry: 3e5, full: 5e7, steepness, shift: 0.75 };
+    let tissue = |leaf, stem| Tissue::by_part(&plant, of(stem), &[(Part::Leaf, of(leaf))]);
+    let loss = grams_per_hour(LOSS);
+    let options = WaterOptions::new().loss(loss).conductivity(Conductivity::Pipe { scale: SCALE });
+    let model = WaterModel::new(&plant, &options).unwrap();
+    let seconds: Vec<f64> = (0..13).map(|i| 1200.0 * f64::from(i * i)).collect();
+    let rods = Rods::new(&plant, &RodOptions::new()).unwrap();
+    let (leaf, stem) = (6.0, 18.0);
+    let weather = WiltOptions::new().elasticity(tissue(leaf, stem));
+    let found = wilt(&model, &rods, &seconds, &weather).unwrap();
+    let leaves: Vec<usize> = (0..90).filter(|&v| plant.segments()[v].leaf).collect();
+    let stems: Vec<usize> = (0..90).filter(|&v| !plant.segments()[v].leaf).collect();
+    let height = |pose: &Pose, v: usize| pose.tails[v][2] - plant.base()[2];
+    let mark = |node: usize| Mark {
+        node,
+        heights: found.poses.iter().map(|pose| height(pose, node)).collect(),
+    };
+    let measured = Measurements {
+        seconds,
+        weights: found.water.iter().map(|water| water.iter().sum()).collect(),
+        heights: vec![],
+        marks: vec![mark(leaves[0]), mark(*leaves.last().unwrap()), mark(stems[stems.len() / 2])],
+    };
+    let start = FitOptions::new().elasticity(tissue(10.0, 10.0));
+    let result = fit(&plant, &measured, &start).unwrap();
+    assert_eq!(result.steepness.len(), 2);
+    near(result.steepness[0], stem, 1e-5);
+    near(result.steepness[1], leaf, 1e-5);
+    assert!(result.steepness.iter().all(|kappa| kappa.error < 1e-4 * kappa.value));
+    for (model, mark) in result.marks.iter().zip(&measured.marks) {
+        assert!(model.iter().zip(&mark.heights).all(|(a, b)| (a - b).abs() < 1e-7));
+    }
+    // A class that no segment is of is not told, and the others are as before.
+    let unused = Tissue::by_part(
+        &plant,
+        of(10.0),
+        &[(Part::Leaf, of(10.0)), (Part::Stem, of(10.0)), (Part::Petiole, of(10.0))],
+    );
+    let result = fit(&plant, &measured, &FitOptions::new().elasticity(unused)).unwrap();
+    assert_eq!(result.steepness[0].error, f64::INFINITY);
+    near(result.steepness[1], leaf, 1e-5);
+
+    let mut wrong = measured.clone();
+    wrong.marks[0].node = 90;
+    let error = fit(&plant, &wrong, &start).unwrap_err().to_string();
+    assert!(error.contains("node 90 of 90"), "{error}");
 }

@@ -4,6 +4,7 @@ mod reference;
 
 mod accuracy;
 mod damage;
+mod drought;
 mod files;
 mod fit;
 mod models;
