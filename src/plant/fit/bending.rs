@@ -58,16 +58,15 @@ impl Bending<'_> {
 
     /// The minima that descents from several steepnesses reach.
     pub fn minima(&self, progress: Progress<'_>) -> Result<Vec<Minimum>> {
-        /// Of the steepnesses of the options.
-        const STARTS: [f64; 3] = [1.0, 0.4, 2.5];
         let classes = self.options.elasticity.classes();
-        let start: Vec<f64> = classes.iter().map(Elasticity::steepness).collect();
-        let bounds = vec![self.options.steepness.map(f64::ln); start.len()];
+        let given: Vec<f64> = classes.iter().map(Elasticity::steepness).collect();
+        let bounds = vec![self.options.steepness.map(f64::ln); given.len()];
+        let starts = starts(&given);
         let residuals = |x: &[f64]| self.residuals(x);
         let (mut minima, mut failure) = (Vec::new(), None);
-        for (i, factor) in STARTS.into_iter().enumerate() {
-            let start: Vec<f64> = start.iter().map(|k| (factor * k).ln()).collect();
-            let part = |i: usize| i as f64 / STARTS.len() as f64;
+        for (i, start) in starts.iter().enumerate() {
+            let start: Vec<f64> = start.iter().map(|k| k.ln()).collect();
+            let part = |i: usize| i as f64 / starts.len() as f64;
             let progress = progress.part(part(i)..part(i + 1));
             match minimize(&residuals, &start, &bounds, progress) {
                 Ok(minimum) => minima.push(minimum),
@@ -80,4 +79,21 @@ impl Bending<'_> {
             _ => Ok(minima),
         }
     }
+}
+
+/// Steepnesses to begin with: those that are given, all of them smaller and larger, and of several
+/// classes each one smaller than the others, as where one class makes up for another.
+fn starts(given: &[f64]) -> Vec<Vec<f64>> {
+    const SMALLER: f64 = 0.4;
+    const LARGER: f64 = 2.5;
+    let times = |factor: f64| given.iter().map(|k| factor * k).collect::<Vec<f64>>();
+    let mut starts = vec![times(1.0), times(SMALLER), times(LARGER)];
+    if given.len() > 1 {
+        for class in 0..given.len() {
+            let mut start = times(LARGER.sqrt());
+            start[class] = SMALLER * given[class];
+            starts.push(start);
+        }
+    }
+    starts
 }

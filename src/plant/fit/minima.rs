@@ -10,39 +10,50 @@ const AS_GOOD: f64 = 5.99;
 const SAME: f64 = 1e-3;
 
 /// The best of some minima, and those away from it that fit as well, the better ones first, each
-/// once. Parameters whose places are not `compared` do not tell minima apart. `None` of none.
+/// once; the first `compared` parameters tell minima apart. `None` of none.
 pub(super) fn told_apart(
     mut minima: Vec<Minimum>,
     residuals: usize,
     compared: usize,
 ) -> Option<(Minimum, Vec<Minimum>)> {
-    minima.sort_by(|a, b| a.deviation.total_cmp(&b.deviation));
+    minima.sort_by(|a, b| a.sum.total_cmp(&b.sum));
     let mut minima = minima.into_iter();
     let best = minima.next()?;
     let freedom = residuals.saturating_sub(best.parameters.len()).max(1) as f64;
-    let limit = best.deviation * (1.0 + AS_GOOD / freedom).sqrt();
-    let is_same = |a: &Minimum, b: &Minimum| {
-        (0..compared).all(|i| {
-            // Where the data tell nothing, the standard error says so: no minimum is another one.
-            let error = if a.errors[i].is_nan() { 0.0 } else { a.errors[i] };
-            (a.parameters[i] - b.parameters[i]).abs() <= SAME.max(3.0 * error)
-        })
-    };
+    let limit = best.sum * (1.0 + AS_GOOD / freedom);
     let mut others: Vec<Minimum> = Vec::new();
-    for minimum in minima.take_while(|m| m.deviation <= limit) {
-        if !is_same(&best, &minimum) && !others.iter().any(|other| is_same(other, &minimum)) {
+    for minimum in minima.take_while(|m| m.sum <= limit) {
+        // What the best one's errors cover is no news; of two others the vaguer one decides.
+        let is_known = |other: &Minimum| {
+            is_near(other, &minimum, compared) || is_near(&minimum, other, compared)
+        };
+        if !is_near(&best, &minimum, compared) && !others.iter().any(is_known) {
             others.push(minimum);
         }
     }
     Some((best, others))
 }
 
+/// Whether a minimum is within the errors of another one.
+fn is_near(of: &Minimum, minimum: &Minimum, compared: usize) -> bool {
+    (0..compared).all(|i| {
+        // NaN: at a bound.
+        let error = if of.errors[i].is_nan() { 0.0 } else { of.errors[i] };
+        (of.parameters[i] - minimum.parameters[i]).abs() <= SAME.max(3.0 * error)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn minimum(parameters: [f64; 2], error: f64, deviation: f64) -> Minimum {
-        Minimum { parameters: parameters.into(), errors: vec![error; 2], deviation }
+    fn minimum(parameters: [f64; 2], error: f64, sum: f64) -> Minimum {
+        Minimum {
+            parameters: parameters.into(),
+            errors: vec![error; 2],
+            deviation: sum.sqrt(),
+            sum,
+        }
     }
 
     #[test]
@@ -62,6 +73,13 @@ mod tests {
         // Of many residuals the same differences tell more.
         assert!(told_apart(minima, 1000, 2).unwrap().1.is_empty());
         assert!(told_apart(vec![], 12, 2).is_none());
+        // A vague one is not counted again where another one is within its errors.
+        let vague = vec![
+            minimum([0.0, 0.0], 0.1, 1.0),
+            minimum([3.0, 0.0], 0.1, 1.1),
+            minimum([5.0, 0.0], 2.0, 1.15),
+        ];
+        assert_eq!(told_apart(vague, 12, 2).unwrap().1.len(), 1);
     }
 
     #[test]

@@ -91,6 +91,27 @@ fn standard_errors_are_the_scatter_of_many_weighings() {
 }
 
 #[test]
+fn a_coarse_scale_leaves_another_minimum_and_a_fine_one_does_not() {
+    let plant = grown(30);
+    let exact = measured(&plant, false, false);
+    let lost = exact.weights[0] - exact.weights[24];
+    let weighed = |noise: f64| {
+        let mut rng = Rng::new(0);
+        let mut data = exact.clone();
+        data.weights.iter_mut().for_each(|w| *w += noise * lost * rng.normal());
+        fit(&plant, &data, &FitOptions::new()).unwrap()
+    };
+    assert!(weighed(1e-5).other_water.is_empty());
+    // One bucket, whose leaves are filled at once, weighs like leaves that dry before the stem.
+    let found = weighed(1e-3);
+    assert!((found.scale.value - SCALE).abs() < 3.0 * found.scale.error, "{:?}", found.scale);
+    let other = found.other_water.iter().find(|other| other.scale > 1e3 * SCALE).unwrap();
+    assert!(other.deviation < 1.2 * found.weight_deviation);
+    assert!((other.loss - found.loss.value).abs() < 0.1 * found.loss.value);
+    assert!((other.weight - found.weight.value).abs() < 0.01 * lost);
+}
+
+#[test]
 fn a_bound_holds_and_has_no_error_bar() {
     let plant = grown(30);
     let data = measured(&plant, false, false);
@@ -163,21 +184,19 @@ fn heights_of_marks_tell_the_steepness_of_each_part() {
     let start = FitOptions::new().elasticity(tissue(10.0, 10.0));
     let result = fit(&plant, &measured, &start).unwrap();
     assert_eq!(result.steepness.len(), 2);
-    near(result.steepness[0], stem, 1e-5);
-    near(result.steepness[1], leaf, 1e-5);
-    assert!(result.steepness.iter().all(|kappa| kappa.error < 1e-4 * kappa.value));
+    // Poses are at rest to 1e-8 of the largest torque.
+    near(result.steepness[0], stem, 1e-4);
+    near(result.steepness[1], leaf, 1e-4);
+    assert!(result.steepness.iter().all(|kappa| kappa.error < 1e-3 * kappa.value));
     for (model, mark) in result.marks.iter().zip(&measured.marks) {
-        assert!(model.iter().zip(&mark.heights).all(|(a, b)| (a - b).abs() < 1e-7));
+        assert!(model.iter().zip(&mark.heights).all(|(a, b)| (a - b).abs() < 1e-6));
     }
     // A class that no segment is of is not told, and the others are as before.
-    let unused = Tissue::by_part(
-        &plant,
-        of(10.0),
-        &[(Part::Leaf, of(10.0)), (Part::Stem, of(10.0)), (Part::Petiole, of(10.0))],
-    );
+    let members = plant.segments().iter().map(|s| if s.leaf { 1 } else { 2 }).collect();
+    let unused = Tissue::new(vec![of(10.0); 3], members).unwrap();
     let result = fit(&plant, &measured, &FitOptions::new().elasticity(unused)).unwrap();
     assert_eq!(result.steepness[0].error, f64::INFINITY);
-    near(result.steepness[1], leaf, 1e-5);
+    near(result.steepness[1], leaf, 1e-4);
 
     let mut wrong = measured.clone();
     wrong.marks[0].node = 90;

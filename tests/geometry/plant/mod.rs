@@ -10,3 +10,4 @@ mod fit;
 mod models;
 mod motion;
 mod rods;
+mod storm;
