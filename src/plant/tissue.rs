@@ -146,7 +146,7 @@ mod tests {
     fn segments_have_the_elasticity_of_their_class() {
         let plant = grow(&GrowthOptions::new().nodes(200)).unwrap();
         let by_part = Tissue::by_part(&plant, of(9.0), &[(Part::Leaf, of(4.0))]);
-        let steps = [(4e-4, of(8.0)), (1e-3, of(16.0))];
+        let steps = [(6e-4, of(8.0)), (1e-3, of(16.0))];
         let by_radius = Tissue::by_radius(&plant, of(4.0), &steps).unwrap();
         let mut seen = [[0; 3]; 2];
         let modulus = |e: Elasticity| e.moduli(&[0.5], &[1.0]).unwrap()[0];
@@ -157,7 +157,7 @@ mod tests {
                 (by_part.class(v), moduli[0][v]),
                 (class, modulus(by_part.classes()[class]))
             );
-            let class = usize::from(segment.radius >= 4e-4) + usize::from(segment.radius >= 1e-3);
+            let class = usize::from(segment.radius >= 6e-4) + usize::from(segment.radius >= 1e-3);
             assert_eq!(by_radius.class(v), class);
             assert_eq!(moduli[1][v], modulus(by_radius.classes()[class]));
             seen[0][by_part.class(v)] += 1;

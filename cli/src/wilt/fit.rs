@@ -115,10 +115,11 @@ pub fn run<'a>(
     report(format_args!("deviation {:.4} g of a weight{height}", 1e3 * found.weight_deviation))?;
     let others = others(&found, &classes);
     for (i, constants) in others.iter().enumerate() {
-        let constants: Vec<String> = constants
-            .iter()
-            .map(|(name, value, unit)| format!("{name} {value:.4e} {unit}"))
-            .collect();
+        let one = |(name, value, unit): &(&str, f64, &str)| match *unit {
+            "1" => format!("{name} {value:.4e}"),
+            unit => format!("{name} {value:.4} {unit}"),
+        };
+        let constants: Vec<String> = constants.iter().map(one).collect();
         report(format_args!("warning   minimum {} fits as well: {}", i + 2, constants.join(", ")))?;
     }
     if !others.is_empty() {

@@ -385,6 +385,32 @@ fn heights_of_nodes_tell_the_steepness_of_each_part() {
 }
 
 #[test]
+fn another_minimum_that_fits_as_well_is_warned_of() {
+    let folder = Folder::new();
+    let plant = "wilt --grow 30 --seed 3";
+    folder.succeed(&format!("{plant} --hours 48 --frames 24 --mesh none -o out"));
+    let water = table(&folder, "out/water.csv").1;
+    let lost = water[0][1] - water[24][1];
+    let fit = |noise: f64, out: &str| {
+        let mut text = "time_h,weight_g\n".to_string();
+        for (i, row) in water.iter().enumerate() {
+            let off = noise * lost * ((i * i) as f64).sin();
+            text += &format!("{},{}\n", row[0], 1e3 * (row[1] + off));
+        }
+        folder.write("measured.csv", &text);
+        let said = folder.succeed(&format!("{plant} --fit measured.csv -o {out}"));
+        (said, std::fs::read_to_string(folder.path(&format!("{out}/fit.csv"))).unwrap())
+    };
+    let (said, table) = fit(0.0, "exact");
+    assert!(!said.contains("warning") && !table.contains("minimum"), "{said}");
+    let (said, table) = fit(1e-3, "coarse");
+    assert!(said.contains("minimum 2 fits as well: delta 59.8"), "{said}");
+    assert!(said.contains("standard errors are those of the first minimum alone"), "{said}");
+    let other = table.lines().find(|line| line.starts_with("delta of minimum 2,59.8"));
+    assert!(other.is_some_and(|line| line.ends_with(",,g/(h m^2)")), "{table}");
+}
+
+#[test]
 fn options_of_motion_are_checked() {
     let folder = Folder::new();
     let fails = |options: &str, part: &str| {
