@@ -257,7 +257,9 @@ fn rewatering(options: &CurveOptions<'_>) -> Result<Vec<Rewatering>> {
         return Err(Error::Argument { what: "rewatering", why });
     }
     let mut rewatering = options.rewatering.clone();
-    rewatering.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    // Of the same time, the first one first.
+    rewatering.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    rewatering.reverse();
     Ok(rewatering)
 }
 

@@ -29,9 +29,15 @@ pub fn write_rows(
     let mut text = format!("{head}\n");
     for (hours, row) in rows {
         text += &hours.to_string();
-        text.extend(row.into_iter().map(|x| format!(",{x}")));
+        text.extend(row.into_iter().map(cell));
         text.push('\n');
     }
     output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
+}
+
+/// With an exponent where there would be many zeros.
+fn cell(x: f64) -> String {
+    const SMALL: f64 = 1e-12;
+    if x != 0.0 && x.abs() < SMALL { format!(",{x:e}") } else { format!(",{x}") }
 }
