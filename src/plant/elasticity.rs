@@ -46,7 +46,7 @@ impl Elasticity {
         Ok(water.iter().zip(full).map(|(&water, &full)| self.modulus(water, full)).collect())
     }
 
-    fn modulus(&self, water: f64, full_water: f64) -> f64 {
+    pub(super) fn modulus(&self, water: f64, full_water: f64) -> f64 {
         match *self {
             Self::Relative { dry, full, steepness: k, shift: x } => {
                 let w = (water / full_water).max(0.0);
@@ -59,7 +59,20 @@ impl Elasticity {
         }
     }
 
-    fn check(&self) -> Result<()> {
+    /// kappa.
+    pub(super) fn steepness(&self) -> f64 {
+        let (Self::Relative { steepness, .. } | Self::Literal { steepness, .. }) = *self;
+        steepness
+    }
+
+    /// The same with another steepness.
+    pub(super) fn with_steepness(mut self, value: f64) -> Self {
+        let (Self::Relative { steepness, .. } | Self::Literal { steepness, .. }) = &mut self;
+        *steepness = value;
+        self
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
         match *self {
             Self::Relative { dry, full, steepness, shift } => {
                 positive("dry modulus", dry)?;

@@ -13,6 +13,9 @@ pub struct Segment {
     pub radius: f64,
     /// Whether it is a vein of a leaf, which loses water.
     pub leaf: bool,
+    /// Whether it is labelled as the stalk of a leaf, which counts unless it is a vein; see
+    /// [`Plant::parts`].
+    pub petiole: bool,
     /// The area of leaf that it supplies, in square metres; `None`: radius times length (thesis, section 4.3.2).
     pub leaf_area: Option<f64>,
     /// Whether it is held where it is.
@@ -22,7 +25,7 @@ pub struct Segment {
 impl Segment {
     /// A piece of stem: no leaf, not pinned.
     pub fn stem(tail: [f64; 3], radius: f64) -> Self {
-        Self { tail, radius, leaf: false, leaf_area: None, pinned: false }
+        Self { tail, radius, leaf: false, petiole: false, leaf_area: None, pinned: false }
     }
 
     /// A vein of a leaf.

@@ -11,15 +11,21 @@ const DIFFERENCE: f64 = 1e-4;
 /// A change of all parameters that counts as none.
 const SMALL: f64 = 1e-11;
 
+/// The largest change of a parameter in a step: beyond it the linear model tells nothing.
+const LARGEST_STEP: f64 = 1.0;
+
 const MAX_ITERATIONS: usize = 200;
 
 /// Where the sum of squares is least.
+#[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub parameters: Vec<f64>,
     /// Standard deviations of parameters; infinite where the data don't tell them apart, NaN at a bound.
     pub errors: Vec<f64>,
     /// That of a residual.
     pub deviation: f64,
+    /// The sum of squares.
+    pub sum: f64,
 }
 
 /// Residuals of parameters.
@@ -57,14 +63,16 @@ pub(super) fn minimize(
             .collect();
         let finished = |x: Vec<f64>, r: &[f64]| {
             let freedom = (r.len() - free.len()) as f64;
-            let deviation = (product(r, r) / freedom).sqrt();
+            let sum = product(r, r);
+            let deviation = (sum / freedom).sqrt();
             let errors = errors(&jacobian, &free, deviation);
-            Minimum { parameters: x, errors, deviation }
+            Minimum { parameters: x, errors, deviation, sum }
         };
         loop {
             let step = step(&jacobian, &gradient, &free, damping)?;
             let mut next = x.clone();
             for (&i, d) in free.iter().zip(&step) {
+                let d = d.clamp(-LARGEST_STEP, LARGEST_STEP);
                 next[i] = (x[i] + d).clamp(bounds[i][0], bounds[i][1]);
             }
             let moved = x.iter().zip(&next).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

@@ -138,8 +138,13 @@ impl WaterModel {
     pub(super) fn substeps(&self, seconds: f64) -> usize {
         /// Exponent of what is lost in a part.
         const LOST: f64 = 3.0;
+        /// Exponent of what a leaf that nothing fills loses in one part. Of more, two parts are made:
+        /// the first dries the leaf, and the second rounds to parts of what is left in it.
+        const LOST_BY_A_LEAF: f64 = 4.0;
         /// What is left after so many parts is nothing.
         const MOST: f64 = 64.0;
-        (seconds * self.mean_loss() / LOST).ceil().clamp(1.0, MOST) as usize
+        let fastest = self.losses.iter().copied().fold(0.0, f64::max);
+        let least = if seconds * fastest > LOST_BY_A_LEAF { 2.0 } else { 1.0 };
+        (seconds * self.mean_loss() / LOST).ceil().clamp(least, MOST) as usize
     }
 }

@@ -1,8 +1,11 @@
 use std::time::{Duration, Instant};
 
-use super::curve::{CurveOptions, Interval, Method, Walk};
-use super::elasticity::Elasticity;
+use super::curve::{CurveOptions, Interval, Method};
 use super::rods::{Motion, MotionOptions, Pose, Rods};
+use super::soil::{Balance, Rewatering, Soil};
+use super::stomata::Stomata;
+use super::tissue::Tissue;
+use super::walk::Walk;
 use super::water::{WaterModel, at_least_zero, positive};
 use super::wilt::settle;
 use super::wind::{Gusts, Wind};
@@ -18,10 +21,17 @@ pub struct SwayOptions<'a> {
     pub seconds: f64,
     /// Frames after the first, at equal times, at least 1. Default 240.
     pub frames: usize,
-    /// Stiffness from water; default [`Elasticity::default`].
-    pub elasticity: Elasticity,
+    /// Stiffness from water, one for all segments or by classes; default that of
+    /// [`Elasticity`](super::Elasticity).
+    pub elasticity: Tissue,
     /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
     pub cycle: Vec<Interval>,
+    /// As [`CurveOptions::stomata`].
+    pub stomata: Option<Stomata>,
+    /// As [`CurveOptions::soil`].
+    pub soil: Option<Soil>,
+    /// As [`CurveOptions::rewatering`].
+    pub rewatering: Vec<Rewatering>,
     /// The rods' options. The step is the longest: it is shortened so that frames are at its multiples.
     pub motion: MotionOptions,
     /// The air; default none.
@@ -38,8 +48,11 @@ impl Default for SwayOptions<'_> {
             drought: 0.0,
             seconds: 10.0,
             frames: 240,
-            elasticity: Elasticity::default(),
+            elasticity: Tissue::default(),
             cycle: vec![],
+            stomata: None,
+            soil: None,
+            rewatering: vec![],
             motion: MotionOptions::default(),
             wind: None,
             par: Par::all(),
@@ -52,8 +65,11 @@ builder! { SwayOptions<'a> {
     drought: f64,
     seconds: f64,
     frames: usize,
-    elasticity: Elasticity,
+    #[into] elasticity: Tissue,
     cycle: Vec<Interval>,
+    stomata: Option<Stomata>,
+    soil: Option<Soil>,
+    rewatering: Vec<Rewatering>,
     motion: MotionOptions,
     wind: Option<Wind>,
     par: Par,
@@ -66,6 +82,8 @@ builder! { SwayOptions<'a> {
 pub struct Sway {
     /// Of every node, in kg.
     pub water: Vec<Vec<f64>>,
+    /// Where the water is and where it went, of plant and soil.
+    pub balance: Vec<Balance>,
     /// The modulus of elasticity of every segment, in Pa.
     pub moduli: Vec<Vec<f64>>,
     /// In motion.
@@ -91,8 +109,8 @@ impl Sway {
 }
 
 /// Lets a plant dry, wilt and move at once, as in a film in time lapse: `options.drought` seconds of water pass in
-/// `options.seconds` of motion. In every step the water goes ahead by [`Bdf6`](super::Bdf6), the stiffness and the weight
-/// follow from it (thesis, section 4.5.4), and the rods go ahead by [`Motion`] in the wind of the moment.
+/// `options.seconds` of motion. In every step the water goes ahead by [`Bdf6`](super::Bdf6) (with stomata or soil as
+/// [`Method::Auto`] says), the stiffness and the weight follow from it (thesis, section 4.5.4), and the rods go ahead by [`Motion`] in the wind of the moment.
 /// The plant begins with full cells and at rest, or, between pins, where [`Rods::relax`] came.
 ///
 /// ```
@@ -112,7 +130,7 @@ impl Sway {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names the option that is out of its range; those of [`WaterModel`], [`Elasticity::moduli`],
+/// [`Error::Argument`] names the option that is out of its range; those of [`WaterModel`], [`Tissue::moduli`],
 /// [`Rods::relax`] and [`Motion::step`]; [`Error::Cancelled`], [`Error::OutOfMemory`].
 pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Result<Sway> {
     at_least_zero("drought", options.drought)?;
@@ -134,8 +152,21 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
     let mut gusts = options.wind.as_ref().map(Gusts::new).transpose()?;
 
     let full = model.full();
-    let method = if lapse > 0.0 { Method::Bdf6 { step: lapse } } else { Method::Rational };
-    let curve = CurveOptions::new().method(method).cycle(options.cycle.clone()).par(options.par);
+    let is_linear = options.stomata.is_none() && options.soil.is_none();
+    let method = if !is_linear {
+        Method::Auto
+    } else if lapse > 0.0 {
+        Method::Bdf6 { step: lapse }
+    } else {
+        Method::Rational
+    };
+    let curve = CurveOptions::new()
+        .method(method)
+        .cycle(options.cycle.clone())
+        .stomata(options.stomata)
+        .soil(options.soil)
+        .rewatering(options.rewatering.clone())
+        .par(options.par);
     let mut walk = Walk::new(model, &full, &[], &curve)?;
     let mut rods = rods.clone();
     let mut water = full.clone();
@@ -151,6 +182,7 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
 
     let mut film = Sway {
         water: vec![water.clone()],
+        balance: vec![walk.balance()],
         moduli: vec![moduli.clone()],
         poses: vec![pose],
         steps,
@@ -175,6 +207,7 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
         film.largest_gap = film.largest_gap.max(motion.largest_gap());
         if done % steps == 0 {
             film.water.push(water);
+            film.balance.push(walk.balance());
             film.moduli.push(moduli);
             film.poses.push(motion.pose());
         }

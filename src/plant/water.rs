@@ -102,6 +102,8 @@ pub struct WaterModel {
     pub(super) losses: Vec<f64>,
     /// In kg / s.
     pub(super) intake: f64,
+    /// modulus times conductance of half of the root segment, in kg / s.
+    pub(super) into_root: f64,
     root: usize,
 }
 
@@ -152,6 +154,7 @@ impl WaterModel {
             areas: order.by_positions(&areas).into(),
             losses: zeros(plant.len())?,
             intake: 0.0,
+            into_root: modulus * 2.0 / resistance(plant.root()),
             root: order.position(plant.root()),
             order: Arc::new(order),
         };

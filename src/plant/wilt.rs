@@ -1,6 +1,9 @@
-use super::curve::{CurveOptions, Interval, water_curve};
-use super::elasticity::Elasticity;
+use super::course::{WaterCourse, water_course};
+use super::curve::{CurveOptions, Interval};
 use super::rods::{Pose, RelaxOptions, Rods};
+use super::soil::{Balance, Rewatering, Soil};
+use super::stomata::Stomata;
+use super::tissue::Tissue;
 use super::water::WaterModel;
 use crate::base::{Error, Par, Progress, Result, builder};
 
@@ -14,10 +17,17 @@ const WATER_SHARE: f64 = 0.2;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct WiltOptions<'a> {
-    /// Stiffness from water; default [`Elasticity::default`].
-    pub elasticity: Elasticity,
+    /// Stiffness from water, one for all segments or by classes; default that of
+    /// [`Elasticity`](super::Elasticity).
+    pub elasticity: Tissue,
     /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
     pub cycle: Vec<Interval>,
+    /// As [`CurveOptions::stomata`].
+    pub stomata: Option<Stomata>,
+    /// As [`CurveOptions::soil`].
+    pub soil: Option<Soil>,
+    /// As [`CurveOptions::rewatering`].
+    pub rewatering: Vec<Rewatering>,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
@@ -27,8 +37,11 @@ pub struct WiltOptions<'a> {
 impl Default for WiltOptions<'_> {
     fn default() -> Self {
         Self {
-            elasticity: Elasticity::default(),
+            elasticity: Tissue::default(),
             cycle: vec![],
+            stomata: None,
+            soil: None,
+            rewatering: vec![],
             par: Par::all(),
             progress: Progress::none(),
         }
@@ -36,8 +49,11 @@ impl Default for WiltOptions<'_> {
 }
 
 builder! { WiltOptions<'a> {
-    elasticity: Elasticity,
+    #[into] elasticity: Tissue,
     cycle: Vec<Interval>,
+    stomata: Option<Stomata>,
+    soil: Option<Soil>,
+    rewatering: Vec<Rewatering>,
     par: Par,
     #[into] progress: Progress<'a>,
 }}
@@ -48,6 +64,8 @@ builder! { WiltOptions<'a> {
 pub struct Wilting {
     /// Of every node, in kg.
     pub water: Vec<Vec<f64>>,
+    /// Where the water is and where it went, of plant and soil.
+    pub balance: Vec<Balance>,
     /// The modulus of elasticity of every segment, in Pa.
     pub moduli: Vec<Vec<f64>>,
     /// At rest, in the weight and with the stiffness of each time.
@@ -77,8 +95,8 @@ pub struct Wilting {
 /// ```
 ///
 /// # Errors
-/// As those of [`water_curve`], [`Elasticity::moduli`] and [`Rods::relax`], but for a pose that comes so near to balance that
-/// no picture shows it: what is pulled straight between pins comes there slowly.
+/// As those of [`water_course`], [`Tissue::moduli`] and [`Rods::relax`], but for a pose that comes so near to balance
+/// that no picture shows it: what is pulled straight between pins comes there slowly.
 pub fn wilt(
     model: &WaterModel,
     rods: &Rods,
@@ -88,9 +106,12 @@ pub fn wilt(
     let full = model.full();
     let curve = CurveOptions::new()
         .cycle(options.cycle.clone())
+        .stomata(options.stomata)
+        .soil(options.soil)
+        .rewatering(options.rewatering.clone())
         .par(options.par)
         .progress(options.progress.part(0.0..WATER_SHARE));
-    let water = water_curve(model, &full, times, &curve)?;
+    let WaterCourse { water, balance } = water_course(model, &full, times, &curve)?;
     let mut rods = rods.clone();
     let mut pose = rods.rest_pose();
     let (mut moduli, mut poses, mut iterations) = (Vec::new(), Vec::new(), 0);
@@ -105,7 +126,7 @@ pub fn wilt(
         moduli.push(stiffness);
         poses.push(pose.clone());
     }
-    Ok(Wilting { water, moduli, poses, iterations })
+    Ok(Wilting { water, balance, moduli, poses, iterations })
 }
 
 /// [`Rods::relax`] to where no picture shows the rest. Returns the Newton iterations.

@@ -1,17 +1,24 @@
 //! Chapter 4 of the thesis, measured again: figures 4.3 to 4.11, and a race of the water solver.
 
+mod accuracy;
 mod figures;
 mod part;
 mod race;
+#[allow(dead_code)] // tests have more of it
+#[path = "../../../tests/geometry/plant/reference.rs"]
+mod reference;
 mod shapes;
 mod shares;
+mod storms;
 mod subjects;
 mod weights;
 
+pub use accuracy::accuracy;
 pub use figures::{cut, errors_by_conductance, errors_over_time, grid, sections, total_water};
 pub use part::Part;
 pub use race::race;
 pub use shapes::{hanging, held, naive};
 pub use shares::shares;
+pub use storms::storms;
 pub use subjects::{Subject, subjects};
 pub use weights::weights;

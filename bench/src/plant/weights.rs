@@ -36,7 +36,7 @@ pub fn weights(subjects: &[Subject]) -> Result<Part> {
             let water = model.water_after(&model.full(), time, catamaran::Par::all())?;
             weights.push(water.iter().sum::<f64>() + RESOLUTION * rng.normal());
         }
-        let measured = Measurements { seconds, weights, heights: vec![] };
+        let measured = Measurements { seconds, weights, ..Measurements::default() };
         let found = fit(&subject.plant, &measured, &FitOptions::new())?;
         let unit = grams_per_hour(1.0);
         let name = subject.name.clone();

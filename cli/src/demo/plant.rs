@@ -6,7 +6,7 @@ use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Bdf6, Elasticity, Start, WaterModel, WaterOptions};
+use catamaran::plant::{Bdf6, Start, Tissue, WaterModel, WaterOptions};
 
 use super::Site;
 use super::page::{Figure, Station, Table};
@@ -32,7 +32,10 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         loss: 60.0,
         nights: false,
         conductance: 1e-9,
-        elasticity: Elasticity::default(),
+        tissue: Tissue::default(),
+        stomata: None,
+        soil: None,
+        rewatering: vec![],
         damage: vec![],
         film: None,
         par: Par::all(),

@@ -6,11 +6,15 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Elasticity, FitOptions, MotionOptions, Plant, Segment, Wind, read_with};
+use catamaran::plant::{
+    Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue, Wind, read_with,
+};
 use clap::ValueEnum;
 
 use super::fit;
 use super::simulation::{Film, Weather};
+use super::stiffness::{ByRadius, Kappa, tissue};
+use super::watering::{self, Pour};
 use crate::input;
 use crate::parse;
 
@@ -19,7 +23,7 @@ use crate::parse;
 /// Computes the water of every node by the model of chapter 4 of the thesis, the stiffness that follows from it, and the pose
 /// in which the plant then rests; with --motion, how it moves there. The folder gets water.csv and stiffness.csv (a row for
 /// each frame: hours, total or mean, then a column for each node; kg and Pa), the plant as a mesh of tubes for each frame,
-/// water.svg and wilting.png, and wilting.glb with --animation.
+/// water.svg and wilting.png; wilting.glb with --animation; balance.csv with --stomata or --soil.
 #[derive(clap::Args)]
 pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
@@ -37,9 +41,16 @@ pub struct Args {
     /// What leaves lose, in grams per hour and square metre.
     #[arg(long, value_name = "LOSS", default_value_t = 60.0)]
     delta: f64,
-    /// Steepness of the elasticity as a function of the relative water content; 10 unless given. With --literal in 1/g.
-    #[arg(long, value_name = "NUMBER")]
-    kappa: Option<f64>,
+    /// Steepness of the elasticity as a function of the relative water content; 10 unless given. Parts may have their own:
+    /// `leaf=8,stem=20`, or `12,leaf=8` with that of the parts that are not named first; parts are leaf, petiole and stem.
+    /// Petioles are those that the file labels (class P of .mtg), else stalks without a branch that bear a leaf. With
+    /// --literal in 1/g.
+    #[arg(long, value_name = "K|PART=K,...")]
+    kappa: Option<Kappa>,
+    /// Steepness by radius instead of by part: `0.5=12,2=30` is 12 from 0.5 mm on and 30 from 2 mm on; thinner segments
+    /// have that of --kappa.
+    #[arg(long, value_name = "MM=K,...")]
+    kappa_by_radius: Option<ByRadius>,
     /// Relative water content at which the elasticity is steepest; 0.75 unless given. With --literal in g, 0 unless given.
     #[arg(long, value_name = "W")]
     shift: Option<f64>,
@@ -56,6 +67,16 @@ pub struct Args {
     /// By day (16 hours) leaves lose --delta, by night (8 hours) a twelfth of it.
     #[arg(long)]
     day_night: bool,
+    /// Stomata that close as leaves dry: half closed at this relative water content, and so steeply; 0.8,25 is usual.
+    #[arg(long, value_name = "W,STEEPNESS", value_parser = watering::stomata)]
+    stomata: Option<Stomata>,
+    /// Soil at the root that holds so many grams of water, and has as many at first unless given: the root takes it up.
+    #[arg(long, value_name = "GRAMS[,AT_FIRST]", value_parser = watering::soil)]
+    soil: Option<Soil>,
+    /// Pour so many grams on the soil after so many hours, or as much as it holds; what it can't hold drains. May be given
+    /// again.
+    #[arg(long, value_name = "HOURS[:GRAMS]", requires = "soil")]
+    rewater: Vec<Pour>,
     /// Cut the connection of this node to its parent, for water, not for the rod. May be given again.
     #[arg(long, value_name = "NODE")]
     cut: Vec<usize>,
@@ -87,13 +108,14 @@ pub struct Args {
     /// Write wilting.glb: the plant as a skinned mesh that moves, for Blender; of 24 frames a second without --motion.
     #[arg(long)]
     pub animation: bool,
-    /// Find delta, chi (--conductance) and kappa from a table `time_h,weight_g` or `time_h,weight_g,height_m` of a plant that
-    /// dries from full cells on: weights with or without the pot, heights of its highest point. Writes fit.csv, fitted.csv
-    /// and fit.svg, and lets nothing wilt. kappa needs heights: weights do not depend on it.
+    /// Find delta, chi (--conductance) and kappa from a table of a plant that dries from full cells on: the columns
+    /// `time_h,weight_g`, with or without the pot, then `height_m` (of its highest point) and `node_12_m` (of node 12), any
+    /// number of them or none. Writes fit.csv, fitted.csv and fit.svg, and lets nothing wilt. kappa needs heights: weights
+    /// do not depend on it. With --kappa by parts or radii, that of each is found.
     #[arg(
         long,
         value_name = "TABLE",
-        conflicts_with_all = ["motion", "animation", "cut", "weaken", "literal"]
+        conflicts_with_all = ["motion", "animation", "cut", "weaken", "literal", "stomata", "soil"]
     )]
     pub fit: Option<PathBuf>,
     /// Kind of the meshes.
@@ -180,22 +202,27 @@ impl Args {
             loss: self.delta,
             nights: self.day_night,
             conductance: self.conductance,
-            elasticity: self.elasticity_of_water(),
+            tissue: self.tissue(plant)?.0,
+            stomata: self.stomata,
+            soil: self.soil,
+            rewatering: self.rewater.iter().map(|pour| pour.0).collect(),
             damage,
             film: self.film()?,
             par: self.par(),
         })
     }
 
-    fn elasticity_of_water(&self) -> Elasticity {
+    /// What the plant is made of, and a name for the steepness of each class.
+    pub fn tissue(&self, plant: &Plant) -> Result<(Tissue, Vec<String>)> {
+        const STEEPNESS: f64 = 10.0;
         let [full, dry] = self.elasticity;
-        let steepness = self.kappa.unwrap_or(10.0);
-        match self.literal {
+        let of = |steepness| match self.literal {
             true => Elasticity::Literal { full, steepness, shift: self.shift.unwrap_or(0.0) },
             false => {
                 Elasticity::Relative { dry, full, steepness, shift: self.shift.unwrap_or(0.75) }
             }
-        }
+        };
+        tissue(plant, self.kappa.as_ref(), self.kappa_by_radius.as_ref(), STEEPNESS, of)
     }
 
     fn film(&self) -> Result<Option<Film>> {
@@ -216,11 +243,8 @@ impl Args {
     }
 
     /// How constants are fitted.
-    pub fn fit_options(&self) -> FitOptions<'static> {
-        FitOptions::new()
-            .elasticity(self.elasticity_of_water())
-            .nights(self.day_night)
-            .par(self.par())
+    pub fn fit_options(&self, tissue: Tissue) -> FitOptions<'static> {
+        FitOptions::new().elasticity(tissue).nights(self.day_night).par(self.par())
     }
 
     fn par(&self) -> Par {
@@ -245,6 +269,9 @@ impl Args {
             ["water.csv", "stiffness.csv", "water.svg", "wilting.png"].map(String::from).into();
         if self.animation {
             names.push("wilting.glb".into());
+        }
+        if self.stomata.is_some() || self.soil.is_some() {
+            names.push("balance.csv".into());
         }
         let ending = match self.mesh {
             Kind::Obj => "obj",

@@ -8,7 +8,8 @@ use crate::picture::{Chart, Curve, Upwards};
 /// Whether a node is in a group.
 type Group<'a> = &'a dyn Fn(usize) -> bool;
 
-/// The relative water content of leaves, stem and the whole plant, and that of some nodes.
+/// The relative water content of leaves, stem and the whole plant, and that of some nodes; that of the soil as a part of
+/// what it holds.
 pub fn chart(plant: &Plant, simulation: &Simulation) -> Chart<'static> {
     let leaf = |v: usize| plant.segments()[v].leaf;
     // A few nodes, evenly over their numbers, behind the means.
@@ -21,12 +22,24 @@ pub fn chart(plant: &Plant, simulation: &Simulation) -> Chart<'static> {
     ];
     let groups =
         groups.into_iter().filter_map(|(name, color, group)| curve(simulation, name, color, group));
+    let soil = simulation.capacity.map(|capacity| Curve {
+        name: "soil",
+        color: "#7c2d12",
+        width: 2.0,
+        dashed: true,
+        points: simulation
+            .hours
+            .iter()
+            .zip(&simulation.balance)
+            .map(|(h, b)| (*h, b.soil / capacity))
+            .collect(),
+    });
     Chart {
         across: "hours",
         last: simulation.hours.last().copied().unwrap_or(1.0),
         upwards: "relative water content",
         scale: Upwards::To(1.05),
-        curves: some.chain(groups).collect(),
+        curves: some.chain(groups).chain(soil).collect(),
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
 use catamaran::io::Output;
-use catamaran::plant::{Estimate, Fit, FitOptions, Measurements, Plant, fit};
+use catamaran::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit};
 
 use crate::picture::{Chart, Curve, Upwards, write_chart};
 use crate::progress::Bar;
@@ -18,61 +18,89 @@ const GRAM_PER_HOUR: f64 = 1.0 / 3.6e6;
 /// The names of the files.
 pub const NAMES: [&str; 3] = ["fit.csv", "fitted.csv", "fit.svg"];
 
-/// Reads `time_h,weight_g` or `time_h,weight_g,height_m`.
+/// What a column of a table has.
+enum Column {
+    Hours,
+    Grams,
+    /// Of the highest point.
+    Height,
+    /// Of the node of this mark.
+    Mark(usize),
+}
+
+/// Reads `time_h,weight_g`, and in more columns heights: `height_m`, `node_12_m`.
 pub fn read(path: &Path) -> Result<Measurements> {
     let name = path.display();
     let file = std::fs::File::open(path).with_context(|| name.to_string())?;
     let mut measured = Measurements::default();
-    let mut columns = 0;
+    let mut columns = Vec::new();
     for (i, line) in BufReader::new(file).lines().enumerate() {
         let line = line.with_context(|| name.to_string())?;
         let cells: Vec<&str> = line.trim().split(',').map(str::trim).collect();
         if i == 0 {
-            columns = match cells[..] {
-                ["time_h", "weight_g"] => 2,
-                ["time_h", "weight_g", "height_m"] => 3,
-                _ => bail!("{name}: line 1: expected time_h,weight_g or time_h,weight_g,height_m"),
-            };
+            columns = header(&cells, &mut measured).with_context(|| format!("{name}: line 1"))?;
             continue;
         }
         if cells == [""] {
             continue;
         }
         let numbers: Option<Vec<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();
-        match numbers.as_deref() {
-            Some(&[hours, grams]) if columns == 2 => add(&mut measured, hours, grams, None),
-            Some(&[hours, grams, metres]) if columns == 3 => {
-                add(&mut measured, hours, grams, Some(metres));
+        let Some(numbers) = numbers.filter(|numbers| numbers.len() == columns.len()) else {
+            bail!("{name}: line {}: expected {} numbers: {line:?}", i + 1, columns.len());
+        };
+        for (column, number) in columns.iter().zip(numbers) {
+            match column {
+                Column::Hours => measured.seconds.push(3600.0 * number),
+                Column::Grams => measured.weights.push(1e-3 * number),
+                Column::Height => measured.heights.push(number),
+                Column::Mark(mark) => measured.marks[*mark].heights.push(number),
             }
-            _ => bail!("{name}: line {}: expected {columns} numbers: {line:?}", i + 1),
         }
     }
     Ok(measured)
 }
 
-fn add(measured: &mut Measurements, hours: f64, grams: f64, height: Option<f64>) {
-    measured.seconds.push(3600.0 * hours);
-    measured.weights.push(1e-3 * grams);
-    measured.heights.extend(height);
+fn header(cells: &[&str], measured: &mut Measurements) -> Result<Vec<Column>> {
+    let mut columns = Vec::new();
+    for (i, cell) in cells.iter().enumerate() {
+        let node = cell.strip_prefix("node_").and_then(|cell| cell.strip_suffix("_m"));
+        columns.push(match (i, *cell, node.map(str::parse)) {
+            (0, "time_h", _) => Column::Hours,
+            (1, "weight_g", _) => Column::Grams,
+            (2, "height_m", _) => Column::Height,
+            (2.., _, Some(Ok(node))) => {
+                measured.marks.push(Mark { node, heights: vec![] });
+                Column::Mark(measured.marks.len() - 1)
+            }
+            _ => bail!("expected time_h,weight_g, then height_m and node_12_m, or none: {cell:?}"),
+        });
+    }
+    if columns.len() < 2 {
+        bail!("expected time_h,weight_g");
+    }
+    Ok(columns)
 }
 
 /// What was fitted to what was measured.
 pub struct Fitted<'a> {
     measured: &'a Measurements,
     found: Fit,
+    /// Names of the steepnesses.
+    classes: Vec<String>,
 }
 
-/// Fits and reports.
+/// Fits and reports. `classes` are names of the steepnesses.
 pub fn run<'a>(
     plant: &Plant,
     measured: &'a Measurements,
     options: FitOptions<'_>,
+    classes: Vec<String>,
 ) -> Result<Fitted<'a>> {
     let bar = Bar::new("fitting");
     let update = |done| bar.update(done);
     let found = fit(plant, measured, &options.progress(Progress::new(&update)))?;
     drop(bar);
-    for (name, Estimate { value, error }, unit) in constants(&found) {
+    for (name, Estimate { value, error }, unit) in constants(&found, &classes) {
         let spread = match error {
             e if e.is_nan() => "at a bound".into(),
             e if e.is_infinite() => "not told by the measurements".into(),
@@ -80,20 +108,37 @@ pub fn run<'a>(
         };
         report(format_args!("{name:<9} {value:.6e} {unit}, {spread}"))?;
     }
-    let height = match found.steepness {
-        Some(_) => format!(", {:.2} mm of a height", 1e3 * found.height_deviation),
-        None => String::new(),
+    let height = match found.steepness.is_empty() {
+        false => format!(", {:.2} mm of a height", 1e3 * found.height_deviation),
+        true => String::new(),
     };
     report(format_args!("deviation {:.4} g of a weight{height}", 1e3 * found.weight_deviation))?;
-    Ok(Fitted { measured, found })
+    let others = others(&found, &classes);
+    for (i, constants) in others.iter().enumerate() {
+        let one = |(name, value, unit): &(&str, f64, &str)| match *unit {
+            "1" => format!("{name} {value:.4e}"),
+            unit => format!("{name} {value:.4} {unit}"),
+        };
+        let constants: Vec<String> = constants.iter().map(one).collect();
+        report(format_args!("warning   minimum {} fits as well: {}", i + 2, constants.join(", ")))?;
+    }
+    if !others.is_empty() {
+        report(format_args!("          standard errors are those of the first minimum alone"))?;
+    }
+    Ok(Fitted { measured, found, classes })
 }
 
 impl Fitted<'_> {
     /// Writes the constants, the measurements beside the model, and a picture of these.
     pub fn write(&self, file: impl Fn(&str) -> catamaran::Result<Output>) -> Result<()> {
         let mut text = "constant,value,standard_error,unit\n".to_string();
-        for (name, Estimate { value, error }, unit) in constants(&self.found) {
+        for (name, Estimate { value, error }, unit) in constants(&self.found, &self.classes) {
             text += &format!("{name},{value},{error},{unit}\n");
+        }
+        for (i, constants) in others(&self.found, &self.classes).iter().enumerate() {
+            for (name, value, unit) in constants {
+                text += &format!("{name} of minimum {},{value},,{unit}\n", i + 2);
+            }
         }
         write(file(NAMES[0])?, &text)?;
         write(file(NAMES[1])?, &table(self.measured, &self.found))?;
@@ -107,27 +152,48 @@ fn write(mut output: Output, text: &str) -> Result<()> {
 }
 
 /// In the units of the options.
-fn constants(found: &Fit) -> Vec<(&'static str, Estimate, &'static str)> {
+fn constants<'a>(found: &Fit, classes: &'a [String]) -> Vec<(&'a str, Estimate, &'static str)> {
     let times = |e: Estimate, s: f64| Estimate { value: e.value * s, error: e.error * s };
     let mut constants = vec![
         ("delta", times(found.loss, 1.0 / GRAM_PER_HOUR), "g/(h m^2)"),
         ("chi", found.scale, "1"),
         ("weight", times(found.weight, 1e3), "g"),
     ];
-    constants.extend(found.steepness.map(|kappa| ("kappa", kappa, "1")));
+    let steepness = classes.iter().zip(&found.steepness);
+    constants.extend(steepness.map(|(name, kappa)| (name.as_str(), *kappa, "1")));
     constants
+}
+
+/// Names, values and units of the other minima, one after the other.
+fn others<'a>(found: &Fit, classes: &'a [String]) -> Vec<Vec<(&'a str, f64, &'static str)>> {
+    let water = found.other_water.iter().map(|other| {
+        vec![
+            ("delta", other.loss / GRAM_PER_HOUR, "g/(h m^2)"),
+            ("chi", other.scale, "1"),
+            ("weight", 1e3 * other.weight, "g"),
+        ]
+    });
+    let steepness = found.other_steepness.iter().map(|other| {
+        classes.iter().zip(&other.steepness).map(|(name, k)| (name.as_str(), *k, "1")).collect()
+    });
+    water.chain(steepness).collect()
 }
 
 /// What was measured beside the model.
 fn table(measured: &Measurements, found: &Fit) -> String {
     let has_heights = !measured.heights.is_empty();
     let mut text = "time_h,weight_g,model_g".to_string();
-    text += if has_heights { ",height_m,model_m\n" } else { "\n" };
+    text += if has_heights { ",height_m,model_m" } else { "" };
+    text.extend(measured.marks.iter().map(|mark| format!(",node_{0}_m,model_{0}_m", mark.node)));
+    text.push('\n');
     for i in 0..measured.seconds.len() {
         let hours = measured.seconds[i] / 3600.0;
         text += &format!("{hours},{},{}", 1e3 * measured.weights[i], 1e3 * found.weights[i]);
         if has_heights {
             text += &format!(",{},{}", measured.heights[i], found.heights[i]);
+        }
+        for (mark, model) in measured.marks.iter().zip(&found.marks) {
+            text += &format!(",{},{}", mark.heights[i], model[i]);
         }
         text.push('\n');
     }
@@ -140,7 +206,10 @@ fn chart(measured: &Measurements, found: &Fit) -> Chart<'static> {
     let lightest = measured.weights.iter().copied().fold(f64::INFINITY, f64::min);
     let hours: Vec<f64> = measured.seconds.iter().map(|s| s / 3600.0).collect();
     let weight = |w: f64| (w - lightest) / (heaviest - lightest);
-    let tallest = measured.heights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let marks = || measured.marks.iter().map(|mark| &mark.heights);
+    let all = measured.heights.iter().chain(marks().flatten());
+    let tallest = all.copied().fold(f64::MIN_POSITIVE, f64::max);
+    let height = |h: f64| h / tallest;
     let curve = |name, color, dashed, values: &[f64], part: &dyn Fn(f64) -> f64| Curve {
         name,
         color,
@@ -153,9 +222,16 @@ fn chart(measured: &Measurements, found: &Fit) -> Chart<'static> {
         curve("weight, measured", "#1d4ed8", true, &measured.weights, &weight),
     ];
     if !measured.heights.is_empty() {
-        let height = |h: f64| h / tallest;
         curves.push(curve("height, fitted", "#16a34a", false, &found.heights, &height));
         curves.push(curve("height, measured", "#111827", true, &measured.heights, &height));
+    }
+    for (i, (model, heights)) in found.marks.iter().zip(marks()).enumerate() {
+        let [fitted, measured] = match i {
+            0 => ["marks, fitted", "marks, measured"],
+            _ => [""; 2],
+        };
+        curves.push(curve(fitted, "#86efac", false, model, &height));
+        curves.push(curve(measured, "#9ca3af", true, heights, &height));
     }
     Chart {
         across: "hours",

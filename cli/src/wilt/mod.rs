@@ -5,8 +5,10 @@ mod args;
 mod curves;
 mod fit;
 mod simulation;
+mod stiffness;
 mod strip;
 mod tables;
+mod watering;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
@@ -15,6 +17,7 @@ use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran::plant::tubes;
 
 use self::animation::write_animation;
+use self::watering::write_balance;
 use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::report;
@@ -44,7 +47,8 @@ pub fn run(args: &Args) -> Result<()> {
         || std::fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string());
     if let Some(table) = &args.fit {
         let measured = fit::read(table)?;
-        let fitted = fit::run(&plant, &measured, args.fit_options())?;
+        let (tissue, classes) = args.tissue(&plant)?;
+        let fitted = fit::run(&plant, &measured, args.fit_options(tissue), classes)?;
         create_folder()?;
         fitted.write(file)?;
         return report(format_args!("written   {}: {} files", args.output.display(), names.len()));
@@ -78,6 +82,18 @@ pub fn run(args: &Args) -> Result<()> {
     let [first, last] = [0, poses.len() - 1].map(|i| simulation.water[i].iter().sum::<f64>());
     report(format_args!("water     {:.4} g, in the end {:.4} g", 1e3 * first, 1e3 * last))?;
 
+    let last = simulation.balance[poses.len() - 1];
+    if let Some(capacity) = simulation.capacity {
+        report(format_args!(
+            "soil      {:.4} g in the end, of {:.4} g; {:.4} g poured, {:.4} g more drained",
+            1e3 * last.soil,
+            1e3 * capacity,
+            1e3 * last.supplied,
+            1e3 * last.drained
+        ))?;
+    }
+    report(format_args!("leaves    lost {:.4} g", 1e3 * last.transpired))?;
+
     // Everything is there before the first file appears.
     create_folder()?;
     tables::write(file("water.csv")?, &simulation.hours, "total_kg", &simulation.water, |row| {
@@ -94,6 +110,9 @@ pub fn run(args: &Args) -> Result<()> {
     draw_strip(&plant, &simulation, file("wilting.png")?)?;
     if args.animation {
         write_animation(&plant, poses, &args.seconds(), SIDES, file("wilting.glb")?)?;
+    }
+    if names.iter().any(|name| name == "balance.csv") {
+        write_balance(file("balance.csv")?, &simulation.hours, &simulation.balance)?;
     }
     for (name, pose) in names.iter().filter(|name| name.starts_with("plant-")).zip(poses) {
         meshes::write(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;

@@ -4,8 +4,9 @@ use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::plant::{
-    Conductivity, Elasticity, Interval, MotionOptions, Plant, Pose, RodOptions, Rods, SwayOptions,
-    WaterModel, WaterOptions, WiltOptions, Wind, grams_per_hour, sway, wilt,
+    Balance, Conductivity, Interval, MotionOptions, Plant, Pose, Rewatering, RodOptions, Rods,
+    Soil, Stomata, SwayOptions, Tissue, WaterModel, WaterOptions, WiltOptions, Wind,
+    grams_per_hour, sway, wilt,
 };
 
 /// What a plant goes through.
@@ -22,7 +23,13 @@ pub struct Weather {
     /// The scale of [`Conductivity::Pipe`].
     pub conductance: f64,
     /// Stiffness from water.
-    pub elasticity: Elasticity,
+    pub tissue: Tissue,
+    /// Whether and how stomata close.
+    pub stomata: Option<Stomata>,
+    /// At the root.
+    pub soil: Option<Soil>,
+    /// Of the soil.
+    pub rewatering: Vec<Rewatering>,
     /// Nodes, and what the conductance to their parents is multiplied by.
     pub damage: Vec<(usize, f64)>,
     /// A film of it, in motion; without, the plant is at rest at each moment.
@@ -64,6 +71,10 @@ pub struct Simulation {
     pub full: Vec<f64>,
     /// In kg.
     pub water: Vec<Vec<f64>>,
+    /// Of plant and soil.
+    pub balance: Vec<Balance>,
+    /// What the soil holds at most, in kg, if there is one.
+    pub capacity: Option<f64>,
     /// In Pa.
     pub moduli: Vec<Vec<f64>>,
     /// At each moment.
@@ -90,14 +101,18 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         .collect();
     let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
     let rods = Rods::new(plant, &RodOptions::default())?;
+    let capacity = weather.soil.map(|soil| soil.capacity);
     let cycle = if weather.nights { Interval::day_and_night(loss) } else { vec![] };
     if let Some(film) = &weather.film {
         let options = SwayOptions::new()
             .drought(3600.0 * weather.hours)
             .seconds(film.seconds)
             .frames(weather.frames.max(1))
-            .elasticity(weather.elasticity)
+            .elasticity(weather.tissue.clone())
             .cycle(cycle)
+            .stomata(weather.stomata)
+            .soil(weather.soil)
+            .rewatering(weather.rewatering.clone())
             .motion(film.motion)
             .wind(film.wind)
             .par(weather.par)
@@ -116,6 +131,8 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
             hours,
             full,
             water: found.water,
+            balance: found.balance,
+            capacity,
             moduli: found.moduli,
             poses: found.poses,
             iterations: 0,
@@ -123,8 +140,11 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         });
     }
     let options = WiltOptions::new()
-        .elasticity(weather.elasticity)
+        .elasticity(weather.tissue.clone())
         .cycle(cycle)
+        .stomata(weather.stomata)
+        .soil(weather.soil)
+        .rewatering(weather.rewatering.clone())
         .par(weather.par)
         .progress(progress);
     let found = wilt(&model, &rods, &times, &options)?;
@@ -132,6 +152,8 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         hours,
         full,
         water: found.water,
+        balance: found.balance,
+        capacity,
         moduli: found.moduli,
         poses: found.poses,
         iterations: found.iterations,

@@ -43,12 +43,14 @@ fn a_plant_dries_and_every_file_is_there() {
     assert_eq!(std::fs::read(folder.path("out/water.csv")).unwrap(), before);
 }
 
+/// A stem of two segments that bears two leaves.
+const LITTLE: &str = "verts 4\n0,0,0,.1,.002,0\n1,0,0,.2,.002,0\n2,.05,0,.3,.001,1\n\
+                      3,-.05,0,.3,.001,1\nedges 3\n0,1\n1,2\n1,3\n";
+
 #[test]
 fn damage_and_nights_show() {
     let folder = Folder::new();
-    let plant = "verts 4\n0,0,0,.1,.002,0\n1,0,0,.2,.002,0\n2,.05,0,.3,.001,1\n3,-.05,0,.3,.001,1\n\
-                 edges 3\n0,1\n1,2\n1,3\n";
-    folder.write("plant.txt", plant);
+    folder.write("plant.txt", LITTLE);
     let run = |options: &str, out: &str| {
         folder.succeed(&format!("wilt plant.txt --frames 6 --mesh none -o {out} {options}"));
         table(&folder, &format!("{out}/water.csv")).1
@@ -252,6 +254,164 @@ fn constants_are_found_from_weights_and_heights() {
 }
 
 #[test]
+fn each_part_has_its_own_steepness() {
+    let folder = Folder::new();
+    folder.write("plant.txt", LITTLE);
+    let run = |options: &str, out: &str| {
+        let line = format!("wilt plant.txt --hours 96 --frames 2 --mesh none -o {out} {options}");
+        folder.succeed(&line);
+        let [water, moduli] = ["water", "stiffness"].map(|name| {
+            let row = table(&folder, &format!("{out}/{name}.csv")).1.pop().unwrap();
+            row[2..].to_vec()
+        });
+        (water, moduli)
+    };
+    let full = table_of_full(&folder);
+    let modulus = |w: f64, k: f64| {
+        let s = |x: f64| 1.0 / (1.0 + (-k * x).exp());
+        3e5 + (5e7 - 3e5) * (s(w - 0.75) - s(-0.75)) / (s(0.25) - s(-0.75))
+    };
+    // Nodes 0 and 1 are stem, of 2 mm; 2 and 3 leaves, of 1 mm.
+    for (options, kappas) in [
+        ("--kappa leaf=4,stem=20", [20.0, 20.0, 4.0, 4.0]),
+        ("--kappa 6,leaf=4", [6.0, 6.0, 4.0, 4.0]),
+        ("--kappa stem=20", [20.0, 20.0, 10.0, 10.0]),
+        ("--kappa 5 --kappa-by-radius 1.5=9,4=1", [5.0; 4]),
+        ("--kappa 5 --kappa-by-radius 1.5=9", [9.0, 9.0, 5.0, 5.0]),
+    ] {
+        if options.contains("4=1") {
+            let said = folder.fail(&format!("wilt plant.txt -o none {options}"));
+            assert!(said.contains("kappa_from_4_mm: the plant has no such segment"), "{said}");
+            continue;
+        }
+        let out = options.replace([' ', '=', ',', '-'], "_");
+        let (water, moduli) = run(options, &out);
+        for v in 0..4 {
+            let expected = modulus(water[v] / full[v], kappas[v]);
+            assert!((moduli[v] / expected - 1.0).abs() < 1e-9, "{options}: {v}");
+        }
+    }
+    let fails = |options: &str, part: &str| {
+        let run = folder.run(&format!("wilt plant.txt -o none {options}"));
+        assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
+    };
+    fails("--kappa petiole=3", "kappa_petiole: the plant has no such segment");
+    fails("--kappa root=3", "leaf=K");
+    fails("--kappa-by-radius 3", "MM=K");
+    fails("--kappa-by-radius 2=3,1=4", "ascend");
+    fails("--kappa leaf=3 --kappa-by-radius 1=3", "--kappa must be one number");
+    fails("--kappa leaf=-3", "steepness");
+}
+
+/// The water of each node of the little plant when its cells are full.
+fn table_of_full(folder: &Folder) -> Vec<f64> {
+    folder.succeed("wilt plant.txt --hours 1 --frames 1 --mesh none -o full");
+    table(folder, "full/water.csv").1[0][2..].to_vec()
+}
+
+#[test]
+fn soil_is_emptied_and_watered_and_no_water_is_lost() {
+    let folder = Folder::new();
+    let plant = "wilt --grow 80 --hours 240 --delta 400 --frames 24 --mesh none";
+    let said = folder.succeed(&format!(
+        "{plant} --soil 0.3,0.2 --rewater 100:0.05 --rewater 150 --rewater 150:9 --stomata 0.7,20 -o pot"
+    ));
+    assert!(said.contains("soil ") && said.contains("5 files"), "{said}");
+    let (head, rows) = table(&folder, "pot/balance.csv");
+    assert_eq!(head.join(","), "time_h,plant_kg,soil_kg,transpired_kg,supplied_kg,drained_kg");
+    let initial = rows[0][1] + rows[0][2];
+    assert!((rows[0][2] - 2e-4).abs() < 1e-18);
+    for (row, water) in rows.iter().zip(&table(&folder, "pot/water.csv").1) {
+        assert!((row[1] / water[1] - 1.0).abs() < 1e-12);
+        assert!(((row[1] + row[2] + row[3]) / (initial + row[4]) - 1.0).abs() < 1e-12);
+    }
+    // Poured at 100 and at 150 hours; what is too much then drains.
+    let supplied = |hour: usize| rows[hour / 10][4];
+    assert_eq!((supplied(90), supplied(100)), (0.0, 5e-5));
+    assert!(supplied(150) > supplied(140) && supplied(240) == supplied(150));
+    assert!((rows[24][5] - 9e-3).abs() < 1e-12 && (rows[15][2] - 3e-4).abs() < 1e-15);
+    assert!(std::fs::read_to_string(folder.path("pot/water.svg")).unwrap().contains("soil"));
+    // Closing leaves keep water back; in motion it is the same water.
+    let left = |options: &str, out: &str| {
+        folder.succeed(&format!("{plant} {options} -o {out}"));
+        table(&folder, &format!("{out}/water.csv")).1[24][1]
+    };
+    let (open, closing) = (left("", "open"), left("--stomata 0.8,25", "closing"));
+    assert!(closing > 1.05 * open, "{open} {closing}");
+    let moving = left("--stomata 0.8,25 --motion 1", "moving");
+    assert!((moving / closing - 1.0).abs() < 1e-6);
+
+    let fails = |options: &str, part: &str| {
+        let run = folder.run(&format!("wilt --grow 5 -o none {options}"));
+        assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
+    };
+    fails("--rewater 3", "--soil");
+    fails("--soil 1,2", "at most 0.001 kg");
+    fails("--soil x", "grams");
+    fails("--soil 1 --rewater=-3", "time of rewatering");
+    fails("--soil 1 --rewater 3:x", "colon");
+    fails("--stomata 0.5", "steepness");
+    fails("--stomata 0.5,-1", "steepness");
+    fails("--soil 1 --fit weights.csv", "--fit");
+}
+
+#[test]
+fn heights_of_nodes_tell_the_steepness_of_each_part() {
+    let folder = Folder::new();
+    let plant = "wilt --grow 40 --seed 3";
+    let options = "--hours 48 --frames 12 --delta 300 --conductance 4e-10 --mesh obj";
+    folder.succeed(&format!("{plant} {options} --kappa leaf=7,stem=15 -o out"));
+    let mut text = "time_h,weight_g,node_39_m,node_20_m\n".to_string();
+    for (i, row) in table(&folder, "out/water.csv").1.iter().enumerate() {
+        let tails = ring_centres(&obj_vertices(&folder, &format!("out/plant-{i:03}.obj")));
+        text += &format!("{},{},{},{}\n", row[0], 1e3 * row[1], tails[39][2], tails[20][2]);
+    }
+    folder.write("measured.csv", &text);
+    let said =
+        folder.succeed(&format!("{plant} --kappa leaf=10,stem=10 --fit measured.csv -o fit"));
+    assert!(said.contains("kappa_leaf") && said.contains("kappa_stem"), "{said}");
+    let text = std::fs::read_to_string(folder.path("fit/fit.csv")).unwrap();
+    for (name, truth) in [("kappa_leaf", 7.0), ("kappa_stem", 15.0)] {
+        let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+        let value: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
+        assert!((value / truth - 1.0).abs() < 1e-2, "{text}");
+    }
+    let head = table(&folder, "fit/fitted.csv").0.join(",");
+    assert_eq!(head, "time_h,weight_g,model_g,node_39_m,model_39_m,node_20_m,model_20_m");
+    for (header, part) in [("time_h,weight_g,node_x_m", "node_x_m"), ("time_h", "weight_g")] {
+        folder.write("wrong.csv", format!("{header}\n"));
+        let said = folder.fail(&format!("{plant} --fit wrong.csv -o wrong"));
+        assert!(said.contains("line 1") && said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn another_minimum_that_fits_as_well_is_warned_of() {
+    let folder = Folder::new();
+    let plant = "wilt --grow 30 --seed 3";
+    folder.succeed(&format!("{plant} --hours 48 --frames 24 --mesh none -o out"));
+    let water = table(&folder, "out/water.csv").1;
+    let lost = water[0][1] - water[24][1];
+    let fit = |noise: f64, out: &str| {
+        let mut text = "time_h,weight_g\n".to_string();
+        for (i, row) in water.iter().enumerate() {
+            let off = noise * lost * ((i * i) as f64).sin();
+            text += &format!("{},{}\n", row[0], 1e3 * (row[1] + off));
+        }
+        folder.write("measured.csv", &text);
+        let said = folder.succeed(&format!("{plant} --fit measured.csv -o {out}"));
+        (said, std::fs::read_to_string(folder.path(&format!("{out}/fit.csv"))).unwrap())
+    };
+    let (said, table) = fit(0.0, "exact");
+    assert!(!said.contains("warning") && !table.contains("minimum"), "{said}");
+    let (said, table) = fit(1e-3, "coarse");
+    assert!(said.contains("minimum 2 fits as well: delta 59.8"), "{said}");
+    assert!(said.contains("standard errors are those of the first minimum alone"), "{said}");
+    let other = table.lines().find(|line| line.starts_with("delta of minimum 2,59.8"));
+    assert!(other.is_some_and(|line| line.ends_with(",,g/(h m^2)")), "{table}");
+}
+
+#[test]
 fn options_of_motion_are_checked() {
     let folder = Folder::new();
     let fails = |options: &str, part: &str| {
@@ -271,20 +431,22 @@ fn options_of_motion_are_checked() {
 #[test]
 fn the_commands_of_the_guide_run() {
     let folder = Folder::new();
-    let plant = "verts 4\n0,0,0,.1,.002,0\n1,0,0,.2,.002,0\n2,.05,0,.3,.001,1\n3,-.05,0,.3,.001,1\n\
-                 edges 3\n0,1\n1,2\n1,3\n";
-    folder.write("plant.txt", plant);
-    folder.succeed("wilt plant.txt --frames 8 --mesh none -o before");
-    let mut text = "time_h,weight_g\n".to_string();
-    for row in table(&folder, "before/water.csv").1 {
-        text += &format!("{},{}\n", row[0], 1e3 * row[1]);
+    folder.write("plant.txt", LITTLE);
+    folder.succeed("wilt plant.txt --frames 8 --mesh obj -o before");
+    let (mut weights, mut heights) =
+        ("time_h,weight_g\n".to_string(), "time_h,weight_g,node_2_m\n".to_string());
+    for (i, row) in table(&folder, "before/water.csv").1.iter().enumerate() {
+        let tails = ring_centres(&obj_vertices(&folder, &format!("before/plant-{i:03}.obj")));
+        weights += &format!("{},{}\n", row[0], 1e3 * row[1]);
+        heights += &format!("{},{},{}\n", row[0], 1e3 * row[1], tails[2][2]);
     }
-    folder.write("measured.csv", &text);
+    folder.write("measured.csv", &weights);
+    folder.write("heights.csv", &heights);
     let guide = include_str!("../../../docs/guide/plants.md");
     let mut count = 0;
     for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
         folder.succeed(line);
         count += 1;
     }
-    assert_eq!(count, 5);
+    assert_eq!(count, 10);
 }

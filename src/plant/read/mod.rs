@@ -23,7 +23,8 @@ pub enum PlantFormat {
     /// metres. Type 7 ("custom") marks veins of leaves.
     Swc,
     /// Multiscale tree graphs (Godin and Caraglio 1998) with coordinates: the columns `XX`, `YY`, `ZZ` and `Radius` or
-    /// `Diameter` (taken as metres), `/`, `<` and `+` between components. Class `L...` (leaf) marks veins of leaves.
+    /// `Diameter` (taken as metres), `/`, `<` and `+` between components. Class `L...` (leaf) marks
+    /// veins of leaves, `P...` (petiole) their stalks.
     Mtg,
     /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it is 1 mm. The root is the
     /// first vertex of the first line. End points of lines that nothing goes on from are on leaves.

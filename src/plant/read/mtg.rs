@@ -45,6 +45,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         let radius = columns.scale * lines.number("radius", cell(columns.radius))?;
         let mut segment = Segment::stem(tail, radius);
         segment.leaf = name.starts_with(['L', 'l']);
+        segment.petiole = name.starts_with(['P', 'p']);
         last[place] = Some(segments.len() as u32);
         last[place + 1..].fill(None);
         parents.push(parent);

@@ -50,6 +50,10 @@ fn mtg_is_read() {
     let plant = read_bytes(text.as_bytes(), PlantFormat::Mtg).unwrap();
     assert_eq!([0, 1, 2].map(|v| plant.parent(v)), [None, Some(0), Some(0)]);
     assert!(plant.segments()[1].leaf && plant.segments()[1].radius == 0.002);
+    let stalk = branch.replace("+L1", "+P2");
+    let text = text.split("/P1").next().unwrap().to_owned() + &stalk;
+    let plant = read_bytes(text.as_bytes(), PlantFormat::Mtg).unwrap();
+    assert!(plant.segments()[1].petiole && !plant.segments()[1].leaf);
     refusal("MTG:\nENTITY-CODE\tLength\n", PlantFormat::Mtg, "no columns XX");
     refusal("CODE:\n", PlantFormat::Mtg, "`MTG:` must follow");
 }

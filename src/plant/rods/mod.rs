@@ -8,7 +8,7 @@ mod statics;
 
 use std::f64::consts::PI;
 
-pub use motion::{Motion, MotionOptions};
+pub use motion::{Energy, Motion, MotionOptions};
 pub use statics::{RelaxOptions, Relaxation};
 
 use self::small::{Matrix, NO_ROTATION, Quaternion, image, rotation_matrix};

@@ -9,7 +9,7 @@ use super::small::{
     Matrix, NO_ROTATION, Quaternion, add, cholesky, cross_matrix, identity, image, inverse,
     logarithm, product, rotation_matrix, solve, solve_matrix, times, transposed, turned,
 };
-use super::{Pose, Rods};
+use super::{Pose, Rods, joint};
 use crate::base::{Error, Progress, Result, builder};
 use crate::mesh::vector::{Vector, dot, norm, scale, sub};
 use crate::plant::water::{at_least_zero, positive};
@@ -85,6 +85,24 @@ pub struct Motion {
     moving: Moving,
     /// The velocity of the air, in m / s; none: no air.
     wind: Option<Vector>,
+}
+
+/// The mechanical energy of rods, in J.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Of velocities and spins.
+    pub kinetic: f64,
+    /// Of bent and twisted joints; 0 as the plant was given.
+    pub elastic: f64,
+    /// Of weight, in the coordinates of the plant.
+    pub weight: f64,
+}
+
+impl Energy {
+    /// All of it.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.weight
+    }
 }
 
 /// What changes in a step.
@@ -196,6 +214,25 @@ impl Motion {
         (0..self.rods.len()).map(|v| norm(self.gap(v))).fold(0.0, f64::max)
     }
 
+    /// The energy of the present pose and velocities.
+    pub fn energy(&self) -> Energy {
+        let mut energy = Energy::default();
+        for v in 0..self.rods.len() {
+            let rotations = &self.moving.rotations;
+            let parent = self.rods.parent_rotation(rotations, v);
+            energy.elastic += joint::energy(&self.rods.stiffness[v], parent, rotations[v]);
+            energy.weight -=
+                self.rods.masses[v] * dot(self.rods.options.gravity, self.moving.centres[v]);
+            if !self.rods.pinned[v] {
+                let ([x, y, z], [a, b, c]) = (self.moving.velocities[v], self.moving.spins[v]);
+                let velocity = [x, y, z, a, b, c];
+                let momentum = image(&self.inertia(v, 1.0), &velocity);
+                energy.kinetic += 0.5 * (0..6).map(|i| velocity[i] * momentum[i]).sum::<f64>();
+            }
+        }
+        energy
+    }
+
     /// Goes one step ahead. Where Newton's method does not converge, as when a gust turns twigs by more than a radian, it
     /// goes there in two half steps, and so on: steps of any length stay stable.
     ///
@@ -284,6 +321,14 @@ impl Motion {
                 for j in 0..3 {
                     bodies[v][i][j] += drag[i][j] / step.seconds;
                 }
+            }
+        }
+        for v in 0..n {
+            let [x, y, z, ..] = self.moving.multipliers[v];
+            let force = [x, y, z];
+            add_tension(&mut bodies[v], force, scale(self.along(v), -0.5));
+            if let Some(p) = self.rods.parent(v) {
+                add_tension(&mut bodies[p], scale(force, -1.0), scale(self.along(p), 0.5));
             }
         }
         let joints: Vec<Joint> = (0..n).map(|v| self.joint(v)).collect();
@@ -462,6 +507,21 @@ impl Motion {
         }
         let error = [gap[0], gap[1], gap[2], strain[0], strain[1], strain[2]];
         Joint { error, compliance, by_child, by_parent }
+    }
+}
+
+/// Adds the stiffness against turning of a force at an arm, as far as it is one: what pulls a body
+/// straight holds it (Tournier, Nesme, Gilles and Faure 2015). It changes no equation, but how
+/// Newton's method gets to its solution: in a storm what pulls at twigs is more than `M/h^2`.
+fn add_tension(body: &mut Matrix<6>, force: Vector, arm: Vector) {
+    let length = norm(arm);
+    let held = 0.5 * (norm(force) * length + dot(force, arm));
+    let t = scale(arm, 1.0 / length);
+    for i in 0..3 {
+        body[3 + i][3 + i] += held;
+        for j in 0..3 {
+            body[3 + i][3 + j] -= held * t[i] * t[j];
+        }
     }
 }
 

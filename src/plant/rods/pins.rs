@@ -1,6 +1,7 @@
 //! Pinned segments that free ones lead to: where a free path ends must stay where it was at rest.
 
 use faer::Mat;
+use faer::linalg::solvers::Solve;
 
 use super::Rods;
 use crate::base::Result;
@@ -86,13 +87,22 @@ pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
     pins.iter().map(|pin| norm(pin.gap(tails))).sum()
 }
 
-/// Solves the symmetric positive definite equations of the forces of pins, in place. Where paths leave a force no say (one
-/// segment can't change its length) a little of the diagonal decides.
-pub(super) fn solve_forces(mut matrix: Mat<f64>, right: &mut Mat<f64>) -> Result<bool> {
+/// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they shall be positive definite,
+/// else by elimination. Where paths leave a force no say (one segment can't change its length) a little of the diagonal
+/// decides. Whether it could.
+pub(super) fn solve_forces(
+    mut matrix: Mat<f64>,
+    right: &mut Mat<f64>,
+    is_definite: bool,
+) -> Result<bool> {
     const RIDGE: f64 = 1e-12;
     let n = matrix.nrows();
-    let largest = (0..n).map(|i| matrix[(i, i)]).fold(0.0, f64::max);
+    let largest = (0..n).map(|i| matrix[(i, i)].abs()).fold(0.0, f64::max);
     (0..n).for_each(|i| matrix[(i, i)] += RIDGE * largest);
+    if !is_definite {
+        matrix.partial_piv_lu().solve_in_place(right.as_mut());
+        return Ok((0..n).all(|i| right[(i, 0)].is_finite()));
+    }
     if dense::cholesky(matrix.as_mut())?.is_err() {
         return Ok(false);
     }

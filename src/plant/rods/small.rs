@@ -1,6 +1,6 @@
 //! Matrices of a few rows, and rotations.
 
-use crate::mesh::vector::Vector;
+use crate::mesh::vector::{Vector, cross, dot};
 
 /// An N x N matrix by rows.
 pub(super) type Matrix<const N: usize> = [[f64; N]; N];
@@ -88,6 +88,14 @@ pub(super) fn solve<const N: usize>(l: &Matrix<N>, b: &[f64; N]) -> [f64; N] {
 pub(super) fn solve_matrix<const N: usize>(l: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let columns = transposed(b);
     transposed(&columns.map(|column| solve(l, &column)))
+}
+
+/// The inverse of a matrix; `None` of a singular one.
+pub(super) fn reciprocal(a: &Matrix<3>) -> Option<Matrix<3>> {
+    let rows = [cross(a[1], a[2]), cross(a[2], a[0]), cross(a[0], a[1])];
+    let determinant = dot(a[0], rows[0]);
+    let inverse = transposed(&rows.map(|row| row.map(|x| x / determinant)));
+    inverse.iter().flatten().all(|x| x.is_finite()).then_some(inverse)
 }
 
 /// The matrix of `a -> v x a`.

@@ -8,8 +8,8 @@ use faer::Mat;
 
 use super::pins::{Group, Pin, groups, pins, solve_forces, total_gap};
 use super::small::{
-    Matrix, add, cholesky, cross_matrix, image, rotation_matrix, solve, solve_matrix, times,
-    transposed, turned,
+    Matrix, add, cholesky, cross_matrix, image, reciprocal, rotation_matrix, solve, solve_matrix,
+    times, transposed, turned,
 };
 use super::{Pose, Rods, joint};
 use crate::base::{Error, Progress, Result, builder};
@@ -68,10 +68,39 @@ struct Quadratic {
 
 /// The factors of its matrix.
 struct Factors {
-    /// L of every pivot.
+    /// L of every pivot; of a matrix that is not positive definite, its inverse.
     pivots: Vec<Matrix<3>>,
     /// Pivot^-1 coupling.
     couplings: Vec<Matrix<3>>,
+    is_definite: bool,
+}
+
+impl Factors {
+    /// Pivot^-1 b.
+    fn divide(&self, v: usize, b: &Vector) -> Vector {
+        if self.is_definite { solve(&self.pivots[v], b) } else { image(&self.pivots[v], b) }
+    }
+}
+
+/// A part of the largest torque out of balance from which on Newton's method needs no shift between
+/// pins.
+const NEAR: f64 = 1e-3;
+
+/// What holds a pose.
+struct Held<'a> {
+    pins: &'a [Pin],
+    groups: &'a [Group],
+    /// The largest torque out of balance.
+    residual: f64,
+}
+
+/// What a step without a shift came to.
+struct Nearer {
+    residual: f64,
+    /// The sum of gaps at pins, in metres.
+    gap: f64,
+    /// The largest turn, in radians.
+    largest: f64,
 }
 
 impl Rods {
@@ -86,6 +115,7 @@ impl Rods {
         let groups = groups(self, &pins);
         let mut forces = vec![[0.0; 3]; pins.len()];
         self.place(pose);
+        let length = self.lengths.iter().copied().fold(0.0, f64::max);
         let mut shift = 0.0;
         let mut residual = f64::INFINITY;
         for iteration in 0..options.max_iterations {
@@ -93,6 +123,18 @@ impl Rods {
             options.progress.report(fraction)?;
             let loads = self.loads(&pins, &forces);
             let quadratic = self.quadratic(pose, &loads);
+            if !pins.is_empty() && residual <= NEAR {
+                let at = Held { pins: &pins, groups: &groups, residual };
+                if let Some(found) = self.unshifted(pose, &mut forces, &quadratic, &at)? {
+                    residual = found.residual;
+                    let tolerance = options.tolerance;
+                    let is_small = residual <= tolerance && found.gap <= tolerance * length;
+                    if is_small && found.largest <= tolerance.max(1e-6) {
+                        return Ok(Relaxation { iterations: iteration + 1, residual });
+                    }
+                    continue;
+                }
+            }
             let (factors, used) = self.positive_factors(&quadratic, shift)?;
             let (step, change) = self.newton_step(pose, &quadratic, &factors, &pins, &groups)?;
             for (force, change) in forces.iter_mut().zip(&change) {
@@ -101,7 +143,6 @@ impl Rods {
             residual = self.residual(pose, &self.loads(&pins, &forces));
             let largest = step.iter().map(|a| norm(*a)).fold(0.0, f64::max);
             let gap = total_gap(&pins, &pose.tails);
-            let length = self.lengths.iter().copied().fold(0.0, f64::max);
             let is_small = residual <= options.tolerance && gap <= options.tolerance * length;
             if is_small && largest <= options.tolerance.max(1e-6) && used == 0.0 {
                 return Ok(Relaxation { iterations: iteration, residual });
@@ -120,6 +161,46 @@ impl Rods {
             }
         }
         Err(Error::NotConverged { iterations: options.max_iterations, residual })
+    }
+
+    /// A whole step of Newton's method without a shift. Between pins a path may be compressed by the
+    /// forces that hold it: the matrix is not positive definite then, though it is where the ends
+    /// stay, and a shift would make convergence linear. `None`, and nothing changes, unless it comes
+    /// much nearer to balance.
+    fn unshifted(
+        &self,
+        pose: &mut Pose,
+        forces: &mut [Vector],
+        quadratic: &Quadratic,
+        at: &Held<'_>,
+    ) -> Result<Option<Nearer>> {
+        const MUCH: f64 = 0.3;
+        let Some(factors) = self.factors(quadratic, 0.0, false) else { return Ok(None) };
+        let Held { pins, groups, residual } = *at;
+        let found = self.newton_step(pose, quadratic, &factors, pins, groups);
+        let (step, changes) = match found {
+            Err(Error::NotConverged { .. }) => return Ok(None),
+            found => found?,
+        };
+        let largest = step.iter().map(|a| norm(*a)).fold(0.0, f64::max);
+        if largest.is_nan() || largest > LARGEST_TURN {
+            return Ok(None);
+        }
+        let mut moved = pose.clone();
+        for (v, a) in step.iter().enumerate() {
+            moved.rotations[v] = turned(pose.rotations[v], *a);
+        }
+        self.place(&mut moved);
+        let held: Vec<Vector> =
+            forces.iter().zip(&changes).map(|(f, c)| [0, 1, 2].map(|i| f[i] + c[i])).collect();
+        let after = self.residual(&moved, &self.loads(pins, &held));
+        let gap = total_gap(pins, &moved.tails);
+        if after.is_nan() || after > MUCH * residual {
+            return Ok(None);
+        }
+        std::mem::swap(pose, &mut moved);
+        forces.copy_from_slice(&held);
+        Ok(Some(Nearer { residual: after, gap, largest }))
     }
 
     /// The force at the tail of each free segment: the weight beyond it, half of its own, and those of pins.
@@ -193,7 +274,7 @@ impl Rods {
     fn positive_factors(&self, quadratic: &Quadratic, first: f64) -> Result<(Factors, f64)> {
         let mut shift: f64 = first;
         for _ in 0..40 {
-            if let Some(factors) = self.factors(quadratic, shift) {
+            if let Some(factors) = self.factors(quadratic, shift, true) {
                 return Ok((factors, shift));
             }
             shift = (4.0 * shift).max(1e-6);
@@ -201,7 +282,8 @@ impl Rods {
         Err(Error::NotConverged { iterations: 0, residual: shift })
     }
 
-    fn factors(&self, quadratic: &Quadratic, shift: f64) -> Option<Factors> {
+    /// `None` for a matrix that is singular, or, if it must be, not positive definite.
+    fn factors(&self, quadratic: &Quadratic, shift: f64, is_definite: bool) -> Option<Factors> {
         let mut pivots = quadratic.diagonal.clone();
         let mut couplings = quadratic.coupling.clone();
         for &v in self.order.iter().rev() {
@@ -212,17 +294,20 @@ impl Rods {
             for i in 0..3 {
                 pivots[v][i][i] += shift * quadratic.scales[v];
             }
-            let pivot = cholesky(&pivots[v])?;
+            let pivot = if is_definite { cholesky(&pivots[v])? } else { reciprocal(&pivots[v])? };
             if let Some(p) = self.parent(v)
                 && !self.pinned[p]
             {
-                couplings[v] = solve_matrix(&pivot, &quadratic.coupling[v]);
+                couplings[v] = match is_definite {
+                    true => solve_matrix(&pivot, &quadratic.coupling[v]),
+                    false => times(&pivot, &quadratic.coupling[v]),
+                };
                 let up = times(&transposed(&quadratic.coupling[v]), &couplings[v]);
                 add(&mut pivots[p], -1.0, &up);
             }
             pivots[v] = pivot;
         }
-        Some(Factors { pivots, couplings })
+        Some(Factors { pivots, couplings, is_definite })
     }
 
     /// `H^-1 b` in place, for segments that hang together with no other free ones, parents first.
@@ -241,7 +326,7 @@ impl Rods {
             if self.pinned[v] {
                 continue;
             }
-            b[v] = solve(&factors.pivots[v], &b[v]);
+            b[v] = factors.divide(v, &b[v]);
             if let Some(p) = self.parent(v).filter(|&p| !self.pinned[p]) {
                 b[v] = sub(b[v], image(&factors.couplings[v], &b[p]));
             }
@@ -286,7 +371,7 @@ impl Rods {
                     columns.push(values.collect::<Vec<Vector>>());
                 }
             }
-            if !solve_forces(matrix, &mut right)? {
+            if !solve_forces(matrix, &mut right, factors.is_definite)? {
                 return Err(Error::NotConverged { iterations: 0, residual: f64::NAN });
             }
             for (j, column) in columns.iter().enumerate() {

@@ -54,6 +54,48 @@ fn both_solvers_agree_with_the_double_double_reference() {
 }
 
 #[test]
+fn the_two_references_agree() {
+    for scale in [1e-9, 1e-4] {
+        let (plant, options, model) = grown(37, scale);
+        let coefficients = Coefficients::new(&plant, &options);
+        for seconds in [0.1 * half_time(&model), half_time(&model)] {
+            let a = coefficients.water_after(&model.full(), seconds);
+            let b = coefficients.water_by_contour(&model.full(), seconds);
+            let gap = a.iter().zip(&b).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            assert!(gap < 1e-15, "{scale:e}: {gap:e}");
+        }
+    }
+}
+
+/// The largest error of the water of a node as a part of that water.
+fn largest_error(water: &[f64], exact: &[f64]) -> f64 {
+    water.iter().zip(exact).map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn twelve_digits_are_right_at_the_usual_conductance() {
+    let scale = 1e-9;
+    let mut plants = vec![grow(&GrowthOptions::new().nodes(1500)).unwrap()];
+    let real = ["002", "006"].map(|number| format!("plants/plant{number}.txt"));
+    plants.extend(
+        real.iter().filter_map(|name| crate::common::data(name)).map(|path| read(&path).unwrap()),
+    );
+    let options = WaterOptions::new().conductivity(Conductivity::Pipe { scale });
+    for plant in plants {
+        let model = WaterModel::new(&plant, &options).unwrap();
+        let full = model.full();
+        let seconds = half_time(&model);
+        let exact = Coefficients::new(&plant, &options).water_by_contour(&full, seconds);
+        let water = model.water_after(&full, seconds, Par::all()).unwrap();
+        let error = largest_error(&water, &exact);
+        assert!(error < 1e-12, "{} nodes: {error:e}", plant.len());
+        // 64 steps of the formula.
+        let error = relative_mse(&steps(&model, &full, seconds / 64.0, Start::Radau, 64), &exact);
+        assert!(error < 1e-11, "{} nodes: {error:e}", plant.len());
+    }
+}
+
+#[test]
 fn the_slowest_rate_has_all_its_digits() {
     for scale in [1.0, 1e-7, 1e-11] {
         let (plant, options, model) = grown(211, scale);

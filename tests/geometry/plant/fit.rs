@@ -33,6 +33,7 @@ fn measured(plant: &Plant, nights: bool, heights: bool) -> Measurements {
             false => vec![],
         },
         seconds,
+        marks: vec![],
     }
 }
 
@@ -51,10 +52,11 @@ fn exact_weights_and_heights_give_back_the_constants() {
         near(found.weight, data.weights[0], 1e-9);
         assert!(found.loss.error < 1e-6 * found.loss.value);
         assert!(found.weight_deviation < 1e-9);
-        match found.steepness {
-            Some(kappa) => near(kappa, KAPPA, 1e-6),
-            None => assert!(nights),
+        match found.steepness[..] {
+            [kappa] => near(kappa, KAPPA, 1e-6),
+            _ => assert!(nights && found.steepness.is_empty()),
         }
+        assert!(found.other_water.is_empty() && found.other_steepness.is_empty());
         assert_eq!(found.heights.len(), data.heights.len());
         for (a, b) in found.weights.iter().zip(&data.weights) {
             assert!((a - b).abs() < 1e-9);
@@ -86,6 +88,27 @@ fn standard_errors_are_the_scatter_of_many_weighings() {
         // A deviation of 30 samples is off by 13 %.
         assert!((stated / scatter - 1.0).abs() < 0.35, "{i}: {stated} {scatter}");
     }
+}
+
+#[test]
+fn a_coarse_scale_leaves_another_minimum_and_a_fine_one_does_not() {
+    let plant = grown(30);
+    let exact = measured(&plant, false, false);
+    let lost = exact.weights[0] - exact.weights[24];
+    let weighed = |noise: f64| {
+        let mut rng = Rng::new(0);
+        let mut data = exact.clone();
+        data.weights.iter_mut().for_each(|w| *w += noise * lost * rng.normal());
+        fit(&plant, &data, &FitOptions::new()).unwrap()
+    };
+    assert!(weighed(1e-5).other_water.is_empty());
+    // One bucket, whose leaves are filled at once, weighs like leaves that dry before the stem.
+    let found = weighed(1e-3);
+    assert!((found.scale.value - SCALE).abs() < 3.0 * found.scale.error, "{:?}", found.scale);
+    let other = found.other_water.iter().find(|other| other.scale > 1e3 * SCALE).unwrap();
+    assert!(other.deviation < 1.2 * found.weight_deviation);
+    assert!((other.loss - found.loss.value).abs() < 0.1 * found.loss.value);
+    assert!((other.weight - found.weight.value).abs() < 0.01 * lost);
 }
 
 #[test]
@@ -130,4 +153,53 @@ fn measurements_that_tell_nothing_are_named() {
     );
     let error = fit(&bare.unwrap(), &data, &FitOptions::new()).unwrap_err();
     assert!(error.to_string().contains("no leaves"), "{error}");
+}
+
+#[test]
+fn heights_of_marks_tell_the_steepness_of_each_part() {
+    let plant = grown(90);
+    let of = |steepness| Elasticity::Relative { dry: 3e5, full: 5e7, steepness, shift: 0.75 };
+    let tissue = |leaf, stem| Tissue::by_part(&plant, of(stem), &[(Part::Leaf, of(leaf))]);
+    let loss = grams_per_hour(LOSS);
+    let options = WaterOptions::new().loss(loss).conductivity(Conductivity::Pipe { scale: SCALE });
+    let model = WaterModel::new(&plant, &options).unwrap();
+    let seconds: Vec<f64> = (0..13).map(|i| 1200.0 * f64::from(i * i)).collect();
+    let rods = Rods::new(&plant, &RodOptions::new()).unwrap();
+    let (leaf, stem) = (6.0, 18.0);
+    let weather = WiltOptions::new().elasticity(tissue(leaf, stem));
+    let found = wilt(&model, &rods, &seconds, &weather).unwrap();
+    let leaves: Vec<usize> = (0..90).filter(|&v| plant.segments()[v].leaf).collect();
+    let stems: Vec<usize> = (0..90).filter(|&v| !plant.segments()[v].leaf).collect();
+    let height = |pose: &Pose, v: usize| pose.tails[v][2] - plant.base()[2];
+    let mark = |node: usize| Mark {
+        node,
+        heights: found.poses.iter().map(|pose| height(pose, node)).collect(),
+    };
+    let measured = Measurements {
+        seconds,
+        weights: found.water.iter().map(|water| water.iter().sum()).collect(),
+        heights: vec![],
+        marks: vec![mark(leaves[0]), mark(*leaves.last().unwrap()), mark(stems[stems.len() / 2])],
+    };
+    let start = FitOptions::new().elasticity(tissue(10.0, 10.0));
+    let result = fit(&plant, &measured, &start).unwrap();
+    assert_eq!(result.steepness.len(), 2);
+    // Poses are at rest to 1e-8 of the largest torque.
+    near(result.steepness[0], stem, 1e-4);
+    near(result.steepness[1], leaf, 1e-4);
+    assert!(result.steepness.iter().all(|kappa| kappa.error < 1e-3 * kappa.value));
+    for (model, mark) in result.marks.iter().zip(&measured.marks) {
+        assert!(model.iter().zip(&mark.heights).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+    // A class that no segment is of is not told, and the others are as before.
+    let members = plant.segments().iter().map(|s| if s.leaf { 1 } else { 2 }).collect();
+    let unused = Tissue::new(vec![of(10.0); 3], members).unwrap();
+    let result = fit(&plant, &measured, &FitOptions::new().elasticity(unused)).unwrap();
+    assert_eq!(result.steepness[0].error, f64::INFINITY);
+    near(result.steepness[1], leaf, 1e-4);
+
+    let mut wrong = measured.clone();
+    wrong.marks[0].node = 90;
+    let error = fit(&plant, &wrong, &start).unwrap_err().to_string();
+    assert!(error.contains("node 90 of 90"), "{error}");
 }

@@ -4,8 +4,10 @@ mod reference;
 
 mod accuracy;
 mod damage;
+mod drought;
 mod files;
 mod fit;
 mod models;
 mod motion;
 mod rods;
+mod storm;

@@ -309,3 +309,31 @@ fn runs_are_steps_and_stop_where_they_are_told_to() {
     run.run(4, Progress::none()).unwrap();
     assert_eq!(run.pose(), steps.pose());
 }
+
+/// Relaxes a plant with full cells; its pinned segments must not move.
+fn comes_to_rest(plant: &Plant, iterations: usize) {
+    let full = WaterModel::new(plant, &WaterOptions::new()).unwrap().full();
+    let mut rods = Rods::new(plant, &RodOptions::new()).unwrap();
+    rods.set_state(&Elasticity::default().moduli(&full, &full).unwrap(), &full).unwrap();
+    let mut pose = rods.rest_pose();
+    let done = rods.relax(&mut pose, &RelaxOptions::new()).unwrap();
+    assert!(done.residual <= 1e-8 && done.iterations <= iterations, "{done:?}");
+    for v in 0..plant.len() {
+        let gap = (0..3).map(|i| (pose.heads[v][i] - plant.head(v)[i]).abs()).fold(0.0, f64::max);
+        let hangs = !plant.segments()[v].pinned;
+        assert!(hangs || gap < 1e-9, "{v}: {gap:e}");
+    }
+}
+
+#[test]
+fn plants_that_are_tied_up_in_many_places_come_to_rest_in_few_iterations() {
+    let grown = grow(&GrowthOptions::new().nodes(600)).unwrap();
+    let segments: Vec<Segment> =
+        (0..600).map(|v| Segment { pinned: v % 40 == 39, ..grown.segments()[v] }).collect();
+    let parents: Vec<_> = (0..600).map(|v| grown.parent(v).map(|p| p as u32)).collect();
+    comes_to_rest(&Plant::new(segments, &parents, Some(grown.base())).unwrap(), 40);
+    // Tied up in 246 places, some paths almost straight between two of them.
+    if let Some(path) = crate::common::data("plants/plant006.txt") {
+        comes_to_rest(&read(&path).unwrap(), 40);
+    }
+}

@@ -2,8 +2,8 @@
 
 use catamaran_bench::Result;
 use catamaran_bench::plant::{
-    Part, cut, errors_by_conductance, errors_over_time, grid, hanging, held, naive, race, sections,
-    shares, subjects, total_water, weights,
+    Part, accuracy, cut, errors_by_conductance, errors_over_time, grid, hanging, held, naive, race,
+    sections, shares, storms, subjects, total_water, weights,
 };
 
 use super::{Arguments, Report};
@@ -25,6 +25,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
         keep(part);
     }
     keep(errors_by_conductance(&subjects)?);
+    keep(accuracy(&subjects)?);
     keep(naive(&subjects)?);
     keep(total_water(&subjects)?);
     keep(weights(&subjects)?);
@@ -33,6 +34,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     keep(held(&subjects)?);
     keep(cut(&subjects)?);
     keep(shares(&subjects)?);
+    keep(storms()?);
     keep(race(arguments.largest, arguments.repeat, &arguments.libraries)?);
     Ok(())
 }

@@ -1,0 +1,126 @@
+//! The steepness kappa of each part of a plant, as the command line says it.
+
+use std::str::FromStr;
+
+use anyhow::{Result, bail};
+use catamaran::plant::{Elasticity, Part, Plant, Tissue};
+
+/// Names of parts.
+const PARTS: [(&str, Part); 3] =
+    [("leaf", Part::Leaf), ("petiole", Part::Petiole), ("stem", Part::Stem)];
+
+/// `K`, `leaf=K,stem=K` or `K,leaf=K`: of parts that are not named, and of those that are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kappa {
+    others: Option<f64>,
+    parts: Vec<(Part, f64)>,
+}
+
+impl FromStr for Kappa {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected K, or leaf=K, petiole=K and stem=K with commas between".into();
+        let mut kappa = Self { others: None, parts: vec![] };
+        for item in text.split(',') {
+            let (name, number) = item.split_once('=').unwrap_or(("", item));
+            let number: f64 = number.trim().parse().map_err(|_| expected())?;
+            let part = PARTS.iter().find(|(part, _)| *part == name.trim()).map(|(_, part)| *part);
+            match part {
+                None if name.is_empty() && kappa.others.is_none() => kappa.others = Some(number),
+                Some(part) if kappa.parts.iter().all(|(other, _)| *other != part) => {
+                    kappa.parts.push((part, number));
+                }
+                _ => return Err(expected()),
+            }
+        }
+        Ok(kappa)
+    }
+}
+
+/// `MM=K,MM=K`: of segments whose radius is at least so many millimetres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByRadius(Vec<(f64, f64)>);
+
+impl FromStr for ByRadius {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let class = |item: &str| {
+            let (radius, kappa) = item.split_once('=')?;
+            Some((radius.trim().parse().ok()?, kappa.trim().parse().ok()?))
+        };
+        let classes: Option<Vec<(f64, f64)>> = text.split(',').map(class).collect();
+        classes.map(Self).ok_or_else(|| "expected MM=K, again after a comma".into())
+    }
+}
+
+/// The tissue of a plant, and a name for each of its classes. `of` is the elasticity of a steepness,
+/// `usual` the steepness where none is said.
+pub fn tissue(
+    plant: &Plant,
+    kappa: Option<&Kappa>,
+    by_radius: Option<&ByRadius>,
+    usual: f64,
+    of: impl Fn(f64) -> Elasticity,
+) -> Result<(Tissue, Vec<String>)> {
+    let others = of(kappa.and_then(|kappa| kappa.others).unwrap_or(usual));
+    let parts = kappa.map_or(&[][..], |kappa| &kappa.parts);
+    let (tissue, names) = match by_radius {
+        Some(_) if !parts.is_empty() => {
+            bail!("--kappa-by-radius: --kappa must be one number then, that of thinner segments");
+        }
+        Some(ByRadius(classes)) => {
+            let metres: Vec<_> = classes.iter().map(|(mm, k)| (1e-3 * mm, of(*k))).collect();
+            let names = classes.iter().map(|(mm, _)| format!("kappa_from_{mm}_mm"));
+            let tissue = Tissue::by_radius(plant, others, &metres)?;
+            (tissue, std::iter::once("kappa_thinner".into()).chain(names).collect())
+        }
+        None => {
+            let named: Vec<_> = parts.iter().map(|(part, k)| (*part, of(*k))).collect();
+            let of_part = |part: &Part| PARTS.iter().find(|(_, other)| other == part);
+            let name =
+                |part: &Part| format!("kappa_{}", of_part(part).map_or("", |(name, _)| name));
+            let first = if parts.is_empty() { "kappa" } else { "kappa_others" };
+            let names = parts.iter().map(|(part, _)| name(part));
+            let tissue = Tissue::by_part(plant, others, &named);
+            (tissue, std::iter::once(first.into()).chain(names).collect::<Vec<String>>())
+        }
+    };
+    used(plant, &tissue, names)
+}
+
+/// Without the class of the rest, if nothing is left for it; refuses a class that was asked for and
+/// that no segment has.
+fn used(plant: &Plant, tissue: &Tissue, names: Vec<String>) -> Result<(Tissue, Vec<String>)> {
+    let members: Vec<usize> = (0..plant.len()).map(|v| tissue.class(v)).collect();
+    let is_empty = |class: usize| members.iter().all(|&member| member != class);
+    if let Some(class) = (1..names.len()).find(|&class| is_empty(class)) {
+        bail!("{}: the plant has no such segment", names[class]);
+    }
+    if names.len() == 1 || !is_empty(0) {
+        return Ok((tissue.clone(), names));
+    }
+    let members = members.into_iter().map(|class| class as u32 - 1).collect();
+    let rest = Tissue::new(tissue.classes()[1..].to_vec(), members)?;
+    Ok((rest, names[1..].to_vec()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steepnesses_are_numbers_and_names() {
+        let kappa = |text: &str| text.parse::<Kappa>().map(|k| (k.others, k.parts));
+        assert_eq!(kappa("12"), Ok((Some(12.0), vec![])));
+        let both = vec![(Part::Leaf, 8.0), (Part::Stem, 20.0)];
+        assert_eq!(kappa("leaf=8,stem=20"), Ok((None, both.clone())));
+        assert_eq!(kappa("10,leaf=8, stem=20"), Ok((Some(10.0), both)));
+        for wrong in ["", "x", "leaf=", "root=3", "1,2", "leaf=1,leaf=2", "1,"] {
+            assert!(kappa(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!("0.5=12,2=30".parse(), Ok(ByRadius(vec![(0.5, 12.0), (2.0, 30.0)])));
+        assert!(["", "1", "1=x", "1=2,"].iter().all(|text| text.parse::<ByRadius>().is_err()));
+    }
+}

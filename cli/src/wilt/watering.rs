@@ -1,0 +1,80 @@
+//! Soil and rewatering, as the command line says them, and as a table.
+
+use std::str::FromStr;
+
+use anyhow::Result;
+use catamaran::io::Output;
+use catamaran::plant::{Balance, Rewatering, Soil, Stomata};
+
+use super::tables::write_rows;
+
+/// Grams in a kilogram.
+const GRAMS: f64 = 1e3;
+
+/// `W,STEEPNESS`.
+pub fn stomata(text: &str) -> Result<Stomata, String> {
+    let numbers = text.split_once(',').map(|(w, s)| (w.trim().parse(), s.trim().parse()));
+    match numbers {
+        Some((Ok(half), Ok(steepness))) => Ok(Stomata::new().half(half).steepness(steepness)),
+        _ => Err("expected two numbers, a relative water content and a steepness".into()),
+    }
+}
+
+/// `CAPACITY` or `CAPACITY,CONTENT`, in grams.
+pub fn soil(text: &str) -> Result<Soil, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[capacity]) => Ok(Soil::new(capacity / GRAMS)),
+        Some(&[capacity, content]) => Ok(Soil::new(capacity / GRAMS).content(content / GRAMS)),
+        _ => Err("expected grams that the soil holds, and after a comma those at first".into()),
+    }
+}
+
+/// `HOURS` or `HOURS:GRAMS`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pour(pub Rewatering);
+
+impl FromStr for Pour {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (hours, grams) = match text.split_once(':') {
+            Some((hours, grams)) => (hours, Some(grams)),
+            None => (text, None),
+        };
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        let amount = grams.map(|grams| number(grams).map(|grams| grams / GRAMS));
+        match (number(hours), amount) {
+            (Some(hours), None) => Ok(Self(Rewatering { seconds: 3600.0 * hours, amount: None })),
+            (Some(hours), Some(Some(amount))) => {
+                Ok(Self(Rewatering { seconds: 3600.0 * hours, amount: Some(amount) }))
+            }
+            _ => Err("expected hours, and after a colon grams".into()),
+        }
+    }
+}
+
+/// Where the water is and where it went, a row for each frame.
+pub fn write_balance(output: Output, hours: &[f64], balance: &[Balance]) -> Result<()> {
+    let head = "time_h,plant_kg,soil_kg,transpired_kg,supplied_kg,drained_kg";
+    let row = |b: &Balance| [b.plant, b.soil, b.transpired, b.supplied, b.drained];
+    write_rows(output, head, hours.iter().zip(balance).map(|(h, b)| (*h, row(b))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_grams_and_times_hours() {
+        assert_eq!(soil("200"), Ok(Soil::new(0.2)));
+        assert_eq!(soil("200, 50"), Ok(Soil::new(0.2).content(0.05)));
+        assert!(soil("1,2,3").is_err() && soil("x").is_err());
+        let pour = |text: &str| text.parse::<Pour>().map(|pour| (pour.0.seconds, pour.0.amount));
+        assert_eq!(pour("2"), Ok((7200.0, None)));
+        assert_eq!(pour("0.5:20"), Ok((1800.0, Some(0.02))));
+        assert!(["", "x", "1:", "1:x"].iter().all(|text| pour(text).is_err()));
+        assert_eq!(stomata("0.7,20"), Ok(Stomata::new().half(0.7).steepness(20.0)));
+        assert!(stomata("0.7").is_err());
+    }
+}

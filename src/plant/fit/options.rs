@@ -1,0 +1,136 @@
+use super::super::Plant;
+use super::super::elasticity::Elasticity;
+use super::super::rods::RodOptions;
+use super::super::tissue::Tissue;
+use super::super::water::{WaterOptions, grams_per_hour};
+use crate::base::{Error, Par, Progress, Result, builder};
+
+/// A plant that dries, as it was measured from full cells on.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Measurements {
+    /// When, in seconds, ascending from 0 on.
+    pub seconds: Vec<f64>,
+    /// What the plant weighs, in kg; with its pot, if that does not lose weight.
+    pub weights: Vec<f64>,
+    /// How high its highest point is above the base, in metres; empty if not measured.
+    pub heights: Vec<f64>,
+    /// How high some nodes are: marks on leaves and stem, which tell classes of segments apart.
+    pub marks: Vec<Mark>,
+}
+
+/// A node whose height was measured.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mark {
+    /// The node.
+    pub node: usize,
+    /// How high its tail is above the base, at each of the times, in metres.
+    pub heights: Vec<f64>,
+}
+
+impl Measurements {
+    /// Whether there is anything that depends on stiffness.
+    pub(super) fn has_heights(&self) -> bool {
+        !self.heights.is_empty() || !self.marks.is_empty()
+    }
+}
+
+/// Options of [`fit`](super::fit()).
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct FitOptions<'a> {
+    /// Between what the loss delta is sought, in kg / (s m^2). Default 0.1 to 5000 g / (h m^2).
+    pub loss: [f64; 2],
+    /// Between what the scale chi of the conductance is sought. Default 1e-13 to 1e-4.
+    pub scale: [f64; 2],
+    /// Between what the steepness kappa is sought. Default 0.5 to 100.
+    pub steepness: [f64; 2],
+    /// The other constants of the water.
+    pub water: WaterOptions,
+    /// The other constants of stiffness, [`Elasticity::Relative`], and the steepness to begin with.
+    /// Each class has a steepness of its own.
+    pub elasticity: Tissue,
+    /// Of the rods that heights follow from.
+    pub rods: RodOptions,
+    /// Whether there were nights ([`Interval::day_and_night`](super::super::Interval)). Default no.
+    pub nights: bool,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Progress<'a>,
+}
+
+impl Default for FitOptions<'_> {
+    fn default() -> Self {
+        Self {
+            loss: [grams_per_hour(0.1), grams_per_hour(5000.0)],
+            scale: [1e-13, 1e-4],
+            steepness: [0.5, 100.0],
+            water: WaterOptions::default(),
+            elasticity: Tissue::default(),
+            rods: RodOptions::default(),
+            nights: false,
+            par: Par::all(),
+            progress: Progress::none(),
+        }
+    }
+}
+
+builder! { FitOptions<'a> {
+    loss: [f64; 2],
+    scale: [f64; 2],
+    steepness: [f64; 2],
+    water: WaterOptions,
+    #[into] elasticity: Tissue,
+    rods: RodOptions,
+    nights: bool,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
+
+/// Names what is out of range.
+pub(super) fn check(
+    plant: &Plant,
+    measured: &Measurements,
+    options: &FitOptions<'_>,
+) -> Result<()> {
+    let count = measured.seconds.len();
+    Error::check_shape("weights", (count, 1), (measured.weights.len(), 1))?;
+    if !measured.heights.is_empty() {
+        Error::check_shape("heights", (count, 1), (measured.heights.len(), 1))?;
+    }
+    for Mark { node, heights } in &measured.marks {
+        Error::check_shape("heights of a mark", (count, 1), (heights.len(), 1))?;
+        if *node >= plant.len() {
+            let why = format!("node {node} of {} (numbered from 0)", plant.len());
+            return Err(Error::Argument { what: "mark", why });
+        }
+    }
+    let marks = measured.marks.iter().map(|mark| ("heights of a mark", &mark.heights));
+    let others = [("weights", &measured.weights), ("heights", &measured.heights)];
+    for (what, values) in others.into_iter().chain(marks) {
+        if let Some(i) = values.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NonFinite { what, index: (i, 0) });
+        }
+    }
+    if count < 4 {
+        let why = format!("{count} of them, where at least 4 are needed");
+        return Err(Error::Argument { what: "measurements", why });
+    }
+    let is_literal = |e: &Elasticity| matches!(e, Elasticity::Literal { .. });
+    if options.elasticity.classes().iter().any(is_literal) {
+        let why = "literal, where a function of the relative water content is fitted".into();
+        return Err(Error::Argument { what: "elasticity", why });
+    }
+    let bounds = [
+        ("loss", options.loss),
+        ("conductivity scale", options.scale),
+        ("steepness", options.steepness),
+    ];
+    for (what, [low, high]) in bounds {
+        if !(low > 0.0 && low < high && high.is_finite()) {
+            let why = format!("from {low} to {high}, where two ascending positive numbers bound");
+            return Err(Error::Argument { what, why });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,290 @@
+//! A solution that goes on from time to time, through changes of the weather and rewatering.
+
+use super::bdf::{Bdf6, Start};
+use super::curve::{CurveOptions, Interval, Method};
+use super::rational::{EXPONENTIAL, Workspace};
+use super::sdirk::{Responses, Sdirk};
+use super::soil::{Balance, Rewatering};
+use super::spectral::SpectralSolution;
+use super::water::{WaterModel, at_least_zero, positive};
+use crate::base::{Error, Par, Result};
+
+/// What [`Method::Auto`] stands for.
+fn choose(model: &WaterModel, times: &[f64], cycle: &[Interval]) -> Method {
+    /// Steps that resolve the fastest rate this often are accurate to 0.14 / 64^6 = 2e-12.
+    const RESOLUTION: f64 = 64.0;
+    /// Eigenvalues are off by rounding of the largest one; so is, times the time, the result.
+    const LARGEST_EXPONENT: f64 = 1e3;
+    /// A decomposition costs about n^3 / 10^9 s, an evaluation of the rational approximation n / 10^6 s.
+    const LARGEST_MATRIX: usize = 256;
+    let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
+        return Method::Rational;
+    };
+    let rate = model.fastest_rate_bound();
+    if !cycle.is_empty() {
+        return Method::Rational;
+    }
+    if model.len() <= LARGEST_MATRIX
+        && times.len() >= model.len()
+        && rate * last <= LARGEST_EXPONENT
+    {
+        return Method::Spectral;
+    }
+    let step = times.get(1).map_or(last, |second| second - first);
+    let equal = times.windows(2).all(|t| ((t[1] - t[0]) - step).abs() <= 1e-9 * step);
+    if equal && times.len() >= 32 && rate * step * RESOLUTION <= 1.0 {
+        return Method::Bdf6 { step };
+    }
+    Method::Rational
+}
+
+enum Solver {
+    Rational(Box<Workspace>),
+    Spectral(Box<SpectralSolution>),
+    Bdf6(Box<Bdf6>),
+    Sdirk(Box<Sdirk>),
+}
+
+/// A solution that has come to some time.
+pub(super) struct Walk<'a> {
+    model: WaterModel,
+    cycle: &'a [Interval],
+    /// The interval at hand, and when it ends.
+    interval: usize,
+    end: f64,
+    solver: Option<Solver>,
+    method: Method,
+    /// Relative water content by positions.
+    present: Vec<f64>,
+    /// Water in plant and soil at time 0, in kg.
+    initial: f64,
+    /// The capacity of the soil, in kg.
+    capacity: f64,
+    /// What is still to be poured, the next one last.
+    rewatering: Vec<Rewatering>,
+    /// Poured on the soil: what it held, and what drained, in kg.
+    held: f64,
+    drained: f64,
+    time: f64,
+    par: Par,
+}
+
+impl<'a> Walk<'a> {
+    /// From `water` at time 0; [`Method::Auto`] is chosen for these times.
+    pub fn new(
+        model: &WaterModel,
+        water: &[f64],
+        times: &[f64],
+        options: &'a CurveOptions<'_>,
+    ) -> Result<Self> {
+        for interval in &options.cycle {
+            positive("seconds of an interval", interval.seconds)?;
+            at_least_zero("loss of an interval", interval.loss)?;
+        }
+        let rewatering = rewatering(options)?;
+        let mut model = model.clone();
+        let present = model.relative_by_positions(water)?;
+        let mut end = f64::INFINITY;
+        if let Some(first) = options.cycle.first() {
+            model.set_loss(first.loss)?;
+            end = first.seconds;
+        }
+        let responses = Responses { stomata: options.stomata, soil: options.soil };
+        responses.check()?;
+        let (mut solver, mut method) = (None, options.method);
+        if responses.are_none() {
+            if method == Method::Auto {
+                method = choose(&model, times, &options.cycle);
+            }
+        } else if method == Method::Auto {
+            let sdirk = Sdirk::new(&model, responses, present.clone(), options.par)?;
+            solver = Some(Solver::Sdirk(Box::new(sdirk)));
+        } else {
+            let why = format!("{method:?} is of linear problems, and stomata or soil make none");
+            return Err(Error::Argument { what: "method", why });
+        }
+        let soil = options.soil;
+        Ok(Self {
+            model,
+            cycle: &options.cycle,
+            interval: 0,
+            end,
+            solver,
+            method,
+            present,
+            initial: water.iter().sum::<f64>() + soil.map_or(0.0, |s| s.content),
+            capacity: soil.map_or(0.0, |s| s.capacity),
+            rewatering,
+            held: 0.0,
+            drained: 0.0,
+            time: 0.0,
+            par: options.par,
+        })
+    }
+
+    /// The water at a later time, after what is poured then.
+    pub fn to(&mut self, time: f64) -> Result<Vec<f64>> {
+        loop {
+            match self.rewatering.last().copied() {
+                Some(next) if next.seconds <= time && next.seconds <= self.end => {
+                    self.advance(next.seconds)?;
+                    self.rewatering.pop();
+                    self.pour(next.amount);
+                }
+                _ if self.end < time => {
+                    self.advance(self.end)?;
+                    self.next_interval()?;
+                }
+                _ => break,
+            }
+        }
+        self.advance(time)?;
+        Ok(self.model.water_by_nodes(&self.present))
+    }
+
+    /// Where all water is, and where it went.
+    pub fn balance(&self) -> Balance {
+        let plant = self.present.iter().zip(&self.model.full).map(|(w, m)| w * m).sum();
+        let supplied = self.held + self.model.intake * self.time;
+        let (soil, transpired) = match &self.solver {
+            Some(Solver::Sdirk(sdirk)) => (sdirk.content(), sdirk.transpired()),
+            _ => (0.0, self.initial + supplied - plant),
+        };
+        Balance { plant, soil, transpired, supplied, drained: self.drained }
+    }
+
+    fn next_interval(&mut self) -> Result<()> {
+        self.interval = (self.interval + 1) % self.cycle.len();
+        self.end += self.cycle[self.interval].seconds;
+        self.model.set_loss(self.cycle[self.interval].loss)?;
+        match &mut self.solver {
+            Some(Solver::Sdirk(sdirk)) => sdirk.set_model(&self.model),
+            solver => *solver = None,
+        }
+        Ok(())
+    }
+
+    fn pour(&mut self, amount: Option<f64>) {
+        let Some(Solver::Sdirk(sdirk)) = &mut self.solver else { return };
+        let room = (self.capacity - sdirk.content()).max(0.0);
+        let held = amount.map_or(room, |amount| amount.min(room));
+        sdirk.pour(held);
+        self.held += held;
+        self.drained += amount.map_or(0.0, |amount| amount - held);
+    }
+
+    fn advance(&mut self, time: f64) -> Result<()> {
+        let seconds = time - self.time;
+        self.time = time;
+        if seconds <= 0.0 {
+            return Ok(());
+        }
+        let solver = match self.solver.take() {
+            Some(solver) => solver,
+            None => self.start(seconds)?,
+        };
+        let mut solver = solver;
+        match &mut solver {
+            Solver::Rational(workspace) => {
+                let steps = self.model.substeps(seconds);
+                for _ in 0..steps {
+                    let step = seconds / steps as f64;
+                    EXPONENTIAL.apply(&self.model, &mut self.present, step, workspace, self.par);
+                }
+            }
+            Solver::Spectral(solution) => {
+                let water = self.model.water_by_nodes(&self.present);
+                let water = solution.water_after(&water, seconds)?;
+                self.present = self.model.relative_by_positions(&water)?;
+            }
+            Solver::Sdirk(sdirk) => {
+                sdirk.advance(seconds)?;
+                self.present.copy_from_slice(sdirk.present());
+            }
+            Solver::Bdf6(bdf) => {
+                let Method::Bdf6 { step } = self.method else { return Ok(()) };
+                let (count, step) = equal_steps(seconds, step);
+                if (step - bdf.step_length()).abs() > 1e-9 * step {
+                    bdf.restart(&self.model, step)?;
+                }
+                for _ in 0..count {
+                    bdf.step();
+                }
+                self.present.copy_from_slice(bdf.present());
+            }
+        }
+        self.solver = Some(solver);
+        Ok(())
+    }
+
+    fn start(&self, seconds: f64) -> Result<Solver> {
+        Ok(match self.method {
+            Method::Auto | Method::Rational => {
+                Solver::Rational(Box::new(Workspace::new(&self.model.order)?))
+            }
+            Method::Spectral => Solver::Spectral(Box::new(SpectralSolution::new(&self.model)?)),
+            Method::Bdf6 { step } => {
+                positive("step", step)?;
+                let water = self.model.water_by_nodes(&self.present);
+                let (_, step) = equal_steps(seconds, step);
+                Solver::Bdf6(Box::new(Bdf6::new(
+                    &self.model,
+                    &water,
+                    step,
+                    Start::Radau,
+                    self.par,
+                )?))
+            }
+        })
+    }
+}
+
+/// The fewest equal steps of at most `longest`, and their length.
+fn equal_steps(seconds: f64, longest: f64) -> (usize, f64) {
+    // A step that fits but for rounding fits.
+    let count = (seconds / longest - 1e-9).ceil().max(1.0);
+    (count as usize, seconds / count)
+}
+
+/// What is to be poured, the last one first.
+fn rewatering(options: &CurveOptions<'_>) -> Result<Vec<Rewatering>> {
+    for pour in &options.rewatering {
+        at_least_zero("time of rewatering", pour.seconds)?;
+        at_least_zero("amount of rewatering", pour.amount.unwrap_or(0.0))?;
+    }
+    if options.soil.is_none() && !options.rewatering.is_empty() {
+        let why = "there is no soil to water".into();
+        return Err(Error::Argument { what: "rewatering", why });
+    }
+    let mut rewatering = options.rewatering.clone();
+    // Of the same time, the first one first.
+    rewatering.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    rewatering.reverse();
+    Ok(rewatering)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::families::{GrowthOptions, chain, grow};
+    use crate::plant::{Conductivity, WaterOptions};
+
+    #[test]
+    fn the_method_follows_from_rates_and_times() {
+        let slow = WaterOptions {
+            conductivity: Conductivity::Pipe { scale: 1e-12 },
+            ..Default::default()
+        };
+        let times: Vec<f64> = (1..=100).map(f64::from).collect();
+        let small = WaterModel::new(&chain(50, 0.5, 1e-3).unwrap(), &slow).unwrap();
+        assert_eq!(choose(&small, &times, &[]), Method::Spectral);
+        let plant = grow(&GrowthOptions { nodes: 300, ..Default::default() }).unwrap();
+        let slow = WaterModel::new(&plant, &slow).unwrap();
+        assert_eq!(choose(&slow, &times, &[]), Method::Bdf6 { step: 1.0 });
+        assert_eq!(choose(&slow, &times[..20], &[]), Method::Rational);
+        let stiff = WaterModel::new(&plant, &WaterOptions::default()).unwrap();
+        assert_eq!(choose(&stiff, &times, &[]), Method::Rational);
+        let day = Interval { seconds: 10.0, loss: 0.0 };
+        assert_eq!(choose(&small, &times, &[day]), Method::Rational);
+    }
+}
