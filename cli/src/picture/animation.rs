@@ -13,6 +13,10 @@ use super::image::Image;
 /// Frames a second of an animation, by default.
 pub const RATE: f64 = 12.0;
 
+/// Pixels of a frame of GIF that its colours are learned from, at least if it has as many: a tenth
+/// of a second.
+const LEARNED: usize = 50_000;
+
 /// Formats of animations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
@@ -186,9 +190,10 @@ impl Animation {
         match encoder {
             Encoder::Apng(writer) => writer.write_image_data(image.bytes())?,
             Encoder::Gif(encoder) => {
-                // The best of the quantizer's qualities, from 1 to 30, takes ten times as long as 10.
+                // Up to 256 colours are kept; else a net learns them from some of the pixels.
+                let speed = (width * height / LEARNED).clamp(1, 30) as i32;
                 let [width, height] = [width, height].map(|side| side as u16);
-                let mut frame = gif::Frame::from_rgb_speed(width, height, image.bytes(), 10);
+                let mut frame = gif::Frame::from_rgb_speed(width, height, image.bytes(), speed);
                 frame.delay = (100.0 / self.rate).round() as u16;
                 encoder.write_frame(&frame)?;
             }

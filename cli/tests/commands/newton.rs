@@ -127,10 +127,11 @@ fn a_volume_is_drawn_the_same_by_any_number_of_threads() {
     let [slow, solid, one] = ["", "--opacity solid", "--basins 0"].map(&pixels);
     // The whole cube is opaque; a basin is a part of it; borders let light through.
     assert!(ink(&one) < ink(&solid) && ink(&one) > 10_000, "{} {}", ink(&one), ink(&solid));
-    assert_ne!(slow, solid);
-    assert_ne!(pixels("--basins 0 --opacity slow"), one);
-    assert_ne!(pixels("--basins 0 --view 120,40"), one);
-    assert_ne!(pixels("--basins 0 --up z"), one);
+    assert!(slow != solid);
+    let one = pixels("--basins 4");
+    for options in ["--opacity slow", "--view 120,40", "--up z"] {
+        assert!(pixels(&format!("--basins 4 {options}")) != one, "{options}");
+    }
 }
 
 #[test]
@@ -147,7 +148,8 @@ fn the_surface_of_a_basin_is_closed_and_has_the_colour_of_its_root() {
     let roots = folder.read_npy::<f32>("roots.npy");
     let voxels = roots.iter().filter(|&&root| root == 4.0).count() as f64;
     let ratio = one.mesh.volume() / (voxels * (3.0_f64 / 24.0).powi(3));
-    assert!((ratio - 1.0).abs() < 0.06, "{ratio}");
+    // Crumbs of one voxel have half of its volume.
+    assert!((0.9..1.0).contains(&ratio), "{ratio}");
 
     folder.succeed("newton --volume --size 24 --basins all -o all.obj --threads 1");
     let all = catamaran::mesh::io::read(&folder.path("all.obj")).unwrap();
