@@ -343,13 +343,13 @@ fn smoothed(simulation: &Simulation, species: usize, passes: u32, par: Par) -> R
 }
 
 /// The amount of light of a number of a screen (IEC 61966-2-1).
-fn to_light(number: u8) -> f64 {
+pub(super) fn to_light(number: u8) -> f64 {
     let c = f64::from(number) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The inverse of [`to_light`], rounded.
-fn to_screen(light: f64) -> u8 {
+pub(super) fn to_screen(light: f64) -> u8 {
     let l = light.clamp(0.0, 1.0);
     let c = if l <= 0.003_130_8 { 12.92 * l } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };
     (255.0 * c).round() as u8

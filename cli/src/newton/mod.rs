@@ -91,7 +91,7 @@ pub struct Args {
     theta: f64,
     /// The gradient: equation 7.3 of the thesis, or that of its authors' shader.
     #[arg(long, value_name = "WHICH", default_value = "thesis")]
-    gradient: Which,
+    gradient: Formula,
     /// Pixels, texels or voxels: N along each side, or WIDTHxHEIGHT [default: 1024; voxels 128].
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<(u32, u32)>,
@@ -119,12 +119,20 @@ pub struct Args {
     /// colours for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd (roots), a mesh
     /// (the closed surfaces of basins), or a table of roots such as .npy, a line of voxels a row
     /// (numpy: reshape(N, N, N), indices z, y, x).
-    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["picture", "heights"])]
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["picture", "heights", "material"])]
     output: Option<PathBuf>,
     /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, .vti or
     /// .nrrd for voxels, else a table of numbers.
     #[arg(long, value_name = "FILE")]
     heights: Option<PathBuf>,
+    /// Write the mesh with a material over its texture to this .glb or .gltf file: which one by root,
+    /// joints between them where points converge slowly.
+    #[arg(long, value_name = "FILE", requires = "uv")]
+    material: Option<PathBuf>,
+    /// The material: enamel in the colours of roots between lines of gold, or stone, metal and wood
+    /// between dark joints [default: enamel].
+    #[arg(long, value_name = "WHICH", requires = "material")]
+    inlay: Option<Stuff>,
     /// Pack the numbers in .vti (zlib) and .nrrd (gzip).
     #[arg(long, requires = "volume")]
     compress: bool,
@@ -153,9 +161,16 @@ impl Coefficients {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Which {
+enum Formula {
     Thesis,
     Shader,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Stuff {
+    #[default]
+    Enamel,
+    Stones,
 }
 
 /// Runs the subcommand.
@@ -239,8 +254,8 @@ fn options(args: &Args) -> catamaran::Result<NewtonOptions> {
         .iterations(args.iterations)
         .theta(args.theta)
         .gradient(match args.gradient {
-            Which::Thesis => Gradient::Thesis,
-            Which::Shader => Gradient::Shader,
+            Formula::Thesis => Gradient::Thesis,
+            Formula::Shader => Gradient::Shader,
         })
         .scale(args.scale)
         .offset(args.offset)
@@ -280,7 +295,8 @@ fn drawing(args: &Args) -> Result<Drawing> {
     }
     let uv = file.uv.as_ref().context("has no texture coordinates").with_context(named)?;
     let texels = texels(&fitted, uv, width, height).with_context(named)?;
-    Ok(Drawing::Texels { texels, width: width as usize, height: height as usize })
+    let (width, height) = (width as usize, height as usize);
+    Ok(Drawing::Texels { file: Box::new(file), texels, width, height })
 }
 
 /// The mesh moved and scaled such that its box has its middle at the origin and a longest side of

@@ -10,11 +10,12 @@ use catamaran::io::{self as files, Output, Overwrite};
 use catamaran::mesh::TriMesh;
 use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
 use catamaran::texture::newton::{
-    Fractal, Grid, Newton, Points, Texels, VolumeFormat, Voxels, darkened, root_color, write_volume,
+    Fractal, Grid, Inlay, Newton, Points, Texels, VolumeFormat, Voxels, darkened, root_color,
+    write_volume,
 };
 
-use super::Args;
 use super::voxels::{self, Opacity, Transfer};
+use super::{Args, Stuff};
 use crate::output;
 use crate::picture::{
     AnimationFormat, Frames, Image, Paint, RATE, Scene, Up, frame_names, render_volume, write_gray,
@@ -28,7 +29,7 @@ const NOTHING: [u8; 3] = [0; 3];
 pub enum Drawing {
     Plane { grid: Grid },
     Vertices { file: Box<MeshFile>, positions: Vec<[f32; 3]> },
-    Texels { texels: Texels, width: usize, height: usize },
+    Texels { file: Box<MeshFile>, texels: Texels, width: usize, height: usize },
     Voxels { grid: Grid },
 }
 
@@ -52,7 +53,7 @@ impl Drawing {
 
     /// Values of points as values of pixels.
     fn spread<T: Copy>(&self, values: Vec<T>, nothing: T) -> Vec<T> {
-        let Self::Texels { texels, width, height } = self else { return values };
+        let Self::Texels { texels, width, height, .. } = self else { return values };
         let mut all = vec![nothing; width * height];
         for (&number, value) in texels.numbers.iter().zip(values) {
             all[number as usize] = value;
@@ -103,6 +104,14 @@ pub fn check_names(args: &Args) -> Result<()> {
             bail!("{}: a picture must be called .png, .apng or .gif", path.display());
         }
     }
+    if let Some(path) = &args.material {
+        if !matches!(MeshFormat::of(path), Ok(MeshFormat::Gltf(_))) {
+            bail!("{}: a material is written as .glb or .gltf", path.display());
+        }
+        if let Some((width, height)) = args.size.filter(|(width, height)| width != height) {
+            bail!("--size {width}x{height}: the textures of a material are square");
+        }
+    }
     let draws_volume = args.volume && args.picture.path().is_some() && !args.draws_surface();
     if args.opacity.is_some() && !draws_volume {
         bail!("--opacity is for pictures of voxels: it needs --picture, and no mesh as -o");
@@ -137,6 +146,7 @@ pub struct Outputs<'a> {
     output: Option<Frames>,
     heights: Option<Frames>,
     picture: Option<Frames>,
+    material: Option<Frames>,
     /// That of the first frame.
     transfer: Option<Transfer>,
 }
@@ -150,13 +160,16 @@ impl<'a> Outputs<'a> {
             output: args.output.as_deref().map(create).transpose()?,
             heights: args.heights.as_deref().map(create).transpose()?,
             picture: args.picture.path().map(create).transpose()?,
+            material: args.material.as_deref().map(create).transpose()?,
             transfer: None,
         })
     }
 
     /// The names of all files.
     pub fn names(args: &Args) -> Vec<PathBuf> {
-        let all = [args.output.as_deref(), args.heights.as_deref(), args.picture.path()];
+        let [output, heights, material] =
+            [&args.output, &args.heights, &args.material].map(Option::as_deref);
+        let all = [output, heights, args.picture.path(), material];
         all.into_iter().flatten().flat_map(|path| frame_names(path, args.frames)).collect()
     }
 
@@ -171,6 +184,17 @@ impl<'a> Outputs<'a> {
     ) -> Result<()> {
         if let Some(heights) = &mut self.heights {
             write_heights(heights.file()?, drawing, newton, fractal, self.args.compress)?;
+        }
+        if let (Drawing::Texels { file, texels, width, .. }, Some(material)) =
+            (drawing, &mut self.material)
+        {
+            let uv = file.uv.as_ref().context("no texture coordinates")?;
+            let inlay = match self.args.inlay.unwrap_or_default() {
+                Stuff::Enamel => Inlay::enamel(newton.roots()),
+                Stuff::Stones => Inlay::stones(),
+            };
+            let made = newton.material(&file.mesh, uv, texels, *width, fractal, &inlay, par)?;
+            meshes::write_with_material(material.file()?, file, &made)?;
         }
         match drawing {
             Drawing::Plane { .. } | Drawing::Texels { .. } => {
@@ -251,7 +275,7 @@ impl<'a> Outputs<'a> {
 
     /// Lets animations appear.
     pub fn finish(self) -> Result<()> {
-        let all = [self.output, self.heights, self.picture];
+        let all = [self.output, self.heights, self.picture, self.material];
         all.into_iter().flatten().try_for_each(Frames::finish)
     }
 }

@@ -271,6 +271,39 @@ fn pictures_of_volumes_and_meshes_move_too() {
 }
 
 #[test]
+fn a_material_is_in_a_file_with_its_mesh() {
+    let folder = Folder::new();
+    folder.write(
+        "square.obj",
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
+    );
+    let command = "newton square.obj --uv --size 64";
+    folder.succeed(&format!("{command} -o texture.png --material enamel.glb"));
+    folder.succeed(&format!("{command} --material stones.glb --inlay stones"));
+    let json = |name: &str| {
+        let bytes = std::fs::read(folder.path(name)).unwrap();
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        String::from_utf8(bytes[20..20 + length].to_vec()).unwrap()
+    };
+    for name in ["enamel.glb", "stones.glb"] {
+        let text = json(name);
+        for part in ["baseColorTexture", "metallicRoughnessTexture", "normalTexture", "height"] {
+            assert!(text.contains(part), "{name}: {part}");
+        }
+        assert_eq!(catamaran::mesh::io::read(&folder.path(name)).unwrap().mesh.faces().len(), 2);
+    }
+    let [enamel, stones] =
+        ["enamel.glb", "stones.glb"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert_ne!(enamel, stones);
+    assert!(folder.fail(&format!("{command} --material a.ply")).contains(".glb or .gltf"));
+    assert!(
+        folder.fail("newton square.obj --uv --size 8x4 --material a.glb").contains("are square")
+    );
+    let run = folder.run("newton square.obj --material a.glb");
+    assert!(run.code == Some(2) && run.stderr.contains("--uv"), "{}", run.stderr);
+}
+
+#[test]
 fn the_commands_of_the_guide_run() {
     let guide = include_str!("../../../docs/guide/newton.md");
     let folder = Folder::new();

@@ -10,8 +10,10 @@
 //! bits, as do all numbers of threads. See `docs/algorithms/newton.md`.
 
 mod basin;
+mod inlay;
 mod iterate;
 mod lanes;
+mod material;
 mod options;
 mod palette;
 mod points;
@@ -21,6 +23,7 @@ mod tests;
 mod texels;
 mod volume;
 
+pub use inlay::Inlay;
 pub use options::{Gradient, NewtonOptions};
 pub use palette::{darkened, root_color};
 pub use points::{Grid, Points};
