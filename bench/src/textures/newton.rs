@@ -55,13 +55,13 @@ pub fn newton_figures() -> Result<Vec<Part>> {
         rows: vec![("cube".into(), shares(&found, &vec![1.0; found.roots.len()]))],
         plots: vec![],
     };
-    Ok(vec![surface, volume, basins()?])
+    Ok(vec![surface, volume, basins([100, 200])?])
 }
 
-/// Figure 7.2b: the surfaces of basins of z^3 - 1 in the cube. The others are the same by symmetry.
-fn basins() -> Result<Part> {
+/// Figure 7.2b: the surfaces of basins of z^3 - 1 in the cube, with so many voxels a side. Other
+/// basins are the same by symmetry.
+fn basins(sides: [u32; 2]) -> Result<Part> {
     let newton = newton(3, 0.0)?;
-    let sides = [100, 200];
     let grids = sides.map(|side| Grid::cube(side, 3.0));
     let mut fractals = Vec::new();
     for grid in grids {
@@ -86,15 +86,17 @@ fn basins() -> Result<Part> {
                 closed.euler_characteristic(&Edges::new(&closed)) as f64,
                 closed.volume() / (voxels * voxel),
                 fine,
-                2.0 + (fine / coarse).log2(),
+                2.0 + (fine / coarse).ln() / (f64::from(sides[1]) / f64::from(sides[0])).ln(),
             ],
         ));
     }
     Ok(Part {
         figure: "figure 7.2b",
-        title: "surfaces of basins of z^3 - 1 in the cube with 200^3 voxels; the dimension of a \
-                border from its area with 100^3 and 200^3"
-            .into(),
+        title: format!(
+            "surfaces of basins of z^3 - 1 in the cube with {1}^3 voxels; the dimension of a border \
+             from its area with {0}^3 and {1}^3",
+            sides[0], sides[1]
+        ),
         columns: [
             "faces",
             "pieces",
@@ -118,7 +120,10 @@ pub const PICTURES: &str = "\
 |---|---|
 | 7.1a, 7.2a | `catamaran newton MESH -o colored.ply --picture 7.1a.png` |
 | 7.1b | `catamaran newton MESH --uv -o color.png --heights convergence.png` |
-| 7.2b | `catamaran newton --volume --basins 0 --picture 7.2b.png` |
+| 7.1c | `catamaran newton MESH --uv --material 7.1c.glb` |
+| 7.2b | `catamaran newton --volume --basins 0 --picture 7.2b.png --view -55,25` |
+| 7.2b, as a surface | `catamaran newton --volume --basins 0 -o 7.2b.ply` |
+| 7.3 | `catamaran newton MESH --uv --material 7.3.glb --inlay stones` |
 | all basins | `catamaran newton --volume --picture volume.png` |
 ";
 
@@ -242,4 +247,21 @@ fn race(title: &str, ours: &Newton, contenders: &[Contender<'_>], repeat: usize)
         rows: rows.collect(),
         plots: vec![],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn borders_of_basins_are_more_than_surfaces() {
+        let part = basins([24, 48]).unwrap();
+        assert_eq!(part.rows.len(), 4);
+        for (name, values) in &part.rows {
+            let [_, pieces, euler, volume, _, dimension] = values[..] else { panic!("{values:?}") };
+            assert!(pieces >= 1.0 && euler % 2.0 == 0.0, "{name}: {values:?}");
+            assert!((0.7..1.02).contains(&volume), "{name}: {volume}");
+            assert!((2.05..3.0).contains(&dimension), "{name}: {dimension}");
+        }
+    }
 }

@@ -15,6 +15,7 @@ use catamaran::mesh::{Normalization, TriMesh};
 use catamaran::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
 };
+use catamaran::texture::slime;
 use clap::ValueEnum;
 
 use crate::device::{self, Device, DeviceArgs};
@@ -22,7 +23,7 @@ use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{PictureArgs, frame_rate};
 use crate::progress::Bar;
-use crate::report::{report, seconds};
+use crate::report::{note, report, seconds};
 pub use output::colors;
 use output::{Drawing, Outputs};
 pub use voxels::surfaces;
@@ -67,8 +68,8 @@ pub struct Args {
     /// The fourth coordinate.
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
     w: f64,
-    /// So many outputs, w going from --w to --w-to: an animation if the name is .apng or .gif, else
-    /// files NAME-000, NAME-001 and so on.
+    /// So many outputs, w going from --w to --w-to: an animation where --output or --picture is called
+    /// .apng or .gif, else files NAME-000, NAME-001 and so on.
     #[arg(long, value_name = "N", requires = "w_to", value_parser = parse::frame_count)]
     frames: Option<usize>,
     /// The fourth coordinate of the last frame.
@@ -283,8 +284,16 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let Some(path) = &args.mesh else {
         return Ok(Drawing::Plane { grid: Grid::plane(width, height, [0.0; 2], args.extent) });
     };
-    let file = crate::decimate::read(path, &args.repair)?;
+    let mut file = crate::decimate::read(path, &args.repair)?;
     let named = || path.display().to_string();
+    if args.material.is_some() {
+        // A relief goes over seams, for which the texture must not repeat.
+        let within = file.uv.as_ref().map(slime::fitted);
+        if within != file.uv {
+            note(format_args!("texture coordinates are made smaller, to be from 0 to 1"));
+        }
+        file.uv = within;
+    }
     let fitted = match args.no_fit {
         true => file.mesh.clone(),
         false => fitted(&file.mesh, args.extent).with_context(named)?,

@@ -105,12 +105,12 @@ mod tests {
             let count = fractal.roots.iter().filter(|&&found| found == root).count() as f64;
             let ratio = mesh.volume() / (voxel * count);
             // Crumbs of one voxel have half of its volume.
-            assert!((0.85..1.02).contains(&ratio), "root {root}: {ratio}");
+            assert!((0.8..1.02).contains(&ratio), "root {root}: {ratio}");
             whole += mesh.volume();
             assert_eq!(basin(Par::Threads(3)), mesh, "threads decide nothing");
         }
         // What is missing is beside borders of three basins, and at bevelled edges.
-        assert!((0.93..1.0).contains(&(whole / 27.0)), "{whole}");
+        assert!((0.9..1.0).contains(&(whole / 27.0)), "{whole}");
     }
 
     #[test]
