@@ -323,6 +323,9 @@ fn the_commands_of_the_guide_run() {
         if let Some(at) = words.iter().position(|word| *word == "--size") {
             words.drain(at..at + 2);
         }
+        if let Some(at) = words.iter().position(|word| *word == "--frames") {
+            words[at + 1] = "2";
+        }
         let run =
             folder.program().arg("newton").args(words).args(["--size", "16", "--force"]).output();
         let run = run.unwrap();
