@@ -1,5 +1,12 @@
 //! Textures that grow on surfaces (thesis, chapters 3 and 7): the reference implementations, on the CPU. The modules of `opencl`
-//! (feature of that name) have the same as kernels.
+//! (feature of that name) have the same as kernels. Normal maps and materials of what grew.
 
+mod margin;
+mod material;
 pub mod newton;
+mod relief;
 pub mod slime;
+
+pub use margin::margin;
+pub use material::{Finish, Look, MaterialMaps, Preset};
+pub use relief::{HeightField, flat_normal_map, normal_colors, normal_map};

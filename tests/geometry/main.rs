@@ -5,6 +5,7 @@ mod common;
 mod decimate;
 mod decimate_families;
 mod laplacian;
+mod materials;
 mod mesh;
 mod mesh_files;
 mod ortho;

@@ -12,7 +12,7 @@ mod times;
 
 pub use figures::{evaporation, maze, rescaling, substeps};
 pub use long::{long_walks, many_points};
-pub use newton::{newton_figures, newton_times};
+pub use newton::{PICTURES, newton_figures, newton_times};
 pub use parameters::{grid, table};
 #[cfg(feature = "opencl")]
 pub use times::times;

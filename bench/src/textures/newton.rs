@@ -1,10 +1,10 @@
-//! Newton's fractals: what figures 7.1 and 7.2 show in numbers, and how fast it is.
+//! Newton's fractals: what figures 7.1 and 7.2 show in numbers, and how fast they are.
 
 use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::{TriMesh, families, vertex_areas};
+use catamaran::mesh::{Components, Edges, Rim, TriMesh, families, vertex_areas};
 use catamaran::texture::newton::{Fractal, Grid, Newton, NewtonOptions, Points, Polynomial};
 
 use super::polar;
@@ -55,8 +55,77 @@ pub fn newton_figures() -> Result<Vec<Part>> {
         rows: vec![("cube".into(), shares(&found, &vec![1.0; found.roots.len()]))],
         plots: vec![],
     };
-    Ok(vec![surface, volume])
+    Ok(vec![surface, volume, basins([100, 200])?])
 }
+
+/// Figure 7.2b: the surfaces of basins of z^3 - 1 in the cube, with so many voxels a side. Other
+/// basins are the same by symmetry.
+fn basins(sides: [u32; 2]) -> Result<Part> {
+    let newton = newton(3, 0.0)?;
+    let grids = sides.map(|side| Grid::cube(side, 3.0));
+    let mut fractals = Vec::new();
+    for grid in grids {
+        fractals.push(newton.evaluate(Points::Grid(grid), Par::all(), Progress::none())?);
+    }
+    let mut rows = Vec::new();
+    for root in [0, 1, 4, 5] {
+        let surface = |i: usize, rim| {
+            newton.basin(&grids[i], &fractals[i], root, rim, Par::all(), Progress::none())
+        };
+        let closed = surface(1, Rim::Closed)?;
+        let voxels = fractals[1].roots.iter().filter(|&&found| found == root).count() as f64;
+        let voxel = (3.0 / f64::from(sides[1])).powi(3);
+        // Without what is cut at the sides of the cube.
+        let [coarse, fine] = [surface(0, Rim::Open)?.area(), surface(1, Rim::Open)?.area()];
+        let name = format!("root {}, {}", root / 3, root % 3);
+        rows.push((
+            name,
+            vec![
+                closed.faces().len() as f64,
+                Components::new(&closed).len() as f64,
+                closed.euler_characteristic(&Edges::new(&closed)) as f64,
+                closed.volume() / (voxels * voxel),
+                fine,
+                2.0 + (fine / coarse).ln() / (f64::from(sides[1]) / f64::from(sides[0])).ln(),
+            ],
+        ));
+    }
+    Ok(Part {
+        figure: "figure 7.2b",
+        title: format!(
+            "surfaces of basins of z^3 - 1 in the cube with {1}^3 voxels; the dimension of a border \
+             from its area with {0}^3 and {1}^3",
+            sides[0], sides[1]
+        ),
+        columns: [
+            "faces",
+            "pieces",
+            "Euler characteristic",
+            "volume over that of its voxels",
+            "area of the border",
+            "dimension of the border",
+        ]
+        .map(String::from)
+        .into(),
+        rows,
+        plots: vec![],
+    })
+}
+
+/// How the figures of chapter 7 are drawn.
+pub const PICTURES: &str = "\
+**pictures** of chapter 7; `MESH` is any mesh, for `--uv` with texture coordinates
+
+| figure | command |
+|---|---|
+| 7.1a, 7.2a | `catamaran newton MESH -o colored.ply --picture 7.1a.png` |
+| 7.1b | `catamaran newton MESH --uv -o color.png --heights convergence.png` |
+| 7.1c | `catamaran newton MESH --uv --material 7.1c.glb` |
+| 7.2b | `catamaran newton --volume --basins 0 --picture 7.2b.png --view -55,25` |
+| 7.2b, as a surface | `catamaran newton --volume --basins 0 -o 7.2b.ply` |
+| 7.3 | `catamaran newton MESH --uv --material 7.3.glb --inlay stones` |
+| all basins | `catamaran newton --volume --picture volume.png` |
+";
 
 fn newton(n: u32, w: f64) -> Result<Newton> {
     let polynomial = Polynomial::Power(n);
@@ -178,4 +247,21 @@ fn race(title: &str, ours: &Newton, contenders: &[Contender<'_>], repeat: usize)
         rows: rows.collect(),
         plots: vec![],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn borders_of_basins_are_more_than_surfaces() {
+        let part = basins([24, 48]).unwrap();
+        assert_eq!(part.rows.len(), 4);
+        for (name, values) in &part.rows {
+            let [_, pieces, euler, volume, _, dimension] = values[..] else { panic!("{values:?}") };
+            assert!(pieces >= 1.0 && euler % 2.0 == 0.0, "{name}: {values:?}");
+            assert!((0.7..1.02).contains(&volume), "{name}: {volume}");
+            assert!((2.05..3.0).contains(&dimension), "{name}: {dimension}");
+        }
+    }
 }

@@ -6,11 +6,13 @@ use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::mesh::families;
-use catamaran::texture::newton::{Fractal, Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran::texture::newton::{
+    Fractal, Grid, Newton, NewtonOptions, Points, Polynomial, root_color,
+};
 
 use super::Site;
 use super::page::{Figure, Station, Table};
-use crate::newton::colors;
+use crate::newton::{colors, surfaces};
 use crate::picture::{Image, Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
@@ -33,6 +35,8 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     Image::from_pixels(SHOWN as usize, colors(&newton, &fractal))
         .write_png(site.file("newton-plane.png")?)?;
     bar.step(0.6)?;
+    let volume = volume(site)?;
+    bar.step(0.7)?;
     let size = if site.small { SMALL_SIZE } else { SIZE };
     let rows = POWERS.iter().map(|&n| row(n, size)).collect::<Result<Vec<_>>>()?;
     drop(bar);
@@ -55,6 +59,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         figures: vec![
             picture("newton.png", "z^3 = 1 on a torus: which root; how slowly it is found; which root, at w = 0.4.", true),
             picture("newton-plane.png", "z^5 = 1 on the plane, darker where it takes longer.", false),
+            picture("newton-volume.png", &volume, false),
         ],
         tables: vec![Table {
             caption: format!("{size} x {size} points of the plane, 32 iterations, all cores, without OpenCL."),
@@ -63,6 +68,23 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             rows,
         }],
     })
+}
+
+/// Draws a basin in space; what is seen.
+fn volume(site: &Site<'_>) -> Result<String> {
+    let newton = power(3, 0.0)?;
+    let grid = Grid::cube(if site.small { 48 } else { 160 }, 3.0);
+    let fractal = newton.evaluate(Points::Grid(grid), Par::all(), Progress::none())?;
+    let file = surfaces(&newton, &grid, &fractal, &[0], Par::all(), Progress::none())?;
+    let colors: Vec<[u8; 3]> = vec![root_color(0, 3); file.mesh.vertices().len()];
+    let view = View { azimuth: 30.0, elevation: 20.0, ..View::DEFAULT };
+    let panel = Panel { mesh: &file.mesh, paint: Paint::Colors(&colors), view, title: "" };
+    let scene = Scene { panels: vec![panel], size: (700, 700), ..Scene::default() };
+    render(&scene)?.write_png(site.file("newton-volume.png")?)?;
+    Ok(format!(
+        "The basin of one root of z^3 = 1 in a cube: a closed surface of {} triangles.",
+        file.mesh.faces().len()
+    ))
 }
 
 fn power(n: u32, w: f64) -> Result<Newton> {

@@ -2,8 +2,9 @@
 
 mod expression;
 mod output;
+mod voxels;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -14,16 +15,19 @@ use catamaran::mesh::{Normalization, TriMesh};
 use catamaran::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
 };
+use catamaran::texture::slime;
 use clap::ValueEnum;
 
 use crate::device::{self, Device, DeviceArgs};
 use crate::input::MeshArgs;
 use crate::parse;
-use crate::picture::{Paint, PictureArgs};
+use crate::picture::{PictureArgs, frame_rate};
 use crate::progress::Bar;
-use crate::report::{report, seconds};
+use crate::report::{note, report, seconds};
 pub use output::colors;
-use output::{Drawing, Job};
+use output::{Drawing, Outputs};
+pub use voxels::surfaces;
+use voxels::{Basins, Opacity};
 
 /// Decorate a plane, a mesh or a volume with a Newton fractal in four dimensions (bicomplex numbers).
 ///
@@ -31,6 +35,10 @@ use output::{Drawing, Job};
 /// takes. Without MESH the plane z = 0 is drawn; with it, its vertices, or with --uv the texels of
 /// its texture; with --volume, voxels. A mesh is looked at as if its box, kept in proportion, had
 /// its middle at the origin and a longest side of --extent, whatever its unit.
+///
+/// Examples: `catamaran newton -o plane.png`; `catamaran newton bunny.obj -o bunny.ply`;
+/// `catamaran newton --volume --picture cube.png`; `catamaran newton --volume --basins 4 -o
+/// basin.ply`; `catamaran newton --frames 48 --w-to 1 -o time.apng`. docs/guide/newton.md has more.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
@@ -60,12 +68,16 @@ pub struct Args {
     /// The fourth coordinate.
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
     w: f64,
-    /// So many outputs, w going from --w to --w-to; they are called NAME-000, NAME-001 and so on.
+    /// So many outputs, w going from --w to --w-to: an animation where --output or --picture is called
+    /// .apng or .gif, else files NAME-000, NAME-001 and so on.
     #[arg(long, value_name = "N", requires = "w_to", value_parser = parse::frame_count)]
     frames: Option<usize>,
     /// The fourth coordinate of the last frame.
     #[arg(long, value_name = "W", requires = "frames", allow_hyphen_values = true)]
     w_to: Option<f64>,
+    /// Frames a second of an animation, from 0.1 to 50 [default: 12].
+    #[arg(long, value_name = "RATE", requires = "frames", value_parser = frame_rate)]
+    fps: Option<f64>,
     /// What points, fitted, are multiplied by, after the offset and w have been added.
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_hyphen_values = true)]
     scale: f64,
@@ -80,7 +92,7 @@ pub struct Args {
     theta: f64,
     /// The gradient: equation 7.3 of the thesis, or that of its authors' shader.
     #[arg(long, value_name = "WHICH", default_value = "thesis")]
-    gradient: Which,
+    gradient: Formula,
     /// Pixels, texels or voxels: N along each side, or WIDTHxHEIGHT [default: 1024; voxels 128].
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<(u32, u32)>,
@@ -96,13 +108,35 @@ pub struct Args {
     /// Voxels of a cube around the origin.
     #[arg(long, conflicts_with = "mesh")]
     volume: bool,
-    /// Where the result goes: .png for a plane or texels; a mesh with colours for vertices; for voxels the numbers of their
-    /// roots, .npy, a line of voxels a row (numpy: reshape(N, N, N), indices z, y, x).
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
-    /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, else a table of numbers.
+    /// What --volume shows as a surface or a picture: `all`, or numbers of roots such as 0,4. Root
+    /// (a, b) of n^2 has the number a n + b, from 0 [default: all].
+    #[arg(long, value_name = "ROOTS", requires = "volume", value_parser = Basins::parse)]
+    basins: Option<Basins>,
+    /// What is opaque in a picture of voxels: basins as a whole, or where points converge slowly
+    /// [default: solid with --basins, else slow].
+    #[arg(long, value_name = "WHAT", requires = "volume")]
+    opacity: Option<Opacity>,
+    /// Where the result goes: .png for a plane or texels, or with --frames .apng or .gif; a mesh with
+    /// colours for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd (roots), a mesh
+    /// (the closed surfaces of basins), or a table of roots such as .npy, a line of voxels a row
+    /// (numpy: reshape(N, N, N), indices z, y, x).
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["picture", "heights", "material"])]
+    output: Option<PathBuf>,
+    /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, .vti or
+    /// .nrrd for voxels, else a table of numbers.
     #[arg(long, value_name = "FILE")]
     heights: Option<PathBuf>,
+    /// Write the mesh with a material over its texture to this .glb or .gltf file: which one by root,
+    /// joints between them where points converge slowly.
+    #[arg(long, value_name = "FILE", requires = "uv")]
+    material: Option<PathBuf>,
+    /// The material: enamel in the colours of roots between lines of gold, or stone, metal and wood
+    /// between dark joints [default: enamel].
+    #[arg(long, value_name = "WHICH", requires = "material")]
+    inlay: Option<Stuff>,
+    /// Pack the numbers in .vti (zlib) and .nrrd (gzip).
+    #[arg(long, requires = "volume")]
+    compress: bool,
     #[command(flatten)]
     repair: MeshArgs,
     #[command(flatten)]
@@ -128,55 +162,47 @@ impl Coefficients {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Which {
+enum Formula {
     Thesis,
     Shader,
 }
 
-/// One output.
-struct Frame {
-    w: f64,
-    output: PathBuf,
-    heights: Option<PathBuf>,
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Stuff {
+    #[default]
+    Enamel,
+    Stones,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let options = options(args)?;
-    Newton::new(&options)?;
+    let newton = Newton::new(&options)?;
     let device = args.device.open()?;
-    let mut picture = args.picture.create(overwrite)?;
-    if picture.is_some() && (args.mesh.is_none() || args.uv) {
-        bail!("--picture shows the vertices of a mesh: it needs MESH, and not --uv");
-    }
     output::check_names(args)?;
-    let frames = frames(args);
-    let jobs = frames
-        .iter()
-        .map(|frame| Job::create(&frame.output, frame.heights.as_deref(), overwrite))
-        .collect::<Result<Vec<_>>>()?;
+    if let Some(basins) = &args.basins {
+        basins.of(&newton)?;
+    }
+    let mut outputs = Outputs::create(args, overwrite)?;
     let drawing = drawing(args)?;
     let par = args.threads.map_or(Par::all(), Par::Threads);
     let bar = Bar::new("newton");
     let update = |fraction| bar.update(fraction);
-    let share = |i: usize| i as f64 / frames.len() as f64;
+    let all = fourth_coordinates(args);
+    let share = |i: usize| i as f64 / all.len() as f64;
     let (mut time, mut points) = (Duration::ZERO, 0);
-    for (i, (job, frame)) in jobs.into_iter().zip(&frames).enumerate() {
-        let newton = Newton::new(&options.clone().w(frame.w))?;
+    for (i, &w) in all.iter().enumerate() {
+        let newton = Newton::new(&options.clone().w(w))?;
         let progress = Progress::new(&update).part(share(i)..share(i + 1));
         let start = Instant::now();
-        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, progress)?;
+        let evaluated = progress.part(0.0..0.5);
+        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, evaluated)?;
         time += start.elapsed();
         points += fractal.roots.len();
-        if let (Drawing::Vertices { file, .. }, Some(source), Some(picture)) =
-            (&drawing, &args.mesh, picture.take())
-        {
-            let colors = colors(&newton, &fractal);
-            args.picture.draw(picture, source, &[(&file.mesh, Paint::Colors(&colors), "")])?;
-        }
-        job.write(&drawing, &newton, &fractal)?;
+        outputs.add(&drawing, &newton, &fractal, par, progress.part(0.5..1.0))?;
     }
+    outputs.finish()?;
     drop(bar);
     report(format_args!(
         "points    {points} on {}, {} iterations, {}",
@@ -184,10 +210,8 @@ pub fn run(args: &Args) -> Result<()> {
         args.iterations,
         seconds(time)
     ))?;
-    for frame in &frames {
-        for path in [Some(&frame.output), frame.heights.as_ref()].into_iter().flatten() {
-            report(format_args!("written   {}", path.display()))?;
-        }
+    for path in Outputs::names(args) {
+        report(format_args!("written   {}", path.display()))?;
     }
     Ok(())
 }
@@ -231,36 +255,19 @@ fn options(args: &Args) -> catamaran::Result<NewtonOptions> {
         .iterations(args.iterations)
         .theta(args.theta)
         .gradient(match args.gradient {
-            Which::Thesis => Gradient::Thesis,
-            Which::Shader => Gradient::Shader,
+            Formula::Thesis => Gradient::Thesis,
+            Formula::Shader => Gradient::Shader,
         })
         .scale(args.scale)
         .offset(args.offset)
         .w(args.w))
 }
 
-/// What is computed, and where each result goes.
-fn frames(args: &Args) -> Vec<Frame> {
-    let (Some(count), Some(end)) = (args.frames, args.w_to) else {
-        return vec![Frame {
-            w: args.w,
-            output: args.output.clone(),
-            heights: args.heights.clone(),
-        }];
-    };
-    let frame = |i: usize| Frame {
-        w: args.w + (end - args.w) * i as f64 / count.saturating_sub(1).max(1) as f64,
-        output: numbered(&args.output, i),
-        heights: args.heights.as_ref().map(|path| numbered(path, i)),
-    };
-    (0..count).map(frame).collect()
-}
-
-/// `folder/name.png` as `folder/name-007.png`.
-fn numbered(path: &Path, i: usize) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{i:03}.{extension}"))
+/// The fourth coordinate of each frame.
+fn fourth_coordinates(args: &Args) -> Vec<f64> {
+    let (Some(count), Some(end)) = (args.frames, args.w_to) else { return vec![args.w] };
+    let steps = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|i| args.w + (end - args.w) * i as f64 / steps).collect()
 }
 
 fn drawing(args: &Args) -> Result<Drawing> {
@@ -277,8 +284,16 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let Some(path) = &args.mesh else {
         return Ok(Drawing::Plane { grid: Grid::plane(width, height, [0.0; 2], args.extent) });
     };
-    let file = crate::decimate::read(path, &args.repair)?;
+    let mut file = crate::decimate::read(path, &args.repair)?;
     let named = || path.display().to_string();
+    if args.material.is_some() {
+        // A relief goes over seams, for which the texture must not repeat.
+        let within = file.uv.as_ref().map(slime::fitted);
+        if within != file.uv {
+            note(format_args!("texture coordinates are made smaller, to be from 0 to 1"));
+        }
+        file.uv = within;
+    }
     let fitted = match args.no_fit {
         true => file.mesh.clone(),
         false => fitted(&file.mesh, args.extent).with_context(named)?,
@@ -289,7 +304,8 @@ fn drawing(args: &Args) -> Result<Drawing> {
     }
     let uv = file.uv.as_ref().context("has no texture coordinates").with_context(named)?;
     let texels = texels(&fitted, uv, width, height).with_context(named)?;
-    Ok(Drawing::Texels { texels, width: width as usize, height: height as usize })
+    let (width, height) = (width as usize, height as usize);
+    Ok(Drawing::Texels { file: Box::new(file), texels, width, height })
 }
 
 /// The mesh moved and scaled such that its box has its middle at the origin and a longest side of

@@ -1,16 +1,26 @@
-//! What is made of a fractal: pictures, meshes, tables.
+//! What is made of a fractal: pictures, meshes, volumes, tables.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::faer::MatRef;
 use catamaran::io::{self as files, Output, Overwrite};
-use catamaran::mesh::io::{self as meshes, MeshFile};
-use catamaran::texture::newton::{Fractal, Grid, Newton, Points, Texels, darkened, root_color};
+use catamaran::mesh::TriMesh;
+use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
+use catamaran::texture::newton::{
+    Fractal, Grid, Inlay, Newton, Points, Texels, VolumeFormat, Voxels, darkened, root_color,
+    write_volume,
+};
 
-use super::Args;
+use super::voxels::{self, Opacity, Transfer};
+use super::{Args, Stuff};
 use crate::output;
-use crate::picture::{Image, write_gray};
+use crate::picture::{
+    AnimationFormat, Frames, Image, Paint, RATE, Scene, Up, frame_names, render_volume, write_gray,
+};
+use crate::report::report;
 
 /// Where no surface is.
 const NOTHING: [u8; 3] = [0; 3];
@@ -19,7 +29,7 @@ const NOTHING: [u8; 3] = [0; 3];
 pub enum Drawing {
     Plane { grid: Grid },
     Vertices { file: Box<MeshFile>, positions: Vec<[f32; 3]> },
-    Texels { texels: Texels, width: usize, height: usize },
+    Texels { file: Box<MeshFile>, texels: Texels, width: usize, height: usize },
     Voxels { grid: Grid },
 }
 
@@ -43,7 +53,7 @@ impl Drawing {
 
     /// Values of points as values of pixels.
     fn spread<T: Copy>(&self, values: Vec<T>, nothing: T) -> Vec<T> {
-        let Self::Texels { texels, width, height } = self else { return values };
+        let Self::Texels { texels, width, height, .. } = self else { return values };
         let mut all = vec![nothing; width * height];
         for (&number, value) in texels.numbers.iter().zip(values) {
             all[number as usize] = value;
@@ -52,65 +62,226 @@ impl Drawing {
     }
 }
 
-/// Whether the files are called what they will be.
+/// Whether a file is called like a picture.
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+}
+
+/// Whether a file is called like a mesh.
+fn is_mesh(path: &Path) -> bool {
+    MeshFormat::of(path).is_ok()
+}
+
+/// Whether the files are called what they will be, and what they depend on is there.
 pub fn check_names(args: &Args) -> Result<()> {
-    let is_png = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     let is_picture = args.uv || (args.mesh.is_none() && !args.volume);
-    let output = args.output.as_path();
-    if is_picture && !is_png(output) {
-        bail!("{}: a plane, or texels, are written as .png", output.display());
+    let is_image = |path: &Path| is_png(path) || AnimationFormat::of(path).is_some();
+    if let Some(path) = &args.output {
+        let name = path.display();
+        if is_picture {
+            if !is_image(path) {
+                bail!("{name}: a plane, or texels, are written as .png, .apng or .gif");
+            }
+        } else if AnimationFormat::of(path).is_some() {
+            bail!("{name}: --picture draws animations of meshes and volumes");
+        } else if !args.volume {
+            meshes::check_name(path)?;
+        } else if !is_mesh(path) && VolumeFormat::of(path, false).is_none() {
+            files::check_name(path)?;
+        }
     }
-    if args.volume {
-        files::check_name(output)?;
-    } else if !is_picture {
-        meshes::check_name(output)?;
-    }
-    if let Some(heights) = args.heights.as_deref()
-        && !(is_picture && is_png(heights))
+    if let Some(path) = args.heights.as_deref()
+        && !(is_picture && is_png(path))
+        && !(args.volume && VolumeFormat::of(path, false).is_some())
     {
-        files::check_name(heights)?;
+        files::check_name(path)?;
+    }
+    if let Some(path) = args.picture.path() {
+        if is_picture {
+            bail!("--picture shows vertices or voxels: it needs MESH or --volume, and not --uv");
+        }
+        if !is_image(path) {
+            bail!("{}: a picture must be called .png, .apng or .gif", path.display());
+        }
+    }
+    if let Some(path) = &args.material {
+        if !matches!(MeshFormat::of(path), Ok(MeshFormat::Gltf(_))) {
+            bail!("{}: a material is written as .glb or .gltf", path.display());
+        }
+        if let Some((width, height)) = args.size.filter(|(width, height)| width != height) {
+            bail!("--size {width}x{height}: the textures of a material are square");
+        }
+    }
+    let draws_volume = args.volume && args.picture.path().is_some() && !args.draws_surface();
+    if args.opacity.is_some() && !draws_volume {
+        bail!("--opacity is for pictures of voxels: it needs --picture, and no mesh as -o");
+    }
+    if args.basins.is_some() && !draws_volume && !args.draws_surface() {
+        bail!(
+            "--basins chooses what a surface or a picture shows: it needs a mesh as -o, or --picture"
+        );
+    }
+    let files = [args.output.as_deref(), args.picture.path()];
+    if args.fps.is_some() && !files.into_iter().flatten().any(|p| AnimationFormat::of(p).is_some())
+    {
+        bail!("--fps is for animations, which are called .apng or .gif");
+    }
+    let volume_file = |path: &PathBuf| VolumeFormat::of(path, true).is_some();
+    if args.compress && ![&args.output, &args.heights].into_iter().flatten().any(volume_file) {
+        bail!("--compress is for .vti and .nrrd");
     }
     Ok(())
 }
 
-/// Files that are about to be written.
-pub struct Job {
-    output: Output,
-    heights: Option<Output>,
+impl Args {
+    /// Whether the output is the surface of basins.
+    pub fn draws_surface(&self) -> bool {
+        self.volume && self.output.as_deref().is_some_and(is_mesh)
+    }
 }
 
-impl Job {
-    pub fn create(output: &Path, heights: Option<&Path>, overwrite: Overwrite) -> Result<Self> {
-        let heights = heights.map(|path| Output::create(path, overwrite)).transpose()?;
-        Ok(Self { output: Output::create(output, overwrite)?, heights })
+/// Files that are about to be written.
+pub struct Outputs<'a> {
+    args: &'a Args,
+    output: Option<Frames>,
+    heights: Option<Frames>,
+    picture: Option<Frames>,
+    material: Option<Frames>,
+    /// That of the first frame.
+    transfer: Option<Transfer>,
+}
+
+impl<'a> Outputs<'a> {
+    pub fn create(args: &'a Args, overwrite: Overwrite) -> Result<Self> {
+        let rate = args.fps.unwrap_or(RATE);
+        let create = |path: &Path| Frames::create(path, args.frames, rate, overwrite);
+        Ok(Self {
+            args,
+            output: args.output.as_deref().map(create).transpose()?,
+            heights: args.heights.as_deref().map(create).transpose()?,
+            picture: args.picture.path().map(create).transpose()?,
+            material: args.material.as_deref().map(create).transpose()?,
+            transfer: None,
+        })
     }
 
-    /// Writes them.
-    pub fn write(self, drawing: &Drawing, newton: &Newton, fractal: &Fractal) -> Result<()> {
-        if let Some(heights) = self.heights {
-            write_heights(heights, drawing, newton, fractal)?;
+    /// The names of all files.
+    pub fn names(args: &Args) -> Vec<PathBuf> {
+        let [output, heights, material] =
+            [&args.output, &args.heights, &args.material].map(Option::as_deref);
+        let all = [output, heights, args.picture.path(), material];
+        all.into_iter().flatten().flat_map(|path| frame_names(path, args.frames)).collect()
+    }
+
+    /// Writes a frame.
+    pub fn add(
+        &mut self,
+        drawing: &Drawing,
+        newton: &Newton,
+        fractal: &Fractal,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> Result<()> {
+        if let Some(heights) = &mut self.heights {
+            write_heights(heights.file()?, drawing, newton, fractal, self.args.compress)?;
+        }
+        if let (Drawing::Texels { file, texels, width, .. }, Some(material)) =
+            (drawing, &mut self.material)
+        {
+            let uv = file.uv.as_ref().context("no texture coordinates")?;
+            let inlay = match self.args.inlay.unwrap_or_default() {
+                Stuff::Enamel => Inlay::enamel(newton.roots()),
+                Stuff::Stones => Inlay::stones(),
+            };
+            let made = newton.material(&file.mesh, uv, texels, *width, fractal, &inlay, par)?;
+            meshes::write_with_material(material.file()?, file, &made)?;
         }
         match drawing {
             Drawing::Plane { .. } | Drawing::Texels { .. } => {
+                let Some(output) = &mut self.output else { return Ok(()) };
                 let (width, _) = drawing.pixels().context("not a picture")?;
                 let colors = drawing.spread(colors(newton, fractal), NOTHING);
-                Image::from_pixels(width, colors).write_png(self.output)
+                output.image(&Image::from_pixels(width, colors))
             }
             Drawing::Vertices { file, .. } => {
+                let colors = colors(newton, fractal);
+                let source = self.args.mesh.as_deref().unwrap_or(Path::new(""));
+                self.draw_mesh(&file.mesh, &colors, source)?;
+                let Some(output) = &mut self.output else { return Ok(()) };
                 let channel = |c: u8| f64::from(c) / 255.0;
-                let colors = colors(newton, fractal).into_iter();
-                let colors = colors.map(|[r, g, b]| [channel(r), channel(g), channel(b), 1.0]);
+                let colors = colors.iter().map(|c| c.map(channel));
                 let mut file = MeshFile::clone(file);
-                file.colors = Some(colors.collect());
-                Ok(output::mesh(self.output, &file)?)
+                file.colors = Some(colors.map(|[r, g, b]| [r, g, b, 1.0]).collect());
+                Ok(output::mesh(output.file()?, &file)?)
             }
-            Drawing::Voxels { grid } => {
-                let numbers: Vec<f32> = fractal.roots.iter().copied().map(f32::from).collect();
-                Ok(files::write(self.output, lines(&numbers, grid.counts[0] as usize))?)
-            }
+            Drawing::Voxels { grid } => self.add_voxels(grid, newton, fractal, par, progress),
         }
     }
+
+    fn add_voxels(
+        &mut self,
+        grid: &Grid,
+        newton: &Newton,
+        fractal: &Fractal,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> Result<()> {
+        let args = self.args;
+        let basins = args.basins.as_ref().map(|basins| basins.of(newton)).transpose()?;
+        let all: Vec<u16> = (0..newton.roots().pow(2) as u16).collect();
+        let shown = basins.as_deref().unwrap_or(&all);
+        if let (true, Some(path)) = (args.draws_surface(), &args.output) {
+            let file = voxels::surfaces(newton, grid, fractal, shown, par, progress)?;
+            report(format_args!(
+                "surface   {} vertices, {} faces, volume {:.6}",
+                file.mesh.vertices().len(),
+                file.mesh.faces().len(),
+                file.mesh.volume()
+            ))?;
+            let byte = |c: f64| (255.0 * c).round() as u8;
+            let colors = file.colors.iter().flatten();
+            let colors: Vec<_> = colors.map(|&[r, g, b, _]| [r, g, b].map(byte)).collect();
+            self.draw_mesh(&file.mesh, &colors, path)?;
+            let Some(output) = &mut self.output else { return Ok(()) };
+            return Ok(output::mesh(output.file()?, &file)?);
+        }
+        if let Some(picture) = &mut self.picture {
+            let solid = if basins.is_some() { Opacity::Solid } else { Opacity::Slow };
+            let opacity = args.opacity.unwrap_or(solid);
+            let transfer = *self.transfer.get_or_insert_with(|| Transfer::new(newton, fractal));
+            let volume = voxels::volume(newton, grid, fractal, shown, opacity, transfer);
+            let view = args.picture.view(Up::Y);
+            let threads = par.threads();
+            picture.image(&render_volume(&volume, &view, PICTURE, threads, progress)?)?;
+        }
+        let Some(output) = &mut self.output else { return Ok(()) };
+        let output = output.file()?;
+        if let Some(format) = VolumeFormat::of(output.path(), args.compress) {
+            let arrays = [Voxels::Roots(&fractal.roots), Voxels::Convergence(&fractal.convergence)];
+            // NRRD has place for one.
+            let count = if matches!(format, VolumeFormat::Vti { .. }) { 2 } else { 1 };
+            return Ok(write_volume(output, format, grid, &arrays[..count])?);
+        }
+        let numbers: Vec<f32> = fractal.roots.iter().copied().map(f32::from).collect();
+        Ok(files::write(output, lines(&numbers, grid.counts[0] as usize))?)
+    }
+
+    /// Draws a mesh, if there shall be a picture.
+    fn draw_mesh(&mut self, mesh: &TriMesh, colors: &[[u8; 3]], source: &Path) -> Result<()> {
+        let Some(picture) = &mut self.picture else { return Ok(()) };
+        let panels = [(mesh, Paint::Colors(colors), "")];
+        picture.image(&self.args.picture.image(source, &panels, Scene::default())?)
+    }
+
+    /// Lets animations appear.
+    pub fn finish(self) -> Result<()> {
+        let all = [self.output, self.heights, self.picture, self.material];
+        all.into_iter().flatten().try_for_each(Frames::finish)
+    }
 }
+
+/// Width and height of a picture of a volume.
+const PICTURE: (usize, usize) = (800, 800);
 
 /// Values of points as a matrix of so many columns: a line of them a row.
 fn lines(values: &[f32], columns: usize) -> MatRef<'_, f32> {
@@ -122,9 +293,15 @@ fn write_heights(
     drawing: &Drawing,
     newton: &Newton,
     fractal: &Fractal,
+    compress: bool,
 ) -> Result<()> {
-    let is_png = output.path().extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if let (true, Some((width, height))) = (is_png, drawing.pixels()) {
+    if let (Drawing::Voxels { grid }, Some(format)) =
+        (drawing, VolumeFormat::of(output.path(), compress))
+    {
+        let array = Voxels::Convergence(&fractal.convergence);
+        return Ok(write_volume(output, format, grid, &[array])?);
+    }
+    if let (true, Some((width, height))) = (is_png(output.path()), drawing.pixels()) {
         let gray = |&t: &f32| (65535.0 * newton.share(t)).round() as u16;
         let values = drawing.spread(fractal.convergence.iter().map(gray).collect(), 0);
         return write_gray(output, width, height, &values);

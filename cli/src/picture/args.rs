@@ -5,6 +5,7 @@ use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::TriMesh;
 
 use super::color::ColorScale;
+use super::image::Image;
 use super::mesh::up::guess;
 use super::mesh::{Paint, Panel, Scene, Up, View, render};
 
@@ -55,6 +56,24 @@ impl PictureArgs {
         self.draw_as(output, source, panels, scene)
     }
 
+    /// The name of the picture, if there shall be one.
+    pub fn path(&self) -> Option<&Path> {
+        self.picture.as_deref()
+    }
+
+    /// From where something is seen whose `up` axis is this, unless --up says another.
+    pub fn view(&self, up: Up) -> View {
+        View { up: self.up.unwrap_or(up), ..self.view.unwrap_or_default() }
+    }
+
+    /// What [`PictureArgs::draw`] writes.
+    pub fn image(&self, source: &Path, panels: &Panels<'_>, scene: Scene<'_>) -> Result<Image> {
+        let view = self.view(panels.first().map_or(Up::Y, |(mesh, ..)| guess(mesh, source)));
+        let panels =
+            panels.iter().map(|&(mesh, paint, title)| Panel { mesh, paint, view, title }).collect();
+        render(&Scene { panels, ..scene })
+    }
+
     fn draw_as(
         &self,
         output: Output,
@@ -62,13 +81,8 @@ impl PictureArgs {
         panels: &Panels<'_>,
         scene: Scene<'_>,
     ) -> Result<()> {
-        let guessed = || panels.first().map_or(Up::Y, |(mesh, ..)| guess(mesh, source));
-        let up = self.up.unwrap_or_else(guessed);
-        let view = View { up, ..self.view.unwrap_or_default() };
-        let panels =
-            panels.iter().map(|&(mesh, paint, title)| Panel { mesh, paint, view, title }).collect();
         let path = output.path().display().to_string();
-        render(&Scene { panels, ..scene })?.write_png(output)?;
+        self.image(source, panels, scene)?.write_png(output)?;
         crate::report::report(format_args!("picture   {path}"))
     }
 }

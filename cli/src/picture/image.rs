@@ -49,7 +49,6 @@ impl Image {
     }
 
     /// Pixels in a row.
-    #[cfg(test)]
     pub fn width(&self) -> usize {
         self.width
     }
@@ -57,6 +56,11 @@ impl Image {
     /// Rows.
     pub fn height(&self) -> usize {
         self.height
+    }
+
+    /// Red, green and blue of the pixels, by rows.
+    pub fn bytes(&self) -> &[u8] {
+        self.pixels.as_flattened()
     }
 
     /// The pixel in column x and row y, if it is there.

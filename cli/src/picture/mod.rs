@@ -1,5 +1,7 @@
-//! Pictures: heat maps of matrices and meshes coloured by a function as PNG, curves as SVG.
+//! Pictures: heat maps of matrices, meshes coloured by a function and volumes as PNG, animations,
+//! curves as SVG.
 
+mod animation;
 mod args;
 mod chart;
 mod color;
@@ -8,7 +10,11 @@ mod matrix;
 mod mesh;
 mod text;
 mod tube;
+mod volume;
 
+pub use animation::{
+    Format as AnimationFormat, Frames, RATE, names as frame_names, rate as frame_rate,
+};
 pub use args::PictureArgs;
 pub use chart::{Chart, Curve, Upwards, write_chart};
 pub use color::{ColorMap, ColorScale};
@@ -17,6 +23,7 @@ pub use matrix::{Scale, levels, write};
 pub use mesh::up::guess as guess_up;
 pub use mesh::{Paint, Panel, Projection, Scene, Texture, Up, View, render};
 pub use tube::with_curves;
+pub use volume::{Volume, render_volume};
 
 use catamaran::faer::Mat;
 

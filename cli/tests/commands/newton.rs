@@ -111,6 +111,234 @@ fn a_volume_is_an_array_and_frames_are_numbered() {
 }
 
 #[test]
+fn a_volume_is_drawn_the_same_by_any_number_of_threads() {
+    let folder = Folder::new();
+    folder.succeed("newton --volume --size 20 --picture slow.png --threads 1");
+    folder.succeed("newton --volume --size 20 --picture again.png --threads 3");
+    let [one, three] =
+        ["slow.png", "again.png"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert_eq!(one, three);
+    assert_eq!(size_and_bits(&folder, "slow.png"), (800, 800, 8));
+    let pixels = |options: &str| {
+        folder.succeed(&format!("newton --volume --size 20 --picture p.png --force {options}"));
+        pixels(&folder.path("p.png"))
+    };
+    let ink = |pixels: &[[u8; 3]]| pixels.iter().filter(|p| p.iter().any(|c| *c < 245)).count();
+    let [slow, solid, one] = ["", "--opacity solid", "--basins 0"].map(&pixels);
+    // The whole cube is opaque; a basin is a part of it; borders let light through.
+    assert!(ink(&one) < ink(&solid) && ink(&one) > 10_000, "{} {}", ink(&one), ink(&solid));
+    assert!(slow != solid);
+    let one = pixels("--basins 4");
+    for options in ["--opacity slow", "--view 120,40", "--up z"] {
+        assert!(pixels(&format!("--basins 4 {options}")) != one, "{options}");
+    }
+}
+
+#[test]
+fn the_surface_of_a_basin_is_closed_and_has_the_colour_of_its_root() {
+    let folder = Folder::new();
+    let said = folder.succeed("newton --volume --size 24 --basins 4 -o one.ply --picture one.png");
+    assert!(said.contains("surface   ") && said.contains(" faces, volume "), "{said}");
+    let one = catamaran::mesh::io::read(&folder.path("one.ply")).unwrap();
+    one.mesh.require_closed().unwrap();
+    let colors = one.colors.unwrap();
+    assert!(colors.iter().all(|color| *color == colors[0]));
+    assert!(size_and_bits(&folder, "one.png").0 > 100);
+    folder.succeed("newton --volume --size 24 -o roots.npy");
+    let roots = folder.read_npy::<f32>("roots.npy");
+    let voxels = roots.iter().filter(|&&root| root == 4.0).count() as f64;
+    let ratio = one.mesh.volume() / (voxels * (3.0_f64 / 24.0).powi(3));
+    // Crumbs of one voxel have half of its volume.
+    assert!((0.9..1.0).contains(&ratio), "{ratio}");
+
+    folder.succeed("newton --volume --size 24 --basins all -o all.obj --threads 1");
+    let all = catamaran::mesh::io::read(&folder.path("all.obj")).unwrap();
+    all.mesh.require_closed().unwrap();
+    assert!(all.mesh.volume() > 24.0 && all.mesh.volume() < 27.0, "{}", all.mesh.volume());
+    assert_eq!(all.groups.unwrap().names.len(), 9);
+    let mut colors: Vec<_> =
+        all.colors.unwrap().iter().map(|c| c.map(|x| (255.0 * x) as u8)).collect();
+    colors.sort_unstable();
+    colors.dedup();
+    assert_eq!(colors.len(), 9);
+}
+
+#[test]
+fn voxels_are_written_for_viewers() {
+    let folder = Folder::new();
+    folder.succeed("newton --volume --size 12 -o roots.npy --heights t.npy");
+    let roots = folder.read_npy::<f32>("roots.npy");
+    let convergence = folder.read_npy::<f32>("t.npy");
+    let after = |name: &str, end: &str| {
+        let bytes = std::fs::read(folder.path(name)).unwrap();
+        let at = bytes.windows(end.len()).position(|w| w == end.as_bytes()).unwrap();
+        bytes[at + end.len()..].to_vec()
+    };
+    let u16s = |bytes: &[u8]| -> Vec<f32> {
+        bytes.chunks_exact(2).map(|b| f32::from(u16::from_le_bytes([b[0], b[1]]))).collect()
+    };
+    let f32s = |bytes: &[u8]| -> Vec<f32> {
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+    };
+    folder.succeed("newton --volume --size 12 -o v.nrrd --heights t.nrrd");
+    assert_eq!(u16s(&after("v.nrrd", "\n\n")), roots);
+    assert_eq!(f32s(&after("t.nrrd", "\n\n")), convergence);
+    folder.succeed("newton --volume --size 12 -o v.vti");
+    let data = after("v.vti", "encoding=\"raw\">\n_");
+    let count = roots.len();
+    assert_eq!(u16s(&data[8..8 + 2 * count]), roots);
+    assert_eq!(f32s(&data[16 + 2 * count..16 + 6 * count]), convergence);
+    folder.succeed("newton --volume --size 12 -o v.nrrd --heights p.vti --compress --force");
+    let mut unpacked = Vec::new();
+    let packed = after("v.nrrd", "\n\n");
+    let mut decoder = flate2::read::GzDecoder::new(&packed[..]);
+    std::io::Read::read_to_end(&mut decoder, &mut unpacked).unwrap();
+    assert_eq!(u16s(&unpacked), roots);
+    let head = String::from_utf8_lossy(&std::fs::read(folder.path("p.vti")).unwrap()).into_owned();
+    assert!(head.contains("vtkZLibDataCompressor") && head.contains("Scalars=\"convergence\""));
+}
+
+/// Frames of an animated PNG, and their delay in seconds.
+fn apng(folder: &Folder, name: &str) -> (Vec<Vec<u8>>, f64) {
+    let file = std::io::BufReader::new(std::fs::File::open(folder.path(name)).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let count = reader.info().animation_control().unwrap().num_frames;
+    let mut frames = Vec::new();
+    let mut delay = 0.0;
+    for _ in 0..count {
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let size = reader.next_frame(&mut bytes).unwrap().buffer_size();
+        bytes.truncate(size);
+        frames.push(bytes);
+        let control = reader.info().frame_control().unwrap();
+        delay = f64::from(control.delay_num) / f64::from(control.delay_den);
+    }
+    (frames, delay)
+}
+
+#[test]
+fn frames_are_an_animation_if_the_file_is_called_like_one() {
+    let folder = Folder::new();
+    let command = "newton --power 4 --size 30x20 --frames 3 --w-to 1";
+    folder.succeed(&format!("{command} -o f.png"));
+    let said = folder.succeed(&format!("{command} -o a.apng --fps 4"));
+    assert!(said.contains("written   a.apng"), "{said}");
+    let (frames, delay) = apng(&folder, "a.apng");
+    assert_eq!(delay, 0.25);
+    for (i, frame) in frames.iter().enumerate() {
+        let alone = pixels(&folder.path(&format!("f-{i:03}.png")));
+        assert_eq!(frame, alone.as_flattened(), "frame {i}");
+    }
+    assert_eq!(frames.len(), 3);
+
+    folder.succeed(&format!("{command} -o a.gif --fps 5"));
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let file = std::fs::File::open(folder.path("a.gif")).unwrap();
+    let mut decoder = options.read_info(file).unwrap();
+    assert_eq!((decoder.width(), decoder.height()), (30, 20));
+    let mut count = 0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        assert_eq!(frame.delay, 20);
+        let exact = frames[count].chunks_exact(3).zip(frame.buffer.chunks_exact(4));
+        let off = exact.map(|(a, b)| (0..3).map(|c| u32::from(a[c].abs_diff(b[c]))).sum::<u32>());
+        assert!(off.sum::<u32>() < 600 * 3 * 6, "frame {count}");
+        count += 1;
+    }
+    assert_eq!(count, 3);
+    assert!(!folder.names().iter().any(|name| name.ends_with(".tmp")));
+}
+
+#[test]
+fn pictures_of_volumes_and_meshes_move_too() {
+    let folder = Folder::new();
+    let frames = "--frames 2 --w-to 0.5";
+    folder.succeed(&format!("newton --volume --size 10 --basins 0 {frames} --picture v.apng"));
+    let (all, delay) = apng(&folder, "v.apng");
+    assert!(all.len() == 2 && all[0] != all[1]);
+    assert!((delay - 1.0 / 12.0).abs() < 1e-3);
+    folder.write("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.succeed(&format!("newton triangle.obj {frames} -o t.ply --picture t.png"));
+    folder.succeed(&format!("newton triangle.obj {frames} --picture t.gif"));
+    folder.succeed(&format!(
+        "newton --volume --size 10 --basins 0 {frames} -o s.ply --picture s.apng"
+    ));
+    let names = folder.names();
+    for name in ["t-000.ply", "t-001.ply", "t-000.png", "t-001.png", "t.gif", "s-001.ply", "s.apng"]
+    {
+        assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
+    }
+}
+
+#[test]
+fn a_material_is_in_a_file_with_its_mesh() {
+    let folder = Folder::new();
+    folder.write(
+        "square.obj",
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
+    );
+    let command = "newton square.obj --uv --size 64";
+    folder.succeed(&format!("{command} -o texture.png --material enamel.glb"));
+    folder.succeed(&format!("{command} --material stones.glb --inlay stones"));
+    let json = |name: &str| {
+        let bytes = std::fs::read(folder.path(name)).unwrap();
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        String::from_utf8(bytes[20..20 + length].to_vec()).unwrap()
+    };
+    for name in ["enamel.glb", "stones.glb"] {
+        let text = json(name);
+        for part in ["baseColorTexture", "metallicRoughnessTexture", "normalTexture", "height"] {
+            assert!(text.contains(part), "{name}: {part}");
+        }
+        assert_eq!(catamaran::mesh::io::read(&folder.path(name)).unwrap().mesh.faces().len(), 2);
+    }
+    let [enamel, stones] =
+        ["enamel.glb", "stones.glb"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert_ne!(enamel, stones);
+    assert!(folder.fail(&format!("{command} --material a.ply")).contains(".glb or .gltf"));
+    assert!(
+        folder.fail("newton square.obj --uv --size 8x4 --material a.glb").contains("are square")
+    );
+    let run = folder.run("newton square.obj --material a.glb");
+    assert!(run.code == Some(2) && run.stderr.contains("--uv"), "{}", run.stderr);
+}
+
+#[test]
+fn the_commands_of_the_guide_run() {
+    let guide = include_str!("../../../docs/guide/newton.md");
+    let folder = Folder::new();
+    folder.write(
+        "vase.obj",
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
+    );
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran newton ")) {
+        // Smaller: what is tested is that they run.
+        let mut words: Vec<&str> = Vec::new();
+        let mut quoted = line.split('"').enumerate();
+        quoted.by_ref().for_each(|(i, part)| match i % 2 {
+            0 => words.extend(part.split_whitespace()),
+            _ => words.push(part),
+        });
+        if let Some(at) = words.iter().position(|word| *word == "--size") {
+            words.drain(at..at + 2);
+        }
+        if let Some(at) = words.iter().position(|word| *word == "--frames") {
+            words[at + 1] = "2";
+        }
+        let run =
+            folder.program().arg("newton").args(words).args(["--size", "16", "--force"]).output();
+        let run = run.unwrap();
+        assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
+        count += 1;
+    }
+    assert!(count >= 14, "{count}");
+    for name in ["basins.glb", "roots.nrrd", "time.apng", "vase.apng", "borders.png"] {
+        assert!(folder.path(name).exists(), "{name}");
+    }
+}
+
+#[test]
 fn what_is_wrong_is_said() {
     let folder = Folder::new();
     for (command, part) in [
@@ -120,9 +348,30 @@ fn what_is_wrong_is_said() {
         ("newton --theta 99 -o a.png", "theta"),
         ("newton -o a.ply", ".png"),
         ("newton -o a.png --picture b.png", "--picture"),
+        ("newton -o a.apng", "needs --frames"),
+        ("newton --frames 0 --w-to 1 -o a.gif", "at least one frame"),
+        ("newton --frames 2 --w-to 1 --fps 3 -o a.png", "--fps"),
+        ("newton --volume -o a.gif --frames 2 --w-to 1", "--picture draws animations"),
+        ("newton --volume --size 4 --picture a.jpg", "must be called .png"),
+        ("newton --volume --size 4 --basins 9 --picture a.png", "the roots are 0 to 8"),
+        ("newton --volume --size 4 --basins 1 -o a.npy", "--basins chooses"),
+        ("newton --volume --size 4 --opacity slow -o a.ply", "--opacity"),
+        ("newton --volume --size 4 --compress -o a.npy", "--compress"),
+        ("newton --volume --size 2 --extent 0.01 --offset 9,0,0 --basins 4 -o a.ply", "no voxel"),
     ] {
         let message = folder.fail(command);
         assert!(message.contains(part), "{command}: {message}");
+    }
+    for (command, part) in [
+        ("newton --size 4", "--output"),
+        ("newton --basins 0 -o a.png", "--volume"),
+        ("newton --volume --basins x -o a.ply", "numbers of roots"),
+        ("newton --fps 3 -o a.png", "--frames"),
+        ("newton --frames 2 --w-to 1 --fps 99 -o a.gif", "from 0.1 to 50"),
+    ] {
+        let run = folder.run(command);
+        assert_eq!(run.code, Some(2), "{command}");
+        assert!(run.stderr.contains(part), "{command}: {}", run.stderr);
     }
     let run = folder.run("newton --frames 2000000000 --w-to 1 -o a.png");
     assert_eq!(run.code, Some(2));
@@ -155,7 +404,6 @@ fn a_device_draws_what_the_processor_draws() {
 }
 
 /// The colors of a picture.
-#[cfg(feature = "opencl")]
 fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
     let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();

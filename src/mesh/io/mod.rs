@@ -28,7 +28,7 @@ use std::path::Path;
 
 pub use attributes::{Attribute, MeshFile};
 pub use format::MeshFormat;
-pub use gltf::GltfEncoding;
+pub use gltf::{GltfEncoding, Material, Picture};
 pub use labels::Labels;
 pub use ply::PlyEncoding;
 pub use stl::StlEncoding;
@@ -209,17 +209,57 @@ pub fn write(output: Output, file: &MeshFile) -> Result<()> {
 ///
 /// # Errors
 /// As those of [`write()`].
-pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Result<()> {
-    let name = output.path().to_string_lossy().to_ascii_lowercase();
-    let (_, packing) = Packing::of(&name);
+pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<()> {
     file.check()?;
-    let body = |sink: &mut dyn Write| match format {
+    write_packed(output, |sink| match format {
         MeshFormat::Obj => obj::write(sink, file),
         MeshFormat::Ply(encoding) => ply::write(sink, file, encoding),
         MeshFormat::Off => off::write(sink, file),
         MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
         MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding),
+    })
+}
+
+/// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces, its pictures as PNG in the
+/// same file. The names of the materials of `file` are left out.
+///
+/// Viewers that light a mesh as a smooth one take its normals from [`MeshFile::normals`]; tangents are left to them, as glTF
+/// recommends, for they follow from normals and texture coordinates (MikkTSpace).
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran::mesh::{families, io::{Attribute, Material, MeshFile, Picture, write_with_material}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("chequered.glb");
+/// let mut file = MeshFile::from(families::grid(2, 2)?);
+/// let values = file.mesh.vertices().iter().map(|p| [p[0], p[1]]).collect();
+/// file.uv = Some(Attribute { values, corners: None });
+/// let chequers = Picture::rgb(2, &[[250; 3], [20; 3], [20; 3], [250; 3]])?;
+/// let material = Material::new().name("chequers").base_color(chequers).roughness(0.3);
+/// write_with_material(Output::create(path, Overwrite::Never)?, &file, &material)?;
+/// assert!(std::fs::read(path).unwrap().starts_with(b"glTF"));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`] when the name is not that of glTF, and as [`write()`]; [`Error::Argument`] for a material with pictures on a
+/// mesh of which a face has no texture coordinates, and numbers of it out of their range.
+pub fn write_with_material(output: Output, file: &MeshFile, material: &Material) -> Result<()> {
+    let MeshFormat::Gltf(encoding) = MeshFormat::of(output.path())? else {
+        return Err(Error::file(output.path(), "materials are for .glb and .gltf"));
     };
+    file.check()?;
+    material.check(file)?;
+    write_packed(output, |sink| gltf::write_with_material(sink, file, encoding, material))
+}
+
+fn write_packed(
+    mut output: Output,
+    body: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<()> {
+    let name = output.path().to_string_lossy().to_ascii_lowercase();
+    let (_, packing) = Packing::of(&name);
     let written = match packing {
         Packing::None => body(&mut output),
         Packing::Gzip => {

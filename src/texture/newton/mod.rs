@@ -9,8 +9,11 @@
 //! by additions, multiplications, divisions and square roots alone, each rounded to the nearest: all machines give the same
 //! bits, as do all numbers of threads. See `docs/algorithms/newton.md`.
 
+mod basin;
+mod inlay;
 mod iterate;
 mod lanes;
+mod material;
 mod options;
 mod palette;
 mod points;
@@ -18,16 +21,24 @@ mod polynomial;
 #[cfg(test)]
 mod tests;
 mod texels;
+mod volume;
 
+pub use inlay::Inlay;
 pub use options::{Gradient, NewtonOptions};
 pub use palette::{darkened, root_color};
 pub use points::{Grid, Points};
 pub use polynomial::Polynomial;
 pub use texels::{Texels, texels};
+pub use volume::{VolumeFormat, Voxels, write_volume};
 
 use crate::base::{Par, Progress, Result, Tracker, reserved};
 use options::Parameters;
 use points::Cursor;
+
+/// The guide, whose code is compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/guide/newton.md")]
+struct Guide;
 
 /// What points converge to, and how fast.
 #[derive(Debug, Clone, PartialEq, Default)]

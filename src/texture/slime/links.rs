@@ -54,7 +54,8 @@ pub(super) fn links(
                 continue;
             }
             kinds[t] = BORDER;
-            let to = beyond(surface, size, owners[t], t, step);
+            let end = beyond(surface, size, owners[t], t, step);
+            let to = texel(surface, size as u32, &end) as usize;
             if to != t && owners[to] != NO_TRIANGLE {
                 over.push((t as u32, to as u32, weight / 2.0));
                 over.push((to as u32, t as u32, weight / 2.0));
@@ -99,8 +100,15 @@ pub(super) fn links(
     Ok(found)
 }
 
-/// The texel one comes to from texel t of a triangle by a step of a texel in the texture, taken on the surface.
-fn beyond(surface: &Surface, size: usize, triangle: u32, t: usize, [di, dj]: [i32; 2]) -> usize {
+/// Where one comes to from the centre of texel t, or the point of the triangle that is nearest to it, by a step of so many
+/// texels in the texture, taken on the surface.
+pub(super) fn beyond(
+    surface: &Surface,
+    size: usize,
+    triangle: u32,
+    t: usize,
+    [di, dj]: [i32; 2],
+) -> Walker {
     let record = &surface.records()[triangle as usize];
     let [a, b, c, d] = [UV + 1, UV + 2, UV + 4, UV + 5].map(|i| f64::from(record[i]));
     let determinant = a * d - b * c;
@@ -112,6 +120,5 @@ fn beyond(surface: &Surface, size: usize, triangle: u32, t: usize, [di, dj]: [i3
         position: anchor(surface, size, triangle, t),
         heading: step.map(|x| (x / length) as f32),
     };
-    let end = unfold(surface, walker, length as f32, true);
-    texel(surface, size as u32, &end) as usize
+    unfold(surface, walker, length as f32, true)
 }

@@ -62,6 +62,11 @@ impl Simulation {
     /// [`Error::OutOfMemory`].
     pub fn new(surface: Surface, options: &Options, mask: &Mask) -> Result<Self> {
         let parameters = options.parameters()?;
+        if surface.is_tile() && parameters.substeps != 0 {
+            let why =
+                "projected sub-steps, where a tile is flat and has unfolded steps only".into();
+            return Err(Error::Argument { what: "tangent_step", why });
+        }
         let size = options.size;
         check_mask(mask, size)?;
         let texels = Texels::new(&surface, size)?;

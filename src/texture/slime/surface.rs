@@ -1,7 +1,7 @@
 use crate::base::{Error, Result, reserved};
 use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
-use crate::mesh::{Edges, Sets, TriMesh};
+use crate::mesh::{Edges, Sets, TriMesh, families};
 
 /// The triangle across a boundary edge.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -42,7 +42,11 @@ pub struct Surface {
     areas: Vec<f64>,
     charts: Vec<u32>,
     flipped: Vec<u32>,
+    tile: bool,
 }
+
+/// Cells of a side of a tile: the fewest that are a power of two and of which no two edges have the same ends.
+const TILE_CELLS: usize = 4;
 
 impl Surface {
     /// A mesh with texture coordinates, in `[0, 1]` (up to 1e-6).
@@ -81,10 +85,71 @@ impl Surface {
             check_uv(f, corners)?;
         }
         let factor = 1.0 / mesh.area().sqrt();
-        let mut planes = reserved(count)?;
+        let mut places = reserved(count)?;
         for &face in mesh.faces() {
-            planes.push(Plane::new(face.map(|v| scale(mesh.vertices()[v as usize], factor))));
+            places.push(face.map(|v| scale(mesh.vertices()[v as usize], factor)));
         }
+        let total = mesh.area();
+        let areas = mesh.face_areas().into_iter().map(|a| a / total).collect();
+        Self::joined(mesh.faces(), &edges, &places, areas, uv)
+    }
+
+    /// The unit square whose opposite sides are joined, in its own texture: a texture that grows on it is a tile, and goes on
+    /// without a seam where it is repeated. Its faces are those of [`Surface::tile_mesh`].
+    ///
+    /// It is flat, so that a walk is a straight line; [`project`](super::project) is not for it, as there is no such surface
+    /// in space.
+    ///
+    /// ```
+    /// use catamaran::texture::slime::{NO_TRIANGLE, Surface};
+    ///
+    /// let tile = Surface::tile()?;
+    /// assert!(!tile.across().as_flattened().contains(&NO_TRIANGLE));
+    /// assert_eq!(tile.len(), Surface::tile_mesh()?.faces().len());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn tile() -> Result<Self> {
+        let (vertices, faces) = Self::tile_mesh()?.into_parts();
+        let wrapped = |v: u32| {
+            let [i, j, _] =
+                vertices[v as usize].map(|x| (x * TILE_CELLS as f64).round() as usize % TILE_CELLS);
+            (i + TILE_CELLS * j) as u32
+        };
+        let joined: Vec<_> = faces.iter().map(|face| face.map(wrapped)).collect();
+        let edges = Edges::new(&TriMesh::new(vec![[0.0; 3]; TILE_CELLS.pow(2)], joined.clone())?);
+        let places: Vec<_> = faces.iter().map(|face| face.map(|v| vertices[v as usize])).collect();
+        let areas = vec![1.0 / faces.len() as f64; faces.len()];
+        let uv = places.iter().map(|corners| corners.map(|[x, y, _]| [x, y])).collect();
+        Ok(Self { tile: true, ..Self::joined(&joined, &edges, &places, areas, uv)? })
+    }
+
+    /// The square that a tile is shown on; x and y are its texture coordinates.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn tile_mesh() -> Result<TriMesh> {
+        families::grid(TILE_CELLS, TILE_CELLS)
+    }
+
+    /// Whether it is that of [`Surface::tile`].
+    pub fn is_tile(&self) -> bool {
+        self.tile
+    }
+
+    /// Faces with corners at these places, joined over edges.
+    fn joined(
+        faces: &[[u32; 3]],
+        edges: &Edges,
+        places: &[[Vector; 3]],
+        areas: Vec<f64>,
+        uv: Vec<[[f64; 2]; 3]>,
+    ) -> Result<Self> {
+        let count = faces.len();
+        let mut planes = reserved(count)?;
+        planes.extend(places.iter().map(|&corners| Plane::new(corners)));
         let mut records = reserved(count)?;
         let mut across = reserved(count)?;
         for (f, plane) in planes.iter().enumerate() {
@@ -97,7 +162,7 @@ impl Surface {
                 let others = edges.corners().row(edge);
                 let Some(&other) = others.iter().find(|&&c| c != corner) else { continue };
                 let (g, j) = (other as usize / 3, other as usize % 3);
-                let flip = mesh.faces()[f][k] == mesh.faces()[g][j];
+                let flip = faces[f][k] == faces[g][j];
                 plane.write_hop(k, &planes[g], j, flip, &mut record);
                 let flag = if flip { ACROSS_FLIP } else { 0 };
                 beyond[k] = ((g as u32) << 3) | flag | j as u32;
@@ -106,18 +171,18 @@ impl Surface {
             records.push(record);
             across.push(beyond);
         }
-        let charts = charts(&edges, mesh, &uv);
+        let charts = charts(edges, faces, &uv);
         let flipped = flipped(&charts, &uv);
-        let total = mesh.area();
         Ok(Self {
             records,
             across,
             frames: planes.iter().map(Plane::in_space).collect(),
             corners: planes.iter().map(|p| p.corners).collect(),
             uv,
-            areas: mesh.face_areas().into_iter().map(|a| a / total).collect(),
+            areas,
             charts,
             flipped,
+            tile: false,
         })
     }
 
@@ -274,11 +339,11 @@ pub(super) fn doubled_area(&[a, b, c]: &[[f64; 2]; 3]) -> f64 {
 }
 
 /// Joins triangles across edges at which their texture coordinates agree.
-fn charts(edges: &Edges, mesh: &TriMesh, uv: &[[[f64; 2]; 3]]) -> Vec<u32> {
+fn charts(edges: &Edges, faces: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Vec<u32> {
     let mut sets = Sets::new(uv.len());
     let ends = |corner: u32| {
         let (f, k) = (corner as usize / 3, corner as usize % 3);
-        let mut ends = [k, (k + 1) % 3].map(|k| (mesh.faces()[f][k], uv[f][k]));
+        let mut ends = [k, (k + 1) % 3].map(|k| (faces[f][k], uv[f][k]));
         ends.sort_by_key(|end| end.0);
         ends
     };

@@ -1,7 +1,8 @@
 use super::kinds::OUTSIDE;
-use super::links::{Links, links};
+use super::links::{Links, beyond, links};
 use super::raster::{Raster, raster};
 use super::surface::{NO_TRIANGLE, Surface};
+use super::walk::Walker;
 use crate::base::{Result, reserved};
 
 /// What the texels of a texture are on the surface.
@@ -67,6 +68,17 @@ impl Texels {
     /// How much of it; the same in both directions.
     pub fn link_weights(&self) -> &[f32] {
         &self.links.weights
+    }
+
+    /// Where a step of so many texels along u and v leads from the centre of a texel (or the point of its triangle that is
+    /// nearest to it) when it is taken on the surface, over seams where there are any; `None` for a texel outside. Boundary
+    /// edges reflect.
+    ///
+    /// # Panics
+    /// When there is no such texel.
+    pub fn beside(&self, surface: &Surface, texel: usize, step: [i32; 2]) -> Option<Walker> {
+        let owner = self.owners[texel];
+        (owner != NO_TRIANGLE).then(|| beyond(surface, self.size, owner, texel, step))
     }
 
     /// The memory of all of it.

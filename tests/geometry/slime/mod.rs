@@ -6,4 +6,5 @@ mod parameters;
 mod robustness;
 mod support;
 mod texels;
+mod tile;
 mod walks;

@@ -3,8 +3,8 @@
 use catamaran_bench::Result;
 use catamaran_bench::plant::Part;
 use catamaran_bench::textures::{
-    evaporation, grid, long_walks, many_points, maze, newton_figures, newton_times, rescaling,
-    substeps, table,
+    PICTURES, evaporation, grid, long_walks, many_points, maze, newton_figures, newton_times,
+    rescaling, substeps, table,
 };
 use clap::ValueEnum;
 
@@ -62,6 +62,7 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
             keep(maze()?);
             keep(evaporation()?);
             newton_figures()?.into_iter().for_each(keep);
+            report.say(PICTURES);
         }
         Share::Tables => {
             #[cfg(feature = "opencl")]

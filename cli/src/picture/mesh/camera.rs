@@ -160,6 +160,26 @@ impl Camera {
         }
     }
 
+    /// The ray of light that comes in at a place on the screen: a point of it on the viewer's side
+    /// of the mesh, and the direction, of length 1, away from the viewer.
+    pub fn ray(&self, x: f64, y: f64) -> (Vector, Vector) {
+        let flat = [x - self.screen[0] / 2.0, self.screen[1] / 2.0 - y];
+        let [u, v] = [0, 1].map(|k| flat[k] / self.zoom + self.centre[k]);
+        let (from, way) = match self.distance {
+            Some(d) => ([0.0, 0.0, d], [u, v, -d]),
+            // The mesh is in a ball of radius 1.
+            None => ([u, v, 2.0], [0.0, 0.0, -1.0]),
+        };
+        let length = norm(way);
+        let place: Vector = std::array::from_fn(|k| self.middle[k] + self.size * from[k]);
+        (self.outside(place), self.outside(way.map(|c| c / length)))
+    }
+
+    /// What [`Camera::turn`] makes this of.
+    fn outside(&self, p: Vector) -> Vector {
+        std::array::from_fn(|k| (0..3).map(|i| self.axes[i][k] * p[i]).sum())
+    }
+
     /// A direction as the viewer sees it: right, up, near.
     pub fn turn(&self, direction: Vector) -> Vector {
         inside(&self.axes, direction)

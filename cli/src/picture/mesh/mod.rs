@@ -3,7 +3,7 @@
 pub mod camera;
 mod legend;
 mod raster;
-mod shade;
+pub(super) mod shade;
 #[cfg(test)]
 mod tests;
 pub mod up;
@@ -20,10 +20,10 @@ pub use camera::{Projection, Up, View};
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
 /// Longest side of a panel, in pixels.
-const LARGEST: usize = 4096;
+pub(super) const LARGEST: usize = 4096;
 /// Between a panel's edge and what it shows, as a share of its shorter side.
-const MARGIN: f64 = 0.06;
-const PAPER: Rgb = [255; 3];
+pub(super) const MARGIN: f64 = 0.06;
+pub(super) const PAPER: Rgb = [255; 3];
 const INK: Rgb = [60, 60, 65];
 
 /// What a surface is painted with.

@@ -8,7 +8,7 @@ const LAMPS: [(Vector, f64); 2] = [([-0.43, 0.62, 0.656], 0.68), ([0.77, 0.12, 0
 /// Light from everywhere; from above and below it differs by this.
 const AMBIENT: (f64, f64) = (0.30, 0.08);
 /// Brightness and sharpness of the reflection of the first lamp.
-const GLOSS: (f64, i32) = (0.10, 28);
+pub const GLOSS: (f64, i32) = (0.10, 28);
 /// How dark the surface is where it turns away from the viewer.
 const RIM: f64 = 0.45;
 /// How dark the inside is that an open surface shows.
@@ -117,13 +117,13 @@ impl<'a> Shader<'a> {
 }
 
 /// Light from the lamps and from everywhere on a surface with this normal.
-fn lambert(normal: Vector) -> f64 {
+pub fn lambert(normal: Vector) -> f64 {
     let lamps: f64 = LAMPS.iter().map(|(to, bright)| bright * dot(normal, *to).max(0.0)).sum();
     AMBIENT.0 + AMBIENT.1 * normal[1] + lamps
 }
 
 /// The reflection of the first lamp (Blinn 1977).
-fn gloss(normal: Vector) -> f64 {
+pub fn gloss(normal: Vector) -> f64 {
     let half = unit(std::array::from_fn(|k| LAMPS[0].0[k] + [0.0, 0.0, 1.0][k]));
     dot(normal, half).max(0.0).powi(GLOSS.1)
 }

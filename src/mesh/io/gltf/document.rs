@@ -17,6 +17,9 @@ pub(super) mod code {
     pub const TRIANGLE_FAN: u32 = 6;
     pub const VERTICES: u32 = 34962;
     pub const INDICES: u32 = 34963;
+    pub const LINEAR: u32 = 9729;
+    pub const LINEAR_MIPMAP_LINEAR: u32 = 9987;
+    pub const REPEAT: u32 = 10497;
 }
 
 #[derive(Default, Deserialize)]

@@ -8,6 +8,8 @@ mod assembly;
 mod container;
 mod document;
 mod encoding;
+mod material;
+mod picture;
 mod transform;
 mod write;
 
@@ -23,7 +25,9 @@ use crate::base::Result;
 use crate::io::Source;
 
 pub use self::encoding::GltfEncoding;
-pub(super) use self::write::write;
+pub use self::material::Material;
+pub use self::picture::Picture;
+pub(super) use self::write::{write, write_with_material};
 
 /// Bytes that a vertex takes while meshes are joined.
 type VertexMemory = [u8; 400];

@@ -7,8 +7,11 @@ use serde_json::{Value, json};
 
 use super::super::attributes::MeshFile;
 use super::super::colors::byte;
+use super::super::labels::Labels;
 use super::document::code;
 use super::encoding::GltfEncoding;
+use super::material::Material;
+use super::picture::Picture;
 
 /// A corner without a value.
 const ABSENT: u32 = u32::MAX;
@@ -20,6 +23,28 @@ pub(in super::super) fn write(
     sink: &mut dyn Write,
     file: &MeshFile,
     encoding: GltfEncoding,
+) -> io::Result<()> {
+    write_all(sink, file, encoding, None)
+}
+
+/// [`write`] with this material on all faces.
+pub(in super::super) fn write_with_material(
+    sink: &mut dyn Write,
+    file: &MeshFile,
+    encoding: GltfEncoding,
+    material: &Material,
+) -> io::Result<()> {
+    let labels =
+        Labels { names: vec![material.name.clone()], of_faces: vec![0; file.mesh.faces().len()] };
+    let file = MeshFile { materials: Some(labels), ..file.clone() };
+    write_all(sink, &file, encoding, Some(material))
+}
+
+fn write_all(
+    sink: &mut dyn Write,
+    file: &MeshFile,
+    encoding: GltfEncoding,
+    material: Option<&Material>,
 ) -> io::Result<()> {
     let (copies, primitives) = split(file)?;
     let mut numbers = Numbers::default();
@@ -33,7 +58,24 @@ pub(in super::super) fn write(
         document["scenes"] = json!([{ "nodes": [0] }]);
         document["nodes"] = json!([{ "mesh": 0 }]);
         document["meshes"] = json!([{ "primitives": primitives }]);
-        if let Some(materials) = &file.materials {
+        if let Some(material) = material {
+            let mut images = Vec::new();
+            let described = material.json(&mut |name: &str, picture: &Picture| {
+                let view = numbers.picture(picture)?;
+                images.push(json!({ "name": name, "mimeType": "image/png", "bufferView": view }));
+                Ok(images.len() - 1)
+            })?;
+            document["materials"] = json!([described]);
+            if !images.is_empty() {
+                let texture = |source: usize| json!({ "sampler": 0, "source": source });
+                document["textures"] = (0..images.len()).map(texture).collect();
+                document["samplers"] = json!([{
+                    "magFilter": code::LINEAR, "minFilter": code::LINEAR_MIPMAP_LINEAR,
+                    "wrapS": code::REPEAT, "wrapT": code::REPEAT,
+                }]);
+                document["images"] = Value::Array(images);
+            }
+        } else if let Some(materials) = &file.materials {
             let material = |name: &String| json!({ "name": name });
             document["materials"] = materials.names.iter().map(material).collect();
         }
@@ -245,6 +287,16 @@ impl Numbers {
             self.accessors[self.views.len() - 1]["normalized"] = true.into();
         }
         self.accessors.len() - 1
+    }
+
+    /// Adds a picture, at a multiple of four bytes. Returns the number of its view.
+    fn picture(&mut self, picture: &Picture) -> io::Result<usize> {
+        let start = self.bytes.len();
+        picture.write_png(&mut self.bytes)?;
+        let length = self.bytes.len() - start;
+        self.views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": length }));
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        Ok(self.views.len() - 1)
     }
 
     /// Adds an accessor of these values in single precision, with their bounds if asked.

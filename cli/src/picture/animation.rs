@@ -1,0 +1,235 @@
+//! Pictures one after the other: as numbered files, or as an animation in one file.
+
+use std::cell::RefCell;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use anyhow::{Context, Result, bail};
+use catamaran::io::{Output, Overwrite};
+
+use super::image::Image;
+
+/// Frames a second of an animation, by default.
+pub const RATE: f64 = 12.0;
+
+/// Pixels of a frame of GIF that its colours are learned from, at least if it has as many: a tenth
+/// of a second.
+const LEARNED: usize = 50_000;
+
+/// Formats of animations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Animated PNG: exact.
+    Apng,
+    /// GIF: 256 colours a frame.
+    Gif,
+}
+
+impl Format {
+    /// The format that the name of a file says, if it is one of an animation.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
+        match &*extension {
+            "apng" => Some(Self::Apng),
+            "gif" => Some(Self::Gif),
+            _ => None,
+        }
+    }
+}
+
+/// A number of frames a second.
+pub fn rate(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(rate) if (0.1..=50.0).contains(&rate) => Ok(rate),
+        _ => Err("expected a number of frames a second from 0.1 to 50".into()),
+    }
+}
+
+/// Where frames go.
+pub enum Frames {
+    /// Each to a file of its own.
+    Files(std::vec::IntoIter<Output>),
+    /// All to one file.
+    Animation(Animation),
+}
+
+impl Frames {
+    /// Starts the files for the frames: an animation if `path` is called like one, else one file a
+    /// frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame, called `path`.
+    pub fn create(
+        path: &Path,
+        count: Option<usize>,
+        rate: f64,
+        overwrite: Overwrite,
+    ) -> Result<Self> {
+        if let Some(format) = Format::of(path) {
+            let name = path.display();
+            let Some(count) = count else { bail!("{name}: an animation needs --frames") };
+            if count == 0 {
+                bail!("{name}: an animation has at least one frame");
+            }
+            let output = Output::create(path, overwrite)?;
+            return Ok(Self::Animation(Animation::new(output, format, count, rate)));
+        }
+        let files = names(path, count).into_iter().map(|path| Output::create(&path, overwrite));
+        Ok(Self::Files(files.collect::<catamaran::Result<Vec<_>>>()?.into_iter()))
+    }
+
+    /// The file of the next frame.
+    pub fn file(&mut self) -> Result<Output> {
+        match self {
+            Self::Files(files) => files.next().context("more frames than files"),
+            Self::Animation(_) => bail!("an animation has pictures only"),
+        }
+    }
+
+    /// Writes the next frame, which is a picture.
+    pub fn image(&mut self, image: &Image) -> Result<()> {
+        match self {
+            Self::Files(_) => image.write_png(self.file()?),
+            Self::Animation(animation) => animation.add(image),
+        }
+    }
+
+    /// Lets an animation appear; other files have done so before.
+    pub fn finish(self) -> Result<()> {
+        match self {
+            Self::Files(_) => Ok(()),
+            Self::Animation(animation) => animation.finish(),
+        }
+    }
+}
+
+/// The names of the files of frames.
+pub fn names(path: &Path, count: Option<usize>) -> Vec<PathBuf> {
+    match count {
+        Some(count) if Format::of(path).is_none() => {
+            (0..count).map(|i| numbered(path, i)).collect()
+        }
+        _ => vec![path.to_owned()],
+    }
+}
+
+/// `folder/name.png` as `folder/name-007.png`.
+fn numbered(path: &Path, i: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{i:03}.{extension}"))
+}
+
+/// A file that an encoder writes to, and that is taken back when it is done.
+struct Shared(Rc<RefCell<Output>>);
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.borrow_mut().flush()
+    }
+}
+
+/// An animation that is being written; it repeats for ever.
+pub struct Animation {
+    output: Rc<RefCell<Output>>,
+    /// From the first frame on, which says how large it is.
+    encoder: Option<Encoder>,
+    format: Format,
+    frames: u32,
+    rate: f64,
+    name: String,
+}
+
+enum Encoder {
+    Apng(Box<png::Writer<Shared>>),
+    Gif(gif::Encoder<Shared>),
+}
+
+impl Animation {
+    /// One of so many frames.
+    fn new(output: Output, format: Format, frames: usize, rate: f64) -> Self {
+        let name = output.path().display().to_string();
+        let (output, frames) = (Rc::new(RefCell::new(output)), frames as u32);
+        Self { output, encoder: None, format, frames, rate, name }
+    }
+
+    fn add(&mut self, image: &Image) -> Result<()> {
+        let written = self.encode(image);
+        written.with_context(|| format!("{}: can't be written", self.name))
+    }
+
+    fn encode(&mut self, image: &Image) -> Result<()> {
+        let (width, height) = (image.width(), image.height());
+        let encoder = match &mut self.encoder {
+            Some(encoder) => encoder,
+            none => {
+                let sink = Shared(Rc::clone(&self.output));
+                none.insert(match self.format {
+                    Format::Apng => {
+                        let mut encoder = png::Encoder::new(sink, width as u32, height as u32);
+                        encoder.set_color(png::ColorType::Rgb);
+                        encoder.set_depth(png::BitDepth::Eight);
+                        encoder.set_animated(self.frames, 0)?;
+                        encoder.set_frame_delay((1000.0 / self.rate).round() as u16, 1000)?;
+                        Encoder::Apng(Box::new(encoder.write_header()?))
+                    }
+                    Format::Gif => {
+                        let sides = [width, height].map(u16::try_from);
+                        let [Ok(width), Ok(height)] = sides else {
+                            bail!("{width} x {height} pixels, where GIF has at most 65,535 a side")
+                        };
+                        let mut encoder = gif::Encoder::new(sink, width, height, &[])?;
+                        encoder.set_repeat(gif::Repeat::Infinite)?;
+                        Encoder::Gif(encoder)
+                    }
+                })
+            }
+        };
+        match encoder {
+            Encoder::Apng(writer) => writer.write_image_data(image.bytes())?,
+            Encoder::Gif(encoder) => {
+                // Up to 256 colours are kept; else a net learns them from some of the pixels.
+                let speed = (width * height / LEARNED).clamp(1, 30) as i32;
+                let [width, height] = [width, height].map(|side| side as u16);
+                let mut frame = gif::Frame::from_rgb_speed(width, height, image.bytes(), speed);
+                frame.delay = (100.0 / self.rate).round() as u16;
+                encoder.write_frame(&frame)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<()> {
+        let name = self.name;
+        match self.encoder.take() {
+            Some(Encoder::Apng(writer)) => {
+                writer.finish().with_context(|| format!("{name}: can't be written"))?;
+            }
+            Some(Encoder::Gif(encoder)) => {
+                encoder.into_inner().with_context(|| format!("{name}: can't be written"))?;
+            }
+            None => bail!("{name}: no frame"),
+        }
+        let output = Rc::into_inner(self.output).context("the animation is still being written")?;
+        Ok(output.into_inner().commit()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_of_animations_stay_as_they_are() {
+        let name = |path: &str, count| names(Path::new(path), count);
+        assert_eq!(name("a/b.png", Some(2)), ["a/b-000.png", "a/b-001.png"].map(PathBuf::from));
+        assert_eq!(name("a/b.png", None), ["a/b.png"].map(PathBuf::from));
+        for one in ["b.apng", "b.GIF"] {
+            assert_eq!(name(one, Some(2)), [one].map(PathBuf::from));
+        }
+        assert!(rate("0").is_err() && rate("x").is_err() && rate("51").is_err());
+        assert_eq!(rate("12.5"), Ok(12.5));
+    }
+}

@@ -1,0 +1,140 @@
+use std::io::{self, Write};
+
+use png::{BitDepth, ColorType};
+
+use crate::base::{Error, Result, reserved};
+
+/// A rectangle of pixels, rows from the top (for texture coordinates: v = 1) down.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    color: ColorType,
+    depth: BitDepth,
+    bytes: Vec<u8>,
+}
+
+impl Picture {
+    /// Red, green and blue.
+    ///
+    /// ```
+    /// use catamaran::mesh::io::Picture;
+    ///
+    /// let picture = Picture::rgb(2, &[[255, 0, 0], [0, 255, 0]])?;
+    /// assert_eq!(picture.to_png()?[1..4], *b"PNG");
+    /// assert!(Picture::rgb(2, &[[0; 3]]).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when pixels are not whole rows of `width`, or there are none; [`Error::OutOfMemory`].
+    pub fn rgb(width: usize, pixels: &[[u8; 3]]) -> Result<Self> {
+        Self::new(width, pixels.len(), ColorType::Rgb, BitDepth::Eight, pixels.as_flattened())
+    }
+
+    /// Red, green, blue and opacity.
+    ///
+    /// # Errors
+    /// As [`Picture::rgb`].
+    pub fn rgba(width: usize, pixels: &[[u8; 4]]) -> Result<Self> {
+        Self::new(width, pixels.len(), ColorType::Rgba, BitDepth::Eight, pixels.as_flattened())
+    }
+
+    /// Grey.
+    ///
+    /// # Errors
+    /// As [`Picture::rgb`].
+    pub fn gray(width: usize, pixels: &[u8]) -> Result<Self> {
+        Self::new(width, pixels.len(), ColorType::Grayscale, BitDepth::Eight, pixels)
+    }
+
+    /// Grey, of 16 bits.
+    ///
+    /// # Errors
+    /// As [`Picture::rgb`].
+    pub fn gray16(width: usize, pixels: &[u16]) -> Result<Self> {
+        let mut bytes: Vec<u8> = reserved(2 * pixels.len())?;
+        // The larger byte first (PNG, third edition, section 7.1).
+        bytes.extend(pixels.iter().flat_map(|x| x.to_be_bytes()));
+        Self::new(width, pixels.len(), ColorType::Grayscale, BitDepth::Sixteen, &bytes)
+    }
+
+    fn new(
+        width: usize,
+        pixels: usize,
+        color: ColorType,
+        depth: BitDepth,
+        bytes: &[u8],
+    ) -> Result<Self> {
+        let height = pixels / width.max(1);
+        let expected = (height.max(1), width.max(1));
+        Error::check_shape("picture", expected, (pixels.div_ceil(width.max(1)), width))?;
+        Error::check_shape("picture", (height * width, 1), (pixels, 1))?;
+        let mut own = reserved(bytes.len())?;
+        own.extend_from_slice(bytes);
+        let side = |side: usize| {
+            u32::try_from(side).map_err(|_| Error::Argument {
+                what: "picture",
+                why: format!("{side} pixels of a side, where fewer than 2^32 are needed"),
+            })
+        };
+        Ok(Self { width: side(width)?, height: side(height)?, color, depth, bytes: own })
+    }
+
+    /// The same with rows in the other order: of textures, whose first row is at v = 0.
+    pub fn flipped(mut self) -> Self {
+        let row = self.bytes.len() / self.height as usize;
+        let half = self.height as usize / 2;
+        let (above, below) = self.bytes.split_at_mut(half * row);
+        for (a, b) in above.chunks_exact_mut(row).zip(below.chunks_exact_mut(row).rev()) {
+            a.swap_with_slice(b);
+        }
+        self
+    }
+
+    /// Whether it has opacity.
+    pub(super) fn has_opacity(&self) -> bool {
+        self.color == ColorType::Rgba
+    }
+
+    /// Pixels of a row.
+    pub fn width(&self) -> usize {
+        self.width as usize
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height as usize
+    }
+
+    /// Writes it as PNG.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn write_png(&self, sink: &mut dyn Write) -> io::Result<()> {
+        let encode = || -> std::result::Result<(), png::EncodingError> {
+            let mut encoder = png::Encoder::new(sink, self.width, self.height);
+            encoder.set_color(self.color);
+            encoder.set_depth(self.depth);
+            encoder.set_compression(png::Compression::Fast);
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(&self.bytes)?;
+            writer.finish()
+        };
+        encode().map_err(|error| match error {
+            png::EncodingError::IoError(error) => error,
+            other => io::Error::other(other.to_string()),
+        })
+    }
+
+    /// The bytes of it as PNG.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for what PNG can't hold.
+    pub fn to_png(&self) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let failed = |e: io::Error| Error::Argument { what: "picture", why: e.to_string() };
+        self.write_png(&mut bytes).map_err(failed)?;
+        Ok(bytes)
+    }
+}

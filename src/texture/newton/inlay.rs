@@ -1,0 +1,95 @@
+//! What materials over a fractal are made of.
+
+use super::palette::root_color;
+use crate::base::{Error, Result, builder};
+use crate::texture::material::Finish;
+
+/// What the basins of a surface are made of, and what is between them.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Inlay {
+    /// Of the roots, by number, again from the first when there are more.
+    pub basins: Vec<Finish>,
+    /// Of the joints: where points converge slowly.
+    pub joint: Finish,
+    /// The shares of texels, by the speed of their convergence, where joints begin and from where on
+    /// they are all there is; from 0 to 1. Default 0.75, 0.95.
+    pub range: [f64; 2],
+    /// What a height of 1 is, in hundredths of the square root of the area of the surface, from 0 to
+    /// 100. Default 0.4.
+    pub depth: f64,
+}
+
+impl Default for Inlay {
+    /// The stones of [`Inlay::stones`].
+    fn default() -> Self {
+        Self::stones()
+    }
+}
+
+builder! { setters only Inlay {
+    #[into]
+    basins: Vec<Finish>,
+    joint: Finish,
+    range: [f64; 2],
+    depth: f64,
+}}
+
+impl Inlay {
+    /// Enamel in the colours of the roots of a polynomial with `roots` roots in C, between raised
+    /// lines of gold (figure 7.1c).
+    pub fn enamel(roots: usize) -> Self {
+        let enamel = |root: usize| {
+            Finish::new().color(root_color(root as u16, roots)).roughness(0.16).height(0.0)
+        };
+        let gold = Finish::new().color([255, 202, 96]).roughness(0.3).metalness(1.0).height(0.6);
+        let basins = (0..roots * roots).map(enamel).collect();
+        Self { basins, joint: gold, range: [0.75, 0.95], depth: 0.4 }
+    }
+
+    /// Marble, steel, wood, slate, copper and chalk, with dark rough joints between (figure 7.3).
+    pub fn stones() -> Self {
+        let finish = |color, roughness, metalness, height| {
+            Finish::new().color(color).roughness(roughness).metalness(metalness).height(height)
+        };
+        let basins = vec![
+            finish([236, 233, 226], 0.15, 0.0, 0.5),
+            finish([180, 184, 192], 0.35, 1.0, 0.2),
+            finish([142, 92, 52], 0.6, 0.0, 0.3),
+            finish([62, 70, 82], 0.7, 0.0, 0.4),
+            finish([236, 150, 108], 0.25, 1.0, 0.2),
+            finish([208, 196, 170], 0.9, 0.0, 0.5),
+        ];
+        Self {
+            basins,
+            joint: finish([30, 28, 28], 1.0, 0.0, -0.8),
+            range: [0.75, 0.95],
+            depth: 0.4,
+        }
+    }
+
+    /// `Ok` when every number is in its range.
+    pub(super) fn check(&self) -> Result<()> {
+        let within = |what: &'static str, value: f64, low: f64, high: f64| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            let why = format!("{value}, where {low} to {high} is needed");
+            Err(Error::Argument { what, why })
+        };
+        for finish in self.basins.iter().chain([&self.joint]) {
+            within("roughness", finish.roughness, 0.0, 1.0)?;
+            within("metalness", finish.metalness, 0.0, 1.0)?;
+            within("height", finish.height, -1.0, 1.0)?;
+            within("glow", finish.glow, 0.0, 0.0)?;
+        }
+        if self.basins.is_empty() {
+            let why = "no finish, where that of a root is needed".into();
+            return Err(Error::Argument { what: "basins", why });
+        }
+        within("depth", self.depth, 0.0, 100.0)?;
+        let [low, high] = self.range;
+        within("range", low, 0.0, 1.0)?;
+        within("range", high, low, 1.0)
+    }
+}
