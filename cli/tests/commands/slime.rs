@@ -198,10 +198,7 @@ fn a_picture_shows_the_relief_of_a_material() {
 #[test]
 fn a_tile_repeats_without_a_seam() {
     let folder = folder();
-    folder.write(
-        "t.toml",
-        format!("agents = 3000\nsize = 128\nvision_distance = 3\nmovement_speed = 4\n"),
-    );
+    folder.write("t.toml", "agents = 3000\nsize = 128\nvision_distance = 3\nmovement_speed = 4\n");
     let said = folder
         .succeed("slime --tile --config t.toml --steps 120 -o out --material --render view.png");
     assert!(said.contains("1 charts"), "{said}");
