@@ -59,7 +59,7 @@ pub fn storms() -> Result<Part> {
     })
 }
 
-pub fn storm(nodes: usize, speed: f64, modulus: Option<f64>) -> Result<Vec<f64>> {
+fn storm(nodes: usize, speed: f64, modulus: Option<f64>) -> Result<Vec<f64>> {
     let plant = grow(&GrowthOptions::new().nodes(nodes))?;
     let model = WaterModel::new(&plant, &WaterOptions::new())?;
     let full = model.full();
