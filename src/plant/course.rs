@@ -4,8 +4,8 @@ use super::walk::Walk;
 use super::water::{WaterModel, at_least_zero};
 use crate::base::{Error, Result};
 
-/// The water of every node, in kg, at each of `times` (seconds from 0, ascending), from `water` at time 0. Where the loss
-/// changes, one solution ends and the next begins: nothing is interpolated.
+/// The water of every node, in kg, at each of `times` (seconds from 0, ascending), from `water` at
+/// time 0. Where the loss changes, one solution ends and the next begins: nothing is interpolated.
 ///
 /// ```
 /// use catamaran::plant::{CurveOptions, WaterModel, WaterOptions, families, water_curve};
@@ -19,8 +19,9 @@ use crate::base::{Error, Result};
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault; [`Error::OutOfMemory`];
-/// [`Error::Cancelled`]; [`Error::NotConverged`] for stomata or soil whose constants leave no step.
+/// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault;
+/// [`Error::OutOfMemory`]; [`Error::Cancelled`]; [`Error::NotConverged`] for stomata or soil whose
+/// constants leave no step.
 pub fn water_curve(
     model: &WaterModel,
     water: &[f64],

@@ -12,9 +12,11 @@ pub enum Method {
     Auto,
     /// From one time to the next by the rational approximation of the exponential: any times, any stiffness.
     Rational,
-    /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)): small plants that are not stiff, many times.
+    /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)): small plants that are not
+    /// stiff, many times.
     Spectral,
-    /// By [`Bdf6`](super::Bdf6) with steps of at most so many seconds, shortened so that they end at the times asked for.
+    /// By [`Bdf6`](super::Bdf6) with steps of at most so many seconds, shortened so that they end
+    /// at the times asked for.
     Bdf6 {
         /// In seconds.
         step: f64,

@@ -138,8 +138,8 @@ impl WaterModel {
     pub(super) fn substeps(&self, seconds: f64) -> usize {
         /// Exponent of what is lost in a part.
         const LOST: f64 = 3.0;
-        /// Exponent of what a leaf that nothing fills loses in one part. Of more, two parts are made:
-        /// the first dries the leaf, and the second rounds to parts of what is left in it.
+        /// Exponent of what a leaf that nothing fills loses in one part. Of more, two parts are
+        /// made: the first dries the leaf, and the second rounds to parts of what is left in it.
         const LOST_BY_A_LEAF: f64 = 4.0;
         /// What is left after so many parts is nothing.
         const MOST: f64 = 64.0;

@@ -108,10 +108,12 @@ impl Sway {
     }
 }
 
-/// Lets a plant dry, wilt and move at once, as in a film in time lapse: `options.drought` seconds of water pass in
-/// `options.seconds` of motion. In every step the water goes ahead by [`Bdf6`](super::Bdf6) (with stomata or soil as
-/// [`Method::Auto`] says), the stiffness and the weight follow from it (thesis, section 4.5.4), and the rods go ahead by [`Motion`] in the wind of the moment.
-/// The plant begins with full cells and at rest, or, between pins, where [`Rods::relax`] came.
+/// Lets a plant dry, wilt and move at once, as in a film in time lapse: `options.drought` seconds
+/// of water pass in `options.seconds` of motion. In every step the water goes ahead by
+/// [`Bdf6`](super::Bdf6) (with stomata or soil as [`Method::Auto`] says), the stiffness and the
+/// weight follow from it (thesis, section 4.5.4), and the rods go ahead by [`Motion`] in the wind
+/// of the moment. The plant begins with full cells and at rest, or, between pins, where
+/// [`Rods::relax`] came.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
@@ -130,8 +132,9 @@ impl Sway {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names the option that is out of its range; those of [`WaterModel`], [`Tissue::moduli`],
-/// [`Rods::relax`] and [`Motion::step`]; [`Error::Cancelled`], [`Error::OutOfMemory`].
+/// [`Error::Argument`] names the option that is out of its range; those of [`WaterModel`],
+/// [`Tissue::moduli`], [`Rods::relax`] and [`Motion::step`]; [`Error::Cancelled`],
+/// [`Error::OutOfMemory`].
 pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Result<Sway> {
     at_least_zero("drought", options.drought)?;
     positive("seconds", options.seconds)?;

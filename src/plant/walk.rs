@@ -15,7 +15,8 @@ fn choose(model: &WaterModel, times: &[f64], cycle: &[Interval]) -> Method {
     const RESOLUTION: f64 = 64.0;
     /// Eigenvalues are off by rounding of the largest one; so is, times the time, the result.
     const LARGEST_EXPONENT: f64 = 1e3;
-    /// A decomposition costs about n^3 / 10^9 s, an evaluation of the rational approximation n / 10^6 s.
+    /// A decomposition costs about n^3 / 10^9 s, an evaluation of the rational approximation n /
+    /// 10^6 s.
     const LARGEST_MATRIX: usize = 256;
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
         return Method::Rational;

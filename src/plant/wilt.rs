@@ -95,8 +95,9 @@ pub struct Wilting {
 /// ```
 ///
 /// # Errors
-/// As those of [`water_course`], [`Tissue::moduli`] and [`Rods::relax`], but for a pose that comes so near to balance
-/// that no picture shows it: what is pulled straight between pins comes there slowly.
+/// As those of [`water_course`], [`Tissue::moduli`] and [`Rods::relax`], but for a pose that comes
+/// so near to balance that no picture shows it: what is pulled straight between pins comes there
+/// slowly.
 pub fn wilt(
     model: &WaterModel,
     rods: &Rods,

@@ -7,8 +7,8 @@ use super::reference::Coefficients;
 use super::{Part, Subject};
 use crate::Result;
 
-/// The largest relative error of the water of any node at the half-time, at the usual conductance, also of plant006 (8,961
-/// nodes).
+/// The largest relative error of the water of any node at the half-time, at the usual conductance,
+/// also of plant006 (8,961 nodes).
 ///
 /// # Errors
 /// Those of the model, and of plant006 if it is there and can't be read.

@@ -26,7 +26,8 @@ const WINDS: [f64; 3] = [2.0, 8.0, 20.0];
 const MODULI: [(&str, Option<f64>); 3] =
     [("5 GPa", Some(5e9)), ("of the water", None), ("0.1 MPa", Some(1e5))];
 
-/// Motion in gusts of 30 % of the mean wind, then in still air: time of a frame, the share of the water in it, and energies.
+/// Motion in gusts of 30 % of the mean wind, then in still air: time of a frame, the share of the
+/// water in it, and energies.
 ///
 /// # Errors
 /// Those of the model and of the rods.
@@ -59,7 +60,7 @@ pub fn storms() -> Result<Part> {
     })
 }
 
-pub fn storm(nodes: usize, speed: f64, modulus: Option<f64>) -> Result<Vec<f64>> {
+fn storm(nodes: usize, speed: f64, modulus: Option<f64>) -> Result<Vec<f64>> {
     let plant = grow(&GrowthOptions::new().nodes(nodes))?;
     let model = WaterModel::new(&plant, &WaterOptions::new())?;
     let full = model.full();

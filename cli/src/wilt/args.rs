@@ -41,14 +41,14 @@ pub struct Args {
     /// What leaves lose, in grams per hour and square metre.
     #[arg(long, value_name = "LOSS", default_value_t = 60.0)]
     delta: f64,
-    /// Steepness of the elasticity as a function of the relative water content; 10 unless given. Parts may have their own:
-    /// `leaf=8,stem=20`, or `12,leaf=8` with that of the parts that are not named first; parts are leaf, petiole and stem.
-    /// Petioles are those that the file labels (class P of .mtg), else stalks without a branch that bear a leaf. With
-    /// --literal in 1/g.
+    /// Steepness of the elasticity as a function of the relative water content; 10 unless given.
+    /// Parts may have their own: `leaf=8,stem=20`, or `12,leaf=8` with that of the parts that are
+    /// not named first; parts are leaf, petiole and stem. Petioles are those that the file labels
+    /// (class P of .mtg), else stalks without a branch that bear a leaf. With --literal in 1/g.
     #[arg(long, value_name = "K|PART=K,...")]
     kappa: Option<Kappa>,
-    /// Steepness by radius instead of by part: `0.5=12,2=30` is 12 from 0.5 mm on and 30 from 2 mm on; thinner segments
-    /// have that of --kappa.
+    /// Steepness by radius instead of by part: `0.5=12,2=30` is 12 from 0.5 mm on and 30 from 2 mm
+    /// on; thinner segments have that of --kappa.
     #[arg(long, value_name = "MM=K,...")]
     kappa_by_radius: Option<ByRadius>,
     /// Relative water content at which the elasticity is steepest; 0.75 unless given. With --literal in g, 0 unless given.
@@ -67,14 +67,16 @@ pub struct Args {
     /// By day (16 hours) leaves lose --delta, by night (8 hours) a twelfth of it.
     #[arg(long)]
     day_night: bool,
-    /// Stomata that close as leaves dry: half closed at this relative water content, and so steeply; 0.8,25 is usual.
+    /// Stomata that close as leaves dry: half closed at this relative water content, and so
+    /// steeply; 0.8,25 is usual.
     #[arg(long, value_name = "W,STEEPNESS", value_parser = watering::stomata)]
     stomata: Option<Stomata>,
-    /// Soil at the root that holds so many grams of water, and has as many at first unless given: the root takes it up.
+    /// Soil at the root that holds so many grams of water, and has as many at first unless given:
+    /// the root takes it up.
     #[arg(long, value_name = "GRAMS[,AT_FIRST]", value_parser = watering::soil)]
     soil: Option<Soil>,
-    /// Pour so many grams on the soil after so many hours, or as much as it holds; what it can't hold drains. May be given
-    /// again.
+    /// Pour so many grams on the soil after so many hours, or as much as it holds; what it can't
+    /// hold drains. May be given again.
     #[arg(long, value_name = "HOURS[:GRAMS]", requires = "soil")]
     rewater: Vec<Pour>,
     /// Cut the connection of this node to its parent, for water, not for the rod. May be given again.
@@ -108,10 +110,11 @@ pub struct Args {
     /// Write wilting.glb: the plant as a skinned mesh that moves, for Blender; of 24 frames a second without --motion.
     #[arg(long)]
     pub animation: bool,
-    /// Find delta, chi (--conductance) and kappa from a table of a plant that dries from full cells on: the columns
-    /// `time_h,weight_g`, with or without the pot, then `height_m` (of its highest point) and `node_12_m` (of node 12), any
-    /// number of them or none. Writes fit.csv, fitted.csv and fit.svg, and lets nothing wilt. kappa needs heights: weights
-    /// do not depend on it. With --kappa by parts or radii, that of each is found.
+    /// Find delta, chi (--conductance) and kappa from a table of a plant that dries from full cells
+    /// on: the columns `time_h,weight_g`, with or without the pot, then `height_m` (of its highest
+    /// point) and `node_12_m` (of node 12), any number of them or none. Writes fit.csv, fitted.csv
+    /// and fit.svg, and lets nothing wilt. kappa needs heights: weights do not depend on it. With
+    /// --kappa by parts or radii, that of each is found.
     #[arg(
         long,
         value_name = "TABLE",

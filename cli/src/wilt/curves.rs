@@ -8,8 +8,8 @@ use crate::picture::{Chart, Curve, Upwards};
 /// Whether a node is in a group.
 type Group<'a> = &'a dyn Fn(usize) -> bool;
 
-/// The relative water content of leaves, stem and the whole plant, and that of some nodes; that of the soil as a part of
-/// what it holds.
+/// The relative water content of leaves, stem and the whole plant, and that of some nodes; that of
+/// the soil as a part of what it holds.
 pub fn chart(plant: &Plant, simulation: &Simulation) -> Chart<'static> {
     let leaf = |v: usize| plant.segments()[v].leaf;
     // A few nodes, evenly over their numbers, behind the means.

@@ -55,8 +55,8 @@ impl FromStr for ByRadius {
     }
 }
 
-/// The tissue of a plant, and a name for each of its classes. `of` is the elasticity of a steepness,
-/// `usual` the steepness where none is said.
+/// The tissue of a plant, and a name for each of its classes. `of` is the elasticity of a
+/// steepness, `usual` the steepness where none is said.
 pub fn tissue(
     plant: &Plant,
     kappa: Option<&Kappa>,

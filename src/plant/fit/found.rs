@@ -5,7 +5,8 @@ use super::super::levenberg::Minimum;
 pub struct Estimate {
     /// Its value.
     pub value: f64,
-    /// Its standard error; infinite where the measurements don't tell it, NaN where it is at a bound.
+    /// Its standard error; infinite where the measurements don't tell it, NaN where it is at a
+    /// bound.
     pub error: f64,
 }
 

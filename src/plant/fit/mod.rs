@@ -21,16 +21,18 @@ use crate::base::{Error, Result};
 /// The share of the time that goes into water where there are heights too.
 const WATER_SHARE: f64 = 0.3;
 
-/// Finds the constants of a plant from measurements, by nonlinear least squares with bounds. From weights: the loss delta, the
-/// scale chi of the conductance and the weight at time 0. Weights do not depend on the stiffness; its steepness kappa follows
-/// from heights, if there are any, with delta and chi held where the weights have them: a steepness for each class of the
-/// [`Tissue`]. Standard errors are those of the linearised model, `s^2 (J^T J)^-1`.
+/// Finds the constants of a plant from measurements, by nonlinear least squares with bounds. From
+/// weights: the loss delta, the scale chi of the conductance and the weight at time 0. Weights do
+/// not depend on the stiffness; its steepness kappa follows from heights, if there are any, with
+/// delta and chi held where the weights have them: a steepness for each class of the [`Tissue`].
+/// Standard errors are those of the linearised model, `s^2 (J^T J)^-1`.
 ///
-/// They hold for one minimum only. Descents begin at several places; minima away from the best one that the measurements do
-/// not tell from it (95 %, of a likelihood ratio) are in [`Fit::other_water`] and [`Fit::other_steepness`].
+/// They hold for one minimum only. Descents begin at several places; minima away from the best one
+/// that the measurements do not tell from it (95 %, of a likelihood ratio) are in
+/// [`Fit::other_water`] and [`Fit::other_steepness`].
 ///
-/// delta shows in how fast the plant first loses weight, chi in how soon that slows down; delta, chi and kappa are fitted by
-/// their logarithms.
+/// delta shows in how fast the plant first loses weight, chi in how soon that slows down; delta,
+/// chi and kappa are fitted by their logarithms.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
@@ -52,8 +54,9 @@ const WATER_SHARE: f64 = 0.3;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault, also fewer than four
-/// measurements; [`Error::NotConverged`], [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault, also
+/// fewer than four measurements; [`Error::NotConverged`], [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
 pub fn fit(plant: &Plant, measured: &Measurements, options: &FitOptions<'_>) -> Result<Fit> {
     options::check(plant, measured, options)?;
     let whole = if measured.has_heights() { WATER_SHARE } else { 1.0 };

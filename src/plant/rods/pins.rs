@@ -87,9 +87,9 @@ pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
     pins.iter().map(|pin| norm(pin.gap(tails))).sum()
 }
 
-/// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they shall be positive definite,
-/// else by elimination. Where paths leave a force no say (one segment can't change its length) a little of the diagonal
-/// decides. Whether it could.
+/// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they
+/// shall be positive definite, else by elimination. Where paths leave a force no say (one segment
+/// can't change its length) a little of the diagonal decides. Whether it could.
 pub(super) fn solve_forces(
     mut matrix: Mat<f64>,
     right: &mut Mat<f64>,

@@ -163,10 +163,10 @@ impl Rods {
         Err(Error::NotConverged { iterations: options.max_iterations, residual })
     }
 
-    /// A whole step of Newton's method without a shift. Between pins a path may be compressed by the
-    /// forces that hold it: the matrix is not positive definite then, though it is where the ends
-    /// stay, and a shift would make convergence linear. `None`, and nothing changes, unless it comes
-    /// much nearer to balance.
+    /// A whole step of Newton's method without a shift. Between pins a path may be compressed by
+    /// the forces that hold it: the matrix is not positive definite then, though it is where the
+    /// ends stay, and a shift would make convergence linear. `None`, and nothing changes, unless it
+    /// comes much nearer to balance.
     fn unshifted(
         &self,
         pose: &mut Pose,

@@ -153,7 +153,8 @@ impl Coefficients {
         sums.into_iter().fold(0.0, f64::max)
     }
 
-    /// exp(S t) water: `exp(S t) = (e^(-q h) exp((S + q) h))^(2^s)`, with `S + q >= 0`, so that nothing is subtracted.
+    /// exp(S t) water: `exp(S t) = (e^(-q h) exp((S + q) h))^(2^s)`, with `S + q >= 0`, so that
+    /// nothing is subtracted.
     pub fn water_after(&self, water: &[f64], seconds: f64) -> Vec<f64> {
         let n = self.full.len();
         let squarings = (self.fastest_rate() * seconds).log2().ceil().max(0.0) as i32 + 6;
