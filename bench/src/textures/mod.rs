@@ -2,17 +2,23 @@
 //! 7.2, and times of Newton's fractals.
 
 mod figures;
+#[cfg(feature = "opencl")]
+mod gpu;
 mod long;
 mod newton;
 mod parameters;
 mod polar;
 mod surfaces;
 #[cfg(feature = "opencl")]
+mod thesis;
+#[cfg(feature = "opencl")]
 mod times;
 
 pub use figures::{evaporation, maze, rescaling, substeps};
+#[cfg(feature = "opencl")]
+pub use gpu::gpu;
 pub use long::{long_walks, many_points};
 pub use newton::{PICTURES, newton_figures, newton_times};
 pub use parameters::{grid, table};
 #[cfg(feature = "opencl")]
-pub use times::times;
+pub use times::{ten_meshes, times};

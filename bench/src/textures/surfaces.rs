@@ -1,9 +1,15 @@
 //! The surfaces of the figures, each with its texture.
 
 use std::f64::consts::{PI, TAU};
+#[cfg(feature = "opencl")]
+use std::path::PathBuf;
 
+#[cfg(feature = "opencl")]
+use catamaran::mesh::io::read;
 use catamaran::mesh::{TriMesh, families};
 use catamaran::texture::slime::Surface;
+#[cfg(feature = "opencl")]
+use catamaran::texture::slime::{atlas, fitted};
 
 use crate::Result;
 
@@ -12,6 +18,41 @@ pub fn square() -> Result<Surface> {
     let mesh = families::grid(40, 40)?;
     let at = |v: u32| [mesh.vertices()[v as usize][0], mesh.vertices()[v as usize][1]];
     Ok(Surface::of_faces(&mesh, mesh.faces().iter().map(|face| face.map(at)).collect())?)
+}
+
+/// Ten meshes and their names: real ones where `CATAMARAN_DATA` (default ../shared) has them, in their own texture or, without
+/// one, in an atlas for `size` texels; generated ones in their place.
+#[cfg(feature = "opencl")]
+pub fn ten(size: usize) -> Result<Vec<(String, Surface)>> {
+    let data = std::env::var_os("CATAMARAN_DATA").map_or("../shared".into(), PathBuf::from);
+    let in_atlas =
+        |mesh: &TriMesh| -> Result<Surface> { Ok(Surface::of_faces(mesh, atlas(mesh, size)?)?) };
+    let mut all = vec![("torus".to_owned(), torus(96, 48)?), ("square".to_owned(), square()?)];
+    let real = ["momas_torus.obj.gz", "spot.obj.gz", "moebius.obj.gz", "ofp_bunny10k.off.gz"];
+    for name in real {
+        let path = data.join("meshes").join(name);
+        if !path.exists() {
+            continue;
+        }
+        let file = read(&path)?;
+        let own = file.uv.as_ref().and_then(|uv| Surface::new(&file.mesh, &fitted(uv)).ok());
+        let surface = own.map_or_else(|| in_atlas(&file.mesh), Ok)?;
+        all.push((name.split('.').next().unwrap_or(name).to_owned(), surface));
+    }
+    let generated: [(&str, TriMesh); 8] = [
+        ("icosphere", families::icosphere(5)?),
+        ("knot", families::knot(2, 3, 240, 24, 0.45)?),
+        ("terrain", families::terrain(80, 80, 7)?),
+        ("figure", families::figure(40, 0.5)?),
+        ("long torus", families::torus(160, 20, 4.0, 0.5)?),
+        ("Moebius strip", families::moebius(200, 16)?),
+        ("coarse sphere", families::icosphere(3)?),
+        ("trefoil", families::knot(3, 2, 160, 16, 0.4)?),
+    ];
+    for (name, mesh) in &generated[..10 - all.len()] {
+        all.push(((*name).to_owned(), in_atlas(mesh)?));
+    }
+    Ok(all)
 }
 
 /// A torus that its texture is wrapped around once either way: stretched outside, squeezed inside.

@@ -5,38 +5,13 @@ use std::time::Instant;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::opencl::{Device, SlimeOnDevice};
-use catamaran::texture::slime::{Mask, Options, Simulation, TangentStep};
+use catamaran::texture::slime::{Mask, Simulation, Surface};
 
-use super::surfaces::torus;
+use super::surfaces::{ten, torus};
+use super::thesis::{Case, FRAMES as THESIS_FRAMES, SIZE, cases};
 use crate::Result;
 use crate::curves::Plot;
 use crate::plant::Part;
-
-/// What the tables vary, one at a time.
-struct Case {
-    table: &'static str,
-    millions: usize,
-    size: usize,
-    tangent_step: TangentStep,
-}
-
-fn cases(largest: usize) -> Vec<Case> {
-    let project = |substeps| TangentStep::Project { substeps };
-    let case = |table, millions, size, tangent_step| Case { table, millions, size, tangent_step };
-    let mut all = Vec::new();
-    for size in [2048, 4096, 8192, 16384] {
-        all.push(case("table 3.2", 1, size, project(10)));
-    }
-    for substeps in [1, 10, 100] {
-        all.push(case("table 3.3", 1, 2048, project(substeps)));
-    }
-    all.push(case("table 3.3", 1, 2048, TangentStep::Unfold));
-    for millions in [1, 2, 3, 4] {
-        all.push(case("table 3.4", millions, 2048, project(10)));
-    }
-    all.retain(|case| case.size <= largest);
-    all
-}
 
 /// Frames that are timed together: as many as from one ordering of the agents to the next, so that each round has one.
 const FRAMES: usize = 16;
@@ -59,68 +34,100 @@ fn summary(times: &[f64]) -> [f64; 3] {
     [mean, most, least]
 }
 
-/// Times of frames on the processor and on the first OpenCL device, in turns, for textures up to `largest`; with the fit of the
-/// time by the number of agents. A round is 16 frames; the first is not timed.
+/// The device that `CATAMARAN_OPENCL_DEVICE` names (as tests take it), else the first.
+pub(super) fn chosen_device() -> Result<Device> {
+    Ok(Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default())?)
+}
+
+/// What came of one case: milliseconds of frames on the processor and on the device, as [`summary`] has them.
+struct Timed {
+    processor: [f64; 3],
+    device: [f64; 3],
+    memory: f64,
+    same: bool,
+}
+
+fn timed(case: &Case, surface: Surface, device: &Device, rounds: usize) -> Result<Timed> {
+    let mut twin = Simulation::new(surface, &case.options(), &Mask::default())?;
+    let mut kernels = SlimeOnDevice::new(device, &twin)?;
+    let mut found = [Vec::new(), Vec::new()];
+    for round in 0..=rounds {
+        time(&mut found[0], || Ok(twin.run(1, Par::all(), Progress::none())?))?;
+        time(&mut found[1], || Ok(kernels.run(1, Progress::none())?))?;
+        if round == 0 {
+            // It compiled, touched memory, and agents have found each other.
+            found = [Vec::new(), Vec::new()];
+        }
+    }
+    let [processor, on_device] = found.map(|times| summary(&times));
+    let memory = twin.bytes() as f64 / f64::from(1 << 20);
+    let same = kernels.state()?.texture == twin.state().texture;
+    Ok(Timed { processor, device: on_device, memory, same })
+}
+
+/// The columns of both tables.
+const COLUMNS: [&str; 11] = [
+    "thesis (RTX 2080 Ti): mean, ms",
+    "thesis: most",
+    "thesis: least",
+    "processor: mean, ms",
+    "processor: most",
+    "processor: least",
+    "device: mean, ms",
+    "device: most",
+    "device: least",
+    "memory, MiB",
+    "textures equal (1: yes)",
+];
+
+impl Timed {
+    fn row(&self, thesis: [f64; 3]) -> Vec<f64> {
+        let rest = [self.memory, f64::from(u8::from(self.same))];
+        [&thesis[..], &self.processor, &self.device, &rest].concat()
+    }
+}
+
+/// Times of frames on the processor and on an OpenCL device, in turns, for textures up to `largest`, beside those of the thesis;
+/// with the fit of the time by the number of agents. A round is 16 frames; the first is not timed. Larger textures are named
+/// with the option that runs them.
 ///
 /// # Errors
-/// Those of the simulation, where there is no device, and where it comes to other textures.
+/// Those of the simulation, and where there is no device.
 pub fn times(rounds: usize, largest: usize) -> Result<Part> {
-    let (device, par) = (Device::open("")?, Par::all());
+    let device = chosen_device()?;
     let (mut rows, mut by_agents) = (Vec::new(), [Vec::new(), Vec::new()]);
-    for case in cases(largest) {
-        let options = Options::new()
-            .agents(case.millions * 1_000_000)
-            .size(case.size)
-            .tangent_step(case.tangent_step);
-        let mut twin = Simulation::new(torus(96, 48)?, &options, &Mask::default())?;
-        let mut kernels = SlimeOnDevice::new(&device, &twin)?;
-        let mut found = [Vec::new(), Vec::new()];
-        for round in 0..=rounds {
-            time(&mut found[0], || Ok(twin.run(1, par, Progress::none())?))?;
-            time(&mut found[1], || Ok(kernels.run(1, Progress::none())?))?;
-            if round == 0 {
-                // It compiled, touched memory, and agents have found each other.
-                found = [Vec::new(), Vec::new()];
-            }
+    for case in cases() {
+        if case.size > largest {
+            let name = format!("{} (not run: --largest-texture {})", case.name(), case.size);
+            let nothing = [f64::NAN; COLUMNS.len() - 3];
+            rows.push((name, [&case.thesis()[..], &nothing].concat()));
+            continue;
         }
-        let same = kernels.state()?.texture == twin.state().texture;
-        let walk = match case.tangent_step {
-            TangentStep::Unfold => "unfolded".to_owned(),
-            TangentStep::Project { substeps } => format!("{substeps} sub-steps"),
-        };
-        let name = format!("{}: {} M agents, {}, {walk}", case.table, case.millions, case.size);
-        let [ours, theirs] = found.map(|times| summary(&times));
+        let found = timed(&case, torus(96, 48)?, &device, rounds)?;
         if case.table == "table 3.4" {
-            for (points, summary) in by_agents.iter_mut().zip([ours, theirs]) {
+            let both = [found.processor, found.device];
+            for (points, summary) in by_agents.iter_mut().zip(both) {
                 points.push((case.millions as f64, summary[2]));
             }
         }
-        let memory = twin.bytes() as f64 / f64::from(1 << 20);
-        let rest = [memory, f64::from(u8::from(same))];
-        rows.push((name, [&ours[..], &theirs, &rest].concat()));
+        rows.push((case.name(), found.row(case.thesis())));
     }
-    let mut fits = vec![f64::NAN; 8];
-    (fits[2], fits[5]) = (fit(&by_agents[0]), fit(&by_agents[1]));
-    rows.push(("table 3.4: R^2 of a line through the least".into(), fits));
-    let columns = [
-        "processor: mean, ms",
-        "processor: most",
-        "processor: least",
-        "device: mean, ms",
-        "device: most",
-        "device: least",
-        "memory, MiB",
-        "textures equal (1: yes)",
-    ];
+    if !by_agents[0].is_empty() {
+        let mut fits = vec![f64::NAN; COLUMNS.len()];
+        (fits[5], fits[8]) = (fit(&by_agents[0]), fit(&by_agents[1]));
+        rows.push(("table 3.4: R^2 of a line through the least".into(), fits));
+    }
+    let frames = rounds * FRAMES;
+    let more = THESIS_FRAMES.div_ceil(FRAMES);
     Ok(Part {
         figure: "tables 3.2 to 3.4",
         title: format!(
-            "time of a frame on a torus of 9,216 triangles, {} frames; processor: {} threads; device: {}",
-            rounds * FRAMES,
-            par.threads(),
+            "time of a frame on a torus of 9,216 triangles, {frames} frames (the thesis: {THESIS_FRAMES} on each of ten meshes, which \
+             --rounds {more} does here); processor: {} threads; device: {}",
+            Par::all().threads(),
             device.info().name
         ),
-        columns: columns.map(String::from).into(),
+        columns: COLUMNS.map(String::from).into(),
         rows,
         plots: vec![Plot {
             title: "Table 3.4: milliseconds of a frame by millions of agents".into(),
@@ -129,6 +136,42 @@ pub fn times(rounds: usize, largest: usize) -> Result<Part> {
             scattered: false,
             series: ["processor", "device"].map(String::from).into_iter().zip(by_agents).collect(),
         }],
+    })
+}
+
+/// The same of a million agents and ten sub-steps on ten meshes, with textures of 8192 x 8192 or `largest`: what the mesh is
+/// makes a difference.
+///
+/// # Errors
+/// As [`times`].
+pub fn ten_meshes(rounds: usize, largest: usize) -> Result<Part> {
+    let device = chosen_device()?;
+    let size = SIZE.min(largest);
+    let mut rows = Vec::new();
+    for (name, surface) in ten(size)? {
+        let case = Case { table: "ten meshes", millions: 1, size, substeps: 10, thesis: None };
+        let triangles = surface.len();
+        let found = timed(&case, surface, &device, rounds)?;
+        rows.push((format!("{name}, {triangles} triangles"), found.row(case.thesis())));
+    }
+    let means = (0..COLUMNS.len()).map(|k| {
+        let mean = rows.iter().map(|(_, row): &(String, Vec<f64>)| row[k]).sum::<f64>();
+        if k < COLUMNS.len() - 2 { mean / rows.len() as f64 } else { f64::NAN }
+    });
+    let mut means: Vec<f64> = means.collect();
+    if size == SIZE {
+        means[..3].copy_from_slice(&[12.120, 39.039, 10.263]);
+    }
+    rows.push(("mean".into(), means));
+    Ok(Part {
+        figure: "table 3.2, ten meshes",
+        title: format!(
+            "time of a frame of a million agents, {size} x {size} texels, ten sub-steps, {} frames",
+            rounds * FRAMES
+        ),
+        columns: COLUMNS.map(String::from).into(),
+        rows,
+        plots: vec![],
     })
 }
 

@@ -21,7 +21,7 @@ pub use color::{ColorMap, ColorScale};
 pub use image::{Image, write_gray};
 pub use matrix::{Scale, levels, write};
 pub use mesh::up::guess as guess_up;
-pub use mesh::{Paint, Panel, Projection, Scene, Texture, Up, View, render};
+pub use mesh::{Material, Paint, Panel, Projection, Scene, Texture, Up, View, render};
 pub use tube::with_curves;
 pub use volume::{Volume, render_volume};
 

@@ -7,10 +7,12 @@ use anyhow::{Context, Result, anyhow, bail};
 use catamaran::texture::slime::{Blur, Options, TangentStep};
 use serde::Deserialize;
 
+use super::material::LookConfig;
+
 /// Sub-steps where a file asks for projected steps and does not say how many.
 const SUBSTEPS: u32 = 10;
 
-/// The names and units of [`Options`].
+/// The names and units of [`Options`], and what materials look like.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Config {
@@ -30,6 +32,7 @@ struct Config {
     substeps: Option<u32>,
     blur: Option<Spread>,
     length_rescaling: Option<bool>,
+    material: Option<LookConfig>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -47,9 +50,10 @@ enum Spread {
 }
 
 /// What a file says, and which of it has no counterpart here.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Loaded {
     pub options: Options,
+    pub look: Option<LookConfig>,
     pub without_effect: Vec<String>,
 }
 
@@ -60,12 +64,11 @@ pub fn load(path: &Path) -> Result<Loaded> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ini")) {
         reference(&text).with_context(named)
     } else {
-        let options = toml(&text).with_context(named)?;
-        Ok(Loaded { options, without_effect: Vec::new() })
+        toml(&text).with_context(named)
     }
 }
 
-fn toml(text: &str) -> Result<Options> {
+fn toml(text: &str) -> Result<Loaded> {
     let config: Config = toml::from_str(text).map_err(|error| {
         let before = text.get(..error.span().map_or(0, |span| span.start)).unwrap_or(text);
         anyhow!("line {}: {}", before.matches('\n').count() + 1, error.message())
@@ -99,7 +102,10 @@ fn toml(text: &str) -> Result<Options> {
         })
         .length_rescaling(config.length_rescaling.unwrap_or(default.length_rescaling));
     options.check()?;
-    Ok(options)
+    if let Some(look) = &config.material {
+        look.look(None).context("material")?;
+    }
+    Ok(Loaded { options, look: config.material, without_effect: Vec::new() })
 }
 
 /// The .ini of the thesis' implementation (github.com/filthynobleman/slime-manifold, data/configs): lengths are parts of the
@@ -135,7 +141,7 @@ fn reference(text: &str) -> Result<Loaded> {
         }
     }
     options.check()?;
-    Ok(Loaded { options, without_effect })
+    Ok(Loaded { options, look: None, without_effect })
 }
 
 #[cfg(test)]
@@ -163,8 +169,10 @@ mod tests {
             .tangent_step(TangentStep::Project { substeps: 7 })
             .blur(Blur::Gaussian)
             .length_rescaling(false);
-        assert_eq!(toml(text).unwrap(), expected);
-        assert_eq!(toml("").unwrap(), Options::default());
+        let plain = |options| Loaded { options, look: None, without_effect: Vec::new() };
+        assert_eq!(toml(text).unwrap(), plain(expected));
+        assert_eq!(toml("").unwrap(), plain(Options::default()));
+        assert_eq!(toml("[material]").unwrap().look, Some(LookConfig::default()));
     }
 
     #[test]
@@ -175,6 +183,8 @@ mod tests {
             ("size = 100", "size"),
             ("substeps = 4", "substeps"),
             ("blur = \"box\"", "box"),
+            ("[material]\nlock = \"gold\"", "lock"),
+            ("[material]\nlook = \"silver\"", "silver"),
         ] {
             let error = format!("{:#}", toml(text).unwrap_err());
             assert!(error.contains(name), "{error}");

@@ -1,7 +1,8 @@
 //! Textures as PNG, with v upwards as programs expect it.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use catamaran::io::Output;
+use catamaran::mesh::io::Picture;
 use catamaran::texture::slime::Simulation;
 
 /// The names of the pictures of a frame, without their ending's dot: species in the channels of one, or one each when there
@@ -15,49 +16,23 @@ pub fn names(stem: &str, species: usize) -> Vec<String> {
 
 /// Writes the textures to files of these [`names`].
 pub fn write(simulation: &Simulation, outputs: Vec<Output>) -> Result<()> {
-    let species = simulation.species();
-    if species > 3 {
-        for (s, output) in outputs.into_iter().enumerate() {
-            write_one(simulation, output, png::ColorType::Grayscale, &[Some(s)])?;
-        }
-        return Ok(());
+    let (species, size) = (simulation.species(), simulation.texels().size());
+    let byte = |s: usize, texel: usize| (255.0 * simulation.texture(s)[texel]).round() as u8;
+    let gray = |s: usize| {
+        let pixels: Vec<u8> = (0..size * size).map(|texel| byte(s, texel)).collect();
+        Picture::gray(size, &pixels)
+    };
+    if matches!(species, 2 | 3) {
+        let pixel = |texel: usize| [0, 1, 2].map(|s| if s < species { byte(s, texel) } else { 0 });
+        let pixels: Vec<[u8; 3]> = (0..size * size).map(pixel).collect();
+        let picture = Picture::rgb(size, &pixels)?;
+        return outputs.into_iter().try_for_each(|output| save(output, picture.clone()));
     }
-    for output in outputs {
-        if species == 1 {
-            write_one(simulation, output, png::ColorType::Grayscale, &[Some(0)])?;
-        } else {
-            let channels = [0, 1, 2].map(|s| (s < species).then_some(s));
-            write_one(simulation, output, png::ColorType::Rgb, &channels)?;
-        }
-    }
-    Ok(())
+    outputs.into_iter().enumerate().try_for_each(|(s, output)| save(output, gray(s)?))
 }
 
-fn write_one(
-    simulation: &Simulation,
-    mut output: Output,
-    color: png::ColorType,
-    channels: &[Option<usize>],
-) -> Result<()> {
-    let size = simulation.texels().size();
-    let mut bytes = Vec::with_capacity(size * size * channels.len());
-    for row in (0..size).rev() {
-        for texel in row * size..(row + 1) * size {
-            bytes.extend(channels.iter().map(|channel| {
-                channel.map_or(0, |s| (255.0 * simulation.texture(s)[texel]).round() as u8)
-            }));
-        }
-    }
-    let name = output.path().display().to_string();
-    let mut encode = || -> Result<(), png::EncodingError> {
-        let mut encoder = png::Encoder::new(&mut output, size as u32, size as u32);
-        encoder.set_color(color);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::Fast);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&bytes)?;
-        writer.finish()
-    };
-    encode().with_context(|| format!("{name}: can't be written"))?;
+/// Writes a texture, whose rows are from v = 0, and lets the file appear.
+pub fn save(mut output: Output, texture: Picture) -> Result<()> {
+    texture.flipped().write_png(&mut output).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }

@@ -4,6 +4,7 @@ mod config;
 mod curves;
 mod images;
 mod mask;
+mod material;
 mod on_device;
 mod view;
 
@@ -18,17 +19,20 @@ use anyhow::{Context, Result, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{Attribute, Labels, MeshFile};
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
+use catamaran::texture::{Look, MaterialMaps, Preset};
 use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
 use crate::input::{self, MeshArgs};
 use crate::output;
-use crate::picture::{Up, View, guess_up, write_chart};
+use crate::picture::{Image, Projection, Up, View, guess_up, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
 use crate::signals;
 pub use curves::chart;
+use material::LookConfig;
 use on_device::OnDevice;
+use view::Subject;
 pub use view::draw;
 
 /// Pixels of a side of the picture of the mesh.
@@ -38,15 +42,20 @@ const PIXELS: usize = 900;
 ///
 /// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
 /// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj, whose material (mesh.mtl) shows the last
-/// picture. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state it can go on
-/// from there, with the same result as if it had never stopped.
+/// picture. A mesh without texture coordinates gets an atlas of its triangles. With --material the folder gets textures for
+/// physically based rendering, and the mesh in them. Ctrl-C ends it; with --state it can go on from there, with the same
+/// result as if it had never stopped.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
-    mesh: PathBuf,
-    /// What the simulation is like: .toml with the names of table 3.1 of the thesis (docs/algorithms/slime.md), or an .ini of
-    /// the reference implementation.
+    #[arg(value_name = "MESH", required_unless_present = "tile")]
+    mesh: Option<PathBuf>,
+    /// No mesh, but a square whose opposite sides are joined: the texture repeats without a seam. Its picture (--render) shows
+    /// four of it.
+    #[arg(long, conflicts_with_all = ["mesh", "atlas"])]
+    tile: bool,
+    /// What the simulation is like: .toml with the names of table 3.1 of the thesis (docs/algorithms/slime.md) and a table
+    /// [material] (docs/guide/slime.md), or an .ini of the reference implementation.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// Steps, those of a run that is resumed among them.
@@ -76,7 +85,12 @@ pub struct Args {
     /// An atlas of triangles even where the mesh has texture coordinates.
     #[arg(long)]
     atlas: bool,
-    /// Draw the mesh in its last texture to this .png file.
+    /// Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and material.glb, the mesh in them, which
+    /// glTF viewers show: with the look of the configuration, or --material=LOOK: strands, marble, gold, wood, engraved or
+    /// lava (which writes glow.png, too) [default: strands].
+    #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::named)]
+    material: Option<Option<Preset>>,
+    /// Draw the mesh in its last texture, or in its material, to this .png file.
     #[arg(long, value_name = "FILE")]
     render: Option<PathBuf>,
     /// From where it is seen: degrees around the upward axis, degrees above the horizon, then ,flat
@@ -111,9 +125,12 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let options = args.options()?;
-    let (frames, files) = args.frames(options.species)?;
-    let file = args.repair.read(&args.mesh)?;
+    let (options, look) = args.options()?;
+    let (frames, files) = args.frames(options.species, look.as_ref())?;
+    let file = match &args.mesh {
+        Some(path) => args.repair.read(path)?,
+        None => MeshFile::from(Surface::tile_mesh()?),
+    };
     let mut simulation = args.simulation(&file, &options)?;
     if let Some(path) = &args.resume {
         let source = File::open(path).with_context(|| path.display().to_string())?;
@@ -174,17 +191,20 @@ pub fn run(args: &Args) -> Result<()> {
     drop(whole_steps);
     ended?;
     curves::write_csv(outputs.table, &moments)?;
-    output::mesh(outputs.mesh, &textured(&file, &simulation))?;
+    let textured = textured(&file, &simulation);
+    output::mesh(outputs.mesh, &textured)?;
     let frame = frames.last().map(|&step| frame_names(step, args.steps, options.species));
-    write_material(outputs.material, frame.as_ref().and_then(|names| names.first()))?;
+    let frame = frame.as_ref().and_then(|names| names.first());
+    write_material(outputs.material, frame, look.as_ref())?;
+    let maps = look.map(|look| MaterialMaps::new(&simulation, &look, par)).transpose()?;
+    if let Some(maps) = &maps {
+        material::write(maps, &textured, MATERIAL_NAME, &args.output, overwrite)?;
+    }
     if let Some(output) = outputs.coverage {
         write_chart(output, &chart(&moments))?;
     }
     if let Some(output) = outputs.render {
-        let guessed = || guess_up(&file.mesh, &args.mesh);
-        let up = args.up.unwrap_or_else(guessed);
-        let view = View { up, ..args.view.unwrap_or_default() };
-        draw(&file.mesh, &simulation, view, PIXELS)?.write_png(output)?;
+        args.draw(&file, &simulation, maps.as_ref())?.write_png(output)?;
     }
     if done > first {
         report(format_args!(
@@ -245,8 +265,10 @@ fn frame_names(step: u32, last: u32, species: usize) -> Vec<String> {
 }
 
 impl Args {
-    fn options(&self) -> Result<Options> {
+    /// The options, and the look of the material if there is to be one.
+    fn options(&self) -> Result<(Options, Option<Look>)> {
         let mut options = Options::default();
+        let mut look = LookConfig::default();
         if let Some(path) = &self.config {
             let loaded = config::load(path)?;
             if !loaded.without_effect.is_empty() {
@@ -254,17 +276,22 @@ impl Args {
                 complain(format_args!("{}: without effect here: {names}", path.display()));
             }
             options = loaded.options;
+            if loaded.look.is_some() && self.material.is_none() {
+                complain(format_args!("{}: [material] is for --material", path.display()));
+            }
+            look = loaded.look.unwrap_or_default();
         }
         options.size = self.size.unwrap_or(options.size);
         options.agents = self.agents.unwrap_or(options.agents);
         options.species = self.species.unwrap_or(options.species);
         options.seed = self.seed.unwrap_or(options.seed);
         options.check()?;
-        Ok(options)
+        let look = self.material.map(|preset| look.look(preset)).transpose()?;
+        Ok((options, look))
     }
 
     /// The steps after which there is a frame, and the names of all files in the folder, none of which is there yet.
-    fn frames(&self, species: usize) -> Result<(Vec<u32>, Vec<String>)> {
+    fn frames(&self, species: usize, look: Option<&Look>) -> Result<(Vec<u32>, Vec<String>)> {
         let mut frames: Vec<u32> = match self.every {
             Some(0) => bail!("--every: 0, where at least 1 is needed"),
             Some(every) => (1..=self.steps / every).map(|i| i * every).collect(),
@@ -276,6 +303,7 @@ impl Args {
         let of = |&step: &u32| frame_names(step, self.steps, species);
         let mut files: Vec<String> = frames.iter().flat_map(of).collect();
         files.extend([TABLE.into(), MESH.into(), MATERIAL.into()]);
+        files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
         if !self.force
             && let Some(name) =
                 files.iter().find(|name| self.output.join(name).symlink_metadata().is_ok())
@@ -285,18 +313,43 @@ impl Args {
         Ok((frames, files))
     }
 
-    fn simulation(&self, file: &MeshFile, options: &Options) -> Result<Simulation> {
-        let surface = match &file.uv {
-            Some(uv) if !self.atlas => {
-                let inside = fitted(uv);
-                if inside != *uv {
-                    complain(format_args!("texture coordinates are made to fit into 0 to 1"));
-                }
-                Surface::new(&file.mesh, &inside)
-                    .with_context(|| format!("{} (--atlas does without)", self.mesh.display()))?
-            }
-            _ => with_atlas(file, options.size, &self.mesh)?,
+    /// The picture of --render.
+    fn draw(
+        &self,
+        file: &MeshFile,
+        simulation: &Simulation,
+        maps: Option<&MaterialMaps>,
+    ) -> Result<Image> {
+        let Some(path) = &self.mesh else {
+            let (mesh, uv) = view::four_tiles()?;
+            // From above.
+            let (azimuth, elevation, projection) = (0.0, 0.0, Projection::Orthographic);
+            let above = View { azimuth, elevation, projection, ..View::DEFAULT };
+            let view = View { up: self.up.unwrap_or(Up::Y), ..self.view.unwrap_or(above) };
+            return Subject { mesh: &mesh, uv: &uv, simulation, maps }.draw(view, PIXELS);
         };
+        let up = self.up.unwrap_or_else(|| guess_up(&file.mesh, path));
+        let view = View { up, ..self.view.unwrap_or_default() };
+        let uv = simulation.surface().uv();
+        Subject { mesh: &file.mesh, uv, simulation, maps }.draw(view, PIXELS)
+    }
+
+    fn surface(&self, file: &MeshFile, size: usize) -> Result<Surface> {
+        let Some(path) = &self.mesh else { return Ok(Surface::tile()?) };
+        let uv = match &file.uv {
+            Some(uv) if !self.atlas => uv,
+            _ => return with_atlas(file, size, path),
+        };
+        let inside = fitted(uv);
+        if inside != *uv {
+            complain(format_args!("texture coordinates are made to fit into 0 to 1"));
+        }
+        Surface::new(&file.mesh, &inside)
+            .with_context(|| format!("{} (--atlas does without)", path.display()))
+    }
+
+    fn simulation(&self, file: &MeshFile, options: &Options) -> Result<Simulation> {
+        let surface = self.surface(file, options.size)?;
         let folded = surface.flipped().len();
         if folded > 0 {
             complain(format_args!(
@@ -341,9 +394,12 @@ fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
     textured
 }
 
-/// Writes the material of the mesh, white but for the picture of a frame (Wavefront MTL).
-fn write_material(mut output: Output, picture: Option<&String>) -> Result<()> {
-    let texture = picture.map_or(String::new(), |name| format!("map_Kd {name}\n"));
+/// Writes the material of the mesh (Wavefront MTL): the textures of its look, or white but for the picture of a frame.
+fn write_material(mut output: Output, picture: Option<&String>, look: Option<&Look>) -> Result<()> {
+    let texture = match look {
+        Some(look) => material::statements(look),
+        None => picture.map_or(String::new(), |name| format!("map_Kd {name}\n")),
+    };
     let text = format!("newmtl {MATERIAL_NAME}\nKa 1 1 1\nKd 1 1 1\n{texture}");
     output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)

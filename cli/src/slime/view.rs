@@ -2,9 +2,10 @@
 
 use anyhow::Result;
 use catamaran::mesh::TriMesh;
+use catamaran::texture::MaterialMaps;
 use catamaran::texture::slime::{GOAL, OBSTACLE, Simulation};
 
-use crate::picture::{Image, Paint, Panel, Scene, Texture, View, render};
+use crate::picture::{Image, Material, Paint, Panel, Scene, Texture, View, render};
 
 /// Where nothing is, in an attractor, and on an obstacle.
 const BARE: [f64; 3] = [40.0, 44.0, 52.0];
@@ -40,14 +41,56 @@ pub fn colors(simulation: &Simulation) -> Vec<[u8; 3]> {
     (0..size * size).map(of).collect()
 }
 
-/// The surface as it is now, `pixels` high and wide.
+/// What a picture is of.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The mesh.
+    pub mesh: &'a TriMesh,
+    /// The texture coordinates of the corners of its faces.
+    pub uv: &'a [[[f64; 2]; 3]],
+    /// How it grew.
+    pub simulation: &'a Simulation,
+    /// Its material, if it has one.
+    pub maps: Option<&'a MaterialMaps>,
+}
+
+impl Subject<'_> {
+    /// The surface as it is now, `pixels` high and wide.
+    pub fn draw(&self, view: View, pixels: usize) -> Result<Image> {
+        let plain = if self.maps.is_none() { colors(self.simulation) } else { Vec::new() };
+        let texture = Texture {
+            uv: self.uv,
+            size: self.simulation.texels().size(),
+            texels: self.maps.map_or(&plain, |maps| &maps.albedo),
+            material: self.maps.map(|maps| Material {
+                normals: &maps.normal,
+                roughness: &maps.roughness,
+                metalness: &maps.metalness,
+                glow: maps.glow.as_deref(),
+            }),
+        };
+        let panel = Panel { mesh: self.mesh, paint: Paint::Texture(texture), view, title: "" };
+        render(&Scene { panels: vec![panel], size: (pixels, pixels), ..Scene::default() })
+    }
+}
+
+/// The surface as it is now, `pixels` high and wide, with a colour for each species.
 pub fn draw(mesh: &TriMesh, simulation: &Simulation, view: View, pixels: usize) -> Result<Image> {
-    let texels = colors(simulation);
-    let texture = Texture {
-        uv: simulation.surface().uv(),
-        size: simulation.texels().size(),
-        texels: &texels,
-    };
-    let panel = Panel { mesh, paint: Paint::Texture(texture), view, title: "" };
-    render(&Scene { panels: vec![panel], size: (pixels, pixels), ..Scene::default() })
+    let uv = simulation.surface().uv();
+    Subject { mesh, uv, simulation, maps: None }.draw(view, pixels)
+}
+
+/// Four tiles, two each way, and their texture coordinates: to see that no seam shows.
+pub fn four_tiles() -> Result<(TriMesh, Vec<[[f64; 2]; 3]>)> {
+    let (mut vertices, mut faces, mut uv) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let first = vertices.len() as u32;
+        let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        vertices.extend(corners.map(|[x, y]| [f64::from(i + x), f64::from(j + y), 0.0]));
+        for face in [[0, 1, 2], [0, 2, 3]] {
+            faces.push(face.map(|k| first + k));
+            uv.push(face.map(|k| corners[k as usize].map(f64::from)));
+        }
+    }
+    Ok((TriMesh::new(vertices, faces)?, uv))
 }

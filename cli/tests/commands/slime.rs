@@ -1,6 +1,7 @@
 //! `catamaran slime`, from outside.
 
 use std::fs;
+use std::io::Cursor;
 
 use crate::common::Folder;
 
@@ -90,4 +91,191 @@ fn what_is_wrong_is_named() {
     let said = folder.fail("slime square.obj --config c.toml -o out --mask large.png");
     assert!(said.contains("large.png: 200000 x 200000 pixels"), "{said}");
     assert!(!folder.path("out/frame-0900.png").exists());
+}
+
+/// The pixels of a picture, rows from the top, and the bytes of one.
+fn pixels(folder: &Folder, name: &str) -> (usize, usize, Vec<u8>) {
+    let bytes = fs::read(folder.path(name)).unwrap();
+    let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    (info.width as usize, info.line_size / info.width as usize, pixels)
+}
+
+/// Where the frame has none, as much as half, or more.
+fn marked(folder: &Folder, frame: &str) -> [Vec<usize>; 2] {
+    let (_, _, frame) = pixels(folder, frame);
+    let of = |low: u8, high: u8| {
+        (0..frame.len()).filter(|&t| (low..=high).contains(&frame[t])).collect::<Vec<_>>()
+    };
+    [of(0, 0), of(240, 255)]
+}
+
+#[test]
+fn a_material_is_written_as_its_look_says() {
+    let folder = folder();
+    folder.write(
+        "m.toml",
+        format!(
+            "{CONFIG}[material]\nlook = \"gold\"\nsmoothing = 0\nbare = {{ color = \"#102030\" }}\n\
+             species = [{{ color = \"#f0c060\", roughness = 0.2, height = 1.0 }}]\n"
+        ),
+    );
+    let run = "slime square.obj --config m.toml --steps 20 -o out --material";
+    let said = folder.succeed(run);
+    assert!(said.contains("10 files"), "{said}");
+    let [bare, covered] = marked(&folder, "out/frame-0020.png");
+    assert!(bare.len() > 100 && covered.len() > 100, "{} {}", bare.len(), covered.len());
+    let (size, _, albedo) = pixels(&folder, "out/albedo.png");
+    let of = |t: usize| &albedo[3 * t..3 * t + 3];
+    assert!(size == 64 && bare.iter().all(|&t| of(t) == [0x10, 0x20, 0x30]));
+    assert!(covered.iter().all(|&t| of(t) == [0xf0, 0xc0, 0x60]));
+    for (name, none, most) in [("roughness", 20, 51), ("metalness", 0, 255)] {
+        let (_, bytes, values) = pixels(&folder, &format!("out/{name}.png"));
+        assert_eq!(bytes, 1);
+        assert!(bare.iter().all(|&t| values[t] == none), "{name}");
+        assert!(covered.iter().all(|&t| values[t] == most), "{name}");
+    }
+    let (_, bytes, heights) = pixels(&folder, "out/height.png");
+    assert_eq!(bytes, 2);
+    assert!(covered.iter().all(|&t| heights[2 * t..2 * t + 2] == [255, 255]));
+    // Normals lean away from what is high.
+    let (_, _, normals) = pixels(&folder, "out/normal.png");
+    let height = |t: usize| f64::from(heights[2 * t]) * 256.0 + f64::from(heights[2 * t + 1]);
+    let (mut along, mut against) = (0, 0);
+    for (row, column) in (1..63).flat_map(|row| (1..63).map(move |column| (row, column))) {
+        let t = 64 * row + column;
+        // Right, and up in the picture.
+        for (slope, lean) in [
+            (height(t + 1) - height(t - 1), i32::from(normals[3 * t]) - 128),
+            (height(t - 64) - height(t + 64), i32::from(normals[3 * t + 1]) - 128),
+        ] {
+            if slope.abs() > 3000.0 {
+                *(if slope * f64::from(lean) < 0.0 { &mut along } else { &mut against }) += 1;
+            }
+        }
+    }
+    assert!(along > 500 && against == 0, "{along} {against}");
+    let model = fs::read(folder.path("out/material.glb")).unwrap();
+    let found = gltf::Gltf::from_slice(&model).unwrap();
+    let material = found.materials().next().unwrap();
+    assert!(material.normal_texture().is_some() && material.emissive_texture().is_none());
+    assert_eq!((found.images().len(), material.name()), (4, Some("slime")));
+    // The colours in it are those beside it.
+    let image = material.pbr_metallic_roughness().base_color_texture().unwrap().texture();
+    let gltf::image::Source::View { view, .. } = image.source().source() else { panic!() };
+    let own = &found.blob.as_ref().unwrap()[view.offset()..view.offset() + view.length()];
+    assert_eq!(own, fs::read(folder.path("out/albedo.png")).unwrap());
+    let material = fs::read_to_string(folder.path("out/mesh.mtl")).unwrap();
+    assert!(material.contains("\nmap_Kd albedo.png\n") && material.contains("norm normal.png"));
+    assert!(folder.fail(run).contains("exists already"));
+    folder.succeed(&format!("{run} --force --threads 1"));
+    assert_eq!(fs::read(folder.path("out/material.glb")).unwrap(), model);
+    // A name on the command line goes before that of the file; without the option nothing is written.
+    let said = folder.succeed("slime square.obj --config m.toml --steps 3 -o lava --material=lava");
+    assert!(said.contains("11 files") && folder.path("lava/glow.png").exists(), "{said}");
+    folder.succeed("slime square.obj --config m.toml --steps 3 -o none");
+    assert!(!folder.path("none/albedo.png").exists());
+}
+
+#[test]
+fn a_picture_shows_the_relief_of_a_material() {
+    let folder = folder();
+    let flat = "[material]\ndepth = 0\n";
+    folder.write("flat.toml", format!("{CONFIG}{flat}"));
+    folder.write("deep.toml", format!("{CONFIG}{}", flat.replace('0', "4")));
+    let run = |name: &str| {
+        let options =
+            format!("--config {name}.toml --steps 20 -o {name} --material --render {name}.png");
+        folder.succeed(&format!("slime square.obj {options} --view 0,0,flat"));
+        pixels(&folder, &format!("{name}.png")).2
+    };
+    let (flat, deep) = (run("flat"), run("deep"));
+    let differ = flat.iter().zip(&deep).filter(|(a, b)| a.abs_diff(**b) > 20).count();
+    assert!(differ > flat.len() / 20, "{differ} of {}", flat.len());
+}
+
+#[test]
+fn a_tile_repeats_without_a_seam() {
+    let folder = folder();
+    folder.write("t.toml", "agents = 3000\nsize = 128\nvision_distance = 3\nmovement_speed = 4\n");
+    let said = folder
+        .succeed("slime --tile --config t.toml --steps 120 -o out --material --render view.png");
+    assert!(said.contains("1 charts"), "{said}");
+    for name in ["frame-0120", "albedo", "roughness", "height", "normal"] {
+        let (size, bytes, values) = pixels(&folder, &format!("out/{name}.png"));
+        // Of 16 bits, the larger byte is first.
+        let step = if name == "height" { 2 } else { 1 };
+        let row = size * bytes;
+        // The mean difference between the columns (rows) i - 1 and i.
+        let difference = |i: usize, rows: bool| {
+            let before = (i + size - 1) % size;
+            let at = |i: usize, j: usize, b: usize| {
+                let t = if rows { i * row + j * bytes } else { j * row + i * bytes };
+                f64::from(values[t + b])
+            };
+            let all = (0..size).flat_map(|j| (0..bytes).step_by(step).map(move |b| (j, b)));
+            all.map(|(j, b)| (at(i, j, b) - at(before, j, b)).abs()).sum::<f64>()
+        };
+        for rows in [false, true] {
+            let most = (1..size).map(|i| difference(i, rows)).fold(0.0, f64::max);
+            assert!(difference(0, rows) <= most, "{name}, {rows}");
+        }
+    }
+    // Four of it: the left half of the picture is the right half. The square is 792 pixels wide in a picture of 900.
+    let (size, bytes, picture) = pixels(&folder, "view.png");
+    assert!(size == 900 && bytes == 3);
+    let at = |x: usize, y: usize| i32::from(picture[3 * (900 * y + x)]);
+    let [mut same, mut other] = [0, 0];
+    for (x, y) in (60..440).flat_map(|x| (60..840).map(move |y| (x, y))) {
+        same += (at(x, y) - at(x + 396, y)).abs();
+        other += (at(x, y) - at(x + 380, y)).abs();
+    }
+    assert!(same * 4 < other, "{same} {other}");
+    let refused = |arguments: &str| {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
+        run.stderr
+    };
+    assert!(refused("slime square.obj --tile -o other").contains("--tile"));
+    assert!(refused("slime --tile --atlas -o other").contains("--atlas"));
+    assert!(refused("slime -o other").contains("<MESH>"));
+    folder.write("p.toml", "size = 64\ntangent_step = \"project\"\n");
+    assert!(folder.fail("slime --tile --config p.toml -o other").contains("tangent_step"));
+}
+
+#[test]
+fn looks_that_are_wrong_are_named() {
+    let folder = folder();
+    let run = folder.run("slime square.obj --config c.toml -o out --material=silver");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("silver") && run.stderr.contains("marble"), "{}", run.stderr);
+    folder.write("bad.toml", "[material]\nspecies = [{ color = \"gold\" }]\n");
+    let said = folder.fail("slime square.obj --config bad.toml -o out --material");
+    assert!(said.contains("bad.toml") && said.contains("\"gold\""), "{said}");
+    folder.write("c2.toml", format!("{CONFIG}[material]\ndepth = 1\n"));
+    let run = folder.run("slime square.obj --config c2.toml --steps 1 -o out");
+    assert_eq!(run.code, Some(0));
+    assert!(run.stderr.contains("[material] is for --material"), "{}", run.stderr);
+}
+
+#[test]
+fn commands_of_the_guide_run() {
+    let folder = folder();
+    folder.write("torus.obj", SQUARE);
+    let guide = include_str!("../../../docs/guide/slime.md");
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        // As they are, they take seconds each.
+        let small = line.replace("60000", "600").replace(" 512", " 64");
+        folder.succeed(&small.replace(" 300", " 30").replace(" 100", " 10"));
+        count += 1;
+    }
+    assert_eq!(count, 5);
+    // The tables of settings and of looks are configurations.
+    let blocks: Vec<&str> = guide.split("```").filter_map(|b| b.strip_prefix("toml\n")).collect();
+    assert_eq!(blocks.len(), 2);
+    let settings = blocks[0].replace("60000", "600").replace("512", "64");
+    folder.write("g.toml", format!("{settings}{}", blocks[1]));
+    folder.succeed("slime torus.obj --config g.toml --steps 2 -o guided --material");
 }

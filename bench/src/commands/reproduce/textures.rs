@@ -22,6 +22,9 @@ pub enum Share {
     Tables,
     /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; only when it is asked for.
     Long,
+    /// What `scripts/gpu` records: whether the chosen OpenCL device computes what the processor does, and times; only when it is
+    /// asked for.
+    Gpu,
 }
 
 impl Share {
@@ -31,6 +34,7 @@ impl Share {
             Self::Figures => "textures",
             Self::Tables => "texture-times",
             Self::Long => "texture-long",
+            Self::Gpu => "gpu",
         }
     }
 
@@ -39,6 +43,7 @@ impl Share {
             Self::Figures => "# Chapters 3 and 7, measured again",
             Self::Tables => "# Times of chapters 3 and 7, measured again",
             Self::Long => "# Long runs of chapters 3 and 7",
+            Self::Gpu => "# Chapters 3 and 7 on an OpenCL device",
         }
     }
 }
@@ -66,13 +71,21 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
         }
         Share::Tables => {
             #[cfg(feature = "opencl")]
-            keep(catamaran_bench::textures::times(arguments.rounds, arguments.largest_texture)?);
+            {
+                use catamaran_bench::textures::{ten_meshes, times};
+                keep(times(arguments.rounds, arguments.largest_texture)?);
+                keep(ten_meshes(1, arguments.largest_texture)?);
+            }
             newton_times(SIZE, arguments.repeat)?.into_iter().for_each(keep);
         }
         Share::Long => {
             keep(long_walks()?);
             keep(many_points()?);
         }
+        #[cfg(feature = "opencl")]
+        Share::Gpu => catamaran_bench::textures::gpu()?.into_iter().for_each(keep),
+        #[cfg(not(feature = "opencl"))]
+        Share::Gpu => return Err("--only gpu: built without feature opencl".into()),
     }
     Ok(())
 }

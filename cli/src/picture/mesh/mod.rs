@@ -1,9 +1,11 @@
 //! Meshes, seen from somewhere and coloured by something: a rasteriser of our own.
 
 pub mod camera;
+mod lamp;
 mod legend;
 mod raster;
 pub(super) mod shade;
+mod tangent;
 #[cfg(test)]
 mod tests;
 pub mod up;
@@ -48,11 +50,31 @@ pub struct Texture<'a> {
     pub size: usize,
     /// Rows along u, the first at v = 0.
     pub texels: &'a [Rgb],
+    /// What it says of the surface besides colours.
+    pub material: Option<Material<'a>>,
+}
+
+/// Textures of a material, of as many texels as the colours.
+#[derive(Debug, Clone, Copy)]
+pub struct Material<'a> {
+    /// Normals in the frame of the surface: 0 for -1, 255 for 1.
+    pub normals: &'a [[u8; 3]],
+    /// 255 for 1.
+    pub roughness: &'a [u8],
+    /// 255 for 1.
+    pub metalness: &'a [u8],
+    /// Light that is emitted.
+    pub glow: Option<&'a [Rgb]>,
 }
 
 impl Texture<'_> {
-    /// The colour of a point of a face, given by shares of its corners: mixed from the four texels around it.
+    /// The colour of a point of a face, given by shares of its corners.
     fn light(&self, face: usize, shares: [f64; 3]) -> [f64; 3] {
+        self.mixed(face, shares, |t| super::color::to_light(self.texels[t]))
+    }
+
+    /// The value of a point of a face: mixed from those of the four texels around it.
+    fn mixed(&self, face: usize, shares: [f64; 3], value: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let corners = self.uv[face];
         let at = |axis: usize| {
             let x: f64 = (0..3).map(|k| shares[k] * corners[k][axis]).sum();
@@ -61,7 +83,7 @@ impl Texture<'_> {
             (low, (low + 1).min(self.size - 1), x - x.floor())
         };
         let ((left, right, s), (below, above, t)) = (at(0), at(1));
-        let texel = |i: usize, j: usize| super::color::to_light(self.texels[j * self.size + i]);
+        let texel = |i: usize, j: usize| value(j * self.size + i);
         let mix = |a: [f64; 3], b: [f64; 3], s: f64| [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]));
         let row = |j: usize| mix(texel(left, j), texel(right, j), s);
         mix(row(below), row(above), t)
@@ -127,6 +149,13 @@ pub fn render(scene: &Scene<'_>) -> Result<Image> {
                 let (faces, texels) = (panel.mesh.faces().len(), texture.texels.len());
                 if texture.uv.len() != faces || texels != texture.size.pow(2) || texels == 0 {
                     bail!("a texture of {texels} texels for a mesh of {faces} faces");
+                }
+                if let Some(m) = texture.material {
+                    let glow = m.glow.map_or(texels, <[Rgb]>::len);
+                    let all = [m.normals.len(), m.roughness.len(), m.metalness.len(), glow];
+                    if let Some(other) = all.into_iter().find(|&len| len != texels) {
+                        bail!("a material of {other} texels with colours of {texels}");
+                    }
                 }
                 n
             }

@@ -1,10 +1,10 @@
 use super::camera::{Camera, Projected, Vector};
+use super::lamp::{LAMPS, dot, unit};
 use super::raster::Hit;
-use super::{Paint, Panel, SAMPLES, Scene};
+use super::tangent::{Finish, Tangent};
+use super::{Paint, Panel, SAMPLES, Scene, Texture};
 use crate::picture::color::{Lights, to_light};
 
-/// Where the two lamps are as the viewer sees it (right, up, near; unit vectors), and how bright.
-const LAMPS: [(Vector, f64); 2] = [([-0.43, 0.62, 0.656], 0.68), ([0.77, 0.12, 0.627], 0.28)];
 /// Light from everywhere; from above and below it differs by this.
 const AMBIENT: (f64, f64) = (0.30, 0.08);
 /// Brightness and sharpness of the reflection of the first lamp.
@@ -28,6 +28,8 @@ pub struct Shader<'a> {
     face_normals: Vec<Vector>,
     /// Of the vertices; empty for flat faces.
     vertex_normals: Vec<Vector>,
+    /// Of the faces, where a texture has normals.
+    tangents: Vec<Tangent>,
 }
 
 impl<'a> Shader<'a> {
@@ -42,7 +44,13 @@ impl<'a> Shader<'a> {
         let face_normals = turned(panel.mesh.face_normals());
         let vertex_normals =
             if scene.smooth { turned(panel.mesh.vertex_normals()) } else { Vec::new() };
-        Self { panel, lights, points, edges: scene.edges, face_normals, vertex_normals }
+        let tangents = match panel.paint {
+            Paint::Texture(texture @ Texture { material: Some(_), .. }) => {
+                Tangent::of_faces(panel.mesh, texture.uv, camera)
+            }
+            _ => Vec::new(),
+        };
+        Self { panel, lights, points, edges: scene.edges, face_normals, vertex_normals, tangents }
     }
 
     /// The light that a sample sends to the viewer.
@@ -60,6 +68,13 @@ impl<'a> Shader<'a> {
             all => mix(shares, face.map(|v| all[v])),
         };
         let mut normal = unit(if smooth == [0.0; 3] { flat } else { smooth });
+        let finish = match self.panel.paint {
+            Paint::Texture(texture) => Finish::at(&texture, hit.face, shares),
+            _ => None,
+        };
+        if let (Some(finish), Some(tangent)) = (&finish, self.tangents.get(hit.face)) {
+            normal = tangent.raised(normal, finish.normal);
+        }
         if !outside {
             normal = normal.map(|x| -x);
         }
@@ -73,7 +88,11 @@ impl<'a> Shader<'a> {
         if self.edges {
             factor *= self.edge(face, hit.shares);
         }
-        self.color(hit.face, shares).map(|c| c * factor + shine)
+        let color = self.color(hit.face, shares);
+        match finish {
+            None => color.map(|c| c * factor + shine),
+            Some(finish) => finish.light(color, factor, normal),
+        }
     }
 
     /// Whether the side is seen from which the corners are counter-clockwise (y points down on the screen).
@@ -130,13 +149,4 @@ pub fn gloss(normal: Vector) -> f64 {
 
 fn mix(shares: [f64; 3], corners: [Vector; 3]) -> Vector {
     std::array::from_fn(|i| (0..3).map(|k| shares[k] * corners[k][i]).sum())
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn unit(a: Vector) -> Vector {
-    let length = dot(a, a).sqrt();
-    if length > 0.0 { a.map(|x| x / length) } else { a }
 }

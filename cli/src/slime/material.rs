@@ -1,0 +1,196 @@
+//! Materials of what grew: looks in the configuration, and the files of `--material`.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{self as meshes, Attribute, Material, MeshFile, Picture};
+use catamaran::texture::{Finish, Look, MaterialMaps, Preset};
+use serde::Deserialize;
+
+use super::images;
+
+/// The mesh in its material.
+pub const MODEL: &str = "material.glb";
+const ALBEDO: &str = "albedo.png";
+const ROUGHNESS: &str = "roughness.png";
+const METALNESS: &str = "metalness.png";
+const HEIGHT: &str = "height.png";
+const NORMAL: &str = "normal.png";
+const GLOW: &str = "glow.png";
+
+/// The table `[material]` of a configuration: what differs from a look that has a name.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LookConfig {
+    look: Option<String>,
+    mask: Option<[f64; 2]>,
+    depth: Option<f64>,
+    smoothing: Option<u32>,
+    #[serde(default)]
+    bare: FinishConfig,
+    #[serde(default)]
+    species: Vec<FinishConfig>,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FinishConfig {
+    color: Option<String>,
+    roughness: Option<f64>,
+    metalness: Option<f64>,
+    height: Option<f64>,
+    glow: Option<f64>,
+}
+
+/// The look of a name.
+pub fn named(name: &str) -> Result<Preset, String> {
+    let found = Preset::ALL.into_iter().find(|(known, _)| *known == name);
+    found.map(|(_, preset)| preset).ok_or_else(|| {
+        let known = Preset::ALL.map(|(known, _)| known).join(", ");
+        format!("no look is called {name:?}; there are {known}")
+    })
+}
+
+impl LookConfig {
+    /// The look that it describes; `preset`, of the command line, goes before the name that it has.
+    pub fn look(&self, preset: Option<Preset>) -> Result<Look> {
+        let own = self.look.as_deref().map(named).transpose().map_err(|e| anyhow!("look: {e}"))?;
+        let mut look = Look::of(preset.or(own).unwrap_or_default());
+        look.mask = self.mask.unwrap_or(look.mask);
+        look.depth = self.depth.unwrap_or(look.depth);
+        look.smoothing = self.smoothing.unwrap_or(look.smoothing);
+        look.bare = self.bare.over(look.bare)?;
+        let known = look.species.clone();
+        for (s, config) in self.species.iter().enumerate() {
+            // Looks have colours again from the first for more species.
+            let finish = config.over(known[s % known.len()])?;
+            match look.species.get_mut(s) {
+                Some(own) => *own = finish,
+                None => look.species.push(finish),
+            }
+        }
+        look.check()?;
+        Ok(look)
+    }
+}
+
+impl FinishConfig {
+    fn over(&self, finish: Finish) -> Result<Finish> {
+        let color = self.color.as_deref().map(color).transpose()?;
+        Ok(finish
+            .color(color.unwrap_or(finish.color))
+            .roughness(self.roughness.unwrap_or(finish.roughness))
+            .metalness(self.metalness.unwrap_or(finish.metalness))
+            .height(self.height.unwrap_or(finish.height))
+            .glow(self.glow.unwrap_or(finish.glow)))
+    }
+}
+
+/// A colour as style sheets have it: `#rrggbb`.
+fn color(text: &str) -> Result<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii());
+    let byte = |k: usize| u8::from_str_radix(digits?.get(2 * k..2 * k + 2)?, 16).ok();
+    match [0, 1, 2].map(byte) {
+        [Some(r), Some(g), Some(b)] => Ok([r, g, b]),
+        _ => bail!("color: {text:?}, where one such as \"#ffcd50\" is needed"),
+    }
+}
+
+/// The names of the files of a look.
+pub fn names(look: &Look) -> Vec<&'static str> {
+    let glows = look.species.iter().chain([&look.bare]).any(|finish| finish.glow > 0.0);
+    let mut all = vec![ALBEDO, ROUGHNESS, METALNESS, HEIGHT, NORMAL];
+    if glows {
+        all.push(GLOW);
+    }
+    all.push(MODEL);
+    all
+}
+
+/// Statements of a Wavefront material that name the pictures (roughness, metalness and normals as most programs have them).
+pub fn statements(look: &Look) -> String {
+    let glow = if names(look).contains(&GLOW) {
+        format!("Ke 1 1 1\nmap_Ke {GLOW}\n")
+    } else {
+        String::new()
+    };
+    format!("map_Kd {ALBEDO}\nmap_Pr {ROUGHNESS}\nmap_Pm {METALNESS}\nnorm {NORMAL}\n{glow}")
+}
+
+/// Writes the textures, and the mesh with texture coordinates in them, into `folder`.
+pub fn write(
+    maps: &MaterialMaps,
+    mesh: &MeshFile,
+    name: &str,
+    folder: &Path,
+    overwrite: Overwrite,
+) -> Result<()> {
+    let size = maps.size;
+    let create = |name: &str| Output::create(&folder.join(name), overwrite);
+    let albedo = Picture::rgb(size, &maps.albedo)?;
+    let height = Picture::gray16(size, &maps.height)?;
+    let normal = Picture::rgb(size, &maps.normal)?;
+    images::save(create(ALBEDO)?, albedo.clone())?;
+    images::save(create(ROUGHNESS)?, Picture::gray(size, &maps.roughness)?)?;
+    images::save(create(METALNESS)?, Picture::gray(size, &maps.metalness)?)?;
+    images::save(create(HEIGHT)?, height.clone())?;
+    images::save(create(NORMAL)?, normal.clone())?;
+    let finish = Material::finish(size, &maps.roughness, &maps.metalness)?;
+    // Rows of textures are from v = 0, those of pictures from the top.
+    let mut material = Material::new()
+        .name(name)
+        .base_color(albedo.flipped())
+        .roughness_metalness(finish.flipped())
+        .normal(normal.flipped())
+        .extra([("height".to_owned(), height.flipped())]);
+    if let Some(glow) = &maps.glow {
+        let glow = Picture::rgb(size, glow)?;
+        images::save(create(GLOW)?, glow.clone())?;
+        material = material.emission(glow.flipped());
+    }
+    let mut model = mesh.clone();
+    // Without them viewers show flat faces.
+    let values = model.mesh.vertex_normals();
+    model.normals = Some(Attribute { values, corners: None });
+    meshes::write_with_material(create(MODEL)?, &model, &material)
+        .with_context(|| folder.join(MODEL).display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_file_says_goes_over_the_look_it_names() {
+        let text = "look = \"gold\"\ndepth = 2\nbare = { color = \"#010203\" }\n\
+            species = [{ roughness = 0.5 }, {}, { color = \"#FFffFF\", glow = 1 }]";
+        let config: LookConfig = toml::from_str(text).unwrap();
+        let (look, gold) = (config.look(None).unwrap(), Look::of(Preset::Gold));
+        assert_eq!((look.depth, look.mask, look.smoothing), (2.0, gold.mask, gold.smoothing));
+        assert_eq!(look.bare, gold.bare.color([1, 2, 3]));
+        assert_eq!(look.species[0], gold.species[0].roughness(0.5));
+        assert_eq!(look.species[1], gold.species[1]);
+        assert_eq!(look.species[2], gold.species[0].color([255; 3]).glow(1.0));
+        assert_eq!(names(&look).len(), 7);
+        // The command line goes before the name, not before the rest.
+        let wood = config.look(Some(Preset::Wood)).unwrap();
+        assert_eq!((wood.mask, wood.depth), (Look::of(Preset::Wood).mask, 2.0));
+        assert_eq!(LookConfig::default().look(None).unwrap(), Look::default());
+    }
+
+    #[test]
+    fn wrong_looks_and_colours_are_named() {
+        for (text, name) in [
+            ("look = \"silver\"", "silver"),
+            ("bare = { color = \"red\" }", "red"),
+            ("bare = { color = \"#12345g\" }", "#12345g"),
+            ("species = [{ roughness = 3 }]", "roughness"),
+            ("mask = [0.5, 0.1]", "mask"),
+        ] {
+            let config: LookConfig = toml::from_str(text).unwrap();
+            let error = format!("{:#}", config.look(None).unwrap_err());
+            assert!(error.contains(name), "{error}");
+        }
+    }
+}
