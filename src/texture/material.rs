@@ -222,7 +222,7 @@ pub struct MaterialMaps {
     pub height: Vec<u16>,
     /// The height from the lowest finish to the highest, in the unit of the surface, the square root of its area.
     pub depth: f64,
-    /// As [`normal_map`](super::normal_map) and [`normal_colors`](super::normal_colors) have them.
+    /// As [`normal_map`] and [`normal_colors`] have them.
     pub normal: Vec<[u8; 3]>,
     /// Light that is emitted (sRGB), where any finish does.
     pub glow: Option<Vec<[u8; 3]>>,

@@ -175,7 +175,11 @@ fn slime_times(device: &Device) -> Result<Part> {
     for case in cases() {
         let [mean, ..] = case.thesis();
         if !fits(&case, device) {
-            let name = format!("{} (not run on this device)", case.name());
+            let name = format!(
+                "{} (not run here: scripts/reproduce textures --only tables --largest-texture {})",
+                case.name(),
+                case.size
+            );
             rows.push((name, vec![mean, f64::NAN, f64::NAN, f64::NAN, f64::NAN, f64::NAN]));
             continue;
         }

@@ -114,6 +114,7 @@ pub fn table() -> Result<Part> {
         let ([narrow, middle], broad) = (both([10.0, 30.0], wide)?, wide(50.0)?);
         row(format!("{at}: vision angle 10 to 30 degrees: thickness"), [narrow, middle], true);
         row(format!("{at}: vision angle 30 to 50 degrees: thickness"), [middle, broad], true);
+        row(format!("{at}: vision angle 10 to 50 degrees: thickness"), [narrow, broad], true);
         let dry = |rate| settled(&base.evaporation_rate(rate), |p| p.cluster);
         row(
             format!("{at}: evaporation 0.2 to 1: clusters (mean area)"),

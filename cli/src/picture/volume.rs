@@ -303,7 +303,9 @@ fn share_out<T: Send>(
             let _ = std::thread::Builder::new().spawn_scoped(scope, other);
         }
         serve(&|| progress.report(done.load(Ordering::Relaxed) as f64 / count as f64))
-    })
+    })?;
+    // Others may have done all of it before this thread came to report.
+    progress.report(1.0)
 }
 
 #[cfg(test)]
