@@ -24,11 +24,9 @@
 //! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers | |
 //! | [`kernel`] | kernels for each instruction set | |
 //! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time | |
-//! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of
-//! results | |
+//! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of results | |
 //! | `dense` | small dense factorisations | `geometry` |
-//! | `gram` | least squares, principal components, singular values from a Gram matrix in extended
-//! precision | `geometry` |
+//! | `gram` | least squares, principal components, singular values from a Gram matrix in extended precision | `geometry` |
 //! | `sparse` | eigenpairs of sparse pencils | `geometry` |
 //! | `ortho` | Gram-Schmidt, Cholesky QR, rank-revealing bases | `geometry` |
 //! | `io` | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 | `geometry` |
@@ -51,8 +49,7 @@
 //!
 //! | Feature | Default | Adds | Implies |
 //! |---|---|---|---|
-//! | `geometry` | yes | everything from `dense` to `texture` in the table above; A^T A of sparse
-//! matrices | |
+//! | `geometry` | yes | everything from `dense` to `texture` in the table above; A^T A of sparse matrices | |
 //! | `unions` | | `unions`, with 1.8 MB of weights | `geometry` |
 //! | `capi` | | the C ABI, which has functions of all modules | `unions` |
 //! | `openblas` | | OpenBLAS, linked at build time (`blas::openblas`) | |

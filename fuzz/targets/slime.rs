@@ -1,5 +1,5 @@
-//! Any bytes as the state of slime moulds on one surface, behind a header that fits or, behind a zero,
-//! their own: a state from which the simulation goes on, or an error.
+//! Any bytes as the state of slime moulds on one surface, behind a header that fits or, behind a
+//! zero, their own: a state from which the simulation goes on, or an error.
 #![no_main]
 
 use std::path::Path;

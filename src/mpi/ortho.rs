@@ -81,9 +81,9 @@ pub fn gram_schmidt_in_place(
 }
 
 /// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product that are
-/// spread as for
-/// [`gram_schmidt`]: the own rows of A become those of Q, and every rank gets R. For each of the two to five passes, a
-/// rank sends and receives the packed triangle of a c x c matrix at most twice.
+/// spread as for [`gram_schmidt`]: the own rows of A become those of Q, and every rank gets R. For
+/// each of the two to five passes, a rank sends and receives the packed triangle of a c x c matrix
+/// at most twice.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, cholesky_qr};

@@ -55,13 +55,15 @@ pub struct DeviceInfo {
 /// ```
 ///
 /// # Errors
-/// [`Error::Backend`] that says what is missing and how to install it, when there is no loader, no driver or no device.
+/// [`Error::Backend`] that says what is missing and how to install it, when there is no loader, no
+/// driver or no device.
 pub fn devices() -> Result<Vec<DeviceInfo>> {
     Ok(all()?.into_iter().map(|(info, _)| info).collect())
 }
 
-/// The device that `selector` names: its number, or a part of its name or of its platform's, in any case. Of several that
-/// fit, and for an empty selector, the first GPU is taken, or else the first one.
+/// The device that `selector` names: its number, or a part of its name or of its platform's, in any
+/// case. Of several that fit, and for an empty selector, the first GPU is taken, or else the first
+/// one.
 ///
 /// ```
 /// use catamaran::opencl::{devices, find};
@@ -106,8 +108,8 @@ fn choice(devices: &[&DeviceInfo], selector: &str) -> Option<usize> {
     gpu.or_else(|| devices.iter().position(|info| fits(info)))
 }
 
-/// Held while drivers are asked: the first question starts them, and PoCL 3.1 has no devices for a second thread that asks
-/// meanwhile.
+/// Held while drivers are asked: the first question starts them, and PoCL 3.1 has no devices for a
+/// second thread that asks meanwhile.
 static START: Mutex<()> = Mutex::new(());
 
 fn all() -> Result<Vec<(DeviceInfo, Device)>> {

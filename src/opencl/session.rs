@@ -77,7 +77,8 @@ impl Device {
         &self.0.info
     }
 
-    /// Numbers of 32 bits that it computes with at once: 16, 8, 4, or 1 where threads are what it has many of.
+    /// Numbers of 32 bits that it computes with at once: 16, 8, 4, or 1 where threads are what it
+    /// has many of.
     pub(super) fn lanes(&self) -> usize {
         match self.0.handle.native_vector_width_float() {
             Ok(16..) => 16,
@@ -87,8 +88,8 @@ impl Device {
         }
     }
 
-    /// The kernel `name` of a program, which is built unless it was before. `source` is the text of the program, and
-    /// `options` is for its compiler.
+    /// The kernel `name` of a program, which is built unless it was before. `source` is the text of
+    /// the program, and `options` is for its compiler.
     pub(super) fn kernel(&self, source: &'static str, options: &str, name: &str) -> Result<Kernel> {
         let program = self.program(source, options)?;
         Kernel::create(&program, name).map_err(|e| self.failed(name, e))
@@ -131,7 +132,8 @@ impl Device {
         )
     }
 
-    /// Puts `values` at the beginning of `buffer`, which is large enough, and waits until they are there.
+    /// Puts `values` at the beginning of `buffer`, which is large enough, and waits until they are
+    /// there.
     pub(super) fn write<T: Number>(&self, buffer: &mut Buffer<T>, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
@@ -208,8 +210,8 @@ impl Launcher {
     /// Puts a call with all its arguments behind what the device has to do already.
     ///
     /// # Safety
-    /// The arguments are those that the kernel declares, and `items` work-items stay within its buffers, which live until
-    /// the device is done.
+    /// The arguments are those that the kernel declares, and `items` work-items stay within its
+    /// buffers, which live until the device is done.
     pub(super) unsafe fn enqueue(&self, mut call: ExecuteKernel<'_>, items: usize) -> Result<()> {
         if items == 0 {
             return Ok(());
@@ -235,7 +237,8 @@ fn refusal(info: &DeviceInfo, what: &str, error: ClError) -> Error {
 pub(super) mod tests {
     use super::*;
 
-    /// The device of tests, or `None`, said aloud, where there may be none: `scripts/test` sets CATAMARAN_REQUIRE_OPENCL.
+    /// The device of tests, or `None`, said aloud, where there may be none: `scripts/test` sets
+    /// CATAMARAN_REQUIRE_OPENCL.
     pub(crate) fn device() -> Option<Device> {
         match Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default()) {
             Ok(device) => Some(device),

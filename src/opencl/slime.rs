@@ -17,8 +17,8 @@ use agents::{Agents, Ordering};
 
 const SOURCE: &str = include_str!("kernels/slime.cl");
 
-/// A simulation whose agents and textures are on a device: the same bits as [`Simulation::step`] where the device rounds
-/// divisions and square roots correctly, as processors do.
+/// A simulation whose agents and textures are on a device: the same bits as [`Simulation::step`]
+/// where the device rounds divisions and square roots correctly, as processors do.
 ///
 /// ```
 /// use catamaran::opencl::{Device, SlimeOnDevice};
@@ -48,7 +48,8 @@ pub struct SlimeOnDevice {
     agents: Agents,
     ordering: Ordering,
     launcher: Launcher,
-    /// Held while coverages are summed, whose kernel and memory are shared; the C ABI lets several threads ask.
+    /// Held while coverages are summed, whose kernel and memory are shared; the C ABI lets several
+    /// threads ask.
     covering: Mutex<()>,
 }
 
@@ -90,8 +91,8 @@ impl SlimeOnDevice {
         Self::in_groups(device, simulation, None)
     }
 
-    /// [`SlimeOnDevice::new`] with work-groups of this many work-items, instead of as many as the driver likes; nothing
-    /// depends on it.
+    /// [`SlimeOnDevice::new`] with work-groups of this many work-items, instead of as many as the
+    /// driver likes; nothing depends on it.
     ///
     /// # Errors
     /// As [`SlimeOnDevice::new`]; [`Error::Argument`] for a group of 0.
@@ -154,10 +155,12 @@ impl SlimeOnDevice {
         })
     }
 
-    /// Steps; `progress` is told after each, and without it the device is left alone until all are done.
+    /// Steps; `progress` is told after each, and without it the device is left alone until all are
+    /// done.
     ///
     /// # Errors
-    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are done then, and it can go on.
+    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are done
+    /// then, and it can go on.
     pub fn run(&mut self, steps: u32, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.enqueue_step()?;
@@ -182,8 +185,8 @@ impl SlimeOnDevice {
     /// The texture of a species as it is now: all that comes from the device.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a species that is not there, [`Error::Shape`] for a texture of another size,
-    /// [`Error::Backend`] when the device refuses.
+    /// [`Error::Argument`] for a species that is not there, [`Error::Shape`] for a texture of
+    /// another size, [`Error::Backend`] when the device refuses.
     pub fn read_texture(&self, species: usize, texture: &mut [f32]) -> Result<()> {
         let (size, count) = (self.parameters.size as usize, self.parameters.species as usize);
         if species >= count {
@@ -214,7 +217,8 @@ impl SlimeOnDevice {
     pub fn coverage(&self) -> Result<Vec<Coverage>> {
         let _one_at_a_time = self.covering.lock().unwrap_or_else(PoisonError::into_inner);
         let (p, m) = (&self.parameters, &self.memory);
-        // Rows on processors, which read on and on; columns on graphics cards, whose work-items are side by side.
+        // Rows on processors, which read on and on; columns on graphics cards, whose work-items are
+        // side by side.
         let (across, along) = if self.lanes > 1 { (p.size, 1) } else { (1, p.size) };
         let lines = lines_of(p);
         let mut call = ExecuteKernel::new(&self.kernels.cover);
@@ -232,7 +236,8 @@ impl SlimeOnDevice {
     /// Gives agents and textures as they are now to the simulation that this began with.
     ///
     /// # Errors
-    /// As [`SlimeOnDevice::state`], and [`Error::Shape`] for a simulation of other numbers of agents or texels.
+    /// As [`SlimeOnDevice::state`], and [`Error::Shape`] for a simulation of other numbers of
+    /// agents or texels.
     pub fn give_back(&self, simulation: &mut Simulation) -> Result<()> {
         simulation.put_state(self.state()?)
     }
@@ -258,8 +263,9 @@ impl SlimeOnDevice {
             lines * (p.size as usize / self.lanes),
             self.border * p.species as usize,
         ];
-        // SAFETY: numbers and types are those that the kernels declare, and the buffers have the lengths that
-        // src/texture/slime/mod.rs says; they live as long as the queue's work, which reading them, and `run`, wait for.
+        // SAFETY: numbers and types are those that the kernels declare, and the buffers have the
+        // lengths that src/texture/slime/mod.rs says; they live as long as the queue's work, which
+        // reading them, and `run`, wait for.
         unsafe {
             moving.set_arg(&(a.len() as u32)).set_arg(&self.step).set_arg(&p.seed).set_arg(&p.size);
             moving.set_arg(&p.species).set_arg(&p.substeps).set_arg(&p.rescale);

@@ -3,7 +3,8 @@ use super::rational::{EXPONENTIAL, RADAU, Workspace};
 use super::water::{WaterModel, positive};
 use crate::base::{Error, Par, Progress, Result, zeros};
 
-/// The weights of the last six values, oldest first, and that of the right-hand side, as multiples of 1 / 147.
+/// The weights of the last six values, oldest first, and that of the right-hand side, as multiples
+/// of 1 / 147.
 const WEIGHTS: [f64; 6] = [-10.0, 72.0, -225.0, 400.0, -450.0, 360.0];
 const RIGHT: f64 = 60.0;
 const UNIT: f64 = 147.0;
@@ -11,16 +12,18 @@ const UNIT: f64 = 147.0;
 /// Where the first six values of [`Bdf6`] come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// Steps of Radau IIA of order 5 (Hairer and Wanner 1996, section IV.5). The default everywhere.
+    /// Steps of Radau IIA of order 5 (Hairer and Wanner 1996, section IV.5). The default
+    /// everywhere.
     Radau,
     /// The exponential itself, by the rational approximation of [`WaterModel::water_after`].
     Exact,
-    /// Six times the initial value, as in the thesis: the error then grows with the step itself, not with its sixth power.
+    /// Six times the initial value, as in the thesis: the error then grows with the step itself,
+    /// not with its sixth power.
     Constant,
 }
 
-/// The backward differentiation formula of order 6 with a fixed step (thesis, equation 4.8): a factorisation per change of
-/// the model or the step, and two passes over the tree per step.
+/// The backward differentiation formula of order 6 with a fixed step (thesis, equation 4.8): a
+/// factorisation per change of the model or the step, and two passes over the tree per step.
 ///
 /// ```
 /// use catamaran::Par;
@@ -55,7 +58,8 @@ impl Bdf6 {
     /// Starts at time 0 with `water`, in kg by nodes, and steps of `step` seconds.
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name the argument at fault; [`Error::OutOfMemory`].
+    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name the argument at fault;
+    /// [`Error::OutOfMemory`].
     pub fn new(
         model: &WaterModel,
         water: &[f64],
@@ -83,12 +87,12 @@ impl Bdf6 {
         Ok(solver)
     }
 
-    /// Goes on from the present water with another model of the same plant (another loss, damage) or another step. History is
-    /// begun anew: derivatives jump.
+    /// Goes on from the present water with another model of the same plant (another loss, damage)
+    /// or another step. History is begun anew: derivatives jump.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a step that is not positive, [`Error::Shape`] for a model of another size,
-    /// [`Error::OutOfMemory`].
+    /// [`Error::Argument`] for a step that is not positive, [`Error::Shape`] for a model of another
+    /// size, [`Error::OutOfMemory`].
     pub fn restart(&mut self, model: &WaterModel, step: f64) -> Result<()> {
         positive("step", step)?;
         Error::check_shape("model", (self.model.len(), 1), (model.len(), 1))?;

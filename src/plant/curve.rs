@@ -5,12 +5,14 @@ use crate::base::{Par, Progress, builder};
 /// How water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The fastest of the others that is accurate to about 1e-12 of the water of a full plant, as rates of the model and
-    /// times tell beforehand. With [`CurveOptions::stomata`] or [`CurveOptions::soil`], where the
-    /// problem is not linear: an implicit Runge-Kutta method of order 4 that chooses its steps
-    /// (SDIRK, Hairer and Wanner 1996), to about 1e-8; the others are refused then.
+    /// The fastest of the others that is accurate to about 1e-12 of the water of a full plant, as
+    /// rates of the model and times tell beforehand. With [`CurveOptions::stomata`] or
+    /// [`CurveOptions::soil`], where the problem is not linear: an implicit Runge-Kutta method of
+    /// order 4 that chooses its steps (SDIRK, Hairer and Wanner 1996), to about 1e-8; the others
+    /// are refused then.
     Auto,
-    /// From one time to the next by the rational approximation of the exponential: any times, any stiffness.
+    /// From one time to the next by the rational approximation of the exponential: any times, any
+    /// stiffness.
     Rational,
     /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)): small plants that are not
     /// stiff, many times.
@@ -33,7 +35,8 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// 16 hours of light, in which leaves lose `loss`, and 8 of dark, in which they lose a twelfth of it.
+    /// 16 hours of light, in which leaves lose `loss`, and 8 of dark, in which they lose a twelfth
+    /// of it.
     ///
     /// ```
     /// use catamaran::plant::Interval;
@@ -54,8 +57,8 @@ impl Interval {
 pub struct CurveOptions<'a> {
     /// Default [`Method::Auto`].
     pub method: Method,
-    /// Losses that follow each other again and again, such as a day and a night, from time 0; none (default): the loss of the
-    /// model.
+    /// Losses that follow each other again and again, such as a day and a night, from time 0; none
+    /// (default): the loss of the model.
     pub cycle: Vec<Interval>,
     /// Whether and how stomata close; `None` (default): they stay open.
     pub stomata: Option<Stomata>,

@@ -4,8 +4,9 @@ use crate::base::{Error, Result};
 /// How the modulus of elasticity of a segment follows from its water.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Elasticity {
-    /// A logistic curve of the relative water content w, scaled to `dry` at w = 0 and `full` at w = 1:
-    /// `dry + (full - dry) (s(k (w - x)) - s(-k x)) / (s(k (1 - x)) - s(-k x))`, s the logistic function.
+    /// A logistic curve of the relative water content w, scaled to `dry` at w = 0 and `full` at w =
+    /// 1: `dry + (full - dry) (s(k (w - x)) - s(-k x)) / (s(k (1 - x)) - s(-k x))`, s the logistic
+    /// function.
     Relative {
         /// Without water, in Pa, above 0.
         dry: f64,
@@ -16,8 +17,8 @@ pub enum Elasticity {
         /// chi_0, the relative water content of the steepest place.
         shift: f64,
     },
-    /// `full / (1 + exp(-kappa (theta - chi_0)))` of theta in grams, literally equation 4.9 of the thesis: a segment that is
-    /// cut in two changes its stiffness.
+    /// `full / (1 + exp(-kappa (theta - chi_0)))` of theta in grams, literally equation 4.9 of the
+    /// thesis: a segment that is cut in two changes its stiffness.
     Literal {
         /// For much water, in Pa, above 0.
         full: f64,
@@ -29,7 +30,8 @@ pub enum Elasticity {
 }
 
 impl Default for Elasticity {
-    /// 50 MPa full, 0.3 MPa dry, steepness 10, shift 0.75: soft stems, which lose their turgor early.
+    /// 50 MPa full, 0.3 MPa dry, steepness 10, shift 0.75: soft stems, which lose their turgor
+    /// early.
     fn default() -> Self {
         Self::Relative { dry: 3e5, full: 5e7, steepness: 10.0, shift: 0.75 }
     }

@@ -1,8 +1,10 @@
-//! Gaussian elimination on a tree, from the leaves to the root: no fill-in and, with the diagonal kept as its excess over
-//! the couplings, no subtraction (Hines 1984; Grassmann, Taksar and Heyman 1985 for the excess).
+//! Gaussian elimination on a tree, from the leaves to the root: no fill-in and, with the diagonal
+//! kept as its excess over the couplings, no subtraction (Hines 1984; Grassmann, Taksar and Heyman
+//! 1985 for the excess).
 //!
-//! For every node v with parent u, coupling `w_v >= 0` and excess `d_v >= 0` the matrix has `-w_v` at (u, v) and (v, u), and
-//! on the diagonal `d_v` plus the couplings of all edges at v. Real and complex excesses share this code.
+//! For every node v with parent u, coupling `w_v >= 0` and excess `d_v >= 0` the matrix has `-w_v`
+//! at (u, v) and (v, u), and on the diagonal `d_v` plus the couplings of all edges at v. Real and
+//! complex excesses share this code.
 
 use std::ops::{Add, Mul, Range};
 
@@ -11,7 +13,8 @@ use faer::c64;
 use super::graph::{NONE, Plant};
 use crate::base::{Par, Result, reserved};
 
-/// Nodes of a piece of work, and of the largest subtree that one thread eliminates alone; it decides on no result.
+/// Nodes of a piece of work, and of the largest subtree that one thread eliminates alone; it
+/// decides on no result.
 const BIN: usize = 8192;
 
 impl Factor<f64> {
@@ -56,8 +59,9 @@ impl Number for c64 {
     }
 }
 
-/// The nodes in the order of elimination, backwards: first the trunk, those on which more than [`BIN`] nodes hang, then
-/// bins of whole subtrees. Arrays of the functions below are in this order, and so are positions.
+/// The nodes in the order of elimination, backwards: first the trunk, those on which more than
+/// [`BIN`] nodes hang, then bins of whole subtrees. Arrays of the functions below are in this
+/// order, and so are positions.
 #[derive(Debug, Clone)]
 pub(crate) struct Order {
     /// The node at each position.
@@ -70,7 +74,8 @@ pub(crate) struct Order {
     trunk: usize,
     /// Where each bin begins, and the end.
     bins: Vec<usize>,
-    /// The children of the nodes of the trunk, last ones first: `children[starts[k]..starts[k + 1]]`.
+    /// The children of the nodes of the trunk, last ones first:
+    /// `children[starts[k]..starts[k + 1]]`.
     starts: Vec<u32>,
     children: Vec<u32>,
 }
@@ -215,7 +220,8 @@ impl<T: Number> Factor<T> {
         Ok(Self { fractions: filled(n)?, inverses: filled(n)?, excess: filled(n)? })
     }
 
-    /// Factorises the matrix with couplings `scale * w`, whose excesses `fill(positions, excesses)` writes.
+    /// Factorises the matrix with couplings `scale * w`, whose excesses `fill(positions, excesses)`
+    /// writes.
     pub fn refactor(
         &mut self,
         order: &Order,

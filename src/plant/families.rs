@@ -64,10 +64,11 @@ struct Bud {
     order: u32,
 }
 
-/// A plant of exactly `options.nodes` nodes from a parametric L-system (Prusinkiewicz and Lindenmayer 1990, section 1.10):
-/// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and `B(r, l, s) -> B(r, l, s - 1)`,
-/// `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of order 2 and more, old ones and all tips are veins of
-/// leaves. Nodes are numbered as they grow.
+/// A plant of exactly `options.nodes` nodes from a parametric L-system (Prusinkiewicz and
+/// Lindenmayer 1990, section 1.10):
+/// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and
+/// `B(r, l, s) -> B(r, l, s - 1)`, `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of
+/// order 2 and more, old ones and all tips are veins of leaves. Nodes are numbered as they grow.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
@@ -152,7 +153,8 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
     Plant::new(segments, &parents, Some([0.0; 3]))
 }
 
-/// A straight, vertical stem of `nodes` equal segments (at least 1), the last one a leaf's: a chain.
+/// A straight, vertical stem of `nodes` equal segments (at least 1), the last one a leaf's: a
+/// chain.
 ///
 /// ```
 /// use catamaran::plant::families::chain;

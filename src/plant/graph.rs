@@ -4,7 +4,8 @@ use crate::mesh::vector::distance;
 /// No parent: the root.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A straight piece of stem, branch or vein, named after the end at which it stops: a node of the plant.
+/// A straight piece of stem, branch or vein, named after the end at which it stops: a node of the
+/// plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
     /// Where it ends, in metres; it begins where its parent ends.
@@ -16,7 +17,8 @@ pub struct Segment {
     /// Whether it is labelled as the stalk of a leaf, which counts unless it is a vein; see
     /// [`Plant::parts`].
     pub petiole: bool,
-    /// The area of leaf that it supplies, in square metres; `None`: radius times length (thesis, section 4.3.2).
+    /// The area of leaf that it supplies, in square metres; `None`: radius times length (thesis,
+    /// section 4.3.2).
     pub leaf_area: Option<f64>,
     /// Whether it is held where it is.
     pub pinned: bool,
@@ -65,14 +67,15 @@ fn refused<T>(element: String, what: impl Into<String>) -> Result<T> {
 }
 
 impl Plant {
-    /// A plant of n >= 1 segments and the parent of each, `None` for the root. The root segment begins at `base`; without
-    /// one, or where it ends there, it is as long as its first child and goes straight on into it (of a plant of one
-    /// segment: it stands upright, 1 cm long).
+    /// A plant of n >= 1 segments and the parent of each, `None` for the root. The root segment
+    /// begins at `base`; without one, or where it ends there, it is as long as its first child and
+    /// goes straight on into it (of a plant of one segment: it stands upright, 1 cm long).
     ///
     /// # Errors
-    /// [`Error::Mesh`] names the node without a finite position, positive radius, leaf area at least 0, positive length, or
-    /// existing parent; the second root; an isolated node; a node on a cycle. [`Error::Argument`] for no nodes or 2^32 - 1
-    /// and more; [`Error::Shape`] for a number of parents that differs.
+    /// [`Error::Mesh`] names the node without a finite position, positive radius, leaf area at
+    /// least 0, positive length, or existing parent; the second root; an isolated node; a node on a
+    /// cycle. [`Error::Argument`] for no nodes or 2^32 - 1 and more; [`Error::Shape`] for a number
+    /// of parents that differs.
     pub fn new(
         segments: Vec<Segment>,
         parents: &[Option<u32>],
@@ -112,11 +115,13 @@ impl Plant {
         Self::measured(segments, parents, root as u32, base)
     }
 
-    /// A plant of n >= 1 segments and edges between them (node numbers from 0, in either direction). The root is the node
-    /// whose tail is nearest to `base` (default: the origin), where the root segment begins, as in [`Plant::new`].
+    /// A plant of n >= 1 segments and edges between them (node numbers from 0, in either
+    /// direction). The root is the node whose tail is nearest to `base` (default: the origin),
+    /// where the root segment begins, as in [`Plant::new`].
     ///
     /// # Errors
-    /// As those of [`Plant::new`]; an edge that closes a cycle, and a node that no edges connect to the root.
+    /// As those of [`Plant::new`]; an edge that closes a cycle, and a node that no edges connect to
+    /// the root.
     pub fn from_edges(
         segments: Vec<Segment>,
         edges: &[[u32; 2]],
@@ -240,10 +245,12 @@ impl Plant {
         }
     }
 
-    /// The nodes, every parent before its children, these in ascending order, each with all that hangs on it.
+    /// The nodes, every parent before its children, these in ascending order, each with all that
+    /// hangs on it.
     pub(crate) fn preorder(&self) -> Vec<u32> {
         let n = self.len();
-        // Children as linked lists, so that a node with thousands of them costs no more than others.
+        // Children as linked lists, so that a node with thousands of them costs no more than
+        // others.
         let (mut first, mut next) = (vec![NONE; n], vec![NONE; n]);
         for v in (0..n).rev() {
             if let Some(p) = self.parent(v) {

@@ -1,4 +1,5 @@
-//! Least squares with bounds: the method of Levenberg (1944) and Marquardt (1963), projected onto a box.
+//! Least squares with bounds: the method of Levenberg (1944) and Marquardt (1963), projected onto a
+//! box.
 
 use faer::Mat;
 
@@ -20,7 +21,8 @@ const MAX_ITERATIONS: usize = 200;
 #[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub parameters: Vec<f64>,
-    /// Standard deviations of parameters; infinite where the data don't tell them apart, NaN at a bound.
+    /// Standard deviations of parameters; infinite where the data don't tell them apart, NaN at a
+    /// bound.
     pub errors: Vec<f64>,
     /// That of a residual.
     pub deviation: f64,
@@ -31,12 +33,12 @@ pub(super) struct Minimum {
 /// Residuals of parameters.
 pub(super) type Residuals<'a> = &'a dyn Fn(&[f64]) -> Result<Vec<f64>>;
 
-/// The minimum of the sum of squares near `start`, between bounds, by central differences. In each step parameters that are
-/// at a bound and would leave it stay.
+/// The minimum of the sum of squares near `start`, between bounds, by central differences. In each
+/// step parameters that are at a bound and would leave it stay.
 ///
 /// # Errors
-/// Those of residuals; [`Error::Argument`] for no more residuals than parameters; [`Error::NotConverged`],
-/// [`Error::Cancelled`].
+/// Those of residuals; [`Error::Argument`] for no more residuals than parameters;
+/// [`Error::NotConverged`], [`Error::Cancelled`].
 pub(super) fn minimize(
     residuals: Residuals<'_>,
     start: &[f64],

@@ -4,16 +4,18 @@ use super::elimination::{Factor, Order};
 use super::water::{WaterModel, at_least_zero};
 use crate::base::{Par, Progress, Result, reserved};
 
-/// A rational function near the exponential on the negative axis, as the real part of partial fractions:
-/// `constant + sum of 2 Re(c / (x - z))`.
+/// A rational function near the exponential on the negative axis, as the real part of partial
+/// fractions: `constant + sum of 2 Re(c / (x - z))`.
 pub(crate) struct Rational {
     constant: f64,
-    /// Re z, Im z, Re c, Im c. Of a pair of conjugate poles one is listed; of a real one half of its c.
+    /// Re z, Im z, Re c, Im c. Of a pair of conjugate poles one is listed; of a real one half of
+    /// its c.
     terms: &'static [[f64; 4]],
 }
 
-/// The best approximation of the exponential on the negative axis of degree 16: off by 2.1e-16 everywhere, but for rounding
-/// (Cody, Meinardus and Varga 1969; computed in 60 digits by the method of Caratheodory and Fejer, Trefethen 1981).
+/// The best approximation of the exponential on the negative axis of degree 16: off by 2.1e-16
+/// everywhere, but for rounding (Cody, Meinardus and Varga 1969; computed in 60 digits by the
+/// method of Caratheodory and Fejer, Trefethen 1981).
 #[rustfmt::skip]
 pub(crate) const EXPONENTIAL: Rational = Rational {
     constant: 2.1192629e-16,
@@ -29,7 +31,8 @@ pub(crate) const EXPONENTIAL: Rational = Rational {
     ],
 };
 
-/// The stability function of Radau IIA of order 5, `(1 + 2x/5 + x^2/20) / (1 - 3x/5 + 3x^2/20 - x^3/60)`.
+/// The stability function of Radau IIA of order 5,
+/// `(1 + 2x/5 + x^2/20) / (1 - 3x/5 + 3x^2/20 - x^3/60)`.
 #[rustfmt::skip]
 pub(crate) const RADAU: Rational = Rational {
     constant: 0.0,
@@ -55,8 +58,8 @@ impl Workspace {
 }
 
 impl Rational {
-    /// `relative := r(t S) relative` and what the root takes in meanwhile, `t phi(t S) s` with `phi(x) = (r(x) - r(0)) / x`,
-    /// whose partial fractions have c / z for c.
+    /// `relative := r(t S) relative` and what the root takes in meanwhile, `t phi(t S) s` with
+    /// `phi(x) = (r(x) - r(0)) / x`, whose partial fractions have c / z for c.
     pub fn apply(
         &self,
         model: &WaterModel,
@@ -99,9 +102,10 @@ impl Rational {
 }
 
 impl WaterModel {
-    /// The water of every node, in kg, `seconds` after it was `water` (kg, by nodes): the exponential of S by a rational
-    /// approximation, 8 factorisations with complex shifts, O(n). No time steps, but for times in which most of the water
-    /// goes: each part may lose a factor of about 20, so that the rest keeps its digits.
+    /// The water of every node, in kg, `seconds` after it was `water` (kg, by nodes): the
+    /// exponential of S by a rational approximation, 8 factorisations with complex shifts, O(n). No
+    /// time steps, but for times in which most of the water goes: each part may lose a factor of
+    /// about 20, so that the rest keeps its digits.
     ///
     /// Off by about 1e-13 of the water there was in a part; the same for every `par`, bit for bit.
     ///

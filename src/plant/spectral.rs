@@ -4,12 +4,12 @@ use super::water::{WaterModel, at_least_zero};
 use crate::base::{Result, zeros};
 use crate::dense::{self, SymmetricEigen, symmetric_eigen};
 
-/// The solution by eigenvalues (thesis, equations 4.6 and 4.7), of the symmetric matrix `D^(-1/2) S D^(1/2)`: real numbers,
-/// orthonormal vectors, no inverse.
+/// The solution by eigenvalues (thesis, equations 4.6 and 4.7), of the symmetric matrix
+/// `D^(-1/2) S D^(1/2)`: real numbers, orthonormal vectors, no inverse.
 ///
-/// O(n^3) once and O(n^2) per time: for small plants, and for looking at the modes. Dense eigenvalues are right up to
-/// rounding of the largest one, so slow rates of a stiff plant have few right digits; [`WaterModel::water_after`] has no such
-/// limit.
+/// O(n^3) once and O(n^2) per time: for small plants, and for looking at the modes. Dense
+/// eigenvalues are right up to rounding of the largest one, so slow rates of a stiff plant have few
+/// right digits; [`WaterModel::water_after`] has no such limit.
 ///
 /// ```
 /// use catamaran::Par;
@@ -34,7 +34,8 @@ impl SpectralSolution {
     /// Decomposes the matrix of the model, n x n.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory), [`Error::NotConverged`](crate::Error::NotConverged).
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory),
+    /// [`Error::NotConverged`](crate::Error::NotConverged).
     pub fn new(model: &WaterModel) -> Result<Self> {
         let n = model.len();
         let roots: Vec<f64> = model.full.iter().map(|m| m.sqrt()).collect();

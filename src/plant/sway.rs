@@ -32,7 +32,8 @@ pub struct SwayOptions<'a> {
     pub soil: Option<Soil>,
     /// As [`CurveOptions::rewatering`].
     pub rewatering: Vec<Rewatering>,
-    /// The rods' options. The step is the longest: it is shortened so that frames are at its multiples.
+    /// The rods' options. The step is the longest: it is shortened so that frames are at its
+    /// multiples.
     pub motion: MotionOptions,
     /// The air; default none.
     pub wind: Option<Wind>,

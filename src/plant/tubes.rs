@@ -5,8 +5,9 @@ use crate::base::{Error, Result, reserved};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{cross, sub, unit};
 
-/// A plant as a mesh of tubes: a frustum of `sides` >= 3 flat sides for each segment, from the radius of its parent to its
-/// own, each at least `thinnest` metres. Segment v has the vertices `2 sides v .. 2 sides (v + 1)`.
+/// A plant as a mesh of tubes: a frustum of `sides` >= 3 flat sides for each segment, from the
+/// radius of its parent to its own, each at least `thinnest` metres. Segment v has the vertices
+/// `2 sides v .. 2 sides (v + 1)`.
 ///
 /// ```
 /// use catamaran::plant::{RodOptions, Rods, families, tubes};
@@ -19,8 +20,9 @@ use crate::mesh::vector::{cross, sub, unit};
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for a pose of another plant, [`Error::Argument`] for fewer than 3 sides, more vertices than can be
-/// numbered, or a radius that is negative; [`Error::Mesh`] for a pose that is not finite; [`Error::OutOfMemory`].
+/// [`Error::Shape`] for a pose of another plant, [`Error::Argument`] for fewer than 3 sides, more
+/// vertices than can be numbered, or a radius that is negative; [`Error::Mesh`] for a pose that is
+/// not finite; [`Error::OutOfMemory`].
 pub fn tubes(plant: &Plant, pose: &Pose, sides: usize, thinnest: f64) -> Result<TriMesh> {
     let n = plant.len();
     Error::check_shape("pose", (n, 3), (pose.tails.len(), 3))?;

@@ -8,8 +8,9 @@ use crate::base::{Error, Par, Result, builder, zeros};
 /// How well segments conduct water along themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Conductivity {
-    /// That of a pipe as wide as the segment (Hagen and Poiseuille), times `scale`, a number that is calibrated: vessels are
-    /// much thinner than the stem, and with 1 every plant behaves as one bucket.
+    /// That of a pipe as wide as the segment (Hagen and Poiseuille), times `scale`, a number that
+    /// is calibrated: vessels are much thinner than the stem, and with 1 every plant behaves as one
+    /// bucket.
     Pipe {
         /// Times the conductance of the full lumen.
         scale: f64,
@@ -27,8 +28,9 @@ pub enum Conductivity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct WaterOptions {
-    /// What a square metre of leaf loses when its cells are full, in kg / (s m^2), at least 0. 15 to 250 g / (h m^2) by day
-    /// and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]). Default 60 g / (h m^2).
+    /// What a square metre of leaf loses when its cells are full, in kg / (s m^2), at least 0. 15
+    /// to 250 g / (h m^2) by day and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]).
+    /// Default 60 g / (h m^2).
     pub loss: f64,
     /// Default [`Conductivity::Pipe`] with scale 1e-9.
     pub conductivity: Conductivity,
@@ -73,12 +75,13 @@ pub fn grams_per_hour(loss: f64) -> f64 {
     loss / 3.6e6
 }
 
-/// The water in a plant: `d theta / dt = S theta + s` with `S = -(L D^-1 + D_l)` (thesis, equation 4.3; corrections in
-/// docs/algorithms/plant.md).
+/// The water in a plant: `d theta / dt = S theta + s` with `S = -(L D^-1 + D_l)` (thesis, equation
+/// 4.3; corrections in docs/algorithms/plant.md).
 ///
-/// theta is the water of every node in kg; D the diagonal of `theta_full / modulus` in kg / Pa; L the Laplacian of the tree
-/// with the conductances of its edges, in kg / (s Pa); D_l the losses in 1 / s; s what the root takes from the soil. S is
-/// similar to a symmetric negative semi-definite matrix. Models share nothing that changes.
+/// theta is the water of every node in kg; D the diagonal of `theta_full / modulus` in kg / Pa; L
+/// the Laplacian of the tree with the conductances of its edges, in kg / (s Pa); D_l the losses in
+/// 1 / s; s what the root takes from the soil. S is similar to a symmetric negative semi-definite
+/// matrix. Models share nothing that changes.
 ///
 /// ```
 /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families, grams_per_hour}};
@@ -111,8 +114,8 @@ impl WaterModel {
     /// The model of a plant.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the option that is out of its range; [`Error::Mesh`] a node whose conductance or volume is
-    /// 0 or infinite in numbers of 64 bits; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names the option that is out of its range; [`Error::Mesh`] a node whose
+    /// conductance or volume is 0 or infinite in numbers of 64 bits; [`Error::OutOfMemory`].
     pub fn new(plant: &Plant, options: &WaterOptions) -> Result<Self> {
         let WaterOptions { conductivity, modulus, viscosity, density, .. } = *options;
         positive("modulus", modulus)?;
@@ -169,7 +172,8 @@ impl WaterModel {
         self.full.len()
     }
 
-    /// The water of every node when its cells are full, in kg: how a healthy plant begins (thesis, section 4.3.3).
+    /// The water of every node when its cells are full, in kg: how a healthy plant begins (thesis,
+    /// section 4.3.3).
     pub fn full(&self) -> Vec<f64> {
         self.order.by_nodes(&self.full)
     }
@@ -187,8 +191,8 @@ impl WaterModel {
         self.order.by_nodes(&self.losses)
     }
 
-    /// What passes between each node and its parent at a difference of 1 of their relative water contents, in kg / s: modulus
-    /// times conductance. 0 for the root.
+    /// What passes between each node and its parent at a difference of 1 of their relative water
+    /// contents, in kg / s: modulus times conductance. 0 for the root.
     pub fn exchanges(&self) -> Vec<f64> {
         self.order.by_nodes(&self.exchange)
     }
@@ -226,10 +230,12 @@ impl WaterModel {
         Ok(())
     }
 
-    /// Damages the connection of a node to its parent: its conductance is multiplied by `factor`, 0 cuts it.
+    /// Damages the connection of a node to its parent: its conductance is multiplied by `factor`, 0
+    /// cuts it.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a node that is not there or is the root, or a factor that is negative or not finite.
+    /// [`Error::Argument`] for a node that is not there or is the root, or a factor that is
+    /// negative or not finite.
     pub fn weaken(&mut self, node: usize, factor: f64) -> Result<()> {
         at_least_zero("factor", factor)?;
         let k = self.position(node)?;
@@ -249,11 +255,13 @@ impl WaterModel {
         self.weaken(node, 0.0)
     }
 
-    /// The slowest rate at which water is lost, in 1 / s: the smallest eigenvalue of -S, by inverse iteration; every digit
-    /// of it is right, as elimination does not subtract. 0 if a part of the plant loses nothing.
+    /// The slowest rate at which water is lost, in 1 / s: the smallest eigenvalue of -S, by inverse
+    /// iteration; every digit of it is right, as elimination does not subtract. 0 if a part of the
+    /// plant loses nothing.
     ///
     /// # Errors
-    /// [`Error::NotConverged`] when the two slowest rates are all but equal; [`Error::OutOfMemory`].
+    /// [`Error::NotConverged`] when the two slowest rates are all but equal;
+    /// [`Error::OutOfMemory`].
     pub fn slowest_rate(&self, par: Par) -> Result<f64> {
         const ITERATIONS: usize = 500;
         let mut factor = Factor::new(&self.order)?;

@@ -74,8 +74,9 @@ pub struct Wilting {
     pub iterations: usize,
 }
 
-/// Lets a plant wilt, from full cells at time 0 on: its water at each of `times` (seconds, ascending), the stiffness that
-/// follows from it, and the pose in which the plant then rests, each found from the one before.
+/// Lets a plant wilt, from full cells at time 0 on: its water at each of `times` (seconds,
+/// ascending), the stiffness that follows from it, and the pose in which the plant then rests, each
+/// found from the one before.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};

@@ -7,8 +7,8 @@ use crate::base::{Error, Result, Rng, builder};
 pub struct Wind {
     /// The mean velocity, in m / s. Default 0: still air, which damps.
     pub velocity: [f64; 3],
-    /// The turbulence intensity: the standard deviation of each component of the velocity, as a part of the mean speed.
-    /// Default 0.2.
+    /// The turbulence intensity: the standard deviation of each component of the velocity, as a
+    /// part of the mean speed. Default 0.2.
     pub turbulence: f64,
     /// The time after which a gust is forgotten by a factor of e, in s. Default 1.
     pub memory: f64,
@@ -29,8 +29,8 @@ builder! { Wind {
     seed: u64,
 }}
 
-/// A wind in time: around the mean, each component is an Ornstein-Uhlenbeck process, stationary from the beginning and
-/// exact for every step.
+/// A wind in time: around the mean, each component is an Ornstein-Uhlenbeck process, stationary
+/// from the beginning and exact for every step.
 ///
 /// ```
 /// use catamaran::plant::{Gusts, Wind};

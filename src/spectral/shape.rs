@@ -51,9 +51,9 @@ pub struct ShapeFromSpectrum {
     pub steps: usize,
 }
 
-/// Deforms a template until the first eigenvalues of its cotangent Laplacian with barycentric masses
-/// are `eigenvalues`: those of a Dirichlet boundary, or, if the template is closed, all but the
-/// zeros. They are positive and ascending, in 1 / length^2.
+/// Deforms a template until the first eigenvalues of its cotangent Laplacian with barycentric
+/// masses are `eigenvalues`: those of a Dirichlet boundary, or, if the template is closed, all but
+/// the zeros. They are positive and ascending, in 1 / length^2.
 ///
 /// The size is fitted first. Then each step is one of Levenberg and Marquardt for the relative
 /// differences, with the displacement of least `integral of |grad d|^2 + |d|^2 / area` among those

@@ -3,13 +3,13 @@
 use super::slime::{OUTSIDE, Texels};
 use crate::base::{Result, reserved};
 
-/// Rings of texels around charts that are filled: what filters of renderers mix in at their borders, and smaller copies of a
-/// texture (mipmaps) down to a sixteenth of its side.
+/// Rings of texels around charts that are filled: what filters of renderers mix in at their
+/// borders, and smaller copies of a texture (mipmaps) down to a sixteenth of its side.
 const RINGS: usize = 16;
 
-/// For each texel the one whose value it shows: itself on the surface, else the nearest of a chart, up to 16 texels away
-/// (diagonal steps count as one), and itself beyond. Without such a margin, filters of renderers mix what is outside of the
-/// surface into what is on it.
+/// For each texel the one whose value it shows: itself on the surface, else the nearest of a chart,
+/// up to 16 texels away (diagonal steps count as one), and itself beyond. Without such a margin,
+/// filters of renderers mix what is outside of the surface into what is on it.
 ///
 /// ```
 /// use catamaran::{mesh::families, texture::margin};

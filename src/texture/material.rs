@@ -1,4 +1,5 @@
-//! Materials of slime moulds: pheromone as composition mask and relief (thesis, figures 3.1 and 3.11).
+//! Materials of slime moulds: pheromone as composition mask and relief (thesis, figures 3.1 and
+//! 3.11).
 
 use super::margin::margin;
 use super::relief::{normal_colors, normal_map};
@@ -43,11 +44,14 @@ pub struct Look {
     pub bare: Finish,
     /// Of the species, again from the first when there are more.
     pub species: Vec<Finish>,
-    /// Pheromone from which a species begins to show, and from which on nothing else does; from 0 to 1. Default 0.05, 0.5.
+    /// Pheromone from which a species begins to show, and from which on nothing else does; from 0
+    /// to 1. Default 0.05, 0.5.
     pub mask: [f64; 2],
-    /// What a height of 1 is, in hundredths of the square root of the area of the surface, at least 0. Default 0.5.
+    /// What a height of 1 is, in hundredths of the square root of the area of the surface, at
+    /// least 0. Default 0.5.
     pub depth: f64,
-    /// How often pheromone is blurred before, at most 64: what agents left just now is a texel wide. Default 2.
+    /// How often pheromone is blurred before, at most 64: what agents left just now is a texel
+    /// wide. Default 2.
     pub smoothing: u32,
 }
 
@@ -190,8 +194,8 @@ impl Look {
     }
 }
 
-/// The textures of a material for physically based rendering, of [`MaterialMaps::size`] rows of as many texels, row 0 at
-/// v = 0. Around charts they have a [`margin`].
+/// The textures of a material for physically based rendering, of [`MaterialMaps::size`] rows of as
+/// many texels, row 0 at v = 0. Around charts they have a [`margin`].
 ///
 /// ```
 /// use catamaran::{Par, base::Progress, mesh::families};
@@ -220,7 +224,8 @@ pub struct MaterialMaps {
     pub metalness: Vec<u8>,
     /// 0 for the lowest finish, 65535 for the highest.
     pub height: Vec<u16>,
-    /// The height from the lowest finish to the highest, in the unit of the surface, the square root of its area.
+    /// The height from the lowest finish to the highest, in the unit of the surface, the square
+    /// root of its area.
     pub depth: f64,
     /// As [`normal_map`] and [`normal_colors`] have them.
     pub normal: Vec<[u8; 3]>,

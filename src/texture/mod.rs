@@ -1,5 +1,6 @@
-//! Textures that grow on surfaces (thesis, chapters 3 and 7): the reference implementations, on the CPU. The modules of `opencl`
-//! (feature of that name) have the same as kernels. Normal maps and materials of what grew.
+//! Textures that grow on surfaces (thesis, chapters 3 and 7): the reference implementations, on the
+//! CPU. The modules of `opencl` (feature of that name) have the same as kernels. Normal maps and
+//! materials of what grew.
 
 mod margin;
 mod material;

@@ -1,8 +1,9 @@
 //! Normal maps of heights: what a surface looks like that is raised by a texture.
 //!
-//! A normal map has, for each texel, the unit normal of the raised surface in the frame of the surface there: x along
-//! growing u, y at a right angle to it on the side of growing v, z along the normal. That is the frame of MikkTSpace, which
-//! glTF viewers, Blender and engines take; green is up ("OpenGL").
+//! A normal map has, for each texel, the unit normal of the raised surface in the frame of the
+//! surface there: x along growing u, y at a right angle to it on the side of growing v, z along the
+//! normal. That is the frame of MikkTSpace, which glTF viewers, Blender and engines take; green is
+//! up ("OpenGL").
 
 use super::slime::{INSIDE, NO_TRIANGLE, OUTSIDE, Surface, Texels, UV, Walker};
 use crate::base::{Error, Par, Result, reserved};
@@ -25,7 +26,8 @@ pub struct HeightField<'a> {
     pub repeats: bool,
 }
 
-/// The normal map of a plane, by differences of neighbours; at the sides of a texture that does not repeat, one-sided.
+/// The normal map of a plane, by differences of neighbours; at the sides of a texture that does not
+/// repeat, one-sided.
 ///
 /// ```
 /// use catamaran::texture::{HeightField, flat_normal_map};
@@ -41,8 +43,8 @@ pub struct HeightField<'a> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when heights are not whole rows, [`Error::Argument`] for a texel that is not above 0 or a depth that is
-/// not finite, [`Error::OutOfMemory`].
+/// [`Error::Shape`] when heights are not whole rows, [`Error::Argument`] for a texel that is not
+/// above 0 or a depth that is not finite, [`Error::OutOfMemory`].
 pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
     let HeightField { heights, width, texel, depth, repeats } = field;
     let height = heights.len() / width.max(1);
@@ -74,11 +76,12 @@ pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
     Ok(normals)
 }
 
-/// The normal map of a texture of a surface: `heights` of [`Texels::size`] rows of as many, `depth` what a height of 1 is in
-/// the unit of the surface, the square root of its area.
+/// The normal map of a texture of a surface: `heights` of [`Texels::size`] rows of as many, `depth`
+/// what a height of 1 is in the unit of the surface, the square root of its area.
 ///
-/// Slopes are those on the surface: the texture may stretch and turn it. Over seams, neighbours are found by walking there
-/// ([`Texels::beside`]), so that no seam shows. Texels outside of the surface have (0, 0, 1).
+/// Slopes are those on the surface: the texture may stretch and turn it. Over seams, neighbours are
+/// found by walking there ([`Texels::beside`]), so that no seam shows. Texels outside of the
+/// surface have (0, 0, 1).
 ///
 /// ```
 /// use catamaran::{Par, mesh::families, texture::normal_map};
@@ -93,7 +96,8 @@ pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for another number of heights, [`Error::Argument`] for a depth that is not finite.
+/// [`Error::Shape`] for another number of heights, [`Error::Argument`] for a depth that is not
+/// finite.
 pub fn normal_map(
     surface: &Surface,
     texels: &Texels,

@@ -111,7 +111,8 @@ impl<'m> PartSpectra<'m> {
 
 /// The k smallest Dirichlet eigenvalues of the part of a surface that points were sampled from
 /// (thesis, figure 2.8), ascending, in units of 1 / length^2: those of [`cloud_laplacian`], zero at
-/// the points that their neighbours do not surround. The boundary of the options counts for nothing.
+/// the points that their neighbours do not surround. The boundary of the options counts for
+/// nothing.
 ///
 /// ```
 /// use catamaran::{mesh::CloudOptions, unions::cloud_spectrum};

@@ -1,4 +1,5 @@
-//! Normal maps against slopes that are known, materials of slime moulds, and glTF files that have them.
+//! Normal maps against slopes that are known, materials of slime moulds, and glTF files that have
+//! them.
 
 use std::fs;
 
@@ -71,7 +72,8 @@ fn tangents(surface: &Surface, triangle: usize) -> [Vector; 3] {
     [tangent, across.map(|x| sign * x), normal]
 }
 
-/// Degrees between the normals of the map, in space, and those of the hills; at seams and elsewhere.
+/// Degrees between the normals of the map, in space, and those of the hills; at seams and
+/// elsewhere.
 fn errors(surface: &Surface, texels: &Texels, map: &[[f32; 3]], depth: f64) -> [Vec<f64>; 2] {
     let mut found = [Vec::new(), Vec::new()];
     for (t, &owner) in texels.owners().iter().enumerate() {

@@ -79,8 +79,8 @@ fn leaf_distances(plant: &Plant) -> Vec<usize> {
     distances
 }
 
-/// Figure 4.4: the relative mean squared error of BDF6 over time, for several steps, averaged over the plants; by the start of
-/// Radau and by the thesis' constant one.
+/// Figure 4.4: the relative mean squared error of BDF6 over time, for several steps, averaged over
+/// the plants; by the start of Radau and by the thesis' constant one.
 ///
 /// # Errors
 /// Those of the model.
@@ -130,8 +130,8 @@ pub fn errors_over_time(subjects: &[Subject]) -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-/// Figure 4.4, the reason: 16 steps to the half-time at several scales of the conductance, and how many rates of the plant
-/// live between its steps.
+/// Figure 4.4, the reason: 16 steps to the half-time at several scales of the conductance, and how
+/// many rates of the plant live between its steps.
 ///
 /// # Errors
 /// Those of the model.
@@ -176,7 +176,8 @@ fn relative_mse(water: &[f64], exact: &[f64]) -> f64 {
     error / exact.iter().map(|x| x * x).sum::<f64>()
 }
 
-/// Figure 4.6: how far the total water is from an exponential, fitted to its logarithm over 48 hours.
+/// Figure 4.6: how far the total water is from an exponential, fitted to its logarithm over 48
+/// hours.
 ///
 /// # Errors
 /// Those of the model.

@@ -25,8 +25,8 @@ const RIVALS: [(&str, usize); 5] = [
     ("cvode", 10_000),
 ];
 
-/// Seconds of a factorisation, of a step of BDF6 and of the water at the half-time, with ours on two threads and one; with
-/// the errors of rivals' water against ours.
+/// Seconds of a factorisation, of a step of BDF6 and of the water at the half-time, with ours on
+/// two threads and one; with the errors of rivals' water against ours.
 ///
 /// # Errors
 /// When a process of ours fails; rivals that fail are left out.

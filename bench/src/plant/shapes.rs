@@ -1,4 +1,5 @@
-//! Figures of shapes: naive stiffness beside that of water, a plant that hangs, a plant that is held.
+//! Figures of shapes: naive stiffness beside that of water, a plant that hangs, a plant that is
+//! held.
 
 use catamaran::Par;
 use catamaran::plant::{
@@ -48,8 +49,8 @@ fn depths(plant: &Plant) -> Vec<f64> {
     (0..plant.len()).map(depth).collect()
 }
 
-/// Figure 4.5: poses of plants whose stiffness is `1 / (1 + d)`, d the distance from the root in segments, linear in the
-/// radius, or that of their water, all with the same modulus at the root.
+/// Figure 4.5: poses of plants whose stiffness is `1 / (1 + d)`, d the distance from the root in
+/// segments, linear in the radius, or that of their water, all with the same modulus at the root.
 ///
 /// # Errors
 /// Those of the model and of the rods.

@@ -12,7 +12,8 @@ use crate::race::median;
 /// Frames that are timed.
 const FRAMES: usize = 40;
 
-/// Seconds of a frame: a step of the water with the stiffness that follows, and a step of the rods in motion.
+/// Seconds of a frame: a step of the water with the stiffness that follows, and a step of the rods
+/// in motion.
 ///
 /// # Errors
 /// Those of the model and of the rods.

@@ -16,8 +16,8 @@ const SCALE: f64 = 4e-10;
 /// What the scale of the thesis tells apart, in kg: a centigram.
 const RESOLUTION: f64 = 1e-5;
 
-/// Figure 4.6: constants fitted to the weights of two plants. The thesis' measurements are not published: these weights are
-/// those of the model, off by a centigram.
+/// Figure 4.6: constants fitted to the weights of two plants. The thesis' measurements are not
+/// published: these weights are those of the model, off by a centigram.
 ///
 /// # Errors
 /// Those of the model and of the fit.

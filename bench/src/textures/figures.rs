@@ -74,7 +74,8 @@ pub fn substeps() -> Result<Part> {
     })
 }
 
-/// Figure 3.5: the ways of agents on a torus, where its texture is stretched and where it is squeezed.
+/// Figure 3.5: the ways of agents on a torus, where its texture is stretched and where it is
+/// squeezed.
 ///
 /// # Errors
 /// Those of the surface.
@@ -116,8 +117,8 @@ fn torus_area() -> f64 {
 /// Those of the simulation.
 pub fn evaporation() -> Result<Part> {
     let rates = [0.2, 0.4, 0.6, 0.8, 1.0];
-    // Turns from within the range of table 3.1. At its lower end, the default, strands go on merging for longer than this: the coverage
-    // at 95 s is 4 to 10 % less than at 65 s.
+    // Turns from within the range of table 3.1. At its lower end, the default, strands go on
+    // merging for longer than this: the coverage at 95 s is 4 to 10 % less than at 65 s.
     let base = Options::new().agents(60_000).size(512).turn_speed(3000.0);
     let steps = (100.0 / base.time_step) as u32;
     let (mut rows, mut coverages, mut presences) = (Vec::new(), Vec::new(), Vec::new());
@@ -170,7 +171,8 @@ pub fn evaporation() -> Result<Part> {
 /// Texels of a side of the maze.
 const MAZE: usize = 128;
 
-/// Walls along parallels of a sphere, each with one door, on opposite sides; a start at one pole, an attractor at the other.
+/// Walls along parallels of a sphere, each with one door, on opposite sides; a start at one pole,
+/// an attractor at the other.
 fn walls() -> Mask {
     let (mut start, mut ground) = (Vec::new(), Vec::new());
     for t in 0..MAZE * MAZE {

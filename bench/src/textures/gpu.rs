@@ -1,4 +1,5 @@
-//! All that is to know of an OpenCL device in minutes: whether it computes what the processor does, and how fast it is.
+//! All that is to know of an OpenCL device in minutes: whether it computes what the processor does,
+//! and how fast it is.
 
 use std::time::Instant;
 
@@ -17,7 +18,8 @@ use crate::race::median;
 
 /// Steps that are compared: agents are put in order twice.
 const STEPS: u32 = 20;
-/// Frames that are given to the device at a time; as many as from one ordering of the agents to the next.
+/// Frames that are given to the device at a time; as many as from one ordering of the agents to the
+/// next.
 const FRAMES: u32 = 16;
 /// A case ends after so many seconds, or 900 frames.
 const SECONDS: f64 = 12.0;
@@ -56,7 +58,8 @@ fn about(device: &Device) -> Part {
     }
 }
 
-/// Of the largest number that may differ: devices round divisions their own way, and both chapters are chaotic.
+/// Of the largest number that may differ: devices round divisions their own way, and both chapters
+/// are chaotic.
 const BUDGET: f64 = 1.0 / 4000.0;
 
 fn check(what: &str, differ: usize, of: usize) -> Result<()> {
@@ -164,7 +167,8 @@ fn fits(case: &Case, device: &Device) -> bool {
             && matches!(case.substeps, 0 | 10)
             && case.table == "table 3.3";
     }
-    // Of the device (docs/algorithms/slime.md): 13.2 bytes a texel, 48 an agent; a quarter is left to the driver.
+    // Of the device (docs/algorithms/slime.md): 13.2 bytes a texel, 48 an agent; a quarter is left
+    // to the driver.
     let needed = 14 * (case.size * case.size) as u64 + 48_000_000 * case.millions as u64;
     needed < device.info().memory / 4 * 3
 }

@@ -1,5 +1,5 @@
-//! Chapters 3 and 7 of the thesis, measured again: figures 3.4, 3.5, 3.8, 3.9 and 3.10, tables 3.1 to 3.4; figures 7.1 and
-//! 7.2, and times of Newton's fractals.
+//! Chapters 3 and 7 of the thesis, measured again: figures 3.4, 3.5, 3.8, 3.9 and 3.10, tables 3.1
+//! to 3.4; figures 7.1 and 7.2, and times of Newton's fractals.
 
 mod figures;
 #[cfg(feature = "opencl")]

@@ -12,8 +12,8 @@ use crate::Result;
 use crate::plant::Part;
 use crate::race::median;
 
-/// Figure 7.1: how much of surfaces goes to each root of z^3 - 1 and how fast, for w = 0 and 0.25; figure 7.2: the same of a
-/// cube.
+/// Figure 7.1: how much of surfaces goes to each root of z^3 - 1 and how fast, for w = 0 and 0.25;
+/// figure 7.2: the same of a cube.
 ///
 /// # Errors
 /// None that is to be expected.
@@ -147,9 +147,10 @@ fn shares(found: &Fractal, weights: &[f64]) -> Vec<f64> {
     shares
 }
 
-/// Nanoseconds a pixel of a plane of `size` x `size`, 32 iterations, ours and the polar form, in turns, each on the processor and
-/// (feature `opencl`) on the first OpenCL device; with the share of pixels whose root differs. The polar form, which is slow, does
-/// a sixteenth of the pixels of each row and column, over the same part of the plane.
+/// Nanoseconds a pixel of a plane of `size` x `size`, 32 iterations, ours and the polar form, in
+/// turns, each on the processor and (feature `opencl`) on the first OpenCL device; with the share
+/// of pixels whose root differs. The polar form, which is slow, does a sixteenth of the pixels of
+/// each row and column, over the same part of the plane.
 ///
 /// # Errors
 /// Where a device refuses.

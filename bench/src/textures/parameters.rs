@@ -28,7 +28,8 @@ fn pattern(options: &Options) -> Result<Pattern> {
 const TURNS: [f64; 5] = [10.0, 20.0, 30.0, 40.0, 50.0];
 /// The frames of the thesis, about: with them the range is turns of up to 22 to 108 degrees a step.
 const FRAME: f64 = 0.012;
-/// A quarter of a larger square, so lengths are twice those of the table; sparse, as a million agents at 4096 x 4096 are.
+/// A quarter of a larger square, so lengths are twice those of the table; sparse, as a million
+/// agents at 4096 x 4096 are.
 const TABLE_SIZE: usize = 256;
 const TABLE_AGENTS: usize = 5000;
 /// Seconds until a network has settled, and until it is looked at how fast it changes.
@@ -86,8 +87,8 @@ fn stability(options: &Options) -> Result<f64> {
     Ok(before.iter().map(|&p| f64::from(p)).sum::<f64>() / changes.sum::<f64>())
 }
 
-/// Table 3.1: the property that each parameter is said to change, at the ends of its range and for turn speeds over the whole of
-/// theirs, and whether it goes where the thesis says.
+/// Table 3.1: the property that each parameter is said to change, at the ends of its range and for
+/// turn speeds over the whole of theirs, and whether it goes where the thesis says.
 ///
 /// # Errors
 /// Those of the simulation.

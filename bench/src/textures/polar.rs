@@ -1,9 +1,11 @@
-//! Newton's fractal with powers in polar form, which is what the thesis describes: one pixel after the other.
+//! Newton's fractal with powers in polar form, which is what the thesis describes: one pixel after
+//! the other.
 
 use catamaran::texture::newton::{Fractal, Grid};
 use rayon::prelude::*;
 
-/// z^3 - 1 at the pixels of a plane, on the processor. `stops`: when a step is short, instead of after all of them.
+/// z^3 - 1 at the pixels of a plane, on the processor. `stops`: when a step is short, instead of
+/// after all of them.
 pub fn on_processor(grid: &Grid, n: i32, iterations: u32, theta: f32, stops: bool) -> Fractal {
     let [width, height, _] = grid.counts.map(|count| count as usize);
     let mut fractal = Fractal::default();
@@ -112,7 +114,8 @@ mod device {
             let mut fractal = Fractal::default();
             fractal.roots.resize(width * height, 0);
             fractal.convergence.resize(width * height, 0.0);
-            // SAFETY: the arguments are those of the kernel; the buffers hold all pixels, and reading waits for the kernel.
+            // SAFETY: the arguments are those of the kernel; the buffers hold all pixels, and
+            // reading waits for the kernel.
             unsafe {
                 ExecuteKernel::new(&self.kernel)
                     .set_arg(&grid.origin[0])

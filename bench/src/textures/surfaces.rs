@@ -20,8 +20,8 @@ pub fn square() -> Result<Surface> {
     Ok(Surface::of_faces(&mesh, mesh.faces().iter().map(|face| face.map(at)).collect())?)
 }
 
-/// Ten meshes and their names: real ones where `CATAMARAN_DATA` (default ../shared) has them, in their own texture or, without
-/// one, in an atlas for `size` texels; generated ones in their place.
+/// Ten meshes and their names: real ones where `CATAMARAN_DATA` (default ../shared) has them, in
+/// their own texture or, without one, in an atlas for `size` texels; generated ones in their place.
 #[cfg(feature = "opencl")]
 pub fn ten(size: usize) -> Result<Vec<(String, Surface)>> {
     let data = std::env::var_os("CATAMARAN_DATA").map_or("../shared".into(), PathBuf::from);

@@ -13,7 +13,8 @@ use crate::Result;
 use crate::curves::Plot;
 use crate::plant::Part;
 
-/// Frames that are timed together: as many as from one ordering of the agents to the next, so that each round has one.
+/// Frames that are timed together: as many as from one ordering of the agents to the next, so that
+/// each round has one.
 const FRAMES: usize = 16;
 
 /// Appends milliseconds of frames, one by one.
@@ -39,7 +40,8 @@ pub(super) fn chosen_device() -> Result<Device> {
     Ok(Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default())?)
 }
 
-/// What came of one case: milliseconds of frames on the processor and on the device, as [`summary`] has them.
+/// What came of one case: milliseconds of frames on the processor and on the device, as [`summary`]
+/// has them.
 struct Timed {
     processor: [f64; 3],
     device: [f64; 3],
@@ -87,9 +89,9 @@ impl Timed {
     }
 }
 
-/// Times of frames on the processor and on an OpenCL device, in turns, for textures up to `largest`, beside those of the thesis;
-/// with the fit of the time by the number of agents. A round is 16 frames; the first is not timed. Larger textures are named
-/// with the option that runs them.
+/// Times of frames on the processor and on an OpenCL device, in turns, for textures up to
+/// `largest`, beside those of the thesis; with the fit of the time by the number of agents. A round
+/// is 16 frames; the first is not timed. Larger textures are named with the option that runs them.
 ///
 /// # Errors
 /// Those of the simulation, and where there is no device.
@@ -139,8 +141,8 @@ pub fn times(rounds: usize, largest: usize) -> Result<Part> {
     })
 }
 
-/// The same of a million agents and ten sub-steps on ten meshes, with textures of 8192 x 8192 or `largest`: what the mesh is
-/// makes a difference.
+/// The same of a million agents and ten sub-steps on ten meshes, with textures of 8192 x 8192 or
+/// `largest`: what the mesh is makes a difference.
 ///
 /// # Errors
 /// As [`times`].

@@ -16,7 +16,8 @@ use crate::newton::{colors, surfaces};
 use crate::picture::{Image, Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
-/// Pixels along each side of the plane whose time is taken, and the same when small inputs are wanted.
+/// Pixels along each side of the plane whose time is taken, and the same when small inputs are
+/// wanted.
 const SIZE: u32 = 2048;
 const SMALL_SIZE: u32 = 256;
 /// Pixels along each side of the plane that is shown.

@@ -29,7 +29,8 @@ use output::{Drawing, Outputs};
 pub use voxels::surfaces;
 use voxels::{Basins, Opacity};
 
-/// Decorate a plane, a mesh or a volume with a Newton fractal in four dimensions (bicomplex numbers).
+/// Decorate a plane, a mesh or a volume with a Newton fractal in four dimensions (bicomplex
+/// numbers).
 ///
 /// Each point gets the colour of the root that Newton's method takes it to, darker the longer that
 /// takes. Without MESH the plane z = 0 is drawn; with it, its vertices, or with --uv the texels of
@@ -68,8 +69,8 @@ pub struct Args {
     /// The fourth coordinate.
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
     w: f64,
-    /// So many outputs, w going from --w to --w-to: an animation where --output or --picture is called
-    /// .apng or .gif, else files NAME-000, NAME-001 and so on.
+    /// So many outputs, w going from --w to --w-to: an animation where --output or --picture is
+    /// called .apng or .gif, else files NAME-000, NAME-001 and so on.
     #[arg(long, value_name = "N", requires = "w_to", value_parser = parse::frame_count)]
     frames: Option<usize>,
     /// The fourth coordinate of the last frame.
@@ -116,18 +117,18 @@ pub struct Args {
     /// [default: solid with --basins, else slow].
     #[arg(long, value_name = "WHAT", requires = "volume")]
     opacity: Option<Opacity>,
-    /// Where the result goes: .png for a plane or texels, or with --frames .apng or .gif; a mesh with
-    /// colours for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd (roots), a mesh
-    /// (the closed surfaces of basins), or a table of roots such as .npy, a line of voxels a row
-    /// (numpy: reshape(N, N, N), indices z, y, x).
+    /// Where the result goes: .png for a plane or texels, or with --frames .apng or .gif; a mesh
+    /// with colours for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd
+    /// (roots), a mesh (the closed surfaces of basins), or a table of roots such as .npy, a line of
+    /// voxels a row (numpy: reshape(N, N, N), indices z, y, x).
     #[arg(short, long, value_name = "FILE", required_unless_present_any = ["picture", "heights", "material"])]
     output: Option<PathBuf>,
     /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, .vti or
     /// .nrrd for voxels, else a table of numbers.
     #[arg(long, value_name = "FILE")]
     heights: Option<PathBuf>,
-    /// Write the mesh with a material over its texture to this .glb or .gltf file: which one by root,
-    /// joints between them where points converge slowly.
+    /// Write the mesh with a material over its texture to this .glb or .gltf file: which one by
+    /// root, joints between them where points converge slowly.
     #[arg(long, value_name = "FILE", requires = "uv")]
     material: Option<PathBuf>,
     /// The material: enamel in the colours of roots between lines of gold, or stone, metal and wood

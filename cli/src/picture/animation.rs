@@ -56,7 +56,8 @@ pub enum Frames {
 
 impl Frames {
     /// Starts the files for the frames: an animation if `path` is called like one, else one file a
-    /// frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame, called `path`.
+    /// frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame, called
+    /// `path`.
     pub fn create(
         path: &Path,
         count: Option<usize>,

@@ -28,8 +28,8 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// For these numbers: diverging with zero in the middle when they have both signs, else sequential from the least
-    /// to the greatest. What is not finite takes no part.
+    /// For these numbers: diverging with zero in the middle when they have both signs, else
+    /// sequential from the least to the greatest. What is not finite takes no part.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|x| x.is_finite())
@@ -65,7 +65,8 @@ impl ColorScale {
     }
 }
 
-/// The light of the colours of a scale, looked up: there are many samples to a picture, and few colours.
+/// The light of the colours of a scale, looked up: there are many samples to a picture, and few
+/// colours.
 pub struct Lights {
     scale: ColorScale,
     lights: Vec<[f64; 3]>,

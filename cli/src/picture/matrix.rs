@@ -80,8 +80,8 @@ pub fn write<T: Real>(
     Ok(scale)
 }
 
-/// Writes a PNG of n x n levels, of which those from 0 to 1 have colours of their own, and returns the
-/// colours. Of a larger matrix every cell is the highest of its levels.
+/// Writes a PNG of n x n levels, of which those from 0 to 1 have colours of their own, and returns
+/// the colours. Of a larger matrix every cell is the highest of its levels.
 pub fn levels(output: Output, n: usize, level: impl Fn(usize, usize) -> f64) -> Result<Scale> {
     let cells = n.min(SMALLEST);
     let mut highest = Vec::with_capacity(cells * cells);

@@ -33,8 +33,8 @@ impl Size {
     }
 }
 
-/// Writes ASCII text, its upper left corner at column x and row y; other characters are question marks, and what does not
-/// fit is cut.
+/// Writes ASCII text, its upper left corner at column x and row y; other characters are question
+/// marks, and what does not fit is cut.
 pub fn write_text(image: &mut Image, text: &str, size: Size, x: usize, y: usize, color: Rgb) {
     let ink = to_light(color);
     let mut x = x;

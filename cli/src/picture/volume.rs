@@ -33,13 +33,13 @@ pub struct Volume {
     pub step: Vector,
     /// The colour of each voxel.
     pub colors: Vec<Rgb>,
-    /// The extinction of each voxel: what is left of light after a way s through this and the same is
-    /// exp(-extinction s). Not negative.
+    /// The extinction of each voxel: what is left of light after a way s through this and the same
+    /// is exp(-extinction s). Not negative.
     pub extinction: Vec<f32>,
 }
 
-/// Draws a volume, in the light of those lamps that meshes have, on paper. The same volume gives the
-/// same bytes for any number of threads.
+/// Draws a volume, in the light of those lamps that meshes have, on paper. The same volume gives
+/// the same bytes for any number of threads.
 ///
 /// # Errors
 /// Sides of a picture that are too long, colours or extinctions that do not fit the voxels;

@@ -1,4 +1,5 @@
-//! What a simulation is like: a TOML file with the names of table 3.1, or an .ini of the reference implementation.
+//! What a simulation is like: a TOML file with the names of table 3.1, or an .ini of the reference
+//! implementation.
 
 use std::fs;
 use std::path::Path;
@@ -108,8 +109,8 @@ fn toml(text: &str) -> Result<Loaded> {
     Ok(Loaded { options, look: config.material, without_effect: Vec::new() })
 }
 
-/// The .ini of the thesis' implementation (github.com/filthynobleman/slime-manifold, data/configs): lengths are parts of the
-/// side of the texture, the turn speed is in half-turns a second.
+/// The .ini of the thesis' implementation (github.com/filthynobleman/slime-manifold, data/configs):
+/// lengths are parts of the side of the texture, the turn speed is in half-turns a second.
 fn reference(text: &str) -> Result<Loaded> {
     let mut options = Options::default();
     let mut without_effect = Vec::new();
@@ -132,7 +133,8 @@ fn reference(text: &str) -> Result<Loaded> {
             "VisionDist" => options.vision_distance = 100.0 * real()?,
             "DecayRate" => options.evaporation_rate = real()?,
             "DiffuseRate" => options.diffusion_rate = real()?,
-            // Steps are exact here, sensors are points of a blurred texture, and what an agent leaves is 1.
+            // Steps are exact here, sensors are points of a blurred texture, and what an agent
+            // leaves is 1.
             "MoveStep" | "SensorRadius" | "TrailWeight" | "StepsPerFrame" => {
                 real()?;
                 without_effect.push(key.to_owned());

@@ -5,8 +5,8 @@ use catamaran::io::Output;
 use catamaran::mesh::io::Picture;
 use catamaran::texture::slime::Simulation;
 
-/// The names of the pictures of a frame, without their ending's dot: species in the channels of one, or one each when there
-/// are more than three.
+/// The names of the pictures of a frame, without their ending's dot: species in the channels of
+/// one, or one each when there are more than three.
 pub fn names(stem: &str, species: usize) -> Vec<String> {
     match species {
         1..=3 => vec![format!("{stem}.png")],

@@ -108,7 +108,8 @@ pub fn names(look: &Look) -> Vec<&'static str> {
     all
 }
 
-/// Statements of a Wavefront material that name the pictures (roughness, metalness and normals as most programs have them).
+/// Statements of a Wavefront material that name the pictures (roughness, metalness and normals as
+/// most programs have them).
 pub fn statements(look: &Look) -> String {
     let glow = if names(look).contains(&GLOW) {
         format!("Ke 1 1 1\nmap_Ke {GLOW}\n")

@@ -40,22 +40,24 @@ const PIXELS: usize = 900;
 
 /// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
 ///
-/// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
-/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj, whose material (mesh.mtl) shows the last
-/// picture. A mesh without texture coordinates gets an atlas of its triangles. With --material the folder gets textures for
-/// physically based rendering, and the mesh in them. Ctrl-C ends it; with --state it can go on from there, with the same
-/// result as if it had never stopped.
+/// The folder gets the texture every so many steps, species in the channels of one .png up to three
+/// and in one .png each beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj,
+/// whose material (mesh.mtl) shows the last picture. A mesh without texture coordinates gets an
+/// atlas of its triangles. With --material the folder gets textures for physically based rendering,
+/// and the mesh in them. Ctrl-C ends it; with --state it can go on from there, with the same result
+/// as if it had never stopped.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH", required_unless_present = "tile")]
     mesh: Option<PathBuf>,
-    /// No mesh, but a square whose opposite sides are joined: the texture repeats without a seam. Its picture (--render) shows
-    /// four of it.
+    /// No mesh, but a square whose opposite sides are joined: the texture repeats without a seam.
+    /// Its picture (--render) shows four of it.
     #[arg(long, conflicts_with_all = ["mesh", "atlas"])]
     tile: bool,
-    /// What the simulation is like: .toml with the names of table 3.1 of the thesis (docs/algorithms/slime.md) and a table
-    /// [material] (docs/guide/slime.md), or an .ini of the reference implementation.
+    /// What the simulation is like: .toml with the names of table 3.1 of the thesis
+    /// (docs/algorithms/slime.md) and a table [material] (docs/guide/slime.md), or an .ini of the
+    /// reference implementation.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// Steps, those of a run that is resumed among them.
@@ -79,15 +81,17 @@ pub struct Args {
     /// Seed of all randomness; goes before the file.
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u32>,
-    /// A .png over the texture: red where agents start, green where obstacles are, blue where attractors are.
+    /// A .png over the texture: red where agents start, green where obstacles are, blue where
+    /// attractors are.
     #[arg(long, value_name = "FILE")]
     mask: Option<PathBuf>,
     /// An atlas of triangles even where the mesh has texture coordinates.
     #[arg(long)]
     atlas: bool,
-    /// Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and material.glb, the mesh in them, which
-    /// glTF viewers show: with the look of the configuration, or --material=LOOK: strands, marble, gold, wood, engraved or
-    /// lava (which writes glow.png, too) [default: strands].
+    /// Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and material.glb,
+    /// the mesh in them, which glTF viewers show: with the look of the configuration, or
+    /// --material=LOOK: strands, marble, gold, wood, engraved or lava (which writes glow.png, too)
+    /// [default: strands].
     #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::named)]
     material: Option<Option<Preset>>,
     /// Draw the mesh in its last texture, or in its material, to this .png file.
@@ -107,7 +111,8 @@ pub struct Args {
     /// Write the state in the end, or at Ctrl-C, to this file.
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Go on from the state in this file; mesh, configuration and mask must be those that it began with.
+    /// Go on from the state in this file; mesh, configuration and mask must be those that it began
+    /// with.
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -290,7 +295,8 @@ impl Args {
         Ok((options, look))
     }
 
-    /// The steps after which there is a frame, and the names of all files in the folder, none of which is there yet.
+    /// The steps after which there is a frame, and the names of all files in the folder, none of
+    /// which is there yet.
     fn frames(&self, species: usize, look: Option<&Look>) -> Result<(Vec<u32>, Vec<String>)> {
         let mut frames: Vec<u32> = match self.every {
             Some(0) => bail!("--every: 0, where at least 1 is needed"),
@@ -394,7 +400,8 @@ fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
     textured
 }
 
-/// Writes the material of the mesh (Wavefront MTL): the textures of its look, or white but for the picture of a frame.
+/// Writes the material of the mesh (Wavefront MTL): the textures of its look, or white but for the
+/// picture of a frame.
 fn write_material(mut output: Output, picture: Option<&String>, look: Option<&Look>) -> Result<()> {
     let texture = match look {
         Some(look) => material::statements(look),

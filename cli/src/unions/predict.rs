@@ -16,9 +16,9 @@ use crate::report::report;
 /// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
 ///
 /// The parts are meshes with boundary or point clouds (files without faces), in any pose and
-/// position, of any connectivity; which of their points correspond is not needed. Prints 20 Dirichlet eigenvalues of each part, those
-/// predicted for the union, and how unlike the shapes of the training the parts are: above 1 the
-/// prediction is unreliable.
+/// position, of any connectivity; which of their points correspond is not needed. Prints 20
+/// Dirichlet eigenvalues of each part, those predicted for the union, and how unlike the shapes of
+/// the training the parts are: above 1 the prediction is unreliable.
 #[derive(clap::Args)]
 pub struct Args {
     /// Two parts or more: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.

@@ -1,4 +1,5 @@
-//! The plant in time as binary glTF: a skinned mesh whose joints are segments, for Blender and engines.
+//! The plant in time as binary glTF: a skinned mesh whose joints are segments, for Blender and
+//! engines.
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -22,8 +23,9 @@ const MOST_SEGMENTS: usize = 1 << 16;
 /// Linear colours of a leaf and of a stem.
 const COLORS: [[f32; 3]; 2] = [[0.10, 0.42, 0.09], [0.28, 0.17, 0.07]];
 
-/// Writes the poses at these times, in seconds. A segment is a joint below its parent's joint, so that its rotation alone
-/// moves, and nothing stretches between frames either; a pinned one stands by itself and still.
+/// Writes the poses at these times, in seconds. A segment is a joint below its parent's joint, so
+/// that its rotation alone moves, and nothing stretches between frames either; a pinned one stands
+/// by itself and still.
 pub fn write_animation(
     plant: &Plant,
     poses: &[Pose],
@@ -172,7 +174,8 @@ impl File {
         }))
     }
 
-    /// Nodes 0 to n - 1: the segments, each where it begins; node n: the plant, turned from z upwards to y upwards.
+    /// Nodes 0 to n - 1: the segments, each where it begins; node n: the plant, turned from z
+    /// upwards to y upwards.
     fn joints(&mut self, plant: &Plant, rest: &Pose) -> Index<Skin> {
         let n = plant.len();
         let mut children: Vec<Vec<Index<Node>>> = vec![vec![]; n + 1];

@@ -20,10 +20,11 @@ use crate::parse;
 
 /// Let a plant dry out, and bend as it does.
 ///
-/// Computes the water of every node by the model of chapter 4 of the thesis, the stiffness that follows from it, and the pose
-/// in which the plant then rests; with --motion, how it moves there. The folder gets water.csv and stiffness.csv (a row for
-/// each frame: hours, total or mean, then a column for each node; kg and Pa), the plant as a mesh of tubes for each frame,
-/// water.svg and wilting.png; wilting.glb with --animation; balance.csv with --stomata or --soil.
+/// Computes the water of every node by the model of chapter 4 of the thesis, the stiffness that
+/// follows from it, and the pose in which the plant then rests; with --motion, how it moves there.
+/// The folder gets water.csv and stiffness.csv (a row for each frame: hours, total or mean, then a
+/// column for each node; kg and Pa), the plant as a mesh of tubes for each frame, water.svg and
+/// wilting.png; wilting.glb with --animation; balance.csv with --stomata or --soil.
 #[derive(clap::Args)]
 pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
@@ -51,17 +52,20 @@ pub struct Args {
     /// on; thinner segments have that of --kappa.
     #[arg(long, value_name = "MM=K,...")]
     kappa_by_radius: Option<ByRadius>,
-    /// Relative water content at which the elasticity is steepest; 0.75 unless given. With --literal in g, 0 unless given.
+    /// Relative water content at which the elasticity is steepest; 0.75 unless given. With
+    /// --literal in g, 0 unless given.
     #[arg(long, value_name = "W")]
     shift: Option<f64>,
-    /// Elasticity by equation 4.9 of the thesis, literally: a logistic of the grams in a node, and the first number of
-    /// --elasticity times that. A segment that is cut in two changes its stiffness.
+    /// Elasticity by equation 4.9 of the thesis, literally: a logistic of the grams in a node, and
+    /// the first number of --elasticity times that. A segment that is cut in two changes its
+    /// stiffness.
     #[arg(long, requires = "kappa")]
     literal: bool,
     /// Modulus of elasticity of full cells and of dry ones, in Pa.
     #[arg(long, value_name = "FULL,DRY", default_value = "5e7,3e5", value_parser = pair)]
     elasticity: [f64; 2],
-    /// Conductance, as a part of that of a pipe as wide as the segment: calibrates how far a plant dries unevenly.
+    /// Conductance, as a part of that of a pipe as wide as the segment: calibrates how far a plant
+    /// dries unevenly.
     #[arg(long, value_name = "CHI", default_value_t = 1e-9)]
     conductance: f64,
     /// By day (16 hours) leaves lose --delta, by night (8 hours) a twelfth of it.
@@ -79,7 +83,8 @@ pub struct Args {
     /// hold drains. May be given again.
     #[arg(long, value_name = "HOURS[:GRAMS]", requires = "soil")]
     rewater: Vec<Pour>,
-    /// Cut the connection of this node to its parent, for water, not for the rod. May be given again.
+    /// Cut the connection of this node to its parent, for water, not for the rod. May be given
+    /// again.
     #[arg(long, value_name = "NODE")]
     cut: Vec<usize>,
     /// Multiply the conductance of the connection of a node to its parent. May be given again.
@@ -88,8 +93,8 @@ pub struct Args {
     /// Hold this node where it is, beside those that the file says. May be given again.
     #[arg(long, value_name = "NODE")]
     pin: Vec<usize>,
-    /// Let the plant move, and show all --hours in a film of so many seconds: in every step water is lost, and the rods go
-    /// ahead with the stiffness and the weight of that moment.
+    /// Let the plant move, and show all --hours in a film of so many seconds: in every step water
+    /// is lost, and the rods go ahead with the stiffness and the weight of that moment.
     #[arg(long, value_name = "SECONDS")]
     motion: Option<f64>,
     /// Steps of a second of --motion, at least.
@@ -107,7 +112,8 @@ pub struct Args {
     /// Frames after the first one, at equal times.
     #[arg(long, value_name = "NUMBER", default_value_t = 24, value_parser = parse::frame_count)]
     frames: usize,
-    /// Write wilting.glb: the plant as a skinned mesh that moves, for Blender; of 24 frames a second without --motion.
+    /// Write wilting.glb: the plant as a skinned mesh that moves, for Blender; of 24 frames a
+    /// second without --motion.
     #[arg(long)]
     pub animation: bool,
     /// Find delta, chi (--conductance) and kappa from a table of a plant that dries from full cells

@@ -21,7 +21,8 @@ const LARGEST_WIDTH: usize = 2400;
 /// Tubes are at least this part of the plant's height thick, so that veins are seen.
 const THINNEST: f64 = 1.0 / 400.0;
 
-/// Draws the plant as it wilts, from left to right and to one scale, coloured by relative water content.
+/// Draws the plant as it wilts, from left to right and to one scale, coloured by relative water
+/// content.
 pub fn draw_strip(plant: &Plant, simulation: &Simulation, output: Output) -> Result<()> {
     let frames = simulation.poses.len();
     let shown: Vec<usize> = match frames {

@@ -396,8 +396,8 @@ fn a_device_draws_what_the_processor_draws() {
     folder.succeed("newton --size 64 -o device.png --device 0");
     let [cpu, device] = ["cpu.png", "device.png"].map(|name| pixels(&folder.path(name)));
     let different = cpu.iter().zip(&device).filter(|(a, b)| a != b).count();
-    // Processors round divisions correctly. A GPU may differ at one point of 4,000, and 4,096 are drawn;
-    // some more are on the borders of basins.
+    // Processors round divisions correctly. A GPU may differ at one point of 4,000, and 4,096 are
+    // drawn; some more are on the borders of basins.
     let is_cpu = catamaran::opencl::find("0").unwrap().kind == catamaran::opencl::DeviceKind::Cpu;
     let allowed = if is_cpu { 0 } else { 8 };
     assert!(cpu.len() == 64 * 64 && different <= allowed, "{different} of {} pixels", cpu.len());

@@ -171,7 +171,8 @@ fn a_material_is_written_as_its_look_says() {
     assert!(folder.fail(run).contains("exists already"));
     folder.succeed(&format!("{run} --force --threads 1"));
     assert_eq!(fs::read(folder.path("out/material.glb")).unwrap(), model);
-    // A name on the command line goes before that of the file; without the option nothing is written.
+    // A name on the command line goes before that of the file; without the option nothing is
+    // written.
     let said = folder.succeed("slime square.obj --config m.toml --steps 3 -o lava --material=lava");
     assert!(said.contains("11 files") && folder.path("lava/glow.png").exists(), "{said}");
     folder.succeed("slime square.obj --config m.toml --steps 3 -o none");
@@ -222,7 +223,8 @@ fn a_tile_repeats_without_a_seam() {
             assert!(difference(0, rows) <= most, "{name}, {rows}");
         }
     }
-    // Four of it: the left half of the picture is the right half. The square is 792 pixels wide in a picture of 900.
+    // Four of it: the left half of the picture is the right half. The square is 792 pixels wide in
+    // a picture of 900.
     let (size, bytes, picture) = pixels(&folder, "view.png");
     assert!(size == 900 && bytes == 3);
     let at = |x: usize, y: usize| i32::from(picture[3 * (900 * y + x)]);

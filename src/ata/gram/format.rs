@@ -3,17 +3,10 @@
 //! | part | content |
 //! |---|---|
 //! | preamble | `CATAACC` and a zero; version, u32; bytes of a scalar (4 or 8), u32 |
-//! | head | its length in bytes, u32; columns, first and end of the strip, rows, expected rows and
-//! rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as
-//! length (u32) and UTF-8 |
+//! | head | its length in bytes, u32; columns, first and end of the strip, rows, expected rows and rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as length (u32) and UTF-8 |
 //! | check | CRC-32 of everything before, u32 |
-//! | body, floating point | sum of the weights, and of their sizes, f64; shift, n scalars, if
-//! given; sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal,
-//! scalars |
-//! | body, exact | of the grid: lower and upper bounds, shift if given, n scalars each; powers, n
-//! i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of the
-//! weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of the
-//! strip up to the diagonal, i128; what is not finite, u8 for each entry, if given |
+//! | body, floating point | sum of the weights, and of their sizes, f64; shift, n scalars, if given; sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal, scalars |
+//! | body, exact | of the grid: lower and upper bounds, shift if given, n scalars each; powers, n i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of the weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of the strip up to the diagonal, i128; what is not finite, u8 for each entry, if given |
 //! | check | CRC-32 of the body, u32 |
 //!
 //! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not

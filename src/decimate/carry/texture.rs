@@ -8,8 +8,8 @@ use crate::mesh::TriMesh;
 use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, distance, sub};
 
-/// The texture around a vertex is searched within so many times the distance to the farthest home of
-/// its faces: a surface that is not flat leads there by a detour.
+/// The texture around a vertex is searched within so many times the distance to the farthest home
+/// of its faces: a surface that is not flat leads there by a detour.
 const DETOUR: f64 = 1.25;
 
 /// What a corner may have for texture coordinates.

@@ -69,9 +69,9 @@ impl RowFile {
     /// Opens the file (and dataset) of this name and checks its header and, of `.npy`, its size.
     ///
     /// # Errors
-    /// [`Error::Io`]: no such file or dataset (the message lists those that exist), a gzipped or unknown
-    /// kind of file, HDF5 without feature `hdf5`, a broken header, too few or too many bytes,
-    /// entries that are not real numbers, neither one nor two dimensions.
+    /// [`Error::Io`]: no such file or dataset (the message lists those that exist), a gzipped or
+    /// unknown kind of file, HDF5 without feature `hdf5`, a broken header, too few or too many
+    /// bytes, entries that are not real numbers, neither one nor two dimensions.
     pub fn open(name: impl AsRef<Path>) -> Result<Self> {
         let name = name.as_ref();
         let content = match Kind::of(name)? {

@@ -220,11 +220,12 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
     })
 }
 
-/// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces, its pictures as PNG in the
-/// same file. The names of the materials of `file` are left out.
+/// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces,
+/// its pictures as PNG in the same file. The names of the materials of `file` are left out.
 ///
-/// Viewers that light a mesh as a smooth one take its normals from [`MeshFile::normals`]; tangents are left to them, as glTF
-/// recommends, for they follow from normals and texture coordinates (MikkTSpace).
+/// Viewers that light a mesh as a smooth one take its normals from [`MeshFile::normals`]; tangents
+/// are left to them, as glTF recommends, for they follow from normals and texture coordinates
+/// (MikkTSpace).
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};
@@ -243,8 +244,9 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when the name is not that of glTF, and as [`write()`]; [`Error::Argument`] for a material with pictures on a
-/// mesh of which a face has no texture coordinates, and numbers of it out of their range.
+/// [`Error::Io`] when the name is not that of glTF, and as [`write()`]; [`Error::Argument`] for a
+/// material with pictures on a mesh of which a face has no texture coordinates, and numbers of it
+/// out of their range.
 pub fn write_with_material(output: Output, file: &MeshFile, material: &Material) -> Result<()> {
     let MeshFormat::Gltf(encoding) = MeshFormat::of(output.path())? else {
         return Err(Error::file(output.path(), "materials are for .glb and .gltf"));

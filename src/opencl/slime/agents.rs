@@ -121,7 +121,8 @@ impl Ordering {
         self.counts.fill(0);
         launcher.device.write(&mut self.tiles, &self.counts)?;
         let mut call = ExecuteKernel::new(&self.count);
-        // SAFETY: numbers and types are those that the kernel declares; texels are in tiles, of which there are that many.
+        // SAFETY: numbers and types are those that the kernel declares; texels are in tiles, of
+        // which there are that many.
         unsafe {
             call.set_arg(&count).set_arg(&self.size).set_arg(records);
             call.set_arg(&agents.triangles).set_arg(&agents.positions).set_arg(&self.tiles);
@@ -131,7 +132,8 @@ impl Ordering {
         starts_of(&mut self.counts);
         launcher.device.write(&mut self.tiles, &self.counts)?;
         let mut call = ExecuteKernel::new(&self.place);
-        // SAFETY: as above, and places are below the number of agents, as the counts of the same tiles sum to it.
+        // SAFETY: as above, and places are below the number of agents, as the counts of the same
+        // tiles sum to it.
         unsafe {
             call.set_arg(&count).set_arg(&self.size).set_arg(records);
             agents.set_args(&mut call);

@@ -11,8 +11,8 @@ use crate::texture::slime::{
 
 const SIZE: usize = 128;
 
-/// What a device may make of it otherwise: 1 of 4,000 agents and entries of the texture. Devices that round correctly, as
-/// processors do, have none.
+/// What a device may make of it otherwise: 1 of 4,000 agents and entries of the texture. Devices
+/// that round correctly, as processors do, have none.
 const BUDGET: usize = 4_000;
 
 fn options() -> Options {

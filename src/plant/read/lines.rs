@@ -22,7 +22,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line that has more than a comment, with the tabs it begins with, less what follows a `#`.
+    /// The next line that has more than a comment, with the tabs it begins with, less what follows
+    /// a `#`.
     pub fn next_row(&mut self) -> Result<Option<String>> {
         loop {
             let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };

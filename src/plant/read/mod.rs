@@ -16,18 +16,20 @@ use crate::io::{Packing, Source, SourceOptions};
 /// The format of a file of a plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlantFormat {
-    /// `verts N`, N lines `id,x,y,z,radius,on_leaf[,fixed]`, `edges M`, M lines `id,id`: that of the reference
-    /// implementation of the thesis, in metres. The root is the node nearest to the origin, where its segment begins.
+    /// `verts N`, N lines `id,x,y,z,radius,on_leaf[,fixed]`, `edges M`, M lines `id,id`: that of
+    /// the reference implementation of the thesis, in metres. The root is the node nearest to the
+    /// origin, where its segment begins.
     Reference,
-    /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent -1 for the root, taken as
-    /// metres. Type 7 ("custom") marks veins of leaves.
+    /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent
+    /// -1 for the root, taken as metres. Type 7 ("custom") marks veins of leaves.
     Swc,
-    /// Multiscale tree graphs (Godin and Caraglio 1998) with coordinates: the columns `XX`, `YY`, `ZZ` and `Radius` or
-    /// `Diameter` (taken as metres), `/`, `<` and `+` between components. Class `L...` (leaf) marks
-    /// veins of leaves, `P...` (petiole) their stalks.
+    /// Multiscale tree graphs (Godin and Caraglio 1998) with coordinates: the columns `XX`, `YY`,
+    /// `ZZ` and `Radius` or `Diameter` (taken as metres), `/`, `<` and `+` between components.
+    /// Class `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
     Mtg,
-    /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it is 1 mm. The root is the
-    /// first vertex of the first line. End points of lines that nothing goes on from are on leaves.
+    /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it
+    /// is 1 mm. The root is the first vertex of the first line. End points of lines that nothing
+    /// goes on from are on leaves.
     Obj,
 }
 
@@ -51,7 +53,8 @@ impl PlantFormat {
     }
 }
 
-/// Reads the plant in the file at `path`, of the format its name says; packed files (`.gz`, `.xz`) too.
+/// Reads the plant in the file at `path`, of the format its name says; packed files (`.gz`, `.xz`)
+/// too.
 ///
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
@@ -62,13 +65,14 @@ impl PlantFormat {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant ([`Plant::new`]).
+/// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant
+/// ([`Plant::new`]).
 pub fn read(path: &Path) -> Result<Plant> {
     read_with(path, &SourceOptions::new())
 }
 
-/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file read and may
-/// cancel.
+/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file
+/// read and may cancel.
 ///
 /// ```
 /// use catamaran::{io::SourceOptions, plant};

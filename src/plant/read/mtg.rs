@@ -1,4 +1,5 @@
-//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998): the finest scale with coordinates.
+//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998): the finest
+//! scale with coordinates.
 
 use super::super::{Plant, Segment};
 use super::lines::Lines;
@@ -30,7 +31,8 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         if columns.position.iter().any(|&column| cell(column).is_none()) {
             continue; // of a coarser scale: a plant or an axis, which has no place
         }
-        // "^<I3" goes on from the last node of its column, "+I3" branches off from it, "/I3" begins.
+        // "^<I3" goes on from the last node of its column, "+I3" branches off from it, "/I3"
+        // begins.
         let code = code.trim_start_matches('^');
         let link = code.rfind(['/', '<', '+']).map(|i| (code.as_bytes()[i], &code[i + 1..]));
         let Some((link, name)) = link else {

@@ -1,8 +1,10 @@
-//! The joint between a segment and its parent: it does not stretch, and resists bending and twisting.
+//! The joint between a segment and its parent: it does not stretch, and resists bending and
+//! twisting.
 //!
-//! Rotations are those from the rest pose, so that at rest all are the identity. The strain of a joint is twice the vector
-//! part of `d = conj(q_parent) q_child`, the discrete Darboux vector of Kugelstadt and Schoemer (2016) and of Deul et al.
-//! (2018), in the coordinates of the rest pose; its energy is `strain^T K strain / 2`.
+//! Rotations are those from the rest pose, so that at rest all are the identity. The strain of a
+//! joint is twice the vector part of `d = conj(q_parent) q_child`, the discrete Darboux vector of
+//! Kugelstadt and Schoemer (2016) and of Deul et al. (2018), in the coordinates of the rest pose;
+//! its energy is `strain^T K strain / 2`.
 
 use super::small::{
     Matrix, Quaternion, add, cross_matrix, identity, image, inverse, product, rotation_matrix,
@@ -32,7 +34,8 @@ pub(super) fn strain(d: Quaternion) -> Vector {
     [2.0 * d[1], 2.0 * d[2], 2.0 * d[3]]
 }
 
-/// The derivative of the strain of d by a small rotation of the child, in the coordinates of the parent.
+/// The derivative of the strain of d by a small rotation of the child, in the coordinates of the
+/// parent.
 pub(super) fn strain_derivative(d: Quaternion) -> Matrix<3> {
     let mut j = identity();
     (0..3).for_each(|i| j[i][i] = d[0]);
@@ -45,7 +48,8 @@ pub(super) fn energy(k: &Matrix<3>, parent: Quaternion, child: Quaternion) -> f6
     0.5 * dot(strain, image(k, &strain))
 }
 
-/// The derivatives of the energy by small rotations (in the coordinates of the world) of the two segments.
+/// The derivatives of the energy by small rotations (in the coordinates of the world) of the two
+/// segments.
 pub(super) struct Derivatives {
     /// By that of the child; that by the parent is the opposite.
     pub gradient: Vector,
@@ -63,7 +67,8 @@ pub(super) fn derivatives(k: &Matrix<3>, parent: Quaternion, child: Quaternion) 
     // The strain of a rotation by x is, to second order, strain + J x - strain |x|^2 / 8.
     let mut own = times(&transposed(&j), &times(k, &j));
     add(&mut own, -0.25 * dot(strain, moment), &identity());
-    // exp(-a) exp(b) = exp(b - a - a x b / 2 + ...): the product of small rotations has a second-order part of its own.
+    // exp(-a) exp(b) = exp(b - a - a x b / 2 + ...): the product of small rotations has a
+    // second-order part of its own.
     let mut mixed = cross_matrix(scale(gradient, -0.5));
     add(&mut mixed, -1.0, &own);
     let to_world = rotation_matrix(parent);

@@ -53,8 +53,8 @@ pub struct Pose {
     pub rotations: Vec<[f64; 4]>,
 }
 
-/// A plant whose segments have weight and joints stiffness. The joint of the root segment holds it to the ground; pinned
-/// segments stay where they are and carry what hangs on them.
+/// A plant whose segments have weight and joints stiffness. The joint of the root segment holds it
+/// to the ground; pinned segments stay where they are and carry what hangs on them.
 ///
 /// ```
 /// use catamaran::plant::{Elasticity, RelaxOptions, RodOptions, Rods};
@@ -92,7 +92,8 @@ pub struct Rods {
 }
 
 impl Rods {
-    /// The rods of a plant. They have no weight and the stiffness of E = 1 Pa until [`Rods::set_state`].
+    /// The rods of a plant. They have no weight and the stiffness of E = 1 Pa until
+    /// [`Rods::set_state`].
     ///
     /// # Errors
     /// [`Error::Argument`] names the option that is out of its range.
@@ -136,7 +137,8 @@ impl Rods {
     /// Sets the modulus of elasticity of every segment, in Pa, and its water, in kg.
     ///
     /// # Errors
-    /// [`Error::Shape`] and [`Error::Argument`] name the argument at fault; water below 0 by rounding counts as 0.
+    /// [`Error::Shape`] and [`Error::Argument`] name the argument at fault; water below 0 by
+    /// rounding counts as 0.
     pub fn set_state(&mut self, moduli: &[f64], water: &[f64]) -> Result<()> {
         Error::check_shape("water", (self.len(), 1), (water.len(), 1))?;
         if let Some(v) = water.iter().position(|x| !x.is_finite()) {
@@ -149,7 +151,8 @@ impl Rods {
         Ok(())
     }
 
-    /// Half of the compliance of a joint is that of half the parent, the rest that of half the child.
+    /// Half of the compliance of a joint is that of half the parent, the rest that of half the
+    /// child.
     fn set_moduli(&mut self, moduli: &[f64]) -> Result<()> {
         Error::check_shape("moduli", (self.len(), 1), (moduli.len(), 1))?;
         if let Some(&e) = moduli.iter().find(|e| positive("moduli", **e).is_err()) {
@@ -185,10 +188,12 @@ impl Rods {
         pose
     }
 
-    /// The pose in which each segment has turned by its rotation, a quaternion (w, x, y, z) of any length but 0.
+    /// The pose in which each segment has turned by its rotation, a quaternion (w, x, y, z) of any
+    /// length but 0.
     ///
     /// # Errors
-    /// [`Error::Shape`] for rotations of another plant, [`Error::NonFinite`], [`Error::Argument`] for one of length 0.
+    /// [`Error::Shape`] for rotations of another plant, [`Error::NonFinite`], [`Error::Argument`]
+    /// for one of length 0.
     pub fn pose(&self, rotations: &[[f64; 4]]) -> Result<Pose> {
         Error::check_shape("rotations", (self.len(), 4), (rotations.len(), 4))?;
         let mut pose = self.rest_pose();

@@ -1,8 +1,10 @@
-//! Rods that move: implicit Euler, with the direct solver for stiff rods of Deul, Kugelstadt, Weiler and Bender (2018).
+//! Rods that move: implicit Euler, with the direct solver for stiff rods of Deul, Kugelstadt,
+//! Weiler and Bender (2018).
 //!
-//! A body per segment, of six unknowns, and a joint per segment, of six equations: three for zero stretch, three for bending
-//! and twisting with the compliance K^-1. In the tree of bodies and joints the matrix of a Newton step is eliminated from the
-//! leaves by blocks, `L D L^T` without fill-in.
+//! A body per segment, of six unknowns, and a joint per segment, of six equations: three for zero
+//! stretch, three for bending and twisting with the compliance K^-1. In the tree of bodies and
+//! joints the matrix of a Newton step is eliminated from the leaves by blocks, `L D L^T` without
+//! fill-in.
 
 use super::joint::{difference, strain, strain_derivative};
 use super::small::{
@@ -38,7 +40,8 @@ impl Default for MotionOptions {
 /// The density of air, in kg / m^3.
 const AIR: f64 = 1.2;
 
-/// The largest turn of a Newton step after which the next one would change nothing that is seen, in radians.
+/// The largest turn of a Newton step after which the next one would change nothing that is seen, in
+/// radians.
 const CONVERGED: f64 = 0.03;
 
 /// The largest turn of a Newton step, in radians.
@@ -124,7 +127,8 @@ struct Step {
     start: Vec<Vector>,
     centres: Vec<Vector>,
     rotations: Vec<Quaternion>,
-    /// Of every body, the force of the air by its velocity against the air, in N s / m; none: no air.
+    /// Of every body, the force of the air by its velocity against the air, in N s / m; none: no
+    /// air.
     drag: Vec<Matrix<3>>,
 }
 
@@ -140,8 +144,8 @@ impl Motion {
     /// Starts at rest in a pose.
     ///
     /// # Errors
-    /// [`Error::Shape`] for a pose of another plant; [`Error::Argument`] names an option out of its range, or a segment
-    /// without weight.
+    /// [`Error::Shape`] for a pose of another plant; [`Error::Argument`] names an option out of its
+    /// range, or a segment without weight.
     pub fn new(rods: &Rods, pose: &Pose, options: &MotionOptions) -> Result<Self> {
         Error::check_shape("pose", (rods.len(), 4), (pose.rotations.len(), 4))?;
         positive("step", options.step)?;
@@ -170,7 +174,8 @@ impl Motion {
     /// Goes on with other weights and stiffnesses of the same plant.
     ///
     /// # Errors
-    /// [`Error::Shape`] for rods of another plant; [`Error::Argument`] names a segment without weight.
+    /// [`Error::Shape`] for rods of another plant; [`Error::Argument`] names a segment without
+    /// weight.
     pub fn set_rods(&mut self, rods: &Rods) -> Result<()> {
         Error::check_shape("rods", (self.rods.len(), 1), (rods.len(), 1))?;
         if let Some(v) = rods.masses.iter().position(|&m| m <= 0.0) {
@@ -182,10 +187,11 @@ impl Motion {
         Ok(())
     }
 
-    /// Goes on in air of this velocity, in m / s. It drags a segment of radius r, length l and leaf area A by
-    /// `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air past the segment, u_n its part across the
-    /// segment (cross-flow principle, Hoerner 1965), C [`MotionOptions::drag`]. The factors |u| are those at the beginning
-    /// of a step, the rest is implicit, so that air only ever takes energy from what moves faster.
+    /// Goes on in air of this velocity, in m / s. It drags a segment of radius r, length l and leaf
+    /// area A by `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air past the
+    /// segment, u_n its part across the segment (cross-flow principle, Hoerner 1965), C
+    /// [`MotionOptions::drag`]. The factors |u| are those at the beginning of a step, the rest is
+    /// implicit, so that air only ever takes energy from what moves faster.
     ///
     /// # Errors
     /// [`Error::Argument`] for a velocity that is not finite.
@@ -209,7 +215,8 @@ impl Motion {
         }
     }
 
-    /// The largest gap between a segment and what it grows on, in metres: what is left of zero stretch.
+    /// The largest gap between a segment and what it grows on, in metres: what is left of zero
+    /// stretch.
     pub fn largest_gap(&self) -> f64 {
         (0..self.rods.len()).map(|v| norm(self.gap(v))).fold(0.0, f64::max)
     }
@@ -233,8 +240,9 @@ impl Motion {
         energy
     }
 
-    /// Goes one step ahead. Where Newton's method does not converge, as when a gust turns twigs by more than a radian, it
-    /// goes there in two half steps, and so on: steps of any length stay stable.
+    /// Goes one step ahead. Where Newton's method does not converge, as when a gust turns twigs by
+    /// more than a radian, it goes there in two half steps, and so on: steps of any length stay
+    /// stable.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the equations are singular to rounding.
@@ -299,7 +307,8 @@ impl Motion {
     /// Goes `count` steps ahead.
     ///
     /// # Errors
-    /// As those of [`Motion::step`]; [`Error::Cancelled`]: the steps before are done then, and it can go on.
+    /// As those of [`Motion::step`]; [`Error::Cancelled`]: the steps before are done then, and it
+    /// can go on.
     pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
         for done in 1..=count {
             self.step()?;
@@ -308,7 +317,8 @@ impl Motion {
         Ok(())
     }
 
-    /// One Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the largest turn, in radians.
+    /// One Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the largest turn,
+    /// in radians.
     fn newton(&mut self, step: &Step) -> Result<f64> {
         let n = self.rods.len();
         let singular = |_| Error::NotConverged { iterations: 0, residual: f64::NAN };

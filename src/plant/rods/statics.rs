@@ -1,8 +1,10 @@
-//! The pose in which elastic and gravitational energy are least, by Newton's method on the rotations of segments.
+//! The pose in which elastic and gravitational energy are least, by Newton's method on the
+//! rotations of segments.
 //!
-//! Positions are sums of rotated segments along the way from the root, so zero stretch needs no equation, and the energy of
-//! weight is a sum over segments of what hangs beyond them: with rotations in space as unknowns its Hessian has one 3 x 3
-//! block per segment and one per joint, a tree, which is eliminated from the leaves in O(n).
+//! Positions are sums of rotated segments along the way from the root, so zero stretch needs no
+//! equation, and the energy of weight is a sum over segments of what hangs beyond them: with
+//! rotations in space as unknowns its Hessian has one 3 x 3 block per segment and one per joint, a
+//! tree, which is eliminated from the leaves in O(n).
 
 use faer::Mat;
 
@@ -20,8 +22,9 @@ use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct RelaxOptions<'a> {
-    /// The largest torque out of balance, as a part of the largest torque of a weight, and the largest rotation (in
-    /// radians) of a last step that count as converged, between 1e-12 and 1e-2. Default 1e-8.
+    /// The largest torque out of balance, as a part of the largest torque of a weight, and the
+    /// largest rotation (in radians) of a last step that count as converged, between 1e-12 and
+    /// 1e-2. Default 1e-8.
     pub tolerance: f64,
     /// Iterations after which [`Error::NotConverged`] is returned. Default 200.
     pub max_iterations: usize,
@@ -107,8 +110,8 @@ impl Rods {
     /// Turns `pose` into one of equilibrium near it: the energy falls in every step.
     ///
     /// # Errors
-    /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`] with the pose as far as it came;
-    /// [`Error::Cancelled`], [`Error::OutOfMemory`].
+    /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`] with the pose as far
+    /// as it came; [`Error::Cancelled`], [`Error::OutOfMemory`].
     pub fn relax(&self, pose: &mut Pose, options: &RelaxOptions<'_>) -> Result<Relaxation> {
         Error::check_shape("pose", (self.len(), 4), (pose.rotations.len(), 4))?;
         let pins = pins(self);
@@ -203,7 +206,8 @@ impl Rods {
         Ok(Some(Nearer { residual: after, gap, largest }))
     }
 
-    /// The force at the tail of each free segment: the weight beyond it, half of its own, and those of pins.
+    /// The force at the tail of each free segment: the weight beyond it, half of its own, and those
+    /// of pins.
     fn loads(&self, pins: &[Pin], forces: &[Vector]) -> Vec<Vector> {
         let gravity = self.options.gravity;
         let mut beyond = vec![0.0; self.len()];
@@ -248,7 +252,8 @@ impl Rods {
                 scales[p] += size;
                 gradient[p] = sub(gradient[p], d.gradient);
             }
-            // The energy of a weight is -F . y; turned by a small a, y becomes y + a x y + a x (a x y) / 2.
+            // The energy of a weight is -F . y; turned by a small a, y becomes y + a x y + a x (a x
+            // y) / 2.
             let (y, f) = (self.along(pose, v), loads[v]);
             gradient[v] = sub(gradient[v], cross(y, f));
             for i in 0..3 {
@@ -270,7 +275,8 @@ impl Rods {
         if torque > 0.0 { largest / torque } else { largest }
     }
 
-    /// The factors of the matrix, with the least of the tried shifts of the diagonal that makes it positive definite.
+    /// The factors of the matrix, with the least of the tried shifts of the diagonal that makes it
+    /// positive definite.
     fn positive_factors(&self, quadratic: &Quadratic, first: f64) -> Result<(Factors, f64)> {
         let mut shift: f64 = first;
         for _ in 0..40 {
@@ -397,7 +403,8 @@ impl Rods {
         sum
     }
 
-    /// Moves along the step as far as the energy, with a price on gaps at pins, falls; the fraction taken, or `None`.
+    /// Moves along the step as far as the energy, with a price on gaps at pins, falls; the fraction
+    /// taken, or `None`.
     fn line_search(
         &self,
         pose: &mut Pose,

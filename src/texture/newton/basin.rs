@@ -6,14 +6,14 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::{Lattice, Rim, TriMesh, label_surface_by};
 
 impl Newton {
-    /// Returns the surface of the basin of root number `root`: the region that Newton's method takes
-    /// to it, as far as the voxels of `grid` tell, of which `fractal` is. With [`Rim::Closed`] it is
-    /// closed: the region ends where the outermost voxels do.
+    /// Returns the surface of the basin of root number `root`: the region that Newton's method
+    /// takes to it, as far as the voxels of `grid` tell, of which `fractal` is. With
+    /// [`Rim::Closed`] it is closed: the region ends where the outermost voxels do.
     ///
     /// Vertices are on the border of the basin to 1/512 of a voxel (along edges between the centres
     /// of voxels, halved eight times); details smaller than a voxel are lost. The surface is a
-    /// manifold, its faces are counter-clockwise as seen from outside, and it does not depend on the
-    /// number of threads. Basins of different roots do not overlap.
+    /// manifold, its faces are counter-clockwise as seen from outside, and it does not depend on
+    /// the number of threads. Basins of different roots do not overlap.
     ///
     /// ```
     /// use catamaran::{Par, base::Progress, mesh::Rim};
@@ -32,8 +32,8 @@ impl Newton {
     ///
     /// # Errors
     /// [`Error::Argument`] for a root that the polynomial does not have, and for a grid whose steps
-    /// are not along x, y and z; [`Error::Shape`] when `fractal` has other points than `grid`; those
-    /// of [`label_surface_by`] and [`Newton::evaluate`].
+    /// are not along x, y and z; [`Error::Shape`] when `fractal` has other points than `grid`;
+    /// those of [`label_surface_by`] and [`Newton::evaluate`].
     pub fn basin(
         &self,
         grid: &Grid,
@@ -115,8 +115,8 @@ mod tests {
 
     #[test]
     fn two_roots_are_told_apart_by_planes() {
-        // Newton's method for (z - 1) (z + 1) takes alpha to 1 if its real part, x + w, is positive,
-        // and beta by x - w: with w = 0 the basins of (1, 1) and (-1, -1) are the halves.
+        // Newton's method for (z - 1) (z + 1) takes alpha to 1 if its real part, x + w, is
+        // positive, and beta by x - w: with w = 0 the basins of (1, 1) and (-1, -1) are the halves.
         let polynomial = Polynomial::Roots(vec![[1.0, 0.0], [-1.0, 0.0]]);
         let (newton, grid, fractal) = cube(polynomial, 21);
         let half = newton.basin(&grid, &fractal, 0, Rim::Open, Par::Seq, Progress::none()).unwrap();

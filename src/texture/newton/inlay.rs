@@ -12,10 +12,11 @@ pub struct Inlay {
     pub basins: Vec<Finish>,
     /// Of the joints: where points converge slowly.
     pub joint: Finish,
-    /// The shares of texels, by the speed of their convergence, where joints begin and from where on
-    /// they are all there is; from 0 to 1. Default 0.75, 0.95.
+    /// The shares of texels, by the speed of their convergence, where joints begin and from where
+    /// on they are all there is; from 0 to 1. Default 0.75, 0.95.
     pub range: [f64; 2],
-    /// What a height of 1 is, in hundredths of the square root of the area of the surface, from 0 to
+    /// What a height of 1 is, in hundredths of the square root of the area of the surface, from 0
+    /// to
     /// 100. Default 0.4.
     pub depth: f64,
 }

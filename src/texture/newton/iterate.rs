@@ -1,9 +1,11 @@
 //! The iteration. `src/opencl/kernels/newton.cl` does the same in the same order: change both.
 //!
-//! A step of z^n - 1 is equation 7.2 of the thesis, z := ((n - 1) z + (1 / z)^(n - 1)) / n, the power by repeated squaring. A
-//! step of a polynomial with given roots is z := z - 1 / (1 / (z - r_1) + 1 / (z - r_2) + ...).
+//! A step of z^n - 1 is equation 7.2 of the thesis, z := ((n - 1) z + (1 / z)^(n - 1)) / n, the
+//! power by repeated squaring. A step of a polynomial with given roots is z := z - 1 / (1 / (z -
+//! r_1) + 1 / (z - r_2) + ...).
 
-// Everything is inlined by force: what is not, closures above all, is compiled for processors without wide registers.
+// Everything is inlined by force: what is not, closures above all, is compiled for processors
+// without wide registers.
 use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
@@ -207,13 +209,14 @@ fn step_of_roots<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S
     (to, at_root.select(nothing, step2))
 }
 
-/// exp(x) - 1 for x from 0 to [`LONG`], with a relative error of some 1e-7 also where x is small: x = n ln 2 + r, and exp(x) -
-/// 1 = 2^n (exp(r) - 1) + (2^n - 1), exp(r) - 1 by its Taylor series.
+/// exp(x) - 1 for x from 0 to [`LONG`], with a relative error of some 1e-7 also where x is small:
+/// x = n ln 2 + r, and exp(x) - 1 = 2^n (exp(r) - 1) + (2^n - 1), exp(r) - 1 by its Taylor series.
 #[inline(always)]
 fn exp_minus_one<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let shifted = to_nearest(x * x.all(std::f32::consts::LOG2_E));
     let n = shifted - x.all(TO_NEAREST);
-    // ln 2 in two parts, the first of which has no more bits than its products with n leave room for.
+    // ln 2 in two parts, the first of which has no more bits than its products with n leave room
+    // for.
     let r = (x - n * x.all(0.693_359_4)) - n * x.all(-2.121_944_4e-4);
     let mut series = x.all(1.0 / 5040.0);
     for divisor in [720.0, 120.0, 24.0, 6.0, 2.0] {
@@ -238,8 +241,8 @@ fn root_by_angle<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
     k.is_below(n.all(0.0)).select(k + n, k)
 }
 
-/// The angle of z as a part of the full turn, from -1/2 to 1/2; 0 for 0. The error is some 1e-7: arcus tangens by
-/// Abramowitz and Stegun, equation 4.4.49.
+/// The angle of z as a part of the full turn, from -1/2 to 1/2; 0 for 0. The error is some 1e-7:
+/// arcus tangens by Abramowitz and Stegun, equation 4.4.49.
 #[inline(always)]
 fn turn<S: Simd>(z: Complex<S>) -> Lanes<S> {
     const SERIES: [f32; 9] = [

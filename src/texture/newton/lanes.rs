@@ -81,7 +81,8 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// Added to a number below 2^22, this leaves no fraction, and the integer in the lowest bits: 1.5 2^23.
+/// Added to a number below 2^22, this leaves no fraction, and the integer in the lowest bits: 1.5
+/// 2^23.
 pub(super) const TO_NEAREST: f32 = 12_582_912.0;
 
 /// [`TO_NEAREST`] plus the integer nearest to x.

@@ -14,11 +14,11 @@ use crate::texture::relief::{normal_colors, normal_map};
 use crate::texture::slime;
 
 impl Newton {
-    /// Returns the material that `inlay` makes of the texels of a mesh, of which `fractal` is: colours,
-    /// roughness and metalness, normals (their relief), and heights as an extra picture.
+    /// Returns the material that `inlay` makes of the texels of a mesh, of which `fractal` is:
+    /// colours, roughness and metalness, normals (their relief), and heights as an extra picture.
     ///
-    /// `texels` are those of [`texels`](super::texels()) with `size` x `size` of them; texels outside of
-    /// the surface show the nearest one of it. Colours are mixed as light.
+    /// `texels` are those of [`texels`](super::texels()) with `size` x `size` of them; texels
+    /// outside of the surface show the nearest one of it. Colours are mixed as light.
     ///
     /// ```
     /// use catamaran::{Par, base::Progress, mesh::{families, io::Attribute}};
@@ -37,10 +37,10 @@ impl Newton {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] names what of `inlay` is out of its range; [`Error::Shape`] when `fractal`
-    /// has other points than `texels`, or these more than the texture; [`Error::Mesh`] for what has no
-    /// relief: edges of three faces or more, faces without area or with coordinates outside of
-    /// `[0, 1]`; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names what of `inlay` is out of its range; [`Error::Shape`] when
+    /// `fractal` has other points than `texels`, or these more than the texture; [`Error::Mesh`]
+    /// for what has no relief: edges of three faces or more, faces without area or with coordinates
+    /// outside of `[0, 1]`; [`Error::OutOfMemory`].
     pub fn material(
         &self,
         mesh: &TriMesh,

@@ -1,13 +1,15 @@
 //! Newton's fractals in four dimensions, by bicomplex numbers (thesis, chapter 7).
 //!
-//! A point (x, y, z, w) is the bicomplex number x + y i + z j + w k with i^2 = j^2 = -1 and k = i j, k^2 = +1. In the
-//! idempotent basis e = (1 + k) / 2, e' = (1 - k) / 2 it is alpha e + beta e' with alpha = (x + w) + (y - z) i and
-//! beta = (x - w) + (y + z) i, and Newton's method for a polynomial runs in alpha and in beta, each by itself. A polynomial
-//! with n roots in C has n^2 here, one for each pair; root a e + b e' has the number `a n + b`, where a and b count from 0.
+//! A point (x, y, z, w) is the bicomplex number x + y i + z j + w k with i^2 = j^2 = -1 and k = i
+//! j, k^2 = +1. In the idempotent basis e = (1 + k) / 2, e' = (1 - k) / 2 it is alpha e + beta e'
+//! with alpha = (x + w) + (y - z) i and beta = (x - w) + (y + z) i, and Newton's method for a
+//! polynomial runs in alpha and in beta, each by itself. A polynomial with n roots in C has n^2
+//! here, one for each pair; root a e + b e' has the number `a n + b`, where a and b count from 0.
 //!
-//! [`Newton`] computes, for each of many points, which root it converges to and how fast ([`Gradient`]), in single precision,
-//! by additions, multiplications, divisions and square roots alone, each rounded to the nearest: all machines give the same
-//! bits, as do all numbers of threads. See `docs/algorithms/newton.md`.
+//! [`Newton`] computes, for each of many points, which root it converges to and how fast
+//! ([`Gradient`]), in single precision, by additions, multiplications, divisions and square roots
+//! alone, each rounded to the nearest: all machines give the same bits, as do all numbers of
+//! threads. See `docs/algorithms/newton.md`.
 
 mod basin;
 mod inlay;
@@ -91,8 +93,8 @@ impl Newton {
         (f64::from((t - shift) / factor) / f64::from(steps)).clamp(0.0, 1.0)
     }
 
-    /// The fractal at these points. Points at the null cone (alpha or beta is 0 to within 1e-15), where a step has no length,
-    /// stay where they are, and count as far from convergence.
+    /// The fractal at these points. Points at the null cone (alpha or beta is 0 to within 1e-15),
+    /// where a step has no length, stay where they are, and count as far from convergence.
     ///
     /// # Errors
     /// [`Error::NonFinite`](crate::Error::NonFinite) names a point that is not finite, or farther

@@ -1,7 +1,8 @@
 //! Colours of roots.
 
-/// The colour (red, green, blue on screens) of root `root` of a polynomial with `roots` roots in C: the hue tells the first
-/// number of the pair, hue and brightness the second. Of the `roots`^2 colours neighbours are told apart up to some 8 roots.
+/// The colour (red, green, blue on screens) of root `root` of a polynomial with `roots` roots in C:
+/// the hue tells the first number of the pair, hue and brightness the second. Of the `roots`^2
+/// colours neighbours are told apart up to some 8 roots.
 ///
 /// ```
 /// use catamaran::texture::newton::root_color;
@@ -25,8 +26,8 @@ pub fn root_color(root: u16, roots: usize) -> [u8; 3] {
     })
 }
 
-/// `color`, darker the larger `share` is: as it is for 0, a fifth of it for 1. With t / P of [`Gradient`](super::Gradient)
-/// it shows how long a point has taken.
+/// `color`, darker the larger `share` is: as it is for 0, a fifth of it for 1. With t / P of
+/// [`Gradient`](super::Gradient) it shows how long a point has taken.
 ///
 /// ```
 /// use catamaran::texture::newton::darkened;

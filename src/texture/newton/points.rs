@@ -3,8 +3,8 @@
 use super::options::{FARTHEST, Parameters};
 use crate::base::{Error, Result};
 
-/// A lattice of points: a plane, or a volume. Point (i, j, k) is `origin` + i `steps[0]` + j `steps[1]` + k `steps[2]`, and
-/// has the number i + `counts[0]` (j + `counts[1]` k).
+/// A lattice of points: a plane, or a volume. Point (i, j, k) is `origin` + i `steps[0]` + j
+/// `steps[1]` + k `steps[2]`, and has the number i + `counts[0]` (j + `counts[1]` k).
 ///
 /// ```
 /// use catamaran::texture::newton::Grid;
@@ -24,8 +24,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The centres of the `width` x `height` pixels of the rectangle of the plane z = 0 whose middle is `center` and that is
-    /// `extent` wide; rows from the top (large y) down.
+    /// The centres of the `width` x `height` pixels of the rectangle of the plane z = 0 whose
+    /// middle is `center` and that is `extent` wide; rows from the top (large y) down.
     pub fn plane(width: u32, height: u32, center: [f64; 2], extent: f64) -> Self {
         let step = extent / f64::from(width.max(1));
         let first = |count: u32| (f64::from(count) - 1.0) / 2.0 * step;
@@ -36,8 +36,8 @@ impl Grid {
         }
     }
 
-    /// The centres of the side^3 voxels of the cube whose middle is the origin and whose edges are `extent` long; x runs
-    /// fastest.
+    /// The centres of the side^3 voxels of the cube whose middle is the origin and whose edges are
+    /// `extent` long; x runs fastest.
     pub fn cube(side: u32, extent: f64) -> Self {
         let step = (extent / f64::from(side.max(1))) as f32;
         let first = -(f64::from(side) - 1.0) / 2.0 * f64::from(step);

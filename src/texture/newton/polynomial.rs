@@ -25,10 +25,11 @@ impl Polynomial {
         }
     }
 
-    /// The polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, each c a real and an imaginary part,
-    /// as numpy orders them: its roots, by real and then by imaginary part. They are the eigenvalues
-    /// of the companion matrix, improved by Newton's method, and have about the precision of f64
-    /// where they are simple; of m equal ones each has about a part in m of its digits.
+    /// The polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, each c a real and an imaginary
+    /// part, as numpy orders them: its roots, by real and then by imaginary part. They are the
+    /// eigenvalues of the companion matrix, improved by Newton's method, and have about the
+    /// precision of f64 where they are simple; of m equal ones each has about a part in m of its
+    /// digits.
     ///
     /// ```
     /// use catamaran::texture::newton::Polynomial;
@@ -42,7 +43,8 @@ impl Polynomial {
     ///
     /// # Errors
     /// [`Error::Argument`] names "polynomial" when it is constant, has a degree above
-    /// [`Polynomial::MOST_ROOTS`], or has no finite roots; [`Error::NonFinite`] names a coefficient.
+    /// [`Polynomial::MOST_ROOTS`], or has no finite roots; [`Error::NonFinite`] names a
+    /// coefficient.
     pub fn from_coefficients(coefficients: &[[f64; 2]]) -> Result<Self> {
         if let Some(i) = coefficients.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
             return Err(Error::NonFinite { what: "polynomial", index: (i, 0) });

@@ -80,7 +80,8 @@ fn oracle(options: &NewtonOptions, p: [f64; 4]) -> (u16, f64) {
     let t = iterations as f64 - sum;
     let roots = complex_roots(&options.polynomial);
     let [a, b] = z.map(|part| {
-        // |part - root|^2 less |part|^2, which is the same for all and may be too large to see a difference.
+        // |part - root|^2 less |part|^2, which is the same for all and may be too large to see a
+        // difference.
         let distance = |r: &Complex| r[0] * (r[0] - 2.0 * part[0]) + r[1] * (r[1] - 2.0 * part[1]);
         let all = roots.iter().map(distance).enumerate();
         all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0
@@ -159,8 +160,8 @@ fn compare(options: &NewtonOptions, points: &[[f32; 3]]) -> Comparison {
     Comparison { inside: share(inside, points.len()), beyond: share(beyond, inside), worst }
 }
 
-/// Where two basins are near, t is steep, and the rounding of the point itself changes it by more than 1e-5: there the
-/// bound is on what is left when that is taken off.
+/// Where two basins are near, t is steep, and the rounding of the point itself changes it by more
+/// than 1e-5: there the bound is on what is left when that is taken off.
 #[test]
 fn roots_and_gradient_are_those_of_double_precision_away_from_borders() {
     for n in 2..=16 {

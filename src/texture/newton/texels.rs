@@ -13,9 +13,9 @@ pub struct Texels {
     pub positions: Vec<[f32; 3]>,
 }
 
-/// The texels of a `width` x `height` texture whose centre is in a face of `mesh` as `uv` lays it out, u to the right and v
-/// up, both from 0 to 1. Where faces overlap the first one counts; faces without UV, and what is outside of the texture, are
-/// left out.
+/// The texels of a `width` x `height` texture whose centre is in a face of `mesh` as `uv` lays it
+/// out, u to the right and v up, both from 0 to 1. Where faces overlap the first one counts; faces
+/// without UV, and what is outside of the texture, are left out.
 ///
 /// ```
 /// use catamaran::{mesh::{families, io::Attribute}, texture::newton::texels};
@@ -29,7 +29,8 @@ pub struct Texels {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for sides of 0 or more than 65,536, or faces whose UV are not finite; [`Error::OutOfMemory`].
+/// [`Error::Argument`] for sides of 0 or more than 65,536, or faces whose UV are not finite;
+/// [`Error::OutOfMemory`].
 pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Result<Texels> {
     if [width, height].iter().any(|side| !(1..=1 << 16).contains(side))
         || u64::from(width) * u64::from(height) >= 1 << 31

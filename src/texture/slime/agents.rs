@@ -16,10 +16,12 @@ pub struct Field<'a> {
     pub ground: &'a [u8],
 }
 
-/// A step of agent number `agent` (algorithm 3.2, lines 11 to 20): returns it, and the texel that it is in.
+/// A step of agent number `agent` (algorithm 3.2, lines 11 to 20): returns it, and the texel that
+/// it is in.
 ///
-/// Departures: it goes straight on where nothing is better than what is ahead; it picks one of [`Parameters::turns`] to turn
-/// by; it turns back instead of a step into an obstacle, or out of an attractor.
+/// Departures: it goes straight on where nothing is better than what is ahead; it picks one of
+/// [`Parameters::turns`] to turn by; it turns back instead of a step into an obstacle, or out of an
+/// attractor.
 pub fn agent_step(
     surface: &Surface,
     field: Field<'_>,
@@ -72,7 +74,8 @@ fn walk(surface: &Surface, parameters: &Parameters, walker: Walker, length: f32)
     }
 }
 
-/// The pheromone of one's own species less that of the others; more in an attractor, nothing is worse than an obstacle.
+/// The pheromone of one's own species less that of the others; more in an attractor, nothing is
+/// worse than an obstacle.
 #[inline]
 fn smell(field: Field<'_>, parameters: &Parameters, species: u32, texel: u32) -> f32 {
     let plane = parameters.size as usize * parameters.size as usize;

@@ -11,14 +11,16 @@ fn cells(faces: usize) -> usize {
     ((faces.div_ceil(2)) as f64).sqrt().ceil() as usize
 }
 
-/// The smallest texture that [`atlas`] has room in for this many faces: a multiple of 32, in texels of a side.
+/// The smallest texture that [`atlas`] has room in for this many faces: a multiple of 32, in texels
+/// of a side.
 pub fn smallest_size(faces: usize) -> usize {
     let cell = SHORTEST_LEG + 2.0 * GAP + 1.0;
     ((cells(faces) as f64 * cell) as usize).next_multiple_of(32).max(32)
 }
 
-/// Texture coordinates for a mesh without: every triangle is a chart of its own, half a cell of a square grid, its longest
-/// edge the diagonal. For a texture of `size` x `size` texels: charts are two texels apart.
+/// Texture coordinates for a mesh without: every triangle is a chart of its own, half a cell of a
+/// square grid, its longest edge the diagonal. For a texture of `size` x `size` texels: charts are
+/// two texels apart.
 ///
 /// ```
 /// use catamaran::mesh::families;

@@ -1,7 +1,8 @@
 use super::texels::Texels;
 use crate::base::Par;
 
-/// How much of the surface a species covers (equation 3.2 of the thesis), each texel counted by what it covers of it: to 1e-5.
+/// How much of the surface a species covers (equation 3.2 of the thesis), each texel counted by
+/// what it covers of it: to 1e-5.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Coverage {
     /// The mean of the pheromone, from 0 to 1.
@@ -10,7 +11,8 @@ pub struct Coverage {
     pub presence: f64,
 }
 
-/// Sums are of whole numbers, so that they are the same in any order: so many units are the area of the surface.
+/// Sums are of whole numbers, so that they are the same in any order: so many units are the area of
+/// the surface.
 pub(crate) const AREA_UNIT: f32 = (1_u64 << 46) as f32;
 /// So many are a pheromone of 1; the product of both has room in 64 bits.
 pub(crate) const PHEROMONE_UNIT: f32 = (1_u64 << 16) as f32;

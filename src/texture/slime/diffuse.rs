@@ -2,11 +2,13 @@ use super::kinds::OUTSIDE;
 use super::options::Parameters;
 use super::texels::Texels;
 
-/// Blurs and evaporates a row of one species: `next = max((1 - b) p + b G p - e, 0)` with b [`Parameters::blend`], e
-/// [`Parameters::evaporation`], and G the kernel (1 2 1)^T (1 2 1) / 16, which repeats the last texel beyond the texture.
+/// Blurs and evaporates a row of one species: `next = max((1 - b) p + b G p - e, 0)` with b
+/// [`Parameters::blend`], e [`Parameters::evaporation`], and G the kernel (1 2 1)^T (1 2 1) / 16,
+/// which repeats the last texel beyond the texture.
 ///
-/// `texture` and `marks` are those of the species, `row` below the size. With a seam-aware blur, texels outside of charts
-/// become 0, and those at their borders are [`diffuse_border`]'s. `rows` is scratch of four rows.
+/// `texture` and `marks` are those of the species, `row` below the size. With a seam-aware blur,
+/// texels outside of charts become 0, and those at their borders are [`diffuse_border`]'s. `rows`
+/// is scratch of four rows.
 pub fn diffuse_row(
     parameters: &Parameters,
     kinds: &[u8],

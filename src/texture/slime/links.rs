@@ -28,8 +28,9 @@ const AROUND: [([i32; 2], f64); 8] = [
     ([1, 1], 1.0 / 16.0),
 ];
 
-/// Finds borders, sets `kinds`, and links texels over seams: where the kernel has a texel that is not in the same chart, one
-/// walks there on the surface. The weights of both directions are averaged, so that the exchange keeps the sum.
+/// Finds borders, sets `kinds`, and links texels over seams: where the kernel has a texel that is
+/// not in the same chart, one walks there on the surface. The weights of both directions are
+/// averaged, so that the exchange keeps the sum.
 pub(super) fn links(
     surface: &Surface,
     size: usize,
@@ -100,8 +101,8 @@ pub(super) fn links(
     Ok(found)
 }
 
-/// Where one comes to from the centre of texel t, or the point of the triangle that is nearest to it, by a step of so many
-/// texels in the texture, taken on the surface.
+/// Where one comes to from the centre of texel t, or the point of the triangle that is nearest to
+/// it, by a step of so many texels in the texture, taken on the surface.
 pub(super) fn beyond(
     surface: &Surface,
     size: usize,

@@ -1,25 +1,30 @@
 //! Slime moulds on surfaces: MoMaS (thesis, chapter 3; docs/algorithms/slime.md).
 //!
-//! A step is three kernels over flat buffers, each a pure function here and a kernel of the same name elsewhere:
+//! A step is three kernels over flat buffers, each a pure function here and a kernel of the same
+//! name elsewhere:
 //!
-//! 1. [`agent_step`], for each agent: senses the texture at three places ahead, turns, moves. Reads [`Surface`], texture and
-//!    ground; writes the agent, and returns the texel it is in.
-//! 2. deposit, for each agent: sets the bit of its texel ([`mark`]). An integer "or", so the order of agents says nothing.
-//! 3. [`diffuse_row`] and [`diffuse_border`], for each texel: reads the texture, with 1 where a bit is set, blurs,
-//!    evaporates, and writes the next texture.
+//! 1. [`agent_step`], for each agent: senses the texture at three places ahead, turns, moves. Reads
+//!    [`Surface`], texture and ground; writes the agent, and returns the texel it is in.
+//! 2. deposit, for each agent: sets the bit of its texel ([`mark`]). An integer "or", so the order
+//!    of agents says nothing.
+//! 3. [`diffuse_row`] and [`diffuse_border`], for each texel: reads the texture, with 1 where a bit
+//!    is set, blurs, evaporates, and writes the next texture.
 //!
-//! All arithmetic is that of IEEE `f32` (no contraction to fused operations, divisions and roots correctly rounded) and of
-//! `u32` that wraps. No kernel has a sine or a cosine: headings are unit vectors, and the rotations are in [`Parameters`].
+//! All arithmetic is that of IEEE `f32` (no contraction to fused operations, divisions and roots
+//! correctly rounded) and of `u32` that wraps. No kernel has a sine or a cosine: headings are unit
+//! vectors, and the rotations are in [`Parameters`].
 //!
 //! # Layout
-//! - A triangle has a frame in its plane: origin at its corner 0, the x axis towards corner 1, corner 2 at positive y, the
-//!   unit of length the square root of the area of the surface. Records of triangles: [`Surface::records`],
-//!   [`Surface::across`], [`Surface::frames`].
-//! - An agent is a triangle, a position and a unit heading in its frame: [`State::triangles`], [`State::positions`],
-//!   [`State::headings`]. What it is does not depend on where it is kept: it has a number, [`State::ids`], by which it draws
-//!   random numbers, and which modulo the number of species is its species.
-//! - A texture of R x R texels and n species is n planes of R rows of R values in `[0, 1]`; texel (i, j), i along u and j
-//!   along v, is number `R j + i`, species s begins at `s R R`. Row 0 is v = 0. R is a multiple of 32.
+//! - A triangle has a frame in its plane: origin at its corner 0, the x axis towards corner 1,
+//!   corner 2 at positive y, the unit of length the square root of the area of the surface. Records
+//!   of triangles: [`Surface::records`], [`Surface::across`], [`Surface::frames`].
+//! - An agent is a triangle, a position and a unit heading in its frame: [`State::triangles`],
+//!   [`State::positions`], [`State::headings`]. What it is does not depend on where it is kept: it
+//!   has a number, [`State::ids`], by which it draws random numbers, and which modulo the number of
+//!   species is its species.
+//! - A texture of R x R texels and n species is n planes of R rows of R values in `[0, 1]`; texel
+//!   (i, j), i along u and j along v, is number `R j + i`, species s begins at `s R R`. Row 0 is
+//!   v = 0. R is a multiple of 32.
 //! - Marks: bit b of word w is entry `32 w + b` of the texture.
 
 mod agents;

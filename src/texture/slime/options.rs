@@ -13,20 +13,21 @@ pub enum TangentStep {
     },
 }
 
-/// How pheromone spreads to texels around: the binomial kernel of 3 x 3, a Gaussian of standard deviation 0.71 texels.
+/// How pheromone spreads to texels around: the binomial kernel of 3 x 3, a Gaussian of standard
+/// deviation 0.71 texels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Blur {
-    /// In the texture alone (thesis, section 3.2.3): what leaves a chart is lost to the surface, and what lies beside it in
-    /// the texture gets it.
+    /// In the texture alone (thesis, section 3.2.3): what leaves a chart is lost to the surface,
+    /// and what lies beside it in the texture gets it.
     Gaussian,
     /// Across seams to where the surface goes on; keeps the sum of all texels.
     #[default]
     SeamAware,
 }
 
-/// What a simulation is like. Names and units are those of table 3.1 of the thesis, where it has them: lengths in hundredths
-/// of the square root of the area of the surface, angles in degrees, times in seconds of the simulation
-/// (docs/decisions/0019).
+/// What a simulation is like. Names and units are those of table 3.1 of the thesis, where it has
+/// them: lengths in hundredths of the square root of the area of the surface, angles in degrees,
+/// times in seconds of the simulation (docs/decisions/0019).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
@@ -48,7 +49,8 @@ pub struct Options {
     pub vision_distance: f64,
     /// Between sensors, in degrees, from 0 to 180. Table 3.1: 10 to 50. Default 30.
     pub vision_angle: f64,
-    /// What evaporates in a second, at least 0, where an agent leaves 1. Table 3.1: 0.2 to 1. Default 0.4.
+    /// What evaporates in a second, at least 0, where an agent leaves 1. Table 3.1: 0.2 to 1.
+    /// Default 0.4.
     pub evaporation_rate: f64,
     /// Blurs a second, at least 0; a step does at most one. Default 6.
     pub diffusion_rate: f64,
@@ -58,7 +60,8 @@ pub struct Options {
     pub tangent_step: TangentStep,
     /// Default [`Blur::SeamAware`].
     pub blur: Blur,
-    /// Whether lengths are those of the surface, not of the texture (thesis, section 3.2.2). Default yes.
+    /// Whether lengths are those of the surface, not of the texture (thesis, section 3.2.2).
+    /// Default yes.
     pub length_rescaling: bool,
 }
 
@@ -186,7 +189,8 @@ impl Options {
 /// Rotations in [`Parameters::turns`], a power of two.
 pub const TURNS: usize = 64;
 
-/// The options as kernels take them: lengths in the unit of the surface, rotations as (cosine, sine), rates of a step.
+/// The options as kernels take them: lengths in the unit of the surface, rotations as (cosine,
+/// sine), rates of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct Parameters {

@@ -17,8 +17,9 @@ pub(crate) fn starts_of(counts: &mut [u32]) {
     }
 }
 
-/// Orders agents by the tile of the texture that they are in, those of a tile as they were before: what one thread reads then
-/// is in its cache. Nothing else depends on the order, as agents have numbers.
+/// Orders agents by the tile of the texture that they are in, those of a tile as they were before:
+/// what one thread reads then is in its cache. Nothing else depends on the order, as agents have
+/// numbers.
 pub(super) fn order(state: &mut State, surface: &Surface, size: usize) -> Result<()> {
     let tiles = size / TILE;
     let tile = |i: usize| {

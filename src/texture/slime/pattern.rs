@@ -1,8 +1,9 @@
 use crate::base::{Error, Result};
 use crate::mesh::Sets;
 
-/// Measures of the pattern in a square texture, in texels: what is covered are texels with more pheromone than a threshold,
-/// what hangs together does so over sides of texels. On a surface they mean what they say where its texture is flat.
+/// Measures of the pattern in a square texture, in texels: what is covered are texels with more
+/// pheromone than a threshold, what hangs together does so over sides of texels. On a surface they
+/// mean what they say where its texture is flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pattern {
     /// The part of the texture that is covered.
@@ -11,7 +12,8 @@ pub struct Pattern {
     pub thickness: f64,
     /// The mean width of what is not: the scale of the pattern.
     pub gap: f64,
-    /// The mean area of the patches that are covered, weighted by area: of the patch that a covered texel is in.
+    /// The mean area of the patches that are covered, weighted by area: of the patch that a covered
+    /// texel is in.
     pub cluster: f64,
     /// The mean area of the cells between, weighted alike.
     pub cell: f64,

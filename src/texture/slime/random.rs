@@ -10,8 +10,8 @@ pub enum Purpose {
     Heading = 2,
 }
 
-/// Four random numbers for an agent and a step, from a counter alone: PCG4D (Jarzynski and Olano, "Hash functions for GPU
-/// rendering", JCGT 9(3), 2020) of (agent, step, purpose, seed).
+/// Four random numbers for an agent and a step, from a counter alone: PCG4D (Jarzynski and Olano,
+/// "Hash functions for GPU rendering", JCGT 9(3), 2020) of (agent, step, purpose, seed).
 #[inline]
 pub fn draw(seed: u32, agent: u32, step: u32, purpose: u32) -> [u32; 4] {
     let mut v = [agent, step, purpose, seed].map(|x| {

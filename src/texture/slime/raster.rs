@@ -7,11 +7,12 @@ pub(super) struct Raster {
     pub areas: Vec<f32>,
 }
 
-/// Positions of `f32` in the texture may be off by this part of its side: texels that near to a triangle are its own too.
+/// Positions of `f32` in the texture may be off by this part of its side: texels that near to a
+/// triangle are its own too.
 const SLACK: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Two passes over all triangles: texels belong to the one that their centre is in, the others to the first that touches
-/// them.
+/// Two passes over all triangles: texels belong to the one that their centre is in, the others to
+/// the first that touches them.
 pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
     let mut owners = reserved(size * size)?;
     owners.resize(size * size, NO_TRIANGLE);

@@ -18,7 +18,8 @@ const AGENTS: usize = 4096;
 /// Rows that one thread blurs at a time; divides the size of every texture.
 const ROWS: usize = 32;
 
-/// Where agents start, and what stands in their way: a value for each texel, or none for no such mask.
+/// Where agents start, and what stands in their way: a value for each texel, or none for no such
+/// mask.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Mask {
     /// Whether agents start there; empty: anywhere.
@@ -27,8 +28,8 @@ pub struct Mask {
     pub ground: Vec<u8>,
 }
 
-/// Slime moulds on a surface (thesis, algorithm 3.2), on the CPU. The state is the same, bit for bit, for any number of
-/// threads.
+/// Slime moulds on a surface (thesis, algorithm 3.2), on the CPU. The state is the same, bit for
+/// bit, for any number of threads.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress, mesh::families};
@@ -58,8 +59,8 @@ impl Simulation {
     /// Agents at their start, and no pheromone.
     ///
     /// # Errors
-    /// [`Error::Argument`] names an option or the mask, [`Error::Shape`] a mask that is not of `size` x `size` texels;
-    /// [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names an option or the mask, [`Error::Shape`] a mask that is not of
+    /// `size` x `size` texels; [`Error::OutOfMemory`].
     pub fn new(surface: Surface, options: &Options, mask: &Mask) -> Result<Self> {
         let parameters = options.parameters()?;
         if surface.is_tile() && parameters.substeps != 0 {
@@ -182,7 +183,8 @@ impl Simulation {
         (0..self.species()).map(of).collect()
     }
 
-    /// The texture of a species: [`Texels::size`] rows of as many values in `[0, 1]`, row 0 at v = 0.
+    /// The texture of a species: [`Texels::size`] rows of as many values in `[0, 1]`, row 0 at
+    /// v = 0.
     ///
     /// # Panics
     /// When there is no such species.
@@ -211,8 +213,8 @@ impl Simulation {
     /// Goes on from another state.
     ///
     /// # Errors
-    /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it is none of this
-    /// simulation: names the agent or the entry of the texture.
+    /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it
+    /// is none of this simulation: names the agent or the entry of the texture.
     pub fn set_state(&mut self, state: State) -> Result<()> {
         state.check(&self.surface)?;
         self.put_state(state)

@@ -87,7 +87,8 @@ fn unit(bits: u32) -> f64 {
     f64::from(bits) / (1_u64 << 32) as f64
 }
 
-/// A direction, all as likely: points of the square in the disk (von Neumann 1951), so that no sine is needed.
+/// A direction, all as likely: points of the square in the disk (von Neumann 1951), so that no sine
+/// is needed.
 fn heading(seed: u32, agent: u32) -> [f32; 2] {
     for attempt in 0..TRIES {
         let bits = draw(seed, agent, 0, Purpose::Heading as u32 + attempt);

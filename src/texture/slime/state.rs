@@ -19,7 +19,8 @@ pub struct State {
     pub texture: Vec<f32>,
 }
 
-/// Agents may be this far beyond the edges of their triangle, in the unit of the surface: so much is rounding.
+/// Agents may be this far beyond the edges of their triangle, in the unit of the surface: so much
+/// is rounding.
 const SLACK: f32 = 1e-4;
 
 impl State {
@@ -60,11 +61,12 @@ impl State {
         }
     }
 
-    /// `Ok` when all agents are on their triangles, with a heading of length 1, and all pheromone is from 0 to 1.
+    /// `Ok` when all agents are on their triangles, with a heading of length 1, and all pheromone
+    /// is from 0 to 1.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the first agent or entry of the texture that is not so, [`Error::Shape`] arrays of different
-    /// lengths.
+    /// [`Error::Argument`] names the first agent or entry of the texture that is not so,
+    /// [`Error::Shape`] arrays of different lengths.
     pub fn check(&self, surface: &Surface) -> Result<()> {
         let agents = self.triangles.len();
         Error::check_shape("ids", (agents, 1), (self.ids.len(), 1))?;

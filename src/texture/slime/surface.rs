@@ -6,7 +6,8 @@ use crate::mesh::{Edges, Sets, TriMesh, families};
 /// The triangle across a boundary edge.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// In [`Surface::across`]: set where the triangles disagree on what is outside, so that a hop is a reflection too.
+/// In [`Surface::across`]: set where the triangles disagree on what is outside, so that a hop is a
+/// reflection too.
 pub const ACROSS_FLIP: u32 = 4;
 
 /// Where the hops are in a record.
@@ -45,16 +46,18 @@ pub struct Surface {
     tile: bool,
 }
 
-/// Cells of a side of a tile: the fewest that are a power of two and of which no two edges have the same ends.
+/// Cells of a side of a tile: the fewest that are a power of two and of which no two edges have the
+/// same ends.
 const TILE_CELLS: usize = 4;
 
 impl Surface {
     /// A mesh with texture coordinates, in `[0, 1]` (up to 1e-6).
     ///
     /// # Errors
-    /// [`Error::Mesh`] names what no agent could walk on or leave a trace in: an edge of three faces or more, a face without
-    /// area, without coordinates, with coordinates outside of `[0, 1]` or without area in the texture, and a mesh without
-    /// faces; [`Error::Shape`] or [`Error::Argument`] when coordinates do not fit the mesh; [`Error::OutOfMemory`].
+    /// [`Error::Mesh`] names what no agent could walk on or leave a trace in: an edge of three
+    /// faces or more, a face without area, without coordinates, with coordinates outside of
+    /// `[0, 1]` or without area in the texture, and a mesh without faces; [`Error::Shape`] or
+    /// [`Error::Argument`] when coordinates do not fit the mesh; [`Error::OutOfMemory`].
     pub fn new(mesh: &TriMesh, uv: &Attribute<2>) -> Result<Self> {
         let count = mesh.faces().len();
         match &uv.corners {
@@ -94,11 +97,12 @@ impl Surface {
         Self::joined(mesh.faces(), &edges, &places, areas, uv)
     }
 
-    /// The unit square whose opposite sides are joined, in its own texture: a texture that grows on it is a tile, and goes on
-    /// without a seam where it is repeated. Its faces are those of [`Surface::tile_mesh`].
+    /// The unit square whose opposite sides are joined, in its own texture: a texture that grows on
+    /// it is a tile, and goes on without a seam where it is repeated. Its faces are those of
+    /// [`Surface::tile_mesh`].
     ///
-    /// It is flat, so that a walk is a straight line; [`project`](super::project) is not for it, as there is no such surface
-    /// in space.
+    /// It is flat, so that a walk is a straight line; [`project`](super::project) is not for it, as
+    /// there is no such surface in space.
     ///
     /// ```
     /// use catamaran::texture::slime::{NO_TRIANGLE, Surface};
@@ -197,24 +201,25 @@ impl Surface {
     }
 
     /// A record of 28 numbers a triangle:
-    /// - 3 k + (0, 1, 2), k = 0, 1, 2: (a, b, c) of edge k, from corner k to the next one; `a x + b y + c` is how far inside
-    ///   of it (x, y) is, (a, b) its unit normal to the inside.
-    /// - 9 + 4 k + (0, 1, 2, 3): (p, q, x0, y0) of the hop over edge k: (x, y) is `(p x - q y + x0, q x + p y + y0)` in the
-    ///   frame of the triangle across; with [`ACROSS_FLIP`], `(p x + q y + x0, q x - p y + y0)`.
+    /// - 3 k + (0, 1, 2), k = 0, 1, 2: (a, b, c) of edge k, from corner k to the next one;
+    ///   `a x + b y + c` is how far inside of it (x, y) is, (a, b) its unit normal to the inside.
+    /// - 9 + 4 k + (0, 1, 2, 3): (p, q, x0, y0) of the hop over edge k: (x, y) is
+    ///   `(p x - q y + x0, q x + p y + y0)` in the frame of the triangle across; with
+    ///   [`ACROSS_FLIP`], `(p x + q y + x0, q x - p y + y0)`.
     /// - 21 + (0, 1, 2): u is their sum times (1, x, y); 24 + (0, 1, 2): v likewise.
     /// - 27: zero.
     pub fn records(&self) -> &[[f32; RECORD]] {
         &self.records
     }
 
-    /// For each triangle and edge k what is across: 8 g + j, g the triangle and j its edge there, plus [`ACROSS_FLIP`];
-    /// [`NO_TRIANGLE`] on the boundary.
+    /// For each triangle and edge k what is across: 8 g + j, g the triangle and j its edge there,
+    /// plus [`ACROSS_FLIP`]; [`NO_TRIANGLE`] on the boundary.
     pub fn across(&self) -> &[[u32; 3]] {
         &self.across
     }
 
-    /// The frame of each triangle in space: its origin, the x axis, the y axis, the normal, of unit length. Only
-    /// [`project`](super::project) needs them.
+    /// The frame of each triangle in space: its origin, the x axis, the y axis, the normal, of unit
+    /// length. Only [`project`](super::project) needs them.
     pub fn frames(&self) -> &[[f32; 12]] {
         &self.frames
     }
@@ -239,8 +244,8 @@ impl Surface {
         &self.charts
     }
 
-    /// Triangles that are mirrored in the texture while most of their chart is not: the texture is folded there, and shows
-    /// what is on several triangles.
+    /// Triangles that are mirrored in the texture while most of their chart is not: the texture is
+    /// folded there, and shows what is on several triangles.
     pub fn flipped(&self) -> &[u32] {
         &self.flipped
     }
@@ -288,8 +293,8 @@ fn checked(mesh: &TriMesh) -> Result<Edges> {
     Ok(edges)
 }
 
-/// Texture coordinates moved, and made smaller alike in both directions, so that they are in `[0, 1]`; as they are when they
-/// already are (up to 1e-6). Textures that repeat have such.
+/// Texture coordinates moved, and made smaller alike in both directions, so that they are in
+/// `[0, 1]`; as they are when they already are (up to 1e-6). Textures that repeat have such.
 ///
 /// ```
 /// use catamaran::{mesh::io::Attribute, texture::slime::fitted};

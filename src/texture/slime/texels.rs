@@ -7,8 +7,8 @@ use crate::base::{Result, reserved};
 
 /// What the texels of a texture are on the surface.
 ///
-/// Memory, in bytes: 9 a texel, and 8.25 a texel and species for the textures, besides 32 or so a texel at a seam: for one
-/// species 72 MiB at 2048 x 2048 and 4.6 GB at 16384 x 16384.
+/// Memory, in bytes: 9 a texel, and 8.25 a texel and species for the textures, besides 32 or so a
+/// texel at a seam: for one species 72 MiB at 2048 x 2048 and 4.6 GB at 16384 x 16384.
 #[derive(Debug, Clone)]
 pub struct Texels {
     size: usize,
@@ -35,7 +35,8 @@ impl Texels {
         self.size
     }
 
-    /// The triangle of each texel: the one that its centre is in, else the lowest that it touches; [`NO_TRIANGLE`] outside.
+    /// The triangle of each texel: the one that its centre is in, else the lowest that it touches;
+    /// [`NO_TRIANGLE`] outside.
     pub fn owners(&self) -> &[u32] {
         &self.owners
     }
@@ -70,9 +71,9 @@ impl Texels {
         &self.links.weights
     }
 
-    /// Where a step of so many texels along u and v leads from the centre of a texel (or the point of its triangle that is
-    /// nearest to it) when it is taken on the surface, over seams where there are any; `None` for a texel outside. Boundary
-    /// edges reflect.
+    /// Where a step of so many texels along u and v leads from the centre of a texel (or the point
+    /// of its triangle that is nearest to it) when it is taken on the surface, over seams where
+    /// there are any; `None` for a texel outside. Boundary edges reflect.
     ///
     /// # Panics
     /// When there is no such texel.

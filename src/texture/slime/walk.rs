@@ -1,6 +1,7 @@
 use super::surface::{ACROSS_FLIP, HOPS, NO_TRIANGLE, Surface, UV};
 
-/// A walk ends after this many edges: none on a mesh whose steps are of a sensible length gets there.
+/// A walk ends after this many edges: none on a mesh whose steps are of a sensible length gets
+/// there.
 pub const MOST_HOPS: usize = 4096;
 
 /// A place on a surface and a direction: of an agent, or of what it senses with.
@@ -14,9 +15,9 @@ pub struct Walker {
     pub heading: [f32; 2],
 }
 
-/// Straight ahead by `length`: across an edge the next triangle is unfolded into the plane of this one, which is what a
-/// geodesic does; at a boundary edge the walker is reflected. Without `rescale`, `length` is one in the texture, whose side
-/// is 1 (thesis, figure 3.5).
+/// Straight ahead by `length`: across an edge the next triangle is unfolded into the plane of this
+/// one, which is what a geodesic does; at a boundary edge the walker is reflected. Without
+/// `rescale`, `length` is one in the texture, whose side is 1 (thesis, figure 3.5).
 #[inline]
 pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool) -> Walker {
     let mut remaining = length;
@@ -37,7 +38,8 @@ pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool)
     walker
 }
 
-/// The edge that a walker leaves its triangle by within `reach`, 3 for none, and how far it goes in the triangle.
+/// The edge that a walker leaves its triangle by within `reach`, 3 for none, and how far it goes in
+/// the triangle.
 #[inline(always)]
 fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) -> (usize, f32) {
     let record = &surface.records()[walker.triangle as usize];
@@ -92,11 +94,13 @@ fn stretch(surface: &Surface, walker: &Walker) -> f32 {
     (u * u + v * v).sqrt()
 }
 
-/// Algorithm 3.1 of the thesis: `count` sub-steps of `step` each, on the plane of the triangle; one that ends beyond edges
-/// is projected onto the nearest plane of the triangles across them, and direction with it; reflected at boundary edges.
+/// Algorithm 3.1 of the thesis: `count` sub-steps of `step` each, on the plane of the triangle; one
+/// that ends beyond edges is projected onto the nearest plane of the triangles across them, and
+/// direction with it; reflected at boundary edges.
 ///
-/// Departures: positions are in the frame of the triangle instead of the texture and the basis of space that its corners
-/// are, so that no matrix is singular; a point that projects beside the triangle is moved to its edge.
+/// Departures: positions are in the frame of the triangle instead of the texture and the basis of
+/// space that its corners are, so that no matrix is singular; a point that projects beside the
+/// triangle is moved to its edge.
 pub fn project(
     surface: &Surface,
     mut walker: Walker,
@@ -123,8 +127,8 @@ pub fn project(
     walker
 }
 
-/// How many of `most` sub-steps stay in the triangle for sure, so that none of them has to look at its edges; one that
-/// rounding might say otherwise of is not among them.
+/// How many of `most` sub-steps stay in the triangle for sure, so that none of them has to look at
+/// its edges; one that rounding might say otherwise of is not among them.
 #[inline(always)]
 fn steps_inside(surface: &Surface, walker: &Walker, length: f32, most: u32) -> u32 {
     let record = &surface.records()[walker.triangle as usize];
@@ -133,7 +137,8 @@ fn steps_inside(surface: &Surface, walker: &Walker, length: f32, most: u32) -> u
     // A whole number that single precision has.
     let mut steps = most.min(1 << 24) as f32;
     let way = length * steps;
-    // Roundings of the steps and of what `first_exit` computes of each, twice of what they can be in all.
+    // Roundings of the steps and of what `first_exit` computes of each, twice of what they can be
+    // in all.
     let roundings = f32::EPSILON * (steps + 16.0);
     for k in 0..3 {
         let [a, b, c] = [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
@@ -223,7 +228,8 @@ pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]
             point = [point[0] - beyond * edge(k)[0], point[1] - beyond * edge(k)[1]];
         }
     }
-    // At a sharp corner that would take many rounds. Edge 2 came last, so the point is not beyond it.
+    // At a sharp corner that would take many rounds. Edge 2 came last, so the point is not beyond
+    // it.
     for k in [0, 1] {
         if inside(k, point) < -CORNER {
             let ([a, b, c], [p, q, r]) = (edge(k), edge(2));

@@ -183,7 +183,8 @@ fn models_share_no_state() {
         y.step();
     }
     assert_eq!((x.water(), y.water()), (first, second));
-    // A change of the model changes no solver that was made before, and a restart is as good as a new solver.
+    // A change of the model changes no solver that was made before, and a restart is as good as a
+    // new solver.
     a.set_loss(grams_per_hour(200.0)).unwrap();
     a.weaken(5, 0.1).unwrap();
     let before = x.water();

@@ -4,7 +4,8 @@ use catamaran::Par;
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::*;
 
-/// The nodes on and beyond `node`, and the two plants that a cut before it makes, with the nodes they have.
+/// The nodes on and beyond `node`, and the two plants that a cut before it makes, with the nodes
+/// they have.
 fn parted(plant: &Plant, node: usize) -> [(Plant, Vec<usize>); 2] {
     let mut beyond = vec![false; plant.len()];
     beyond[node] = true;

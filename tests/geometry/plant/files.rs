@@ -28,7 +28,8 @@ fn real_plants_are_read_and_lose_their_water_slowly() {
         let curve = water_curve(&model, &full, &times, &options).unwrap();
         let totals: Vec<f64> = curve.iter().map(|water| water.iter().sum()).collect();
         assert!(totals.windows(2).all(|t| t[1] < t[0] && t[1] > 0.0), "{totals:?}");
-        // A reset starts from the beginning: the reference's history survives it, and its water jumps.
+        // A reset starts from the beginning: the reference's history survives it, and its water
+        // jumps.
         let start = || Bdf6::new(&model, &full, 600.0, Start::Constant, Par::Seq).unwrap();
         let mut bdf = start();
         (0..40).for_each(|_| bdf.step());

@@ -1,4 +1,5 @@
-//! Plants: the water in them against closed forms and a double-double reference, and the rods against beam theory.
+//! Plants: the water in them against closed forms and a double-double reference, and the rods
+//! against beam theory.
 
 mod reference;
 

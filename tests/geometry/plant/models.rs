@@ -129,7 +129,8 @@ fn water_from_the_soil_keeps_a_plant_where_leaves_lose_as_much() {
 
 #[test]
 fn splitting_segments_changes_the_water_to_second_order() {
-    // A stem of 4 cm, the upper half of it a leaf's, in n segments; the middle of its leaf is where two segments meet.
+    // A stem of 4 cm, the upper half of it a leaf's, in n segments; the middle of its leaf is where
+    // two segments meet.
     let relative = |n: usize| {
         let segments: Vec<_> = (1..=n)
             .map(|i| {

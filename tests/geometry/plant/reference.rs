@@ -1,5 +1,5 @@
-//! A reference of about 100 bits: double-double numbers, the exponential by squaring a non-negative matrix, elimination by
-//! the definition.
+//! A reference of about 100 bits: double-double numbers, the exponential by squaring a non-negative
+//! matrix, elimination by the definition.
 
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul};

@@ -25,7 +25,8 @@ fn rods(segments: Vec<Segment>, parents: &[Option<u32>], dry_density: f64) -> Ro
     Rods::new(&plant, &options).unwrap()
 }
 
-/// The tip of a horizontal chain of length 1 with modulus E = 1e9 and a mass in the middle of its last segment.
+/// The tip of a horizontal chain of length 1 with modulus E = 1e9 and a mass in the middle of its
+/// last segment.
 fn loaded_tip(n: usize, mass: f64) -> [f64; 3] {
     let (segments, parents) = chain(n, 1.0, [1.0, 0.0, 0.0]);
     let mut rods = rods(segments, &parents, 0.0);
@@ -64,7 +65,8 @@ fn a_cantilever_sinks_as_beams_do() {
 
 #[test]
 fn large_deflections_are_those_of_the_elastica() {
-    // P L^2 / E I, vertical and horizontal displacement of the end (Bisshopp and Drucker 1945; Mattiasson 1981).
+    // P L^2 / E I, vertical and horizontal displacement of the end (Bisshopp and Drucker 1945;
+    // Mattiasson 1981).
     for (load, down, back) in
         [(1.0, 0.30172, 0.05643), (5.0, 0.71379, 0.38763), (10.0, 0.81061, 0.55500)]
     {

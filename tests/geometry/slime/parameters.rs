@@ -1,5 +1,5 @@
-//! Table 3.1 of the thesis: what each parameter does to the pattern, on a flat square. It stands for a quarter of a larger
-//! one, so lengths are twice those of the table.
+//! Table 3.1 of the thesis: what each parameter does to the pattern, on a flat square. It stands
+//! for a quarter of a larger one, so lengths are twice those of the table.
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -38,8 +38,9 @@ fn vision_distance_makes_cells() {
 
 #[test]
 fn vision_angle_thickens() {
-    // Strands as a sparse network has them when it is there; before, what is thick is the noise of the start. Turns of up to 20
-    // degrees a step, not 60: agents that turn by far more than their sensors are apart find no strand.
+    // Strands as a sparse network has them when it is there; before, what is thick is the noise of
+    // the start. Turns of up to 20 degrees a step, not 60: agents that turn by far more than their
+    // sensors are apart find no strand.
     let thickness = |vision_angle: f64| {
         let sparse = options(5000, SIZE)
             .movement_speed(3.0)

@@ -10,8 +10,8 @@ use super::support::{options, simulation, square};
 
 const SIZE: usize = 128;
 
-/// The mean difference of texels on both sides of the lines between columns (or rows) i - 1 and i, for each i; the first is
-/// that over the seam.
+/// The mean difference of texels on both sides of the lines between columns (or rows) i - 1 and i,
+/// for each i; the first is that over the seam.
 fn differences(texture: &[f32], along_rows: bool) -> Vec<f64> {
     let at = |i: usize, j: usize| texture[if along_rows { i * SIZE + j } else { j * SIZE + i }];
     let line = |i: usize| {

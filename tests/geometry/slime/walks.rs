@@ -1,5 +1,5 @@
-//! Walks against geodesics that are followed in space, in double precision: where an edge is crossed, the direction is
-//! turned around it into the next plane.
+//! Walks against geodesics that are followed in space, in double precision: where an edge is
+//! crossed, the direction is turned around it into the next plane.
 
 use catamaran::base::Rng;
 use catamaran::mesh::{Edges, TriMesh, families};

@@ -20,10 +20,11 @@ pub enum Share {
     Figures,
     /// What takes a quiet machine: tables 3.2 to 3.4, and times of Newton's fractals.
     Tables,
-    /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; only when it is asked for.
-    Long,
-    /// What `scripts/gpu` records: whether the chosen OpenCL device computes what the processor does, and times; only when it is
+    /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; only when it is
     /// asked for.
+    Long,
+    /// What `scripts/gpu` records: whether the chosen OpenCL device computes what the processor
+    /// does, and times; only when it is asked for.
     Gpu,
 }
 

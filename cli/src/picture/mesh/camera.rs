@@ -111,7 +111,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// For a screen of width x height samples, with a margin on all sides that is this share of the shorter one.
+    /// For a screen of width x height samples, with a margin on all sides that is this share of the
+    /// shorter one.
     pub fn new(mesh: &TriMesh, view: &View, width: f64, height: f64, margin: f64) -> Self {
         let axes = axes(view);
         // Vertices in no face are not seen.

@@ -15,7 +15,8 @@ const RIM: f64 = 0.45;
 const INSIDE: f64 = 0.55;
 /// Half the width of an edge, in pixels, and how much light is left on it.
 const EDGE: (f64, f64) = (0.5, 0.45);
-/// Faces thinner than this many pixels have fainter edges, in proportion, or nothing else would be seen.
+/// Faces thinner than this many pixels have fainter edges, in proportion, or nothing else would be
+/// seen.
 const THIN: f64 = 6.0;
 
 /// Turns hits into light.
@@ -95,7 +96,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Whether the side is seen from which the corners are counter-clockwise (y points down on the screen).
+    /// Whether the side is seen from which the corners are counter-clockwise (y points down on the
+    /// screen).
     fn is_outside(&self, face: [usize; 3]) -> bool {
         let [a, b, c] = face.map(|v| self.points[v]);
         (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) < 0.0

@@ -14,7 +14,8 @@ const SKY: (f64, f64) = (0.42, 0.34);
 /// Smaller roughness is drawn as this: lamps have a size.
 const SMOOTHEST: f64 = 0.12;
 
-/// The direction of growing u on a face as the viewer sees it, and whether growing v is to the left of it, seen from outside.
+/// The direction of growing u on a face as the viewer sees it, and whether growing v is to the left
+/// of it, seen from outside.
 #[derive(Debug, Clone, Copy)]
 pub struct Tangent {
     along: Vector,
@@ -72,8 +73,8 @@ impl Finish {
         Some(Self { normal: texture.mixed(face, shares, normal), roughness, metalness, glow })
     }
 
-    /// The light that is sent to the viewer where the surface has this colour and normal; `lit` is what a dull one would send
-    /// of its colour.
+    /// The light that is sent to the viewer where the surface has this colour and normal; `lit` is
+    /// what a dull one would send of its colour.
     pub fn light(&self, color: Vector, lit: f64, normal: Vector) -> Vector {
         let facing = normal[2].clamp(0.0, 1.0);
         let reflected = self.reflected(normal);
@@ -86,7 +87,8 @@ impl Finish {
         })
     }
 
-    /// What a mirror of this roughness would show: a sky, and both lamps, the wider the rougher it is (Phong 1975).
+    /// What a mirror of this roughness would show: a sky, and both lamps, the wider the rougher it
+    /// is (Phong 1975).
     fn reflected(&self, normal: Vector) -> f64 {
         let back = [0, 1, 2].map(|k| 2.0 * normal[2] * normal[k] - [0.0, 0.0, 1.0][k]);
         let width = self.roughness.max(SMOOTHEST).powi(4);

@@ -1,4 +1,5 @@
-//! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or beside it.
+//! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or beside
+//! it.
 
 use std::fs::File;
 use std::io::Read;
@@ -89,7 +90,8 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
     Ok((json.ok_or("a binary glTF file without a chunk of JSON")?, binary))
 }
 
-/// The bytes of a buffer: `binary` where it has no URI, of a file beside `path` or of the URI itself.
+/// The bytes of a buffer: `binary` where it has no URI, of a file beside `path` or of the URI
+/// itself.
 fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>> {
     let length = buffer.byte_length;
     let mut bytes = match buffer.uri.as_deref() {

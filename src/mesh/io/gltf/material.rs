@@ -6,8 +6,8 @@ use super::super::attributes::MeshFile;
 use super::picture::Picture;
 use crate::base::{Error, Result, builder, reserved};
 
-/// A material for physically based rendering, as glTF 2.0 has it (section 3.9). A picture is laid over the mesh by its texture
-/// coordinates, and repeats outside of 0 to 1.
+/// A material for physically based rendering, as glTF 2.0 has it (section 3.9). A picture is laid
+/// over the mesh by its texture coordinates, and repeats outside of 0 to 1.
 ///
 /// ```
 /// use catamaran::mesh::io::{Material, Picture};
@@ -30,14 +30,15 @@ pub struct Material {
     pub roughness: f64,
     /// Metalness where there is no such picture, from 0 to 1. Default 0.
     pub metalness: f64,
-    /// Normals in the frame of the surface, green up, as [`normal_colors`](crate::texture::normal_colors) has them.
+    /// Normals in the frame of the surface, green up, as
+    /// [`normal_colors`](crate::texture::normal_colors) has them.
     pub normal: Option<Picture>,
     /// How much light from all around arrives: red.
     pub occlusion: Option<Picture>,
     /// Light that is emitted (sRGB).
     pub emission: Option<Picture>,
-    /// Pictures that glTF has no place for, such as heights, and their names: in the file, and named in the `extras` of the
-    /// material; viewers skip them.
+    /// Pictures that glTF has no place for, such as heights, and their names: in the file, and
+    /// named in the `extras` of the material; viewers skip them.
     pub extra: Vec<(String, Picture)>,
     /// Whether the back of faces is shown, too. Default yes.
     pub double_sided: bool,
@@ -93,7 +94,8 @@ impl Material {
         Picture::rgb(width, &pixels)
     }
 
-    /// `Ok` when every number is in its range, and every face of the mesh has coordinates for the pictures, if there are any.
+    /// `Ok` when every number is in its range, and every face of the mesh has coordinates for the
+    /// pictures, if there are any.
     pub(in super::super) fn check(&self, file: &MeshFile) -> Result<()> {
         for (what, value) in [("roughness", self.roughness), ("metalness", self.metalness)] {
             if !(0.0..=1.0).contains(&value) {
@@ -122,8 +124,8 @@ impl Material {
         }
     }
 
-    /// The JSON of it; `add` takes a picture and its name, and returns the number of its image and of its texture, which are
-    /// the same.
+    /// The JSON of it; `add` takes a picture and its name, and returns the number of its image and
+    /// of its texture, which are the same.
     pub(super) fn json(
         &self,
         add: &mut dyn FnMut(&str, &Picture) -> io::Result<usize>,

@@ -1,7 +1,7 @@
 //! Khronos glTF 2.0: the triangles of a scene, in JSON and binary.
 //!
-//! Texture coordinates count from the top there and from the bottom in other formats; they are turned
-//! over on the way in and out.
+//! Texture coordinates count from the top there and from the bottom in other formats; they are
+//! turned over on the way in and out.
 
 mod accessor;
 mod assembly;
@@ -204,8 +204,8 @@ impl Reader<'_, '_, '_> {
         Ok(self.content.values(index)?.into_iter().map(opaque).collect())
     }
 
-    /// Refuses so many vertices or corners more if they take more memory than they may: what a small
-    /// file says once, its nodes and accessors may repeat.
+    /// Refuses so many vertices or corners more if they take more memory than they may: what a
+    /// small file says once, its nodes and accessors may repeat.
     fn check_room(&self, more: usize) -> Result<()> {
         let so_far = self.assembly.vertices.len() + self.assembly.faces.len();
         self.source.check_memory::<VertexMemory>("the meshes", so_far.saturating_add(more))

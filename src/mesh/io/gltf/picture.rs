@@ -27,7 +27,8 @@ impl Picture {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when pixels are not whole rows of `width`, or there are none; [`Error::OutOfMemory`].
+    /// [`Error::Shape`] when pixels are not whole rows of `width`, or there are none;
+    /// [`Error::OutOfMemory`].
     pub fn rgb(width: usize, pixels: &[[u8; 3]]) -> Result<Self> {
         Self::new(width, pixels.len(), ColorType::Rgb, BitDepth::Eight, pixels.as_flattened())
     }
