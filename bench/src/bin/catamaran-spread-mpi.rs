@@ -30,8 +30,8 @@ struct Arguments {
     columns: usize,
     #[arg(long, default_value_t = 3)]
     repeat: usize,
-    /// Put the line into bench/record/<host>-<date>/NAME.csv, and the table as a picture into
-    /// NAME.svg.
+    /// Put the line into NAME.csv of the host's folder in bench/record, and the table as a picture
+    /// into NAME.svg.
     #[arg(long, value_name = "NAME")]
     record: Option<String>,
 }
