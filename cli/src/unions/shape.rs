@@ -14,7 +14,7 @@ use crate::input::MeshArgs;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
-use crate::report::{complain, report};
+use crate::report::{note, report};
 use crate::shape::dense;
 
 /// Deform a mesh until it has a given spectrum: the shape of a predicted union.
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<()> {
     report(format_args!("error     {:.3} % of the eigenvalues, in the mean", 100.0 * found.error))?;
     if found.error > args.tolerance {
         let reached = 100.0 * args.tolerance;
-        complain(format_args!("the eigenvalues are not within {reached} %: no step nearby helps"));
+        note(format_args!("the eigenvalues are not within {reached} %: no step nearby helps"));
     }
     if let Some(picture) = picture {
         let panels = [(&template, PLAIN, "template"), (&found.mesh, PLAIN, "deformed")];
