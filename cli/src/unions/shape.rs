@@ -79,8 +79,8 @@ pub fn run(args: &Args) -> Result<()> {
     report(format_args!("steps     {}", found.steps))?;
     report(format_args!("error     {:.3} % of the eigenvalues, in the mean", 100.0 * found.error))?;
     if found.error > args.tolerance {
-        let reached = 100.0 * args.tolerance;
-        note(format_args!("the eigenvalues are not within {reached} %: no step nearby helps"));
+        let wanted = 100.0 * args.tolerance;
+        note(format_args!("the eigenvalues are not within {wanted} % after the last step"));
     }
     if let Some(picture) = picture {
         let panels = [(&template, PLAIN, "template"), (&found.mesh, PLAIN, "deformed")];

@@ -64,7 +64,7 @@ pub const LINES: &[&str] = &[
      --poses 1 --pairs 4 --varied 0 --creatures 0",
     "unions train data.npz -o w.safetensors --epochs 1 --width 16 --hidden 16",
     "unions template --vertices 700 -o template.stl",
-    "unions shape left.off --spectrum values.csv --steps 2 -o out.ply",
+    "unions shape left.off --spectrum values.csv --tolerance 10 -o out.ply",
 ];
 
 /// Their results differ from run to run: they measure time.
