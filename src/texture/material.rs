@@ -36,6 +36,25 @@ builder! { Finish {
     glow: f64,
 }}
 
+impl Finish {
+    /// `Ok` when every number is in its range; it may glow up to `glow`.
+    pub(super) fn check(&self, glow: f64) -> Result<()> {
+        within("roughness", self.roughness, 0.0, 1.0)?;
+        within("metalness", self.metalness, 0.0, 1.0)?;
+        within("height", self.height, -1.0, 1.0)?;
+        within("glow", self.glow, 0.0, glow)
+    }
+}
+
+/// `Ok` when a number is in its range.
+pub(super) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let why = format!("{value}, where {low} to {high} is needed");
+    Err(Error::Argument { what, why })
+}
+
 /// Which finishes a surface has where nothing is and where species are, and how these are mixed.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -164,18 +183,8 @@ impl Look {
     /// # Errors
     /// [`Error::Argument`] that names the value.
     pub fn check(&self) -> Result<()> {
-        let within = |what: &'static str, value: f64, low: f64, high: f64| {
-            if (low..=high).contains(&value) {
-                return Ok(());
-            }
-            let why = format!("{value}, where {low} to {high} is needed");
-            Err(Error::Argument { what, why })
-        };
         for finish in self.species.iter().chain([&self.bare]) {
-            within("roughness", finish.roughness, 0.0, 1.0)?;
-            within("metalness", finish.metalness, 0.0, 1.0)?;
-            within("height", finish.height, -1.0, 1.0)?;
-            within("glow", finish.glow, 0.0, 1.0)?;
+            finish.check(1.0)?;
         }
         if self.species.is_empty() {
             let why = "no finish, where that of a species is needed".into();

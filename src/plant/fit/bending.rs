@@ -1,10 +1,11 @@
 use super::super::Plant;
 use super::super::elasticity::Elasticity;
-use super::super::levenberg::{Minimum, minimize};
+use super::super::levenberg::Minimum;
 use super::super::rods::Rods;
 use super::super::wilt::settle;
+use super::minima::from_starts;
 use super::options::{FitOptions, Measurements};
-use crate::base::{Error, Progress, Result};
+use crate::base::{Progress, Result};
 
 /// Heights as a function of the steepness of each class.
 pub(super) struct Bending<'a> {
@@ -62,22 +63,11 @@ impl Bending<'_> {
         let given: Vec<f64> = classes.iter().map(Elasticity::steepness).collect();
         let bounds = vec![self.options.steepness.map(f64::ln); given.len()];
         let starts = starts(&given);
-        let residuals = |x: &[f64]| self.residuals(x);
-        let (mut minima, mut failure) = (Vec::new(), None);
-        for (i, start) in starts.iter().enumerate() {
-            let start: Vec<f64> = start.iter().map(|k| k.ln()).collect();
-            let part = |i: usize| i as f64 / starts.len() as f64;
-            let progress = progress.part(part(i)..part(i + 1));
-            match minimize(&residuals, &start, &bounds, progress) {
-                Ok(minimum) => minima.push(minimum),
-                Err(error @ Error::NotConverged { .. }) => failure = Some(error),
-                Err(error) => return Err(error),
-            }
-        }
-        match failure {
-            Some(error) if minima.is_empty() => Err(error),
-            _ => Ok(minima),
-        }
+        let starts = starts.iter().map(|start| {
+            let logarithms: Vec<f64> = start.iter().map(|k| k.ln()).collect();
+            Ok(logarithms)
+        });
+        from_starts(starts, &|x| self.residuals(x), &bounds, progress)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Which of several minima is the best, and which the measurements don't tell from it.
 
-use super::super::levenberg::Minimum;
+use super::super::levenberg::{Minimum, minimize};
+use crate::base::{Error, Progress, Result};
 
 /// Of a sum of squares above the least, as a multiple of the variance of a residual: what a
 /// likelihood ratio of two parameters exceeds in one of twenty cases (chi^2 with 2 degrees).
@@ -8,6 +9,29 @@ const AS_GOOD: f64 = 5.99;
 
 /// Minima are the same if each parameter differs by no more than this, or by three standard errors.
 const SAME: f64 = 1e-3;
+
+/// The minima that descents from several starts reach; an error only if none reaches one.
+pub(super) fn from_starts<S: AsRef<[f64]>>(
+    starts: impl ExactSizeIterator<Item = Result<S>>,
+    residuals: &dyn Fn(&[f64]) -> Result<Vec<f64>>,
+    bounds: &[[f64; 2]],
+    progress: Progress<'_>,
+) -> Result<Vec<Minimum>> {
+    let (mut minima, mut failure) = (Vec::new(), None);
+    let count = starts.len() as f64;
+    for (i, start) in starts.enumerate() {
+        let progress = progress.part(i as f64 / count..(i + 1) as f64 / count);
+        match minimize(residuals, start?.as_ref(), bounds, progress) {
+            Ok(minimum) => minima.push(minimum),
+            Err(error @ Error::NotConverged { .. }) => failure = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    match failure {
+        Some(error) if minima.is_empty() => Err(error),
+        _ => Ok(minima),
+    }
+}
 
 /// The best of some minima, and those away from it that fit as well, the better ones first, each
 /// once; the first `compared` parameters tell minima apart. `None` of none.

@@ -1,8 +1,9 @@
 use super::super::Plant;
 use super::super::course::water_curve;
 use super::super::curve::{CurveOptions, Interval};
-use super::super::levenberg::{Minimum, minimize};
+use super::super::levenberg::Minimum;
 use super::super::water::{Conductivity, WaterModel};
+use super::minima::from_starts;
 use super::options::{FitOptions, Measurements};
 use crate::base::{Error, Progress, Result};
 
@@ -52,9 +53,7 @@ impl<'a> Weighing<'a> {
         let mean = mean.clamp(options.loss[0], options.loss[1]);
         // There are several minima: one bucket that loses little is like leaves that dry before the
         // stem.
-        let residuals = |x: &[f64]| self.residuals(x);
-        let (mut minima, mut failure) = (Vec::new(), None);
-        for i in 0..STARTS {
+        let starts = (0..STARTS).map(|i| {
             let scale = low + (high - low) * (i as f64 + 0.5) / STARTS as f64;
             let mut start = (f64::INFINITY, [0.0; 3]);
             for factor in [1.0, 1.5, 2.5, 5.0, 10.0] {
@@ -64,18 +63,9 @@ impl<'a> Weighing<'a> {
                     start = (sum, x);
                 }
             }
-            let part = |i: usize| i as f64 / STARTS as f64;
-            let progress = progress.part(part(i)..part(i + 1));
-            match minimize(&residuals, &start.1, &bounds, progress) {
-                Ok(minimum) => minima.push(minimum),
-                Err(error @ Error::NotConverged { .. }) => failure = Some(error),
-                Err(error) => return Err(error),
-            }
-        }
-        match failure {
-            Some(error) if minima.is_empty() => Err(error),
-            _ => Ok(minima),
-        }
+            Ok(start.1)
+        });
+        from_starts(starts, &|x| self.residuals(x), &bounds, progress)
     }
 
     pub fn model(&self, loss: f64, scale: f64) -> Result<WaterModel> {

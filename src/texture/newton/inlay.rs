@@ -2,7 +2,7 @@
 
 use super::palette::root_color;
 use crate::base::{Error, Result, builder};
-use crate::texture::material::Finish;
+use crate::texture::material::{Finish, within};
 
 /// What the basins of a surface are made of, and what is between them.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,18 +71,8 @@ impl Inlay {
 
     /// `Ok` when every number is in its range.
     pub(super) fn check(&self) -> Result<()> {
-        let within = |what: &'static str, value: f64, low: f64, high: f64| {
-            if (low..=high).contains(&value) {
-                return Ok(());
-            }
-            let why = format!("{value}, where {low} to {high} is needed");
-            Err(Error::Argument { what, why })
-        };
         for finish in self.basins.iter().chain([&self.joint]) {
-            within("roughness", finish.roughness, 0.0, 1.0)?;
-            within("metalness", finish.metalness, 0.0, 1.0)?;
-            within("height", finish.height, -1.0, 1.0)?;
-            within("glow", finish.glow, 0.0, 0.0)?;
+            finish.check(0.0)?;
         }
         if self.basins.is_empty() {
             let why = "no finish, where that of a root is needed".into();
