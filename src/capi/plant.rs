@@ -19,7 +19,7 @@ use std::mem::offset_of;
 use std::sync::Arc;
 
 use super::boundary::{boundary, path};
-use super::params::{Versioned, init, read};
+use super::params::{Versioned, flag, init, read};
 use super::pointer::{
     check_size, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
     slice_mut,
@@ -75,6 +75,8 @@ pub struct cata_plant_params {
     pub elasticity_steepness: f64,
     /// The relative water content at which it falls most steeply; 0: 0.75.
     pub elasticity_shift: f64,
+    /// 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9).
+    pub elasticity_literal: i32,
 }
 
 impl Versioned for cata_plant_params {
@@ -521,11 +523,21 @@ unsafe fn model(
         set(&mut options.modulus, params.modulus);
         set(&mut options.viscosity, params.viscosity);
         set(&mut options.density, params.density);
-        if let Elasticity::Relative { dry, full, steepness, shift } = &mut elasticity {
-            set(full, params.elasticity_full);
-            set(dry, params.elasticity_dry);
-            set(steepness, params.elasticity_steepness);
-            set(shift, params.elasticity_shift);
+        if flag("params.elasticity_literal", params.elasticity_literal)? {
+            elasticity = Elasticity::Literal { full: 5e7, steepness: 10.0, shift: 0.0 };
+        }
+        match &mut elasticity {
+            Elasticity::Relative { dry, full, steepness, shift } => {
+                set(full, params.elasticity_full);
+                set(dry, params.elasticity_dry);
+                set(steepness, params.elasticity_steepness);
+                set(shift, params.elasticity_shift);
+            }
+            Elasticity::Literal { full, steepness, shift } => {
+                set(full, params.elasticity_full);
+                set(steepness, params.elasticity_steepness);
+                set(shift, params.elasticity_shift);
+            }
         }
         // Its constants are checked where there is water to use them on.
         elasticity.moduli(&[1.0], &[1.0])?;

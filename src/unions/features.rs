@@ -1,54 +1,66 @@
 use super::network::{FEATURES, K};
 use super::spectrum;
-use crate::base::Result;
+use crate::base::{Error, Result};
 
-/// A pair of spectra as the network sees it: without units.
+/// The parts of a union as the network sees them: without units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PairFeatures {
-    /// By how much eigenvalues are divided: the smaller one of the two largest.
+pub struct PartFeatures {
+    /// By how much eigenvalues are divided: the last one of the bound.
     pub scale: f64,
-    /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smaller ones
-    /// of both.
+    /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smallest ones
+    /// of all parts.
     pub bound: [f64; K],
-    /// K rows of the first spectrum, then K of the second one: the logarithms of its eigenvalue and
-    /// of the other's, and K times the difference from the eigenvalue before, of both.
-    pub features: [[f64; FEATURES]; 2 * K],
+    /// For each part and eigenvalue, its logarithm, and K times the difference from the eigenvalue
+    /// before.
+    pub features: Vec<[[f64; FEATURES]; K]>,
 }
 
-impl PairFeatures {
+impl PartFeatures {
     /// Computes the features of two parts with these spectra.
     ///
     /// # Errors
-    /// [`Error::Shape`](crate::Error::Shape), [`Error::NonFinite`](crate::Error::NonFinite) and
-    /// [`Error::Argument`](crate::Error::Argument) name the spectrum, `first` or `second`.
-    pub fn new(first: &[f64], second: &[f64]) -> Result<Self> {
-        let pair = [spectrum::check("first", first)?, spectrum::check("second", second)?];
-        let bound: [f64; K] = std::array::from_fn(|i| pair[0][i].min(pair[1][i]));
-        let scale = bound[K - 1];
-        let logarithms = pair.map(|values| values.map(|x| (x / scale).ln()));
-        let offset = |values: &[f64; K], i: usize| {
-            let before = if i == 0 { 0.0 } else { values[i - 1] };
-            K as f64 * ((values[i] - before) / scale)
-        };
-        let features = std::array::from_fn(|row| {
-            let (own, i) = (row / K, row % K);
-            let other = 1 - own;
-            [
-                logarithms[own][i],
-                logarithms[other][i],
-                offset(&pair[own], i),
-                offset(&pair[other], i),
-            ]
-        });
-        Ok(Self { scale, bound, features })
+    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name the spectrum, `first` or
+    /// `second`.
+    pub fn of_pair(first: &[f64], second: &[f64]) -> Result<Self> {
+        Ok(Self::of(&[spectrum::check("first", first)?, spectrum::check("second", second)?]))
     }
 
-    /// What does not change when the two spectra are swapped: the mean and the distance of each
-    /// pair of logarithms.
+    /// Computes the features of parts with these spectra.
+    ///
+    /// # Errors
+    /// [`Error::NonFinite`] and [`Error::Argument`] for a spectrum that is none, and for no parts.
+    pub fn new(parts: &[[f64; K]]) -> Result<Self> {
+        parts.iter().try_for_each(|part| spectrum::check("parts", part).map(drop))?;
+        match parts.is_empty() {
+            true => Err(Error::Argument { what: "parts", why: "there are none".into() }),
+            false => Ok(Self::of(parts)),
+        }
+    }
+
+    fn of(parts: &[[f64; K]]) -> Self {
+        let least = |i: usize| parts.iter().map(|part| part[i]).fold(f64::INFINITY, f64::min);
+        let bound: [f64; K] = std::array::from_fn(least);
+        let scale = bound[K - 1];
+        let of_part = |values: &[f64; K]| {
+            std::array::from_fn(|i| {
+                let before = if i == 0 { 0.0 } else { values[i - 1] };
+                [(values[i] / scale).ln(), K as f64 * ((values[i] - before) / scale)]
+            })
+        };
+        Self { scale, bound, features: parts.iter().map(of_part).collect() }
+    }
+
+    /// What does not change when the parts change places: the mean of each logarithm over the
+    /// parts, and the distance of its largest and smallest value.
     pub fn symmetric(&self) -> [f64; 2 * K] {
+        let count = self.features.len() as f64;
         std::array::from_fn(|j| {
-            let [a, b, ..] = self.features[j % K];
-            if j < K { 0.5 * (a + b) } else { (a - b).abs() }
+            let logarithms = || self.features.iter().map(|part| part[j % K][0]);
+            if j < K {
+                return logarithms().sum::<f64>() / count;
+            }
+            let largest = logarithms().fold(f64::NEG_INFINITY, f64::max);
+            largest - logarithms().fold(f64::INFINITY, f64::min)
         })
     }
 }

@@ -15,7 +15,7 @@ mod tensors;
 #[cfg(test)]
 mod tests;
 
-pub use features::PairFeatures;
+pub use features::PartFeatures;
 pub use localizer::{Localizer, LocalizerOn};
 pub use model::{Scaling, SpectralUnion};
 pub use network::K;

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::features::PairFeatures;
+use super::features::PartFeatures;
 use super::localizer::Localizer;
 use super::network::{
     Architecture, FEATURES, K, Parameter, ParameterLayout, Tape, column_units, forward,
@@ -17,13 +17,13 @@ const PRETRAINED: &[u8] = include_bytes!("unions.safetensors");
 /// Logits beyond this say no more.
 const LARGEST: f64 = 20.0;
 
-/// Pairs that the network sees at once.
+/// Unions that the network sees at once.
 const BATCH: usize = 64;
 
 /// Means and deviations by which numbers are made of about the size 1, and back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaling {
-    /// Of the features of each position, K x FEATURES by rows.
+    /// Of the features of each eigenvalue of a part, K x FEATURES by rows.
     pub feature_mean: Vec<f32>,
     /// Their deviations.
     pub feature_deviation: Vec<f32>,
@@ -34,24 +34,25 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The features of a pair in units of their deviations, as the network reads them.
-    pub fn features(&self, input: &PairFeatures) -> [f32; 2 * K * FEATURES] {
+    /// The features of a part in units of their deviations, as the network reads them.
+    pub fn features(&self, part: &[[f64; FEATURES]; K]) -> [f32; K * FEATURES] {
+        let part = part.as_flattened();
         std::array::from_fn(|j| {
-            let at = j % (K * FEATURES);
-            let value =
-                input.features[j / FEATURES][j % FEATURES] - f64::from(self.feature_mean[at]);
-            (value / f64::from(self.feature_deviation[at])) as f32
+            let value = part[j] - f64::from(self.feature_mean[j]);
+            (value / f64::from(self.feature_deviation[j])) as f32
         })
     }
 }
 
 /// The spectral union operator (thesis, section 2.4): from the first [`K`] Dirichlet eigenvalues of
-/// two parts of a surface those of their union, whatever its geometry is, and where it is on a
+/// each part of a surface those of their union, whatever its geometry is, and where it is on a
 /// template.
 ///
 /// By construction a prediction is positive, ascending, at most the bound that domain monotonicity
-/// gives (`lambda_i <= min(lambda_i(first), lambda_i(second))`), the same for both orders of the
-/// parts, bit for bit, and grows with its arguments when both are multiplied by the same number.
+/// gives (`lambda_i` of the union is at most the smallest one of the parts), the same for all
+/// orders of the parts, bit for bit, and grows with its arguments when all are multiplied by the
+/// same number. Parts are encoded one by one and the codes are added, so it does not matter in
+/// which groups parts come together: unions are associative.
 #[derive(Debug, Clone)]
 pub struct SpectralUnion {
     sizes: Architecture,
@@ -249,7 +250,7 @@ impl SpectralUnion {
     /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] (not positive, not ascending)
     /// name the spectrum at fault, `first` or `second`.
     pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
-        let input = PairFeatures::new(first, second)?;
+        let input = PartFeatures::of_pair(first, second)?;
         let tape = self.run(&[&input]);
         Ok(self.union(&input, &tape.output))
     }
@@ -273,8 +274,8 @@ impl SpectralUnion {
     pub fn predict_each(&self, pairs: &[[&[f64]; 2]]) -> Result<Vec<[f64; K]>> {
         let mut unions = Vec::with_capacity(pairs.len());
         for pairs in pairs.chunks(BATCH) {
-            let input = |[first, second]: &[&[f64]; 2]| PairFeatures::new(first, second);
-            let inputs = pairs.iter().map(input).collect::<Result<Vec<PairFeatures>>>()?;
+            let input = |[first, second]: &[&[f64]; 2]| PartFeatures::of_pair(first, second);
+            let inputs = pairs.iter().map(input).collect::<Result<Vec<PartFeatures>>>()?;
             let tape = self.run(&inputs.iter().collect::<Vec<_>>());
             let outputs = inputs.iter().zip(tape.output.chunks_exact(K));
             unions.extend(outputs.map(|(input, output)| self.union(input, output)));
@@ -282,22 +283,21 @@ impl SpectralUnion {
         Ok(unions)
     }
 
-    fn run(&self, inputs: &[&PairFeatures]) -> Tape<f32> {
-        const HALF: usize = K * FEATURES;
-        let mut tape = Tape::new(&self.sizes, inputs.len());
-        let (firsts, seconds) = tape.features.split_at_mut(HALF * inputs.len());
-        let rows = firsts.chunks_exact_mut(HALF).zip(seconds.chunks_exact_mut(HALF));
-        for ((first, second), input) in rows.zip(inputs) {
-            let features = self.scaling.features(input);
-            first.copy_from_slice(&features[..HALF]);
-            second.copy_from_slice(&features[HALF..]);
-        }
+    /// Of unions of equally many parts.
+    fn run(&self, inputs: &[&PartFeatures]) -> Tape<f32> {
+        let parts = inputs[0].features.len();
+        let mut tape = Tape::new(&self.sizes, inputs.len(), parts);
+        let rows = tape.features.chunks_exact_mut(K * FEATURES);
+        let part = |at: usize| &inputs[at % inputs.len()].features[at / inputs.len()];
+        rows.enumerate().for_each(|(at, row)| {
+            row.copy_from_slice(&self.scaling.features(part(at)));
+        });
         forward(&self.sizes, &self.layout, &self.parameters, &mut tape);
         tape
     }
 
     /// The spectrum that an output of the network means.
-    fn union(&self, input: &PairFeatures, output: &[f32]) -> [f64; K] {
+    fn union(&self, input: &PartFeatures, output: &[f32]) -> [f64; K] {
         let below: [f64; K] = std::array::from_fn(|i| {
             let output = f64::from(output[i] * self.scaling.output_deviation[i]);
             let logit = output + f64::from(self.scaling.output_mean[i]);
@@ -308,9 +308,8 @@ impl SpectralUnion {
         spectrum::ascending(&below)
     }
 
-    /// The eigenvalues of the union of any number of parts, by unions of two, one part after the
-    /// other; the order of the arguments does not matter, bit for bit: they are sorted by their
-    /// eigenvalues, the first one first.
+    /// The eigenvalues of the union of any number of parts. Their order does not matter, bit for
+    /// bit: they are sorted by their eigenvalues. The network was trained on up to four.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -327,8 +326,13 @@ impl SpectralUnion {
     /// # Errors
     /// As [`SpectralUnion::predict`], but the name is `parts`; [`Error::Argument`] for no parts.
     pub fn predict_all(&self, parts: &[&[f64]]) -> Result<[f64; K]> {
-        let (first, rest) = sorted(parts)?;
-        rest.iter().try_fold(first, |union, part| self.predict(&union, part))
+        let parts = sorted(parts)?;
+        if let [part] = parts[..] {
+            return Ok(part);
+        }
+        let input = PartFeatures::new(&parts)?;
+        let tape = self.run(&[&input]);
+        Ok(self.union(&input, &tape.output))
     }
 
     /// Where the union of any number of parts is on the template: coefficients in its
@@ -349,11 +353,12 @@ impl SpectralUnion {
     /// # Errors
     /// As [`SpectralUnion::predict_all`].
     pub fn locate(&self, parts: &[&[f64]]) -> Result<Vec<f32>> {
-        let (first, rest) = sorted(parts)?;
-        // A part is the union of itself with itself.
-        let (last, before) = rest.split_last().unwrap_or((&first, &[]));
-        let union = before.iter().try_fold(first, |union, part| self.predict(&union, part))?;
-        Ok(self.run(&[&PairFeatures::new(&union, last)?]).region)
+        let mut parts = sorted(parts)?;
+        if let [part] = parts[..] {
+            // It is the union of itself with itself.
+            parts.push(part);
+        }
+        Ok(self.run(&[&PartFeatures::new(&parts)?]).region)
     }
 
     /// The template, for [`SpectralUnion::locate`].
@@ -367,10 +372,10 @@ impl SpectralUnion {
     /// # Errors
     /// As [`SpectralUnion::predict`].
     pub fn ood_probability(&self, first: &[f64], second: &[f64]) -> Result<f64> {
-        Ok(self.ood_probability_of(&PairFeatures::new(first, second)?))
+        Ok(self.ood_probability_of(&PartFeatures::of_pair(first, second)?))
     }
 
-    fn ood_probability_of(&self, input: &PairFeatures) -> f64 {
+    fn ood_probability_of(&self, input: &PartFeatures) -> f64 {
         let logit = f64::from(self.run(&[input]).ood_logit[0]);
         // Weights that are beyond all reason give NaN.
         if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
@@ -387,7 +392,7 @@ impl SpectralUnion {
         let mut largest: f64 = 0.0;
         for (i, first) in parts.iter().enumerate() {
             for second in &parts[i + 1..] {
-                let input = PairFeatures::new(first, second)?;
+                let input = PartFeatures::of_pair(first, second)?;
                 let probability = self.ood_probability_of(&input);
                 largest = largest.max(self.detector.ood_score(&input.symmetric(), probability));
             }
@@ -396,8 +401,8 @@ impl SpectralUnion {
     }
 }
 
-/// The parts in the order of their eigenvalues: the first one, and the others.
-fn sorted(parts: &[&[f64]]) -> Result<([f64; K], Vec<[f64; K]>)> {
+/// The parts in the order of their eigenvalues.
+fn sorted(parts: &[&[f64]]) -> Result<Vec<[f64; K]>> {
     let mut parts: Vec<[f64; K]> =
         parts.iter().map(|part| spectrum::check("parts", part)).collect::<Result<_>>()?;
     let order = |a: &f64, b: &f64| a.total_cmp(b);
@@ -405,10 +410,7 @@ fn sorted(parts: &[&[f64]]) -> Result<([f64; K], Vec<[f64; K]>)> {
         let differing = a.iter().zip(b).map(|(a, b)| order(a, b)).find(|o| o.is_ne());
         differing.unwrap_or(std::cmp::Ordering::Equal)
     });
-    match parts.split_first() {
-        Some((&first, rest)) => Ok((first, rest.to_vec())),
-        None => Err(Error::Argument { what: "parts", why: "there are none".into() }),
-    }
+    Ok(parts)
 }
 
 #[cfg(test)]
@@ -472,6 +474,7 @@ mod tests {
             let [a, b, c, d] = std::array::from_fn(|i| &parts[i][..]);
             assert_eq!(model.predict(a, b).unwrap(), model.predict(b, a).unwrap());
             assert_eq!(model.ood_score(&[a, b]).unwrap(), model.ood_score(&[b, a]).unwrap());
+            assert_eq!(model.predict(a, b).unwrap(), model.predict_all(&[a, b]).unwrap());
             let all = model.predict_all(&[a, b, c, d]).unwrap();
             for order in [[d, c, b, a], [c, a, d, b]] {
                 assert_eq!(model.predict_all(&order).unwrap(), all);

@@ -28,7 +28,7 @@ const LEAST_PROBABILITY: f32 = 0.05;
 const NOISE: f64 = 1e-6;
 
 impl OodDetector {
-    /// From the symmetric features ([`PairFeatures::symmetric`](super::PairFeatures::symmetric)) of
+    /// From the symmetric features ([`PartFeatures::symmetric`](super::PartFeatures::symmetric)) of
     /// all pairs of the training, of which the share `within` must score at most 1. Probabilities
     /// do not count yet.
     ///

@@ -55,6 +55,25 @@ static void test_full_water_and_decay(void)
     cata_plant_free(plant);
 }
 
+static void test_literal_elasticity(void)
+{
+    const cata_plant_params params = {.struct_size = sizeof params, .threads = 1, .elasticity_full = 3e7,
+        .elasticity_steepness = 2, .elasticity_shift = 0.1, .elasticity_literal = 1};
+    cata_plant *plant = NULL;
+    double full[N], moduli[N];
+    CHECK_STATUS(cata_plant_new(N, tails, radii, parents, kinds, base, &params, &plant), CATA_OK);
+    CHECK_STATUS(cata_plant_full_water(plant, N, full), CATA_OK);
+    CHECK_STATUS(cata_plant_stiffness(plant, N, full, moduli), CATA_OK);
+    for (int v = 0; v < N; v++) {
+        CHECK(fabs(moduli[v] - 3e7 / (1 + exp(-2 * (1e3 * full[v] - 0.1)))) < 1e-6);
+    }
+    cata_plant_free(plant);
+    cata_plant_params wrong = params;
+    wrong.elasticity_literal = 2;
+    CHECK_STATUS(cata_plant_new(N, tails, radii, parents, kinds, base, &wrong, &plant), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("elasticity_literal");
+}
+
 static void test_steps_and_independent_handles(void)
 {
     cata_plant *a = new_plant(2e-5), *b = new_plant(1e-5);
@@ -245,6 +264,7 @@ static void test_refusals(void)
 int main(void)
 {
     test_full_water_and_decay();
+    test_literal_elasticity();
     test_steps_and_independent_handles();
     test_curves_and_rates();
     test_segments();

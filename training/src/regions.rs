@@ -1,6 +1,8 @@
 //! Regions on a template, as coefficients of its eigenfunctions: what the network says of where
 //! unions are (thesis, section 2.6.2).
 
+use std::borrow::Cow;
+
 use catamaran::base::{Pin, Progress, ThreadPool};
 use catamaran::decimate::FarthestPoints;
 use catamaran::faer::Mat;
@@ -77,6 +79,11 @@ impl Regions {
         })
     }
 
+    /// No regions, of so many coefficients.
+    pub fn none(modes: usize) -> Self {
+        Self { modes, ..Self::default() }
+    }
+
     /// The number of a mask.
     pub fn number(&self, id: usize) -> Option<usize> {
         self.ids.binary_search(&id).ok()
@@ -94,10 +101,10 @@ impl Regions {
 
     /// The same of the region or its mirror image, whichever has more on the left: which one of the
     /// two a spectrum alone means.
-    pub fn on_the_left(&self, number: usize) -> Vec<f32> {
+    pub fn on_the_left(&self, number: usize) -> Cow<'_, [f32]> {
         let own = self.coefficients(number);
         if !self.on_the_right[number] {
-            return own.to_vec();
+            return own.into();
         }
         let entry = |row: &[f32]| row.iter().zip(own).map(|(m, x)| m * x).sum();
         self.mirror.chunks_exact(self.modes).map(entry).collect()

@@ -2,10 +2,13 @@
 
 mod curve;
 mod dataset;
+mod interpolate;
+mod parts;
 mod predict;
 mod shape;
 mod template;
 mod train;
+mod tune;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -20,9 +23,11 @@ pub struct Args {
 #[derive(Subcommand)]
 enum Command {
     Predict(predict::Args),
+    Interpolate(interpolate::Args),
     Shape(shape::Args),
     Dataset(dataset::Args),
     Train(train::Args),
+    Tune(tune::Args),
     Template(template::Args),
 }
 
@@ -30,9 +35,11 @@ enum Command {
 pub fn run(args: &Args) -> Result<()> {
     match &args.command {
         Command::Predict(args) => predict::run(args),
+        Command::Interpolate(args) => interpolate::run(args),
         Command::Shape(args) => shape::run(args),
         Command::Dataset(args) => dataset::run(args),
         Command::Train(args) => train::run(args),
+        Command::Tune(args) => tune::run(args),
         Command::Template(args) => template::run(args),
     }
 }

@@ -44,7 +44,10 @@ pub struct Args {
     /// Go on from OUT.state.npz; sizes and rates are then those of the state.
     #[arg(long)]
     resume: bool,
-    /// Layers before and after the sum of both spectra.
+    /// Learn from the first N known humanoids only, and from no other shapes (thesis, table 2.2: 1).
+    #[arg(long, value_name = "N")]
+    identities: Option<usize>,
+    /// Layers before and after the sum over the parts.
     #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [2, 2])]
     layers: Vec<usize>,
     /// Numbers that stand for a spectrum.
@@ -82,7 +85,12 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
     }
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
-    let examples = Examples::new(&dataset::read(&args.data)?, par)?;
+    let mut dataset = dataset::read(&args.data)?;
+    if let Some(count) = args.identities {
+        dataset.retain_identities(count);
+    }
+    let examples = Examples::new(&dataset, par)?;
+    drop(dataset);
     report(format_args!(
         "data      {} pairs to learn from ({} of unions and more parts), {} to choose by",
         examples.training.len(),

@@ -38,7 +38,7 @@ fn run(document: &str, count: usize) {
         .filter(|line| line.starts_with("catamaran "))
         .map(|line| line.split(" #").next().unwrap_or(line).trim_start_matches("catamaran "))
         .filter(|line| !line.contains("--device") && !line.starts_with("unions dataset"))
-        .filter(|line| !line.starts_with("unions train"))
+        .filter(|line| !line.starts_with("unions train") && !line.starts_with("unions tune"))
         .collect();
     for command in &commands {
         folder.succeed(command);
@@ -66,5 +66,5 @@ fn the_commands_of_the_page_on_decimation_run() {
 
 #[test]
 fn the_commands_of_the_page_on_unions_run() {
-    run(include_str!("../../../docs/guide/unions.md"), 5);
+    run(include_str!("../../../docs/guide/unions.md"), 6);
 }

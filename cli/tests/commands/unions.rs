@@ -1,4 +1,4 @@
-//! `catamaran unions predict`, `train` and `template`, from outside.
+//! `catamaran unions`, from outside.
 
 use std::fs;
 
@@ -95,6 +95,56 @@ fn a_template_is_deformed_to_a_predicted_spectrum() {
     folder.write("wrong.csv", "number,value\n1,3.0\n2,1.0\n");
     let wrong = "unions shape template.off --spectrum wrong.csv -o x.ply";
     assert!(folder.fail(wrong).contains("must ascend"));
+}
+
+#[test]
+fn unions_with_spectra_in_between_begin_and_end_with_those_of_the_parts() {
+    let folder = Folder::new();
+    rectangle(&folder, "a.off", 16, 10);
+    rectangle(&folder, "b.off", 10, 14);
+    rectangle(&folder, "c.off", 12, 12);
+    folder.succeed("unions template -o template.ply");
+    let said = folder.succeed(
+        "unions interpolate a.off b.off c.off --steps 3 -o out.csv --localize template.ply \
+         --picture out.png",
+    );
+    assert_eq!(said.matches("out-of-distribution score").count(), 3, "{said}");
+    let unions = columns(&fs::read_to_string(folder.path("out.csv")).unwrap());
+    for (part, union) in [("a", &unions[0]), ("b", &unions[2])] {
+        folder.succeed(&format!("unions predict {part}.off c.off -o {part}.csv"));
+        let text = fs::read_to_string(folder.path(&format!("{part}.csv"))).unwrap();
+        assert_eq!(columns(&text)[2], *union);
+    }
+    assert_eq!(unions.len(), 3);
+    let refused = folder.fail("unions interpolate a.off b.off c.off -o out.csv");
+    assert!(refused.contains("out.csv"), "{refused}");
+}
+
+#[test]
+#[ignore = "trains: scripts/test --training"]
+fn weights_are_fitted_to_a_few_meshes() {
+    let folder = Folder::new();
+    let meshes: Vec<String> = (0..4).map(|i| format!("figure{i}.off")).collect();
+    for (i, name) in meshes.iter().enumerate() {
+        let mesh = families::figure(3, 0.2 * i as f64).unwrap();
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        io::write(output, &mesh.into()).unwrap();
+    }
+    let tune = format!("unions tune {} --pairs 12 --epochs 2 --threads", meshes.join(" "));
+    let said = folder.succeed(&format!("{tune} 2 -o own.safetensors"));
+    let error = |line: &str| -> f64 {
+        let line = said.lines().find_map(|own| own.strip_prefix(line)).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    assert!(error("after") < error("before"), "{said}");
+    folder.succeed(&format!("{tune} 1 -o again.safetensors"));
+    let [one, other] =
+        ["own", "again"].map(|name| fs::read(folder.path(&format!("{name}.safetensors"))).unwrap());
+    assert!(one == other);
+    rectangle(&folder, "a.off", 16, 10);
+    folder.succeed("unions predict a.off a.off --weights own.safetensors");
+    let refused = folder.fail("unions tune figure0.off none.off -o x.safetensors");
+    assert!(refused.contains("none.off"), "{refused}");
 }
 
 #[test]

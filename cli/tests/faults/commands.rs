@@ -64,6 +64,8 @@ pub const LINES: &[&str] = &[
      --poses 1 --pairs 4 --varied 0 --creatures 0",
     "unions train data.npz -o w.safetensors --epochs 1 --width 16 --hidden 16",
     "unions template --vertices 700 -o template.stl",
+    "unions interpolate left.off right.off left.off --steps 2 -o u.csv",
+    "unions tune sphere.ply torus.obj --pairs 4 --epochs 1 -o w.safetensors",
     "unions shape left.off --spectrum values.csv --tolerance 10 -o out.ply",
 ];
 
@@ -73,7 +75,7 @@ pub const VARYING: &[&str] = &["demo", "tune"];
 /// Whether a line takes half a second or more: the quick part leaves it out, and the full one
 /// injects less into it.
 pub fn is_slow(line: &str) -> bool {
-    is_one_of(line, &["demo", "tune", "unions dataset"])
+    is_one_of(line, &["demo", "tune", "unions dataset", "unions tune"])
         || ["--picture", "--render"].iter().any(|option| line.contains(option))
 }
 

@@ -1,5 +1,5 @@
 use super::kernel::{Number, gemm, normalize};
-use super::{Architecture, FEATURES, INPUTS, K, LayerLayout, Parameter, ParameterLayout};
+use super::{Architecture, FEATURES, INPUTS, K, LayerLayout, OCTAVES, Parameter, ParameterLayout};
 
 /// What a layer computed, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with
 /// `(a, g) = up(normalised x)`.
@@ -62,12 +62,15 @@ fn waves<T: Number>(features: &[T], inputs: &mut [T]) {
     for (features, inputs) in rows {
         let (plain, waves) = inputs.split_at_mut(K * FEATURES);
         plain.copy_from_slice(features);
-        // The logarithms come first for each eigenvalue.
-        let logarithms = features.chunks_exact(FEATURES).flat_map(|row| [row[0], row[1]]);
-        for (wave, logarithm) in waves.chunks_exact_mut(4).zip(logarithms) {
-            let (sine, cosine) = logarithm.sin_cos();
-            let twice = T::from_f64(2.0) * sine;
-            wave.copy_from_slice(&[sine, cosine, twice * cosine, T::ONE - twice * sine]);
+        // The logarithm comes first for each eigenvalue.
+        let logarithms = features.chunks_exact(FEATURES).map(|row| row[0]);
+        for (waves, logarithm) in waves.chunks_exact_mut(2 * OCTAVES).zip(logarithms) {
+            let (mut sine, mut cosine) = logarithm.sin_cos();
+            for wave in waves.chunks_exact_mut(2) {
+                wave.copy_from_slice(&[sine, cosine]);
+                let twice = T::from_f64(2.0) * sine;
+                (sine, cosine) = (twice * cosine, T::ONE - twice * sine);
+            }
         }
     }
 }
@@ -96,18 +99,18 @@ fn add<T: Number>(sum: &mut [T], x: &[T]) {
     }
 }
 
-/// Everything that [`forward`] computes for a number of pairs.
+/// Everything that [`forward`] computes for a number of unions of equally many parts. "A row for
+/// each part" means: those of the first parts of all unions, then those of the second ones, and so
+/// on.
 #[derive(Debug, Clone)]
 pub struct Tape<T> {
-    /// Features, `K x FEATURES` a row: those of the first spectrum of every pair informed about the
-    /// second, then those of the second ones informed about the first. To be filled in before
-    /// [`forward`].
+    /// Features, `K x FEATURES` a row for each part. To be filled in before [`forward`].
     pub features: Vec<T>,
-    /// What the first layer reads, `K x INPUTS` a row.
+    /// What the first layer reads, `K x INPUTS` a row for each part.
     pub inputs: Vec<T>,
-    /// The layers of the first part, on twice as many rows as there are pairs.
+    /// The layers of the encoder, a row for each part.
     pub first: Vec<LayerTape<T>>,
-    /// Those of the second one.
+    /// Those of the decoder, a row for each union.
     pub second: Vec<LayerTape<T>>,
     /// What the last layer gave, normalised.
     pub unit: Vec<T>,
@@ -121,45 +124,45 @@ pub struct Tape<T> {
     pub region: Vec<T>,
     /// The logit of the probability that the parts are of another kind of shape than the template.
     pub ood_logit: Vec<T>,
-    /// What the first part gave, normalised; twice as many rows as there are pairs.
+    /// What the encoder gave, normalised, a row for each part.
     pub part_unit: Vec<T>,
     /// One over the deviations of its rows.
     pub part_inverse: Vec<T>,
     /// With scale and shift.
     pub part_normed: Vec<T>,
-    /// Where the parts are, coefficients: of the first spectrum of every pair, then of the second
-    /// ones.
+    /// Where the parts are, coefficients, a row for each part.
     pub part_region: Vec<T>,
 }
 
 impl<T: Number> Tape<T> {
-    /// For `pairs` pairs.
-    pub fn new(sizes: &Architecture, pairs: usize) -> Self {
+    /// For this number of unions, each of `parts` parts.
+    pub fn new(sizes: &Architecture, unions: usize, parts: usize) -> Self {
         let layers = |count: usize, rows: usize| -> Vec<LayerTape<T>> {
             (0..count).map(|_| LayerTape::new(sizes, rows)).collect()
         };
+        let rows = unions * parts;
         Self {
-            features: vec![T::ZERO; 2 * pairs * K * FEATURES],
-            inputs: vec![T::ZERO; 2 * pairs * K * INPUTS],
-            first: layers(sizes.first_layers, 2 * pairs),
-            second: layers(sizes.second_layers, pairs),
-            unit: vec![T::ZERO; pairs * sizes.width],
-            inverse: vec![T::ZERO; pairs],
-            normed: vec![T::ZERO; pairs * sizes.width],
-            output: vec![T::ZERO; pairs * K],
-            region: vec![T::ZERO; pairs * sizes.modes],
-            ood_logit: vec![T::ZERO; pairs],
-            part_unit: vec![T::ZERO; 2 * pairs * sizes.width],
-            part_inverse: vec![T::ZERO; 2 * pairs],
-            part_normed: vec![T::ZERO; 2 * pairs * sizes.width],
-            part_region: vec![T::ZERO; 2 * pairs * sizes.modes],
+            features: vec![T::ZERO; rows * K * FEATURES],
+            inputs: vec![T::ZERO; rows * K * INPUTS],
+            first: layers(sizes.first_layers, rows),
+            second: layers(sizes.second_layers, unions),
+            unit: vec![T::ZERO; unions * sizes.width],
+            inverse: vec![T::ZERO; unions],
+            normed: vec![T::ZERO; unions * sizes.width],
+            output: vec![T::ZERO; unions * K],
+            region: vec![T::ZERO; unions * sizes.modes],
+            ood_logit: vec![T::ZERO; unions],
+            part_unit: vec![T::ZERO; rows * sizes.width],
+            part_inverse: vec![T::ZERO; rows],
+            part_normed: vec![T::ZERO; rows * sizes.width],
+            part_region: vec![T::ZERO; rows * sizes.modes],
         }
     }
 }
 
-/// From `tape.features` to `tape.output`, the regions and the out-of-distribution logit. Swapping
-/// the two spectra of a pair leaves output, region of the union and this logit as they are, bit for
-/// bit: the first part runs on both orders, and the two results are added.
+/// From `tape.features` to `tape.output`, the regions and the out-of-distribution logit. What the
+/// encoder gives for the parts of a union is added, part by part: the order of two parts does not
+/// matter, bit for bit.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.
@@ -180,8 +183,8 @@ pub fn forward<T: Number>(
     let Tape { part_unit, part_inverse, part_normed, .. } = tape;
     normalize(&x, norm, part_unit, part_inverse, part_normed);
     linear(&tape.part_normed, of(parameters, layout.part_region), &mut tape.part_region);
-    let mut union = x.split_off(x.len() / 2);
-    add(&mut union, &x);
+    let mut union = x.split_off(x.len() - tape.unit.len());
+    x.chunks_exact(union.len()).for_each(|parts| add(&mut union, parts));
     for (layer, layout) in tape.second.iter_mut().zip(&layout.second) {
         layer.run(layout, parameters, &mut union);
     }

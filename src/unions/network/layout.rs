@@ -10,9 +10,9 @@ pub struct Architecture {
     pub width: usize,
     /// Neurons of a layer.
     pub hidden: usize,
-    /// Layers of the first part, which sees one spectrum informed about the other.
+    /// Layers of the encoder, which sees one spectrum.
     pub first_layers: usize,
-    /// Layers of the second part, which sees the sum of both.
+    /// Layers of the decoder, which sees the sum over the parts.
     pub second_layers: usize,
     /// Coefficients of a region on a template.
     pub modes: usize,
@@ -57,11 +57,11 @@ pub struct LayerLayout {
 /// Where the parameters of a network are in one array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ParameterLayout {
-    /// Weights and bias, from the features of both spectra.
+    /// Weights and bias, from the features of a spectrum.
     pub embedding: [Parameter; 2],
-    /// The first part.
+    /// The encoder.
     pub first: Vec<LayerLayout>,
-    /// The second one.
+    /// The decoder.
     pub second: Vec<LayerLayout>,
     /// Scale and shift of the last normalisation.
     pub norm: [Parameter; 2],
@@ -71,7 +71,7 @@ pub struct ParameterLayout {
     pub region: [Parameter; 2],
     /// Weights and bias of the out-of-distribution logit ("doubt" in files).
     pub ood_logit: [Parameter; 2],
-    /// Scale and shift of the normalisation after the first part.
+    /// Scale and shift of the normalisation after the encoder.
     pub part_norm: [Parameter; 2],
     /// Weights and bias of the region of each part.
     pub part_region: [Parameter; 2],
@@ -177,7 +177,7 @@ mod tests {
             assert_eq!(next, layout.len);
             assert_eq!((layout.first.len(), layout.second.len()), (first_layers, second_layers));
             let layer = 2 * 8 + 8 * 12 + 12 + 6 * 8 + 8;
-            let rest = 241 * 8 + 2 * 8 + 9 * 20 + 9 + 2 * 8 + 2 * 9 * 5;
+            let rest = 161 * 8 + 2 * 8 + 9 * 20 + 9 + 2 * 8 + 2 * 9 * 5;
             assert_eq!(layout.len, (first_layers + second_layers) * layer + rest);
         }
     }

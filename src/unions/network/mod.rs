@@ -2,8 +2,9 @@
 //! generic over the scalar, with everything kept that back-propagation (the workspace member
 //! `training`) needs.
 //!
-//! Source: thesis, section 2.4 (a commutative sum between two parts); the layers are gated residual
-//! perceptrons with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention:
+//! Source: thesis, section 2.4 (a commutative sum between an encoder and a decoder); each part is
+//! encoded for itself, as sets are (Zaheer et al. 2017); the layers are gated residual perceptrons
+//! with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention:
 //! docs/decisions/0025.
 
 mod forward;
@@ -20,11 +21,14 @@ pub(super) use quantize::{column_units, from_integers, is_quantized, to_integers
 /// Eigenvalues of a spectrum.
 pub const K: usize = 20;
 
-/// Numbers for each eigenvalue that the network is given: see
-/// [`PairFeatures`](super::PairFeatures).
-pub const FEATURES: usize = 4;
+/// Numbers for each eigenvalue of a part that the network is given: see
+/// [`PartFeatures`](super::PartFeatures).
+pub const FEATURES: usize = 2;
+
+/// Doublings of the logarithm whose sines and cosines the first layer reads, so that narrow ranges
+/// of eigenvalues can be told apart.
+const OCTAVES: usize = 3;
 
 /// Numbers for each eigenvalue that the first layer reads: the features, and sines and cosines of
-/// once and twice the two logarithms among them, so that narrow ranges of eigenvalues can be told
-/// apart.
-pub const INPUTS: usize = FEATURES + 8;
+/// the logarithm among them and of its doublings.
+pub const INPUTS: usize = FEATURES + 2 * OCTAVES;

@@ -12,8 +12,8 @@ const SHARES: [f64; 2] = [0.08, 0.6];
 /// Attempts for each region that is wanted.
 const ATTEMPTS: usize = 20;
 
-/// Up to `count` regions, in turn a ball, a union of segments and a half space; no two alike or
-/// mirror images of each other.
+/// Up to `count` regions, in turn a ball, a union of segments, if there are any, and a half space;
+/// no two alike or mirror images of each other.
 pub(super) fn regions(
     surface: &Surface<'_>,
     segments: &[u32],
@@ -28,7 +28,7 @@ pub(super) fn regions(
         }
         let raw = match attempt % 3 {
             0 => ball(surface, rng)?,
-            1 => segment_union(segments, &touching, rng),
+            1 if !segments.is_empty() => segment_union(segments, &touching, rng),
             _ => half_space(surface, rng),
         };
         let mask = surface.smoothed(&surface.largest_piece(&raw));
@@ -93,6 +93,9 @@ fn half_space(surface: &Surface<'_>, rng: &mut Rng) -> Mask {
 fn touching(surface: &Surface<'_>, segments: &[u32]) -> Vec<Vec<u32>> {
     let count = segments.iter().max().map_or(0, |&s| s as usize + 1);
     let mut touching = vec![vec![]; count];
+    if segments.is_empty() {
+        return touching;
+    }
     for &[a, b] in Edges::new(surface.mesh).ends() {
         let [a, b] = [a, b].map(|v| segments[v as usize]);
         if a != b && !touching[a as usize].contains(&b) {

@@ -14,6 +14,7 @@ mod triples;
 use std::collections::BTreeMap;
 
 use catamaran::base::Rng;
+use catamaran::mesh::TriMesh;
 use catamaran::{Par, Result};
 
 use crate::families::Model;
@@ -99,13 +100,27 @@ impl Cuts {
 /// As [`HeatMethod`](catamaran::mesh::HeatMethod).
 pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
     let surface = Surface::new(model.template(), model.mirror(), par)?;
+    cuts_of(&surface, model.segments(), options)
+}
+
+/// Cuts any mesh, of which no symmetry and no segments are known: by balls and planes. The same
+/// options give the same cuts, for any number of threads.
+///
+/// # Errors
+/// As [`HeatMethod`](catamaran::mesh::HeatMethod).
+pub fn cuts_of_mesh(mesh: &TriMesh, options: &CutOptions, par: Par) -> Result<Cuts> {
+    let itself: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
+    cuts_of(&Surface::new(mesh, &itself, par)?, &[], options)
+}
+
+fn cuts_of(surface: &Surface<'_>, segments: &[u32], options: &CutOptions) -> Result<Cuts> {
     let mut rng = Rng::new(crate::families::mixed(&[options.seed, 0xC075]));
-    let regions = draw::regions(&surface, model.segments(), options.regions, &mut rng)?;
+    let regions = draw::regions(surface, segments, options.regions, &mut rng)?;
     let mut cuts = Cuts { masks: BTreeMap::new(), pairs: vec![], triples: vec![] };
-    pairs::of_regions(&surface, [&regions, &regions], options.pairs, &mut cuts, &mut rng);
+    pairs::of_regions(surface, [&regions, &regions], options.pairs, &mut cuts, &mut rng);
     let unions: Vec<Mask> = cuts.pairs.iter().map(|pair| cuts.masks[&pair.union].clone()).collect();
-    pairs::of_regions(&surface, [&unions, &regions], options.composites, &mut cuts, &mut rng);
-    pairs::by_splitting(&surface, &regions, options.splits, &mut cuts, &mut rng)?;
-    triples::find(&surface, options.triples, &mut cuts, &mut rng);
+    pairs::of_regions(surface, [&unions, &regions], options.composites, &mut cuts, &mut rng);
+    pairs::by_splitting(surface, &regions, options.splits, &mut cuts, &mut rng)?;
+    triples::find(surface, options.triples, &mut cuts, &mut rng);
     Ok(cuts)
 }

@@ -33,6 +33,31 @@ pub struct Dataset {
     pub triples: Triples,
 }
 
+impl Dataset {
+    /// Keeps of the samples to train on those of the first known humanoids only, this many: what
+    /// table 2.2 of the thesis asks for with one.
+    pub fn retain_identities(&mut self, count: usize) {
+        let samples = &mut self.samples;
+        let kept: Vec<bool> = (0..samples.part1.len())
+            .map(|i| {
+                samples.split[i] != TRAIN || samples.family[i] == 0 && samples.identity[i] < count
+            })
+            .collect();
+        fn retain<T>(column: &mut Vec<T>, kept: &[bool]) {
+            let mut kept = kept.iter();
+            column.retain(|_| kept.next().is_none_or(|kept| *kept));
+        }
+        let Samples { part1, part2, union, areas, family, identity, body, pose, .. } = samples;
+        [part1, part2, union].into_iter().for_each(|column| retain(column, &kept));
+        retain(areas, &kept);
+        [family, identity, body, pose].into_iter().for_each(|column| retain(column, &kept));
+        let Samples { mask1, mask2, mask_union, remeshed, split, knowledge, .. } = samples;
+        [mask1, mask2, mask_union, remeshed, split, knowledge]
+            .into_iter()
+            .for_each(|column| retain(column, &kept));
+    }
+}
+
 /// The first eigenvalues of a part, ascending.
 pub type Spectrum = [f64; EIGENVALUES];
 

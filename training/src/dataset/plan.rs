@@ -28,9 +28,10 @@ pub struct DatasetOptions {
     pub poses: usize,
     /// Parts of each family.
     pub cuts: CutOptions,
-    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with
-    /// parts of its own, half of them remeshed; in every fourth round new caricatures. What is
-    /// learnt about unions never seen comes from them. Default 1280.
+    /// Further shapes to train on, each in another pose and with parts of its own, half of them
+    /// remeshed: in every fourth round the known humanoids, in two new ones of type A, in one
+    /// caricatures. What is learnt about identities and unions never seen comes from them. Default
+    /// 4000.
     pub varied: usize,
     /// Creatures to train on, half of them remeshed: what is learnt about shapes of families never
     /// seen comes from them. Default 320.
@@ -48,7 +49,7 @@ impl Default for DatasetOptions {
             others: 2,
             poses: 2,
             cuts,
-            varied: 1280,
+            varied: 4000,
             creatures: 320,
         }
     }
@@ -91,10 +92,10 @@ impl DatasetOptions {
                 seed,
             },
             Parts::Common | Parts::Varied => CutOptions {
-                regions,
-                pairs: 2 * pairs,
-                composites: 2 * pairs,
-                splits,
+                regions: regions / 2,
+                pairs: pairs / 2,
+                composites: pairs,
+                splits: splits / 2,
                 triples: 0,
                 seed,
             },
@@ -175,11 +176,10 @@ const HELD_OUT_PAIRS: usize = 8;
 /// Masks nearer to each other than this (intersection over union) count as the same union.
 const SAME: f64 = 0.95;
 
-/// Of the rounds of varied shapes through the known humanoids, one in so many has caricatures in
-/// their place.
-const CARICATURES: usize = 4;
-/// Identities from here on are those of caricatures.
-const FIRST_CARICATURE: usize = 100_000;
+/// Rounds of varied shapes: one of the known humanoids, then new ones of type A, then caricatures.
+const ROUNDS: usize = 4;
+/// Identities from here on are those of varied shapes that are not known ones.
+const FIRST_VARIED: usize = 100_000;
 
 /// The shapes, in the order in which the data set has them: humanoids first, then the other
 /// families, the varied ones and creatures.
@@ -215,9 +215,10 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
     }
     for number in 0..options.varied {
         let round = number / known;
-        let (identity, body) = match round % CARICATURES {
-            last if last + 1 == CARICATURES => (FIRST_CARICATURE + number, CARICATURE),
-            _ => (number % known, 0),
+        let (identity, body) = match round % ROUNDS {
+            0 => (number % known, 0),
+            last if last + 1 == ROUNDS => (FIRST_VARIED + number, CARICATURE),
+            _ => (FIRST_VARIED + number, 0),
         };
         jobs.push(Job {
             family: Family::Humanoid,

@@ -18,8 +18,8 @@ const fn bone(
     Spec { parent, head, tail, radii, turns, body_b }
 }
 
-/// 10 entries, 16 bones. Body type B: wide hips, narrow shoulders, slender limbs.
-pub(super) const HUMANOID: [Spec; 10] = [
+/// 11 entries, 18 bones. Body type B: wide hips, narrow shoulders, slender limbs.
+pub(super) const HUMANOID: [Spec; 11] = [
     bone(0, [[0.0, 0.0, 0.92], [0.0, 0.0, 1.08]], [0.135, 0.125], STIFF, [0.98, 1.1]),
     bone(0, [[0.0, 0.0, 1.08], [0.0, 0.0, 1.36]], [0.125, 0.14], LOOSE, [0.94, 0.9]),
     bone(1, [[0.0, 0.0, 1.36], [0.0, 0.0, 1.54]], [0.07, 0.06], LOOSE, [1.0, 0.88]),
@@ -54,6 +54,7 @@ pub(super) const HUMANOID: [Spec; 10] = [
         [[-1.1, 0.0], [-0.05, 0.05], [-0.1, 0.1]],
         [0.95, 0.9],
     ),
+    bone(9, [[0.12, -0.02, 0.06], [0.13, 0.14, 0.04]], [0.045, 0.032], LOOSE, [0.92, 0.9]),
 ];
 
 /// 9 entries, 13 bones. Body type B: long neck, short legs.

@@ -43,13 +43,13 @@ pub struct Outputs<T> {
 }
 
 impl<T: Number> Outputs<T> {
-    /// Zeros for `pairs` pairs.
-    pub fn new(sizes: &Architecture, pairs: usize) -> Self {
+    /// Zeros for this number of unions, each of `parts` parts.
+    pub fn new(sizes: &Architecture, unions: usize, parts: usize) -> Self {
         Self {
-            output: vec![T::ZERO; pairs * K],
-            region: vec![T::ZERO; pairs * sizes.modes],
-            ood_logit: vec![T::ZERO; pairs],
-            part_region: vec![T::ZERO; 2 * pairs * sizes.modes],
+            output: vec![T::ZERO; unions * K],
+            region: vec![T::ZERO; unions * sizes.modes],
+            ood_logit: vec![T::ZERO; unions],
+            part_region: vec![T::ZERO; unions * parts * sizes.modes],
         }
     }
 }
@@ -90,8 +90,11 @@ impl<T: Number> Backward<T> {
         for (layer, layout) in tape.second.iter().zip(&layout.second).rev() {
             self.layer(layout, parameters, layer, &mut x);
         }
-        // The sum of both orders passes its gradient on to each.
-        x.extend_from_within(..);
+        // The sum over the parts passes its gradient on to each.
+        let union = x.len();
+        while x.len() < tape.part_unit.len() {
+            x.extend_from_within(..union);
+        }
         let (normed, parts) = (&tape.part_normed, &by.part_region);
         let mut own = vec![T::ZERO; normed.len()];
         self.linear(parameters, layout.part_region, normed, parts, Some(&mut own));
@@ -203,13 +206,17 @@ mod tests {
     use super::*;
 
     /// A weighted sum of the outputs of a network on random features, and its gradient.
-    fn value_and_gradient(sizes: &Architecture, parameters: &[f64]) -> (f64, Vec<f64>) {
-        const PAIRS: usize = 2;
+    fn value_and_gradient(
+        sizes: &Architecture,
+        parts: usize,
+        parameters: &[f64],
+    ) -> (f64, Vec<f64>) {
+        const UNIONS: usize = 2;
         let layout = sizes.layout();
-        let mut tape = Tape::new(sizes, PAIRS);
+        let mut tape = Tape::new(sizes, UNIONS, parts);
         let mut rng = Rng::new(4);
         tape.features.iter_mut().for_each(|x| *x = rng.normal());
-        let mut weights = Outputs::new(sizes, PAIRS);
+        let mut weights = Outputs::new(sizes, UNIONS, parts);
         let Outputs { output, region, ood_logit, part_region } = &mut weights;
         for x in [output, region, ood_logit, part_region].into_iter().flatten() {
             *x = rng.normal();
@@ -227,7 +234,7 @@ mod tests {
 
     #[test]
     fn gradients_are_those_of_finite_differences() {
-        for (first_layers, second_layers) in [(1, 0), (2, 1), (0, 1), (0, 0)] {
+        for (first_layers, second_layers, parts) in [(1, 0, 2), (2, 1, 3), (0, 1, 1), (0, 0, 2)] {
             let sizes =
                 Architecture { width: 8, hidden: 12, first_layers, second_layers, modes: 7 };
             let mut rng = Rng::new(2);
@@ -235,7 +242,7 @@ mod tests {
                 .iter()
                 .map(|&x| f64::from(x) + 0.2 * rng.normal())
                 .collect();
-            let (_, gradient) = value_and_gradient(&sizes, &parameters);
+            let (_, gradient) = value_and_gradient(&sizes, parts, &parameters);
             for (name, parameter) in sizes.layout().named {
                 for _ in 0..4 {
                     let at =
@@ -244,7 +251,7 @@ mod tests {
                     let step = 1e-6;
                     let mut at_step = |sign: f64| {
                         parameters[at] = before + sign * step;
-                        value_and_gradient(&sizes, &parameters).0
+                        value_and_gradient(&sizes, parts, &parameters).0
                     };
                     let slope = (at_step(1.0) - at_step(-1.0)) / (2.0 * step);
                     parameters[at] = before;
@@ -266,19 +273,19 @@ mod tests {
         let parameters = initial_parameters(&sizes, 3);
         let mut rng = Rng::new(8);
         let features: Vec<f32> = (0..2 * K * FEATURES).map(|_| rng.normal() as f32).collect();
-        let mut single = Tape::<f32>::new(&sizes, 1);
+        let mut single = Tape::<f32>::new(&sizes, 1, 2);
         single.features.copy_from_slice(&features);
         forward(&sizes, &layout, &parameters, &mut single);
         let mut backward = Backward::new(&sizes);
-        let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1) };
+        let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1, 2) };
         backward.run(&layout, &parameters, &single, &ones);
 
         let exact: Vec<f64> = parameters.iter().map(|&x| f64::from(x)).collect();
-        let mut double = Tape::<f64>::new(&sizes, 1);
+        let mut double = Tape::<f64>::new(&sizes, 1, 2);
         double.features = features.iter().map(|&x| f64::from(x)).collect();
         forward(&sizes, &layout, &exact, &mut double);
         let mut reference = Backward::new(&sizes);
-        let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1) };
+        let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1, 2) };
         reference.run(&layout, &exact, &double, &ones);
         let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
         let difference = norm(

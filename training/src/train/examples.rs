@@ -1,11 +1,13 @@
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::slice;
 
 use catamaran::base::Rng;
 use catamaran::unions::network::{FEATURES, K};
-use catamaran::unions::{Localizer, PairFeatures, Scaling};
+use catamaran::unions::{Localizer, PartFeatures, Scaling};
 use catamaran::{Error, Par, Result};
 
-use crate::cuts::id;
+use crate::cuts::{below, id};
 use crate::dataset::{Dataset, Samples, Spectrum, TEST_B, TRAIN};
 use crate::regions::{Regions, localizer};
 
@@ -22,13 +24,15 @@ pub struct Pair {
     pub regions: Option<[usize; 3]>,
 }
 
-/// A pair of which one part is a union itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Composite {
-    /// The parts of the first part of the pair.
-    pub parts: [Spectrum; 2],
-    /// The pair.
-    pub pair: Pair,
+/// The spectra of some parts and of their union.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Example {
+    /// Of the parts.
+    pub parts: Vec<Spectrum>,
+    /// Of the union.
+    pub union: Spectrum,
+    /// The numbers of the parts, then of the union, in [`Examples::regions`], where they are known.
+    pub regions: Option<Vec<usize>>,
 }
 
 /// Smaller shares of the bound are taken for this: a closed union has a first eigenvalue of zero.
@@ -44,32 +48,59 @@ const FAVOURED: usize = 4;
 const VALIDATION: usize = 100;
 const VALIDATION_UNIONS: usize = 40;
 
+/// Share of unions among the parts that stay when their parts come.
+const KEPT: f64 = 0.3;
+
 /// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation
 /// at the last one.
 const DRIFT: f64 = 0.03;
 /// What is left of the differences between meshes.
 const JITTER: f64 = 0.003;
 
-impl Pair {
+impl Example {
     /// What a coarser or finer mesh might have given; less so for a `size` below 1.
-    pub fn disturbed(&self, size: f64, rng: &mut Rng) -> Self {
-        let drift = size * DRIFT * rng.normal() / self.first[K - 1].max(self.second[K - 1]);
-        let drift = drift.max(-0.5 / self.first[K - 1].max(self.second[K - 1]));
-        let mut change = |values: &Spectrum, jitter: f64| {
-            let mut changed = values.map(|x| x * (1.0 + drift * x) * (1.0 + jitter * rng.normal()));
-            changed.sort_unstable_by(f64::total_cmp);
-            changed
+    pub fn disturbed(mut self, size: f64, rng: &mut Rng) -> Self {
+        let largest = self.parts.iter().map(|part| part[K - 1]).fold(0.0, f64::max);
+        let drift = (size * DRIFT * rng.normal()).max(-0.5) / largest;
+        let mut change = |values: &mut Spectrum, jitter: f64| {
+            let change = |x: f64| x * (1.0 + drift * x) * (1.0 + jitter * rng.normal());
+            *values = values.map(change);
+            values.sort_unstable_by(f64::total_cmp);
         };
-        let union = change(&self.union, 0.0);
-        let jitter = size * JITTER;
-        let (first, second) = (change(&self.first, jitter), change(&self.second, jitter));
-        Self { first, second, union, regions: self.regions }
+        change(&mut self.union, 0.0);
+        self.parts.iter_mut().for_each(|part| change(part, size * JITTER));
+        self
     }
 
-    /// The second part first.
-    pub fn swapped(&self) -> Self {
-        let regions = self.regions.map(|[first, second, union]| [second, first, union]);
-        Self { first: self.second, second: self.first, union: self.union, regions }
+    /// Its features, and logarithms of union over bound.
+    ///
+    /// # Errors
+    /// As [`PartFeatures::new`], for a part that has no Dirichlet spectrum.
+    pub fn features(&self) -> Result<(PartFeatures, [f32; K])> {
+        let input = PartFeatures::new(&self.parts)?;
+        let logs = shares(&self.union, &input).map(|share| share.ln() as f32);
+        Ok((input, logs))
+    }
+
+    /// Puts other parts in the place of some.
+    fn replace(&mut self, range: Range<usize>, parts: &[Spectrum], regions: Option<&[usize]>) {
+        self.parts.splice(range.clone(), parts.iter().copied());
+        self.regions = self.regions.take().zip(regions).map(|(mut own, regions)| {
+            own.splice(range, regions.iter().copied());
+            own
+        });
+    }
+}
+
+fn shares(union: &Spectrum, input: &PartFeatures) -> [f64; K] {
+    std::array::from_fn(|i| (union[i] / input.bound[i]).clamp(LEAST_SHARE, 1.0))
+}
+
+impl Pair {
+    /// As an example of two parts.
+    pub fn example(&self) -> Example {
+        let parts = vec![self.first, self.second];
+        Example { parts, union: self.union, regions: self.regions.map(Vec::from) }
     }
 
     /// A pair whose union is known for certain: a part, or the union, with the union, or a part
@@ -96,20 +127,6 @@ impl Pair {
             _ => Self { first: part, second: part, union: part, regions: numbers([which; 3]) },
         }
     }
-
-    /// As the network sees it, and logarithms of union over bound.
-    ///
-    /// # Errors
-    /// As [`PairFeatures::new`], for a part that has no Dirichlet spectrum.
-    pub fn example(&self, scaling: &Scaling) -> Result<([f32; 2 * K * FEATURES], [f32; K])> {
-        let input = PairFeatures::new(&self.first, &self.second)?;
-        let logs = self.shares(&input).map(|share| share.ln() as f32);
-        Ok((scaling.features(&input), logs))
-    }
-
-    fn shares(&self, input: &PairFeatures) -> [f64; K] {
-        std::array::from_fn(|i| (self.union[i] / input.bound[i]).clamp(LEAST_SHARE, 1.0))
-    }
 }
 
 /// What is learnt from, and what the result is chosen by.
@@ -120,8 +137,14 @@ pub struct Examples {
     pub training: Vec<Pair>,
     /// Pairs to choose by, likewise.
     pub validation: Vec<Pair>,
-    /// Pairs to learn from whose first part may be predicted as well.
-    pub composites: Vec<Composite>,
+    /// For each pair to learn from and each of its parts, the number of a pair of which this is the
+    /// union.
+    pub makers: Vec<[Option<usize>; 2]>,
+    /// The numbers of the pairs that have such a part.
+    pub composites: Vec<usize>,
+    /// Whether all pairs are of the kind of shape that the network is for, also those without
+    /// regions.
+    all_familiar: bool,
     /// Where parts and unions are.
     pub regions: Regions,
     /// The template that they are on.
@@ -139,7 +162,9 @@ impl Examples {
         let mut examples = Self {
             training: vec![],
             validation: vec![],
+            makers: vec![],
             composites: vec![],
+            all_familiar: false,
             regions: Regions::new(template, par)?,
             localizer: localizer(template)?,
         };
@@ -157,7 +182,7 @@ impl Examples {
             unions.iter().rev().take(unions.len() / VALIDATION_UNIONS).copied().collect();
         let common = common(samples);
         let complete = id(&vec![true; template.vertices.len()]);
-        // Of each shape the last pair that makes a union.
+        // Of each shape the number of the last pair that makes a union.
         let mut makers = BTreeMap::new();
         for (count, i) in all.filter(|&i| samples.split[i] == TRAIN).enumerate() {
             let masks = [samples.mask1[i], samples.mask2[i], samples.mask_union[i]];
@@ -177,13 +202,13 @@ impl Examples {
                 examples.validation.extend(std::iter::repeat_n(pair, times));
             } else {
                 let shape = (samples.family[i], samples.identity[i], samples.pose[i]);
-                let orders = [(masks[0], pair), (masks[1], pair.swapped())];
-                for (part, pair) in orders {
-                    if let Some(&parts) = makers.get(&(shape, part)) {
-                        examples.composites.push(Composite { parts, pair });
-                    }
+                let own = [masks[0], masks[1]].map(|part| makers.get(&(shape, part)).copied());
+                let number = examples.training.len();
+                if own.iter().any(Option::is_some) {
+                    examples.composites.extend(number..number + times);
                 }
-                makers.insert((shape, masks[2]), [first, second]);
+                makers.insert((shape, masks[2]), number);
+                examples.makers.extend(std::iter::repeat_n(own, times));
                 examples.training.extend(std::iter::repeat_n(pair, times));
             }
         }
@@ -196,19 +221,78 @@ impl Examples {
         Ok(examples)
     }
 
+    /// Those of a family of which no regions are known, for a network with this localizer.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when there are no pairs to learn from, or none to choose by.
+    pub fn of_family(
+        training: Vec<Pair>,
+        validation: Vec<Pair>,
+        localizer: Localizer,
+    ) -> Result<Self> {
+        if training.is_empty() || validation.is_empty() {
+            let why = "no pairs of parts could be cut out of them".into();
+            return Err(Error::Argument { what: "meshes", why });
+        }
+        let makers = vec![[None; 2]; training.len()];
+        let regions = Regions::none(localizer.modes());
+        let (composites, all_familiar) = (vec![], true);
+        Ok(Self { training, validation, makers, composites, all_familiar, regions, localizer })
+    }
+
+    /// Whether a pair is of the kind of shape that the network is for, given whether its regions
+    /// are known.
+    pub fn is_familiar(&self, known: bool) -> bool {
+        known || self.all_familiar
+    }
+
+    /// The pair of this number with more parts, until there are `count`: parts that are unions
+    /// themselves give way to their parts, or keep them company; where none is, a part comes twice.
+    pub fn of_many(&self, number: usize, count: usize, rng: &mut Rng) -> Example {
+        let mut example = self.training[number].example();
+        let mut makers = self.makers[number].to_vec();
+        while example.parts.len() < count {
+            let unions: Vec<usize> = (0..makers.len()).filter(|&i| makers[i].is_some()).collect();
+            if unions.is_empty() {
+                let at = below(makers.len(), rng);
+                let regions = example.regions.as_ref().map(|regions| regions[at]);
+                example.replace(
+                    at..at,
+                    &[example.parts[at]],
+                    regions.as_ref().map(slice::from_ref),
+                );
+                makers.insert(at, None);
+                continue;
+            }
+            let at = unions[below(unions.len(), rng)];
+            let maker = makers[at].unwrap_or(number);
+            let Pair { first, second, regions, .. } = self.training[maker];
+            let kept = example.parts.len() + 2 <= count && rng.uniform() < KEPT;
+            let place = at..at + usize::from(!kept);
+            makers.splice(place.clone(), self.makers[maker]);
+            if kept {
+                makers[at + 2] = None;
+            }
+            let regions = regions.as_ref().map(|regions| &regions[..2]);
+            example.replace(place, &[first, second], regions);
+        }
+        example
+    }
+
     /// Means and deviations over the pairs to learn from.
     ///
     /// # Errors
-    /// As [`PairFeatures::new`], for a part that has no Dirichlet spectrum.
+    /// As [`PartFeatures::of_pair`], for a part that has no Dirichlet spectrum.
     pub fn scaling(&self) -> Result<Scaling> {
         let mut features = vec![Moments::default(); K * FEATURES];
         let mut outputs = vec![Moments::default(); K];
         for pair in &self.training {
-            let input = PairFeatures::new(&pair.first, &pair.second)?;
-            for (j, &value) in input.features.as_flattened().iter().enumerate() {
-                features[j % (K * FEATURES)].add(value);
+            let input = PartFeatures::of_pair(&pair.first, &pair.second)?;
+            for part in &input.features {
+                let values = features.iter_mut().zip(part.as_flattened());
+                values.for_each(|(moments, &value)| moments.add(value));
             }
-            for (moments, share) in outputs.iter_mut().zip(pair.shares(&input)) {
+            for (moments, share) in outputs.iter_mut().zip(shares(&pair.union, &input)) {
                 let share = share.min(LARGEST_SHARE);
                 moments.add((share / (1.0 - share)).ln());
             }

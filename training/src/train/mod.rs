@@ -4,7 +4,7 @@ mod checkpoint;
 mod examples;
 
 pub use checkpoint::{read_state, write_state};
-pub use examples::{Composite, Examples, LEAST_SHARE, Pair};
+pub use examples::{Example, Examples, LEAST_SHARE, Pair};
 
 use std::borrow::Cow;
 
@@ -12,11 +12,12 @@ use catamaran::base::{Pin, Rng, ThreadPool};
 use catamaran::unions::network::{
     Architecture, FEATURES, K, ParameterLayout, Tape, forward, quantize, sigmoid,
 };
-use catamaran::unions::{OodDetector, PairFeatures, Scaling, SpectralUnion};
+use catamaran::unions::{OodDetector, PartFeatures, Scaling, SpectralUnion};
 use catamaran::{Par, Result};
 use rayon::prelude::*;
 
 use crate::adam::{Adam, CHUNK, annealing, clip};
+use crate::cuts::below;
 use crate::mlp::shuffled;
 use crate::network::{Backward, Outputs, initial_parameters};
 use crate::regions::{Regions, UNIT};
@@ -71,12 +72,14 @@ pub struct Epoch {
     pub validation: f64,
 }
 
-/// Pairs that one task works on.
+/// Unions that one task works on, all of equally many parts.
 const TASK: usize = 64;
-/// Shares of the examples that are parts and what contains them, and pairs of which one part is
-/// predicted itself; the rest are samples.
+/// Most parts of a union.
+const MOST_PARTS: usize = 4;
+/// Shares of the tasks that have three parts and four.
+const MANY: [f64; 2] = [0.12, 0.08];
+/// Share of the pairs that are a part and what contains it.
 const CONTAINED: f64 = 0.06;
-const COMPOSITES: f64 = 0.12;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
 /// Errors of logarithms about as large as this, and larger, count less than by their square (Fair
@@ -93,13 +96,14 @@ const WITHIN: f64 = 0.995;
 
 /// Buffers of one task.
 struct Worker {
-    tape: Tape<f32>,
+    /// For unions of two parts and more, with the gradient with respect to the results.
+    passes: [(Tape<f32>, Outputs<f32>); MOST_PARTS - 1],
+    /// Parts of each union.
+    parts: usize,
     backward: Backward<f32>,
     targets: Vec<[f32; K]>,
-    /// Of the pair in each slot.
-    regions: Vec<Option<[usize; 3]>>,
-    /// With respect to the results.
-    outputs: Outputs<f32>,
+    /// Of the example in each slot.
+    regions: Vec<Option<Vec<usize>>>,
     /// Sum of absolute errors of logarithms.
     error: f64,
 }
@@ -139,6 +143,7 @@ impl Trainer {
             return Err(catamaran::Error::Argument { what: "modes", why });
         }
         let layout = options.sizes.layout();
+        let goes_on = state.is_some();
         let state = match state {
             Some(state) => state,
             None => {
@@ -153,12 +158,14 @@ impl Trainer {
             let why = format!("not of a network with {} parameters", layout.len);
             return Err(catamaran::Error::Argument { what: "state", why });
         }
+        let sizes = &options.sizes;
+        let pass = |parts| (Tape::new(sizes, TASK, parts), Outputs::new(sizes, TASK, parts));
         let worker = || Worker {
-            tape: Tape::new(&options.sizes, TASK),
-            backward: Backward::new(&options.sizes),
+            passes: std::array::from_fn(|i| pass(i + 2)),
+            parts: 2,
+            backward: Backward::new(sizes),
             targets: vec![[0.0; K]; TASK],
             regions: vec![None; TASK],
-            outputs: Outputs::new(&options.sizes, TASK),
             error: 0.0,
         };
         let workers = (0..options.batch.div_ceil(TASK).max(1)).map(|_| worker()).collect();
@@ -167,14 +174,16 @@ impl Trainer {
             threads => Some(ThreadPool::new(threads, Pin::No)?),
         };
         let rounded = vec![0.0; layout.len];
-        let symmetric = |pair: &Pair| Ok(PairFeatures::new(&pair.first, &pair.second)?.symmetric());
-        let of_template = examples.training.iter().filter(|pair| pair.regions.is_some());
+        let symmetric =
+            |pair: &Pair| Ok(PartFeatures::of_pair(&pair.first, &pair.second)?.symmetric());
+        let of_template =
+            examples.training.iter().filter(|pair| examples.is_familiar(pair.regions.is_some()));
         let detector =
             OodDetector::fit(&of_template.map(symmetric).collect::<Result<Vec<_>>>()?, WITHIN)?;
         let best = f64::INFINITY;
         let mut trainer =
             Self { options, examples, layout, state, rounded, best, detector, workers, team };
-        if !trainer.state.history.is_empty() {
+        if goes_on {
             // On these examples, which may not be those that it was chosen by.
             let (error, probabilities) = trainer.validate(true)?;
             trainer.choose(error, probabilities);
@@ -192,6 +201,16 @@ impl Trainer {
     /// Where it is.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// What it learns from.
+    pub fn examples(&self) -> &Examples {
+        &self.examples
+    }
+
+    /// The mean error of logarithms of the best network so far, on the pairs to choose by.
+    pub fn best_error(&self) -> f64 {
+        self.best
     }
 
     /// The best network so far.
@@ -212,7 +231,6 @@ impl Trainer {
         let number = self.state.history.len();
         let seed = self.options.seed.wrapping_add((number as u64 + 1) << 20);
         let mut rng = Rng::new(seed);
-        let composites = self.composites(&mut rng)?;
         let count = self.examples.training.len();
         let order = shuffled(count, &mut rng);
         let whole = self.workers.len() * TASK;
@@ -222,7 +240,7 @@ impl Trainer {
             let batch: Vec<usize> = batch.iter().copied().cycle().take(whole).collect();
             let time = number as f64 + (step * whole) as f64 / count as f64;
             let share = annealing(time / self.options.epochs as f64);
-            error += self.step(&batch, &composites, seed + 1 + step as u64, share)?;
+            error += self.step(&batch, seed + 1 + step as u64, share)?;
             seen += whole;
         }
         let (validation, probabilities) = self.validate(false)?;
@@ -237,29 +255,31 @@ impl Trainer {
 
     /// One step of the optimiser, at this share of the full rate; the sum of errors. Disturbances
     /// shrink with the rate.
-    fn step(&mut self, batch: &[usize], composites: &[Pair], seed: u64, share: f64) -> Result<f64> {
+    fn step(&mut self, batch: &[usize], seed: u64, share: f64) -> Result<f64> {
         self.round(false);
         let Self { options, examples, layout, state, rounded, workers, team, .. } = self;
         let (parameters, scaling) = (&*rounded, &state.scaling);
         let work = |(task, worker): (usize, &mut Worker)| -> Result<()> {
             let mut rng = Rng::new(seed.wrapping_mul(1 << 10).wrapping_add(task as u64));
+            let choice = rng.uniform();
+            worker.parts = match examples.composites.is_empty() {
+                false if choice < MANY[0] => 3,
+                false if choice < MANY[0] + MANY[1] => 4,
+                _ => 2,
+            };
             for (slot, &i) in batch[task * TASK..(task + 1) * TASK].iter().enumerate() {
-                let mut choice = rng.uniform();
-                let mut chosen = |share: f64| {
-                    choice -= share;
-                    (-share..0.0).contains(&choice)
-                };
-                let sample = examples.training[i];
-                let pair = if chosen(CONTAINED) {
-                    sample.contained(&mut rng)
-                } else if chosen(COMPOSITES) && !composites.is_empty() {
-                    composites[(rng.uniform() * composites.len() as f64) as usize]
+                let example = if worker.parts > 2 {
+                    let composites = &examples.composites;
+                    let number = composites[below(composites.len(), &mut rng)];
+                    examples.of_many(number, worker.parts, &mut rng)
+                } else if rng.uniform() < CONTAINED {
+                    examples.training[i].contained(&mut rng).example()
                 } else {
-                    sample
+                    examples.training[i].example()
                 };
-                let (features, logs) = pair.disturbed(share, &mut rng).example(scaling)?;
-                worker.put(slot, &features, logs);
-                worker.regions[slot] = pair.regions;
+                let example = example.disturbed(share, &mut rng);
+                worker.put(slot, scaling, &example)?;
+                worker.regions[slot] = example.regions;
             }
             worker.run(options, examples, scaling, layout, parameters);
             Ok(())
@@ -317,49 +337,26 @@ impl Trainer {
         }
     }
 
-    /// Some of the composites, with what the best network so far predicts for their first parts.
-    fn composites(&self, rng: &mut Rng) -> Result<Vec<Pair>> {
-        let Self { examples, state, team, .. } = self;
-        if state.history.is_empty() {
-            return Ok(Vec::new());
-        }
-        let mut order = shuffled(examples.composites.len(), rng);
-        order.truncate((COMPOSITES * examples.training.len() as f64) as usize);
-        let model = self.model()?;
-        let some = |numbers: &[usize]| -> Result<Vec<Pair>> {
-            let chosen = || numbers.iter().map(|&i| &examples.composites[i]);
-            let parts: Vec<[&[f64]; 2]> =
-                chosen().map(|Composite { parts: [a, b], .. }| [&a[..], b]).collect();
-            let pairs = chosen().zip(model.predict_each(&parts)?);
-            Ok(pairs.map(|(Composite { pair, .. }, first)| Pair { first, ..*pair }).collect())
-        };
-        let found: Vec<Vec<Pair>> = match team {
-            Some(team) => team.run(|| order.par_chunks(TASK).map(some).collect::<Result<_>>())?,
-            None => order.chunks(TASK).map(some).collect::<Result<_>>()?,
-        };
-        Ok(found.into_iter().flatten().collect())
-    }
-
     /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the
     /// best one, and its out-of-distribution probabilities of those of the template.
     fn validate(&mut self, best: bool) -> Result<(f64, Vec<f64>)> {
         self.round(best);
         let Self { examples, options, layout, state, rounded, workers, .. } = self;
         let (worker, scaling) = (&mut workers[0], &state.scaling);
+        worker.parts = 2;
         let (mut error, mut probabilities) = (0.0, Vec::new());
         for pairs in examples.validation.chunks(TASK) {
             for (slot, pair) in pairs.iter().enumerate() {
-                let (features, logs) = pair.example(scaling)?;
-                worker.put(slot, &features, logs);
+                worker.put(slot, scaling, &pair.example())?;
             }
-            forward(&options.sizes, layout, rounded, &mut worker.tape);
+            forward(&options.sizes, layout, rounded, worker.tape());
             for (slot, pair) in pairs.iter().enumerate() {
                 for i in 0..K {
                     let (log, _) = worker.log(scaling, slot, i);
                     error += f64::from((log - worker.targets[slot][i]).abs());
                 }
-                if pair.regions.is_some() {
-                    probabilities.push(sigmoid(f64::from(worker.tape.ood_logit[slot])));
+                if examples.is_familiar(pair.regions.is_some()) {
+                    probabilities.push(sigmoid(f64::from(worker.tape().ood_logit[slot])));
                 }
             }
         }
@@ -368,19 +365,27 @@ impl Trainer {
 }
 
 impl Worker {
-    fn put(&mut self, slot: usize, features: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
-        let half = K * FEATURES;
-        let (first, second) = features.split_at(half);
-        let (firsts, seconds) = self.tape.features.split_at_mut(TASK * half);
-        firsts[slot * half..(slot + 1) * half].copy_from_slice(first);
-        seconds[slot * half..(slot + 1) * half].copy_from_slice(second);
+    fn tape(&mut self) -> &mut Tape<f32> {
+        &mut self.passes[self.parts - 2].0
+    }
+
+    /// Puts an example into a slot, in the units of the network.
+    fn put(&mut self, slot: usize, scaling: &Scaling, example: &Example) -> Result<()> {
+        let (input, logs) = example.features()?;
+        for (part, features) in input.features.iter().enumerate() {
+            let row = (part * TASK + slot) * K * FEATURES;
+            self.tape().features[row..row + K * FEATURES]
+                .copy_from_slice(&scaling.features(features));
+        }
         self.targets[slot] = logs;
+        Ok(())
     }
 
     /// The logarithm of the share that is predicted, and its derivative by the output.
     fn log(&self, scaling: &Scaling, slot: usize, i: usize) -> (f32, f32) {
         let deviation = scaling.output_deviation[i];
-        let logit = self.tape.output[slot * K + i] * deviation + scaling.output_mean[i];
+        let (tape, _) = &self.passes[self.parts - 2];
+        let logit = tape.output[slot * K + i] * deviation + scaling.output_mean[i];
         // ln(1 / (1 + e^-x)), without overflow.
         let small = (-logit.abs()).exp();
         let log = logit.min(0.0) - small.ln_1p();
@@ -397,7 +402,7 @@ impl Worker {
         layout: &ParameterLayout,
         parameters: &[f32],
     ) {
-        forward(&options.sizes, layout, parameters, &mut self.tape);
+        forward(&options.sizes, layout, parameters, self.tape());
         self.error = 0.0;
         let share = 1.0 / (options.batch * K) as f32;
         for slot in 0..TASK {
@@ -405,49 +410,52 @@ impl Worker {
                 let (log, derivative) = self.log(scaling, slot, i);
                 let error = log - self.targets[slot][i];
                 let weakened = error / (OUTLIER + error.abs());
-                self.outputs.output[slot * K + i] = share * weakened * derivative;
+                let (_, outputs) = &mut self.passes[self.parts - 2];
+                outputs.output[slot * K + i] = share * weakened * derivative;
                 self.error += f64::from(error.abs());
             }
         }
-        for (logit, (found, regions)) in
-            self.outputs.ood_logit.iter_mut().zip(self.tape.ood_logit.iter().zip(&self.regions))
-        {
-            let truth = if regions.is_none() { 1.0 } else { 0.0 };
+        let (tape, outputs) = &mut self.passes[self.parts - 2];
+        let logits = outputs.ood_logit.iter_mut().zip(&tape.ood_logit);
+        for ((logit, found), regions) in logits.zip(&self.regions) {
+            let truth = if examples.is_familiar(regions.is_some()) { 0.0 } else { 1.0 };
             *logit = (OOD_WEIGHT / options.batch as f64) as f32 * (sigmoid(*found) - truth);
         }
         self.compare_regions(&examples.regions, options.batch);
+        let (tape, outputs) = &self.passes[self.parts - 2];
         self.backward.gradient.fill(0.0);
-        self.backward.run(layout, parameters, &self.tape, &self.outputs);
+        self.backward.run(layout, parameters, tape, outputs);
     }
 
     /// The gradient with respect to the regions.
     fn compare_regions(&mut self, regions: &Regions, batch: usize) {
         let modes = regions.modes();
         let factor = (2.0 * REGION * UNIT * UNIT / batch as f64) as f32;
-        let difference = |gradient: &mut [f32], found: &[f32], wanted: &[f32]| {
+        let difference = |gradient: &mut [f32], found: &[f32], wanted: Option<&[f32]>| {
+            let Some(wanted) = wanted else { return gradient.fill(0.0) };
             for (gradient, (found, wanted)) in gradient.iter_mut().zip(found.iter().zip(wanted)) {
                 *gradient = factor * (found - wanted);
             }
         };
-        let Self { tape, outputs, .. } = self;
+        let (tape, outputs) = &mut self.passes[self.parts - 2];
         for slot in 0..TASK {
-            let [first, second] = [slot, TASK + slot].map(|row| row * modes..(row + 1) * modes);
-            let union = first.clone();
-            let Some(numbers) = self.regions[slot] else {
-                outputs.region[union].fill(0.0);
-                outputs.part_region[first].fill(0.0);
-                outputs.part_region[second].fill(0.0);
-                continue;
-            };
-            let alone = numbers.iter().all(|&number| number == numbers[2]);
-            let [a, b, whole] = numbers.map(|number| match alone {
-                true => Cow::Owned(regions.on_the_left(number)),
-                false => Cow::Borrowed(regions.coefficients(number)),
+            let numbers = self.regions[slot].as_deref();
+            for part in 0..self.parts {
+                let row = (part * TASK + slot) * modes..(part * TASK + slot + 1) * modes;
+                let wanted = numbers.map(|numbers| regions.on_the_left(numbers[part]));
+                let found = &tape.part_region[row.clone()];
+                difference(&mut outputs.part_region[row], found, wanted.as_deref());
+            }
+            let row = slot * modes..(slot + 1) * modes;
+            let wanted = numbers.map(|numbers| {
+                let (&union, parts) = numbers.split_last().expect("a union behind its parts");
+                match parts.iter().all(|&part| part == union) {
+                    true => regions.on_the_left(union),
+                    false => Cow::Borrowed(regions.coefficients(union)),
+                }
             });
-            difference(&mut outputs.region[union.clone()], &tape.region[union], &whole);
-            let parts = &tape.part_region;
-            difference(&mut outputs.part_region[first.clone()], &parts[first], &a);
-            difference(&mut outputs.part_region[second.clone()], &parts[second], &b);
+            let found = &tape.region[row.clone()];
+            difference(&mut outputs.region[row], found, wanted.as_deref());
         }
     }
 }

@@ -1,0 +1,93 @@
+//! `catamaran unions interpolate`.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use catamaran::io::{Output, Overwrite};
+use catamaran::unions::{K, interpolate};
+
+use super::parts::{PartArgs, report_ood};
+use crate::picture::{Paint, PictureArgs};
+use crate::report::report;
+
+/// Interpolate between the spectra of two parts, and predict the union of each with a third one.
+///
+/// What figure 2.10 of the thesis shows: with --localize, where the union goes on a template while
+/// one part turns into another. Spectra in between need not be those of any surface; the
+/// out-of-distribution score says where the network has seen nothing like them.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The part to begin with, the one to end with, and the one that stays: .obj, .ply, .off, .stl,
+    /// .glb or .gltf, each also as .gz or .xz.
+    #[arg(value_name = "PART", num_args = 3, required = true)]
+    parts: Vec<PathBuf>,
+    /// Unions from beginning to end.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(2..=1000))]
+    steps: u16,
+    #[command(flatten)]
+    source: PartArgs,
+    /// Find the unions on this template, a mesh: that of `unions template`.
+    #[arg(long, value_name = "TEMPLATE")]
+    localize: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Write the eigenvalues of the unions, a column each: .csv.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
+    let picture = args.picture.create(overwrite)?;
+    let model = args.source.model()?;
+    let read = |path: &PathBuf| Ok(args.source.read(path)?.1);
+    let spectra: Vec<Vec<f64>> = args.parts.iter().map(read).collect::<Result<_>>()?;
+    let times: Vec<f64> =
+        (0..args.steps).map(|i| f64::from(i) / f64::from(args.steps - 1)).collect();
+    let between: Vec<[f64; K]> = times
+        .iter()
+        .map(|&t| interpolate(&spectra[0], &spectra[1], t))
+        .collect::<Result<_, _>>()?;
+    let pairs: Vec<Vec<&[f64]>> = between.iter().map(|part| vec![&part[..], &spectra[2]]).collect();
+    let mut unions = Vec::new();
+    for (t, parts) in times.iter().zip(&pairs) {
+        let union = model.predict_all(parts)?;
+        report(format_args!(
+            "t = {t:.2}  eigenvalues from {:.4} to {:.4}",
+            union[0],
+            union[K - 1]
+        ))?;
+        report_ood(model.ood_score(parts)?)?;
+        unions.push(union);
+    }
+    if let Some(template) = &args.localize {
+        let found = args.source.localized(template, &model, &pairs)?;
+        if let Some(picture) = picture {
+            let names: Vec<String> = times.iter().map(|t| format!("{t:.2}")).collect();
+            let panels: Vec<_> = found
+                .iter()
+                .zip(&names)
+                .map(|((mesh, inside), name)| (mesh, Paint::Values(inside), name.as_str()))
+                .collect();
+            args.picture.draw_shares(picture, template, &panels)?;
+        }
+    }
+    if let Some(mut output) = output {
+        let mut text = String::from("number");
+        times.iter().try_for_each(|t| write!(text, ",{t}"))?;
+        for i in 0..K {
+            write!(text, "\n{}", i + 1)?;
+            unions.iter().try_for_each(|union| write!(text, ",{}", union[i]))?;
+        }
+        writeln!(output, "{text}").map_err(|e| output.error(e))?;
+        output.commit()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! The parts of a union, and the network that predicts it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use catamaran::Par;
+use catamaran::mesh::{CloudOptions, LaplacianOptions, TriMesh};
+use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
+
+use crate::input::MeshArgs;
+use crate::report::report;
+
+/// What predicts, and on what.
+#[derive(clap::Args)]
+pub struct PartArgs {
+    /// Other weights than those that come with the program: .safetensors, of `unions train`.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    #[command(flatten)]
+    repair: MeshArgs,
+}
+
+/// A template with a number for each of its vertices: about 1 in a region, 0 outside.
+pub type Localized = (TriMesh, Vec<f64>);
+
+impl PartArgs {
+    /// The weights of the file, or those that come with the program.
+    pub fn model(&self) -> Result<SpectralUnion> {
+        model(self.weights.as_deref())
+    }
+
+    /// A part, and its Dirichlet spectrum; without faces, that of the surface its points are from.
+    pub fn read(&self, path: &Path) -> Result<(TriMesh, Vec<f64>)> {
+        let mesh = self.repair.read(path)?.mesh;
+        let spectrum = spectrum(&mesh).with_context(|| path.display().to_string())?;
+        Ok((mesh, spectrum))
+    }
+
+    /// Where unions are on a template, one for each list of parts.
+    pub fn localized(
+        &self,
+        template: &Path,
+        model: &SpectralUnion,
+        unions: &[Vec<&[f64]>],
+    ) -> Result<Vec<Localized>> {
+        let named = || template.display().to_string();
+        let mesh = self.repair.read(template)?.mesh;
+        let on = model.localizer().on_mesh(&mesh, Par::all()).with_context(named)?;
+        let locate = |parts: &Vec<&[f64]>| {
+            let inside = on.indicator(&model.locate(parts)?)?;
+            let count = inside.iter().filter(|x| **x > 0.5).count();
+            let all = mesh.vertices().len();
+            report(format_args!("region    {count} of {all} vertices of the template"))?;
+            Ok((mesh.clone(), inside.iter().map(|x| x.clamp(0.0, 1.0)).collect()))
+        };
+        unions.iter().map(locate).collect()
+    }
+}
+
+/// The weights of a file, or those that come with the program.
+pub fn model(weights: Option<&Path>) -> Result<SpectralUnion> {
+    Ok(match weights {
+        Some(path) => SpectralUnion::read(path)?,
+        None => SpectralUnion::pretrained()?,
+    })
+}
+
+/// What a score means.
+pub fn report_ood(score: f64) -> Result<()> {
+    let verdict = if score > 1.0 {
+        "unlike the training data, so the prediction is unreliable"
+    } else {
+        "like the training data"
+    };
+    report(format_args!("out-of-distribution score {score:.2}: {verdict}"))
+}
+
+fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
+    if mesh.faces().is_empty() {
+        return Ok(cloud_spectrum(mesh.vertices(), K, &CloudOptions::new())?);
+    }
+    let all = vec![true; mesh.vertices().len()];
+    let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
+    Ok(spectra.dirichlet(&all, K)?)
+}

@@ -1,0 +1,154 @@
+//! Training on a few shapes of a family, from weights of another one (thesis, section 2.5).
+
+use std::collections::BTreeMap;
+
+use catamaran::base::{Pin, Progress, ThreadPool};
+use catamaran::mesh::{LaplacianOptions, TriMesh};
+use catamaran::unions::{K, PartSpectra, SpectralUnion};
+use catamaran::{Error, Par, Result};
+use rayon::prelude::*;
+
+use crate::adam::Adam;
+use crate::cuts::{CutOptions, cuts_of_mesh};
+use crate::families::mixed;
+use crate::train::{Examples, Pair, State, TrainOptions};
+
+/// How weights are fitted to a family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TuneOptions {
+    /// Pairs of parts of each mesh, about.
+    pub pairs: usize,
+    /// One mesh in so many is kept aside, to choose by.
+    pub aside: usize,
+    /// Passes over the pairs.
+    pub epochs: usize,
+    /// Largest rate of the optimiser: lower than that of a training from the beginning, so that not
+    /// all of what is known is lost.
+    pub rate: f64,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+impl Default for TuneOptions {
+    fn default() -> Self {
+        Self { pairs: 60, aside: 10, epochs: 20, rate: 1e-3, seed: 1 }
+    }
+}
+
+/// Cuts parts out of meshes and computes the spectra of parts and unions. The result does not
+/// depend on the number of threads.
+///
+/// # Errors
+/// As [`PartSpectra::new`] and [`catamaran::mesh::HeatMethod`], of a mesh; [`Error::Argument`] for
+/// fewer than two meshes, and when no pair could be cut; [`Error::Cancelled`].
+pub fn family_examples(
+    meshes: &[TriMesh],
+    base: &SpectralUnion,
+    options: &TuneOptions,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<Examples> {
+    if meshes.len() < 2 {
+        let why = format!("{}, but one is kept aside to choose by", meshes.len());
+        return Err(Error::Argument { what: "meshes", why });
+    }
+    let (mut training, mut validation) = (Vec::new(), Vec::new());
+    let aside = options.aside.clamp(2, meshes.len());
+    for (number, mesh) in meshes.iter().enumerate() {
+        progress.report(number as f64 / meshes.len() as f64)?;
+        let seed = mixed(&[options.seed, number as u64, 0x7E4E]);
+        let pairs = pairs_of_mesh(mesh, options.pairs, seed, par)?;
+        let of = if (number + 1) % aside == 0 { &mut validation } else { &mut training };
+        of.extend(pairs);
+    }
+    Examples::of_family(training, validation, base.localizer().clone())
+}
+
+/// Pairs of parts of a mesh.
+fn pairs_of_mesh(mesh: &TriMesh, count: usize, seed: u64, par: Par) -> Result<Vec<Pair>> {
+    let options = CutOptions {
+        regions: count.div_ceil(3),
+        pairs: count.div_ceil(2),
+        composites: 0,
+        splits: count / 2,
+        triples: 0,
+        seed,
+    };
+    let cuts = cuts_of_mesh(mesh, &options, par)?;
+    let parts = PartSpectra::new(mesh, &LaplacianOptions::new().par(Par::Seq))?;
+    let spectrum = |(&id, mask): (&usize, &Vec<bool>)| {
+        let values = parts.dirichlet(mask, K)?;
+        Ok((id, std::array::from_fn(|i| values[i])))
+    };
+    let team = ThreadPool::new(par.threads(), Pin::No)?;
+    let spectra: BTreeMap<usize, [f64; K]> =
+        team.run(|| cuts.masks.par_iter().map(spectrum).collect::<Result<_>>())?;
+    let pair = |pair: &crate::cuts::Pair| Pair {
+        first: spectra[&pair.parts[0]],
+        second: spectra[&pair.parts[1]],
+        union: spectra[&pair.union],
+        regions: None,
+    };
+    Ok(cuts.pairs.iter().map(pair).collect())
+}
+
+/// Where a training goes on from these weights.
+pub fn start(base: &SpectralUnion, options: &TuneOptions) -> (TrainOptions, State) {
+    let parameters = base.parameters().to_vec();
+    let state = State {
+        adam: Adam::new(parameters.len()),
+        best: parameters.clone(),
+        parameters,
+        history: Vec::new(),
+        scaling: base.scaling().clone(),
+    };
+    let TuneOptions { epochs, rate, seed, .. } = *options;
+    let sizes = base.architecture();
+    (TrainOptions { sizes, epochs, rate, seed, ..TrainOptions::default() }, state)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::families::{Family, Model};
+    use crate::train::Trainer;
+
+    fn quadrupeds(count: usize) -> Vec<TriMesh> {
+        let model = Model::new(Family::Quadruped, 900).unwrap();
+        (0..count).map(|identity| model.shape(3, identity, 0, 0).unwrap()).collect()
+    }
+
+    #[test]
+    fn a_few_shapes_of_a_family_lower_the_error_on_others_of_it() {
+        let base = SpectralUnion::pretrained().unwrap();
+        let options = TuneOptions { pairs: 24, aside: 4, epochs: 3, ..TuneOptions::default() };
+        let examples =
+            |par| family_examples(&quadrupeds(8), &base, &options, par, Progress::none()).unwrap();
+        let own = examples(Par::Threads(2));
+        assert_eq!(own.training, examples(Par::Seq).training);
+        let (settings, state) = start(&base, &options);
+        let mut trainer = Trainer::new(own, settings, Some(state), Par::all()).unwrap();
+        let before = trainer.best_error();
+        for _ in 0..options.epochs {
+            trainer.epoch().unwrap();
+        }
+        assert!(trainer.best_error() < 0.9 * before, "{} {before}", trainer.best_error());
+        // What it was fitted to is no stranger to it.
+        let pair = &trainer.examples().validation[0];
+        let score = trainer.model().unwrap().ood_score(&[&pair.first, &pair.second]).unwrap();
+        assert!(score < 2.0, "{score}");
+    }
+
+    #[test]
+    fn one_mesh_is_too_few() {
+        let base = SpectralUnion::pretrained().unwrap();
+        let refused = family_examples(
+            &quadrupeds(1),
+            &base,
+            &TuneOptions::default(),
+            Par::Seq,
+            Progress::none(),
+        );
+        assert!(refused.unwrap_err().to_string().starts_with("meshes"));
+    }
+}
