@@ -19,8 +19,11 @@ use catamaran::{Par, Result};
 
 use crate::families::Model;
 pub(crate) use draw::below;
-use regions::Surface;
+#[cfg(test)]
+pub(crate) use pairs::canonical;
+pub(crate) use pairs::{INSIDE, LEAST_GAIN};
 pub use regions::{Mask, id};
+pub(crate) use regions::{Surface, overlap, union};
 
 /// Vertices that two parts share at least.
 pub const OVERLAP: usize = 50;

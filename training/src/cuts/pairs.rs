@@ -15,10 +15,10 @@ const ATTEMPTS: usize = 30;
 
 /// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are
 /// removed.
-const INSIDE: usize = 60;
+pub(crate) const INSIDE: usize = 60;
 
 /// A part that adds less than this share of the union adds nothing.
-const LEAST_GAIN: f64 = 0.05;
+pub(crate) const LEAST_GAIN: f64 = 0.05;
 
 /// Up to `count` pairs of one of `first` and one of `second`, each as it is or mirrored.
 pub(super) fn of_regions(
@@ -101,7 +101,7 @@ fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
 
 /// The same two parts, mirrored where need be; `None` when they don't overlap enough, one adds too
 /// little, or the least union is in doubt.
-pub(super) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option<[Mask; 2]> {
+pub(crate) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option<[Mask; 2]> {
     let other = surface.mirrored(b);
     let unions = [union(a, b), union(a, &other)];
     let areas = [0, 1].map(|i| surface.area(&unions[i]));

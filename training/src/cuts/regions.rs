@@ -7,7 +7,7 @@ use catamaran::{Par, Result};
 pub type Mask = Vec<bool>;
 
 /// A template, as cuts need it.
-pub(super) struct Surface<'m> {
+pub(crate) struct Surface<'m> {
     pub mesh: &'m TriMesh,
     pub mirror: &'m [u32],
     pub areas: Vec<f64>,
@@ -105,12 +105,12 @@ impl<'m> Surface<'m> {
 }
 
 /// The vertices in both.
-pub(super) fn overlap(a: &[bool], b: &[bool]) -> usize {
+pub(crate) fn overlap(a: &[bool], b: &[bool]) -> usize {
     a.iter().zip(b).filter(|(a, b)| **a && **b).count()
 }
 
 /// The vertices in either.
-pub(super) fn union(a: &[bool], b: &[bool]) -> Mask {
+pub(crate) fn union(a: &[bool], b: &[bool]) -> Mask {
     a.iter().zip(b).map(|(a, b)| *a || *b).collect()
 }
 

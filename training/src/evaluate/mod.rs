@@ -1,12 +1,24 @@
-//! How good predictions are: errors, associativity, regions, retrieval, and the baselines that must
-//! be beaten.
+//! How good predictions are: errors, associativity, regions, retrieval, warnings, real shapes, and
+//! the baselines that must be beaten.
 
 mod baselines;
+mod body_cuts;
+mod metric;
 mod metrics;
+mod oracle;
+mod real;
 mod regions;
 mod retrieval;
+mod study;
+mod warning;
 
 pub use baselines::{Minimum, Nearest, Perceptron, Weyl};
+pub use body_cuts::{BODY_CUTS, BodyCut, Frame, body_pairs};
+pub use metric::{Logs, MetricOptions, RetrievalMetric, logarithms};
 pub use metrics::{Associativity, Errors, Predictor, associativity, errors, select};
+pub use oracle::{Disturbance, ErrorModel, errors_by_index};
+pub use real::{REAL_SHAPES, RealShape};
 pub use regions::{Localization, localization};
-pub use retrieval::{Retrieval, retrieval};
+pub use retrieval::{Gallery, Query, Retrieval, retrieval};
+pub use study::{RetrievalStudy, Source};
+pub use warning::{DOCUMENTED_THRESHOLD, Detection, Judgement, THRESHOLDS, WRONG};

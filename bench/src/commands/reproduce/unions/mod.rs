@@ -1,5 +1,9 @@
 //! Chapter 2: spectral unions of partial shapes.
 
+mod real;
+mod retrieval;
+mod warning;
+
 use std::fs;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -18,7 +22,7 @@ use catamaran_training::dataset::{
 };
 use catamaran_training::evaluate::{
     Errors, Minimum, Nearest, Perceptron, Predictor, Weyl, associativity, errors, localization,
-    retrieval, select,
+    select,
 };
 use catamaran_training::families::{Family, Model};
 use catamaran_training::train::Examples;
@@ -111,7 +115,9 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     table_strangeness(report, &dataset, &model)?;
     table_associativity(report, &dataset, &model)?;
     table_regions(report, &dataset, &model)?;
-    table_retrieval(report, &dataset, &model)?;
+    retrieval::tables(report, &dataset, &model)?;
+    let judgements = real::table(report, &model)?;
+    warning::table(report, &dataset, &model, &judgements)?;
     times(report, &dataset, &model)
 }
 
@@ -291,29 +297,6 @@ fn table_regions(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) 
         ));
     }
     report.say("");
-    Ok(())
-}
-
-/// Table 2.4.
-fn table_retrieval(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
-    let [predicted, truth] = retrieval(model, dataset)?;
-    report.say(&format!(
-        "## Table 2.4: retrieval of complete shapes\n\n{} queries; nearest of the other shapes by eigenvalues.\n\n\
-         | signature | top-1 % | top-5 % | top-10 % |\n|---|---|---|---|",
-        predicted.queries
-    ));
-    let rows = [
-        ("predicted union", predicted.top, [86.14, 97.75, 99.20]),
-        ("ShapeDNA, true spectrum", truth.top, [86.59, 96.81, 97.72]),
-    ];
-    for (name, top, thesis) in rows {
-        let cells: Vec<String> =
-            top.iter().zip(thesis).map(|(x, t)| format!("{:.2} ({t})", 100.0 * x)).collect();
-        report.say(&format!("| {name} | {} |", cells.join(" | ")));
-        report
-            .lines
-            .push(format!("2.4,-,{},network,top-1,{:.4}", KNOWLEDGE[KNOWN_IDENTITY].0, top[0]));
-    }
     Ok(())
 }
 

@@ -1,0 +1,196 @@
+use catamaran::mesh::{LaplacianOptions, TriMesh};
+use catamaran::unions::PartSpectra;
+use catamaran::{Error, Par, Result};
+
+use crate::cuts::{INSIDE, LEAST_GAIN, Mask, OVERLAP, Surface, overlap, union};
+use crate::dataset::{EIGENVALUES, Spectrum};
+use crate::train::Pair;
+
+/// The axes of a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    /// The coordinate of the height, 0 to 2.
+    pub up: usize,
+    /// The coordinate along the stretched arms.
+    pub side: usize,
+}
+
+/// A part: what is within these shares of the height and of the span of the arms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Window {
+    height: [f64; 2],
+    span: [f64; 2],
+}
+
+/// A way to cut a shape in two overlapping parts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyCut {
+    /// What the parts are.
+    pub name: &'static str,
+    /// Whether the two spectra mean this union of a human only. They do not if one part can be
+    /// mirrored and the union then differs: data sets have no such pairs.
+    pub clear: bool,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Windows([Window; 2]),
+    /// A geodesic ball around the highest vertex that has this share of the area; what is beyond
+    /// one of the second share.
+    Ball([f64; 2]),
+}
+
+const ALL: [f64; 2] = [0.0, 1.0];
+
+const fn windows(name: &'static str, clear: bool, parts: [[[f64; 2]; 2]; 2]) -> BodyCut {
+    let [[first_height, first_span], [second_height, second_span]] = parts;
+    let first = Window { height: first_height, span: first_span };
+    let second = Window { height: second_height, span: second_span };
+    BodyCut { name, clear, kind: Kind::Windows([first, second]) }
+}
+
+/// Cuts of people with stretched arms. Unless a cut is in doubt, one part is its own mirror image.
+pub const BODY_CUTS: [BodyCut; 7] = [
+    windows("lower and upper half", true, [[[0.0, 0.58], ALL], [[0.42, 1.0], ALL]]),
+    windows("upper half; middle of the span", true, [[[0.5, 1.0], ALL], [ALL, [0.2, 0.65]]]),
+    windows("legs; torso", true, [[[0.0, 0.55], ALL], [[0.42, 0.86], [0.38, 0.62]]]),
+    windows(
+        "head, torso and one arm; legs and torso",
+        true,
+        [[[0.45, 1.0], [0.38, 1.0]], [[0.0, 0.7], [0.38, 0.62]]],
+    ),
+    windows("one side; legs", true, [[ALL, [0.47, 1.0]], [[0.0, 0.5], ALL]]),
+    BodyCut { name: "ball about the head; the rest", clear: true, kind: Kind::Ball([0.2, 0.06]) },
+    windows("left and right half", false, [[ALL, [0.44, 1.0]], [ALL, [0.0, 0.56]]]),
+];
+
+impl BodyCut {
+    fn parts(&self, surface: &Surface<'_>, frame: Frame) -> Result<[Mask; 2]> {
+        let vertices = surface.mesh.vertices();
+        let bounds = surface.mesh.bounding_box().unwrap_or_default();
+        let share = |v: usize, axis: usize| {
+            (vertices[v][axis] - bounds[0][axis]) / (bounds[1][axis] - bounds[0][axis])
+        };
+        let every = 0..vertices.len();
+        let raw: [Mask; 2] = match self.kind {
+            Kind::Windows(parts) => parts.map(|Window { height, span }| {
+                let within = |[low, high]: [f64; 2], x: f64| (low..=high).contains(&x);
+                let inside =
+                    |v| within(height, share(v, frame.up)) && within(span, share(v, frame.side));
+                every.clone().map(inside).collect()
+            }),
+            Kind::Ball(shares) => {
+                let height = |v: usize| vertices[v][frame.up];
+                let top = every.clone().max_by(|&v, &w| height(v).total_cmp(&height(w)));
+                let distances = surface.distances(top.unwrap_or(0) as u32)?;
+                let radii = shares.map(|share| radius(&distances, &surface.areas, share));
+                let ball = distances.iter().map(|&d| d <= radii[0]).collect();
+                [ball, distances.iter().map(|&d| d >= radii[1]).collect()]
+            }
+        };
+        Ok(raw.map(|mask| surface.largest_piece(&mask)))
+    }
+
+    /// Computes the spectra of the parts and of the union.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] where the parts are no pair as data sets have them: they share too few
+    /// vertices, have too few inside, or one adds too little; as [`PartSpectra`] otherwise.
+    fn pair(&self, surface: &Surface<'_>, spectra: &PartSpectra<'_>, frame: Frame) -> Result<Pair> {
+        let [a, b] = self.parts(surface, frame)?;
+        let all = union(&a, &b);
+        let refuse = |why: &str| Err(Error::Argument { what: "parts", why: why.into() });
+        let area = surface.area(&all);
+        if [&a, &b].iter().any(|part| surface.inside(part) < INSIDE) {
+            return refuse("one has too few vertices inside");
+        }
+        if overlap(&a, &b) < OVERLAP {
+            return refuse("they share too few vertices");
+        }
+        if [&a, &b].iter().any(|part| area - surface.area(part) < LEAST_GAIN * area) {
+            return refuse("one adds too little");
+        }
+        let spectrum = |mask: &Mask| -> Result<Spectrum> {
+            let values = spectra.dirichlet(mask, EIGENVALUES)?;
+            Ok(std::array::from_fn(|i| values[i]))
+        };
+        let (first, second, union) = (spectrum(&a)?, spectrum(&b)?, spectrum(&all)?);
+        Ok(Pair { first, second, union, regions: None })
+    }
+}
+
+/// The distance within which this share of the area is.
+fn radius(distances: &[f64], areas: &[f64], share: f64) -> f64 {
+    let mut order: Vec<usize> = (0..distances.len()).collect();
+    order.sort_by(|&v, &w| distances[v].total_cmp(&distances[w]));
+    let goal = share * areas.iter().sum::<f64>();
+    let mut area = 0.0;
+    let reached = order.into_iter().find(|&v| {
+        area += areas[v];
+        area >= goal
+    });
+    reached.map_or(0.0, |v| distances[v])
+}
+
+/// Cuts a shape in each way of [`BODY_CUTS`]: the spectra, or why there are none.
+///
+/// # Errors
+/// As [`HeatMethod`](catamaran::mesh::HeatMethod) and [`PartSpectra::new`].
+pub fn body_pairs(
+    mesh: &TriMesh,
+    frame: Frame,
+    par: Par,
+) -> Result<Vec<(&'static BodyCut, Result<Pair>)>> {
+    // Cuts of real shapes are not mirrored.
+    let mirror: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
+    let surface = Surface::new(mesh, &mirror, par)?;
+    let spectra = PartSpectra::new(mesh, &LaplacianOptions::new().par(par))?;
+    Ok(BODY_CUTS.iter().map(|cut| (cut, cut.pair(&surface, &spectra, frame))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cuts::canonical;
+    use crate::families::{Family, Model};
+
+    const FRAME: Frame = Frame { up: 2, side: 0 };
+
+    #[test]
+    fn cuts_that_are_clear_have_the_union_that_data_sets_keep() {
+        let model = Model::new(Family::Humanoid, 2500).unwrap();
+        let surface = Surface::new(model.template(), model.mirror(), Par::all()).unwrap();
+        for cut in &BODY_CUTS {
+            let [a, b] = cut.parts(&surface, FRAME).unwrap();
+            let all = union(&a, &b);
+            let kept = canonical(&surface, &a, &b).map(|[a, b]| union(&a, &b));
+            let same = kept.is_some_and(|kept| kept == all || kept == surface.mirrored(&all));
+            assert_eq!(same, cut.clear, "{}", cut.name);
+        }
+    }
+
+    #[test]
+    fn unions_have_smaller_eigenvalues_and_what_cannot_be_cut_is_refused() {
+        let model = Model::new(Family::Humanoid, 2500).unwrap();
+        let pairs = body_pairs(model.template(), FRAME, Par::all()).unwrap();
+        assert_eq!(pairs.len(), BODY_CUTS.len());
+        for (cut, pair) in pairs {
+            let Pair { first, second, union, .. } = pair.unwrap();
+            for i in 0..EIGENVALUES {
+                assert!(union[i] <= first[i].min(second[i]) * (1.0 + 1e-6), "{}", cut.name);
+            }
+        }
+        let small = catamaran::mesh::families::icosphere(1).unwrap();
+        let pairs = body_pairs(&small, FRAME, Par::all()).unwrap();
+        assert!(pairs.iter().all(|(_, pair)| matches!(pair, Err(Error::Argument { .. }))));
+    }
+
+    #[test]
+    fn a_ball_has_its_share_of_the_area() {
+        let distances = [3.0, 1.0, 0.0, 2.0];
+        let areas = [1.0, 2.0, 1.0, 4.0];
+        let found = [0.1, 0.2, 0.5, 1.0].map(|share| radius(&distances, &areas, share));
+        assert_eq!(found, [0.0, 1.0, 2.0, 3.0]);
+    }
+}

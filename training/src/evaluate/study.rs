@@ -1,0 +1,286 @@
+use std::collections::BTreeSet;
+
+use catamaran::Result;
+use catamaran::unions::K;
+
+use super::metric::{MetricOptions, RetrievalMetric};
+use super::oracle::{log_errors, with_errors};
+use super::retrieval::{Gallery, Query, Retrieval, asking, complete_humans};
+use super::{Disturbance, ErrorModel, Logs, Predictor, errors_by_index};
+use crate::dataset::{Dataset, Spectrum, TRAIN};
+use crate::families::CARICATURE;
+
+/// Why retrieval by predicted spectra succeeds or fails: the queries of
+/// [`retrieval`](super::retrieval()), and what the samples that were trained on say about errors
+/// of predictions and about poses.
+pub struct RetrievalStudy {
+    gallery: Gallery,
+    truth: Vec<Query>,
+    predicted: Vec<Query>,
+    /// Errors of predictions of complete humans that were trained on, with their identities.
+    errors: Vec<(usize, Logs)>,
+    /// Spectra of these humans, one for each pose, with their identities.
+    poses: Vec<(usize, Spectrum)>,
+}
+
+/// Spectra that a [`RetrievalStudy`] queries by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Those of the network.
+    Predicted,
+    /// Those of the complete shapes.
+    True,
+}
+
+/// Draws of a disturbance for each shape.
+const REPEATS: usize = 20;
+
+impl RetrievalStudy {
+    /// Predicts the spectra of all queries, and of the complete humans that are trained on.
+    ///
+    /// # Errors
+    /// Of spectra that are none.
+    pub fn new(predictor: &dyn Predictor, dataset: &Dataset) -> Result<Self> {
+        let samples = &dataset.samples;
+        let gallery = Gallery::new(dataset);
+        let predict = |i: usize| predictor.predict(&samples.part1[i], &samples.part2[i]);
+        let query = |i: usize, spectrum| Query {
+            identity: samples.identity[i],
+            pose: samples.pose[i],
+            spectrum,
+        };
+        let asking = asking(dataset, &gallery);
+        let predicted = asking.iter().map(|&i| Ok(query(i, predict(i)?))).collect::<Result<_>>()?;
+        let truth = asking.iter().map(|&i| query(i, samples.union[i])).collect();
+        let (mut errors, mut poses, mut seen) = (vec![], vec![], BTreeSet::new());
+        for (i, complete) in complete_humans(dataset).into_iter().enumerate() {
+            if complete && samples.split[i] == TRAIN && samples.body[i] != CARICATURE {
+                let (identity, union) = (samples.identity[i], samples.union[i]);
+                errors.push((identity, log_errors(&predict(i)?, &union)));
+                if seen.insert((identity, samples.pose[i])) {
+                    poses.push((identity, union));
+                }
+            }
+        }
+        Ok(Self { gallery, truth, predicted, errors, poses })
+    }
+
+    /// Samples that metrics are fitted to: predictions, and poses.
+    pub fn fitted_to(&self) -> [usize; 2] {
+        [self.errors.len(), self.poses.len()]
+    }
+
+    fn queries(&self, source: Source) -> &[Query] {
+        match source {
+            Source::Predicted => &self.predicted,
+            Source::True => &self.truth,
+        }
+    }
+
+    /// Searches by the distance of the thesis, the Euclidean one of eigenvalues.
+    ///
+    /// # Errors
+    /// Of spectra that are none.
+    pub fn euclidean(&self, source: Source) -> Result<Retrieval> {
+        Ok(Retrieval::of(&self.gallery.euclidean_ranks(self.queries(source))?))
+    }
+
+    /// Searches by a [`RetrievalMetric`] that is fitted to what is trained on, for true spectra
+    /// without errors. The identity of a query is left out of the fit of its metric.
+    ///
+    /// # Errors
+    /// As [`RetrievalMetric::fit`].
+    pub fn by_likelihood(&self, source: Source, options: &MetricOptions) -> Result<Retrieval> {
+        self.search(self.queries(source), source, options)
+    }
+
+    fn search(
+        &self,
+        queries: &[Query],
+        source: Source,
+        options: &MetricOptions,
+    ) -> Result<Retrieval> {
+        let mut ranks = Vec::new();
+        let identities: BTreeSet<usize> = queries.iter().map(|query| query.identity).collect();
+        for identity in identities {
+            let own: Vec<Query> =
+                queries.iter().copied().filter(|query| query.identity == identity).collect();
+            let metric = self.metric(source, identity, options)?;
+            let found = self.gallery.ranks(&own, |s| metric.of_query(s), |s| metric.of_shape(s))?;
+            ranks.extend(found);
+        }
+        Ok(Retrieval::of(&ranks))
+    }
+
+    fn metric(
+        &self,
+        source: Source,
+        without: usize,
+        options: &MetricOptions,
+    ) -> Result<RetrievalMetric> {
+        let others = self.poses.iter().filter(|(identity, _)| *identity != without);
+        let poses: Vec<_> = others.copied().collect();
+        let others = self.errors.iter().filter(|(identity, _)| *identity != without);
+        let errors: Vec<Logs> = match source {
+            Source::Predicted => others.map(|(_, error)| *error).collect(),
+            Source::True => vec![],
+        };
+        RetrievalMetric::fit(&poses, &errors, options)
+    }
+
+    /// Mean relative errors of the predictions of the queries, of the eigenvalues 2 to 20.
+    pub fn errors_by_index(&self) -> [f64; K - 1] {
+        let [found, truth] = [&self.predicted, &self.truth]
+            .map(|queries| queries.iter().map(|query| query.spectrum).collect::<Vec<_>>());
+        errors_by_index(&found, &truth)
+    }
+
+    /// The errors of the predictions of the queries, as a model.
+    ///
+    /// # Errors
+    /// As [`ErrorModel::fit`], also when there are no queries.
+    pub fn error_model(&self) -> Result<ErrorModel> {
+        ErrorModel::fit(&self.query_errors())
+    }
+
+    fn query_errors(&self) -> Vec<Logs> {
+        let pairs = self.predicted.iter().zip(&self.truth);
+        pairs.map(|(found, truth)| log_errors(&found.spectrum, &truth.spectrum)).collect()
+    }
+
+    /// Searches by true spectra of complete shapes, each disturbed 20 times: by the distance of
+    /// the thesis, and by the metric for predicted spectra.
+    ///
+    /// # Errors
+    /// As [`RetrievalStudy::by_likelihood`].
+    pub fn disturbed(
+        &self,
+        disturbance: &Disturbance<'_>,
+        options: &MetricOptions,
+        seed: u64,
+    ) -> Result<[Retrieval; 2]> {
+        let queries = disturbance.queries(&self.gallery.queries(), REPEATS, seed);
+        self.both(&queries, options)
+    }
+
+    /// Searches by predicted spectra whose errors (of logarithms) are multiplied by a factor, as
+    /// [`RetrievalStudy::disturbed`].
+    ///
+    /// # Errors
+    /// As [`RetrievalStudy::by_likelihood`].
+    pub fn improved(&self, factor: f64, options: &MetricOptions) -> Result<[Retrieval; 2]> {
+        let errors = self.query_errors();
+        let queries: Vec<Query> = self
+            .truth
+            .iter()
+            .zip(&errors)
+            .map(|(query, errors)| {
+                let spectrum = with_errors(&query.spectrum, errors, factor);
+                Query { spectrum, ..*query }
+            })
+            .collect();
+        self.both(&queries, options)
+    }
+
+    fn both(&self, queries: &[Query], options: &MetricOptions) -> Result<[Retrieval; 2]> {
+        let euclidean = Retrieval::of(&self.gallery.euclidean_ranks(queries)?);
+        Ok([euclidean, self.search(queries, Source::Predicted, options)?])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::faer::Mat;
+
+    use super::*;
+    use crate::cuts::id;
+    use crate::dataset::{TEST_A, Template};
+
+    /// Three identities that differ a little in every other eigenvalue, each in poses that differ
+    /// much in size. Each shape has a sample to train on and one that asks.
+    fn dataset() -> Dataset {
+        let mut dataset = Dataset::default();
+        dataset.templates.push(Template {
+            vertices: vec![[0.0; 3]; 4],
+            faces: vec![],
+            mirror: vec![],
+            mass: vec![],
+            eigenvalues: vec![],
+            eigenfunctions: Mat::zeros(0, 0),
+            masks: vec![],
+            mask_words: vec![],
+        });
+        let Dataset { samples, shapes, .. } = &mut dataset;
+        for (identity, pose) in (0..3).flat_map(|identity| [(identity, 0), (identity, 1)]) {
+            let spectrum: Spectrum = std::array::from_fn(|i| {
+                let own = 0.01 * identity as f64 * if i % 2 == 0 { 1.0 } else { -1.0 };
+                i as f64 * (own + 0.3 * pose as f64).exp()
+            });
+            shapes.spectrum.push(spectrum);
+            shapes.family.push(0);
+            shapes.identity.push(identity);
+            shapes.pose.push(pose);
+            for split in [TRAIN, TEST_A] {
+                samples.part1.push(spectrum);
+                samples.part2.push(spectrum);
+                samples.union.push(spectrum);
+                samples.family.push(0);
+                samples.identity.push(identity);
+                samples.body.push(0);
+                samples.pose.push(pose);
+                samples.mask_union.push(id(&[true; 4]));
+                samples.remeshed.push(0);
+                samples.split.push(split);
+            }
+        }
+        dataset
+    }
+
+    /// Predicts a multiple of the first part.
+    struct Multiple(f64);
+
+    impl Predictor for Multiple {
+        fn name(&self) -> &str {
+            "multiple"
+        }
+
+        fn predict(&self, first: &Spectrum, _: &Spectrum) -> Result<Spectrum> {
+            Ok(first.map(|x| self.0 * x))
+        }
+    }
+
+    const OPTIONS: MetricOptions = MetricOptions { scale_free: false, shrinkage: 0.5 };
+
+    #[test]
+    fn the_metric_finds_what_poses_hide_from_euclidean_distances() {
+        let study = RetrievalStudy::new(&Multiple(1.01), &dataset()).unwrap();
+        assert_eq!(study.fitted_to(), [6, 6]);
+        for source in [Source::Predicted, Source::True] {
+            let euclidean = study.euclidean(source).unwrap();
+            assert_eq!((euclidean.queries, euclidean.top), (6, [0.0, 1.0, 1.0]));
+            for scale_free in [false, true] {
+                let options = MetricOptions { scale_free, ..OPTIONS };
+                let found = study.by_likelihood(source, &options).unwrap();
+                assert_eq!((found.queries, found.top), (6, [1.0; 3]));
+            }
+        }
+        let errors = study.errors_by_index();
+        assert!(errors.iter().all(|error| (error - 0.01).abs() < 1e-12));
+    }
+
+    #[test]
+    fn errors_may_be_improved_and_added() {
+        let study = RetrievalStudy::new(&Multiple(1.01), &dataset()).unwrap();
+        let [euclidean, metric] = study.improved(1.0, &OPTIONS).unwrap();
+        assert_eq!(euclidean, study.euclidean(Source::Predicted).unwrap());
+        assert_eq!(metric, study.by_likelihood(Source::Predicted, &OPTIONS).unwrap());
+        let nothing = Disturbance::Independent(0.0);
+        let [euclidean, metric] = study.disturbed(&nothing, &OPTIONS, 1).unwrap();
+        assert_eq!((euclidean.queries, euclidean.top), (6 * REPEATS, [0.0, 1.0, 1.0]));
+        assert_eq!(metric.top, [1.0; 3]);
+        // Noise as large as the differences of identities.
+        let noise = Disturbance::Independent(0.2);
+        let [_, metric] = study.disturbed(&noise, &OPTIONS, 1).unwrap();
+        assert!(metric.top[0] < 0.9 && metric.top[0] > 0.2, "{metric:?}");
+    }
+}
