@@ -13,3 +13,4 @@ pub mod network;
 pub mod regions;
 pub mod remesh;
 pub mod train;
+pub mod transformer;
