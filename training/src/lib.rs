@@ -13,4 +13,5 @@ pub mod network;
 pub mod regions;
 pub mod remesh;
 pub mod train;
+pub mod transformer;
 pub mod tune;

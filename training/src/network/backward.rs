@@ -8,11 +8,20 @@ use catamaran::unions::network::{
 /// the last layer of each residual branch smaller the more of them there are, no bias, and a head
 /// that says nothing yet.
 pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
-    let layout = sizes.layout();
-    let mut parameters = vec![0.0; layout.len];
+    let depth = sizes.first_layers + sizes.second_layers;
+    random_parameters(&sizes.layout().named, depth, seed)
+}
+
+/// The same for matrices of these names, which follow one another, of a network of `depth` layers.
+pub(crate) fn random_parameters(
+    named: &[(String, Parameter)],
+    depth: usize,
+    seed: u64,
+) -> Vec<f32> {
+    let mut parameters = vec![0.0; named.last().map_or(0, |(_, last)| last.range().end)];
     let mut rng = Rng::new(seed);
-    let depth = (sizes.first_layers + sizes.second_layers).max(1) as f64;
-    for (name, parameter) in &layout.named {
+    let depth = depth.max(1) as f64;
+    for (name, parameter) in named {
         let part = &mut parameters[parameter.range()];
         let limit = (6.0 / (parameter.rows + parameter.columns) as f64).sqrt();
         let mut fill = |limit: f64| {
@@ -65,11 +74,13 @@ pub struct Backward<T> {
 impl<T: Number> Backward<T> {
     /// For networks of these sizes.
     pub fn new(sizes: &Architecture) -> Self {
-        let gradient = vec![T::ZERO; sizes.layout().len];
-        Self {
-            gradient,
-            transposed: vec![T::ZERO; sizes.width * (2 * sizes.hidden).max(K).max(sizes.modes)],
-        }
+        let largest = sizes.width * (2 * sizes.hidden).max(K).max(sizes.modes);
+        Self::with_lengths(sizes.layout().len, largest)
+    }
+
+    /// For so many parameters; the largest matrix of weights has `largest` of them.
+    pub(crate) fn with_lengths(parameters: usize, largest: usize) -> Self {
+        Self { gradient: vec![T::ZERO; parameters], transposed: vec![T::ZERO; largest] }
     }
 
     /// Adds to the gradient, from those with respect to what the forward pass that filled `tape`
@@ -127,7 +138,7 @@ impl<T: Number> Backward<T> {
     }
 
     /// Of `y = x weights + bias`; `dx` is added to.
-    fn linear(
+    pub(crate) fn linear(
         &mut self,
         parameters: &[T],
         [weights, bias]: [Parameter; 2],
@@ -150,7 +161,7 @@ impl<T: Number> Backward<T> {
     }
 
     /// Of layer normalisation; `dx` is added to.
-    fn norm(
+    pub(crate) fn norm(
         &mut self,
         parameters: &[T],
         [scale, shift]: [Parameter; 2],
@@ -193,7 +204,8 @@ fn transpose<T: Number>(matrix: &[T], columns: usize, transposed: &mut [T]) {
     }
 }
 
-fn add<T: Number>(sum: &mut [T], x: &[T]) {
+/// Adds `x` to `sum`.
+pub(crate) fn add<T: Number>(sum: &mut [T], x: &[T]) {
     for (sum, &x) in sum.iter_mut().zip(x) {
         *sum += x;
     }

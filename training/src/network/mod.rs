@@ -3,3 +3,4 @@
 mod backward;
 
 pub use backward::{Backward, Outputs, initial_parameters};
+pub(crate) use backward::{add, random_parameters};

@@ -1,0 +1,142 @@
+//! The network of the thesis (section 2.4), to compare with: a [`Predictor`] that is trained on the
+//! same pairs as the network of [`catamaran::unions`], and not shipped.
+//!
+//! Each eigenvalue is a token of 32 numbers: 16 learned ones for its position, 15 learned multiples
+//! of its offset from the eigenvalue before, and the offset. `T_A` (8 heads, 6 layers, 64 hidden
+//! neurons) turns the tokens of each spectrum into ones that know the other spectrum; the two
+//! results are added; `T_B` (8 heads, 3 layers, 32 hidden neurons) and a linear map turn the sum
+//! into the offsets of the union. The loss is the mean squared error of their cumulative sums.
+//! Adam, rate 2e-4, weight decay 1e-5, cosine annealing with restarts after 10, 30, 70, ... epochs,
+//! gradients of norm 10 at most.
+//!
+//! What the thesis leaves open, and how it is read here:
+//!
+//! - "`T_A(x1|x2)`" is a decoder as of Vaswani et al. (2017): each layer attends to the own tokens,
+//!   then to the embedded tokens of the other spectrum, then follow the hidden neurons.
+//! - Each layer is normalised before it, not after (Xiong et al. 2020), which is more stable, and
+//!   `T_A` and `T_B` after their last one. Hidden neurons are rectified. There is no dropout.
+//! - A step is of 128 pairs.
+//! - Predicted offsets are not restricted in training. A prediction takes negative ones for zero,
+//!   and the first one for 0.001 at least, so that it is a spectrum; it need not be below the bound.
+//!
+//! Departures from the thesis:
+//!
+//! - Both spectra and the union are divided by a 20th of the smaller one of the two 20th
+//!   eigenvalues, so that offsets are about 1 and units do not matter.
+//! - Areas of parts are not disturbed, and the parameters with the least loss on the pairs to choose
+//!   by are kept.
+
+mod attention;
+mod backward;
+mod forward;
+mod layout;
+mod train;
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use catamaran::io::{Array, Output, read_arrays, write_arrays};
+use catamaran::unions::network::K;
+use catamaran::{Error, Result};
+
+pub use train::{Losses, TransformerOptions};
+
+use crate::dataset::Spectrum;
+use crate::evaluate::Predictor;
+use crate::train::{LEAST_SHARE, Pair};
+use forward::{Tape, forward};
+use layout::{LAYERS, Layout};
+
+/// The network of the thesis, trained.
+#[derive(Debug, Clone)]
+pub struct Transformer {
+    layout: Layout,
+    parameters: Vec<f32>,
+}
+
+/// Two spectra without units.
+struct Input {
+    /// By how much eigenvalues are divided.
+    scale: f64,
+    /// Differences of the eigenvalues of both spectra.
+    offsets: [[f32; K]; 2],
+}
+
+impl Input {
+    fn new(first: &Spectrum, second: &Spectrum) -> Result<Self> {
+        let scale = first[K - 1].min(second[K - 1]) / K as f64;
+        if !(scale > 0.0 && first.iter().chain(second).all(|x| x.is_finite())) {
+            let why = "not finite, or without positive eigenvalues".into();
+            return Err(Error::Argument { what: "spectrum", why });
+        }
+        let offsets = [first, second].map(|values| {
+            std::array::from_fn(|i| {
+                let before = if i == 0 { 0.0 } else { values[i - 1] };
+                ((values[i] - before) / scale) as f32
+            })
+        });
+        Ok(Self { scale, offsets })
+    }
+}
+
+impl Transformer {
+    /// Trains on pairs, and keeps the parameters with the least loss on the pairs of `validation`.
+    /// After each epoch, numbered from 0, `watch` is told the losses, and may end the training.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when there are no pairs; of spectra that are none.
+    pub fn train(
+        training: &[Pair],
+        validation: &[Pair],
+        options: &TransformerOptions,
+        watch: impl FnMut(usize, Losses) -> ControlFlow<()>,
+    ) -> Result<Self> {
+        train::train(Layout::new(LAYERS), [training, validation], options, watch)
+    }
+
+    /// Writes the parameters to an .npz file.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; nothing is left behind then.
+    pub fn write(&self, output: Output) -> Result<()> {
+        let wide: Vec<f64> = self.parameters.iter().map(|&x| f64::from(x)).collect();
+        write_arrays(output, &[("transformer", Array::Vector(&wide))])
+    }
+
+    /// Reads what [`Transformer::write`] wrote.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when there is no such array, or it is not of such a network.
+    pub fn read(path: &Path) -> Result<Self> {
+        let layout = Layout::new(LAYERS);
+        let wide = read_arrays(path)?.vector("transformer")?;
+        let parameters: Vec<f32> = wide.iter().map(|&x| x as f32).collect();
+        if parameters.len() != layout.len || parameters.iter().any(|x| !x.is_finite()) {
+            let why = format!("`transformer` is not {} finite numbers", layout.len);
+            return Err(Error::file(path, why));
+        }
+        Ok(Self { layout, parameters })
+    }
+}
+
+impl Predictor for Transformer {
+    fn name(&self) -> &str {
+        "thesis transformer"
+    }
+
+    fn predict(&self, first: &Spectrum, second: &Spectrum) -> Result<Spectrum> {
+        let input = Input::new(first, second)?;
+        let mut tape = Tape::new(&self.layout, 1);
+        tape.offsets.copy_from_slice(input.offsets.as_flattened());
+        forward(&self.layout, &self.parameters, &mut tape);
+        let mut value = 0.0;
+        Ok(std::array::from_fn(|i| {
+            let least = if i == 0 { LEAST_SHARE } else { 0.0 };
+            value += f64::from(tape.output[i]).max(least);
+            value * input.scale
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests;
