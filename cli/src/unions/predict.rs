@@ -70,7 +70,8 @@ pub fn run(args: &Args) -> Result<()> {
         report(format_args!("{:>4}  {cells}", i + 1))?;
     }
     report_ood(ood_score)?;
-    let localized = |template: &PathBuf| args.source.localized(template, &model, std::slice::from_ref(&parts));
+    let localized =
+        |template: &PathBuf| args.source.localized(template, &model, std::slice::from_ref(&parts));
     let found = args.localize.as_ref().map(localized).transpose()?.unwrap_or_default();
     if let Some(picture) = picture {
         let drawn = meshes.iter().filter(|mesh| !mesh.faces().is_empty());

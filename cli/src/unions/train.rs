@@ -2,6 +2,7 @@
 
 use std::io::Write as _;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -11,6 +12,8 @@ use catamaran::io::{Output, Overwrite};
 use catamaran::unions::network::Architecture;
 use catamaran_training::dataset;
 use catamaran_training::train::{Examples, TrainOptions, Trainer, read_state, write_state};
+use catamaran_training::transformer::{Losses, Transformer, TransformerOptions};
+use clap::ValueEnum;
 
 use super::curve;
 use crate::picture::write_chart;
@@ -44,6 +47,9 @@ pub struct Args {
     /// Go on from OUT.state.npz; sizes and rates are then those of the state.
     #[arg(long)]
     resume: bool,
+    /// Which network.
+    #[arg(long, default_value = "sum")]
+    architecture: Kind,
     /// Learn from the first N known humanoids only, and from no other shapes (thesis, table 2.2: 1).
     #[arg(long, value_name = "N")]
     identities: Option<usize>,
@@ -76,8 +82,22 @@ pub struct Args {
     force: bool,
 }
 
+/// Kinds of networks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// That of `unions predict`: codes of parts are added.
+    Sum,
+    /// The transformers of the thesis, to compare with: OUT is an .npz that `scripts/reproduce
+    /// unions --transformer` reads, and only --epochs, --minutes, --seed, --threads and --force
+    /// count.
+    Thesis,
+}
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if args.architecture == Kind::Thesis {
+        return thesis(args);
+    }
     let [state_path, curve_path] = [".state.npz", ".svg"].map(|end| beside(&args.output, end));
     let files = [&args.output, &state_path, &curve_path];
     let there = files.into_iter().find(|path| path.symlink_metadata().is_ok());
@@ -85,18 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
     }
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
-    let mut dataset = dataset::read(&args.data)?;
-    if let Some(count) = args.identities {
-        dataset.retain_identities(count);
-    }
-    let examples = Examples::new(&dataset, par)?;
-    drop(dataset);
-    report(format_args!(
-        "data      {} pairs to learn from ({} of unions and more parts), {} to choose by",
-        examples.training.len(),
-        examples.composites.len(),
-        examples.validation.len()
-    ))?;
+    let examples = examples(args, par)?;
     let (options, state) = if args.resume {
         let (mut options, state) = read_state(&state_path)?;
         options.epochs = args.epochs.unwrap_or(options.epochs);
@@ -140,6 +149,53 @@ pub fn run(args: &Args) -> Result<()> {
         }
     }
     save(&trainer)?;
+    report(format_args!("written   {}", args.output.display()))
+}
+
+fn examples(args: &Args, par: Par) -> Result<Examples> {
+    let mut dataset = dataset::read(&args.data)?;
+    if let Some(count) = args.identities {
+        dataset.retain_identities(count);
+    }
+    let examples = Examples::new(&dataset, par)?;
+    report(format_args!(
+        "data      {} pairs to learn from ({} with a part that is a union), {} to choose by",
+        examples.training.len(),
+        examples.composites.len(),
+        examples.validation.len()
+    ))?;
+    Ok(examples)
+}
+
+/// Trains the network of the thesis.
+fn thesis(args: &Args) -> Result<()> {
+    if args.resume {
+        bail!("--resume: a training of the thesis' network can't go on");
+    }
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let output = Output::create(&args.output, overwrite)?;
+    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let examples = examples(args, par)?;
+    let defaults = TransformerOptions::default();
+    let options = TransformerOptions {
+        epochs: args.epochs.unwrap_or(defaults.epochs),
+        minutes: args.minutes.unwrap_or(defaults.minutes),
+        seed: args.seed,
+        par,
+    };
+    let mut told = Ok(());
+    let mut watch = |epoch: usize, Losses { training, validation }| {
+        told = progress::check().and_then(|()| {
+            report(format_args!(
+                "epoch     {}: loss {training:.4}, of those to choose by {validation:.4}",
+                epoch + 1
+            ))
+        });
+        if told.is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let found = Transformer::train(&examples.training, &examples.validation, &options, &mut watch)?;
+    told?;
+    found.write(output)?;
     report(format_args!("written   {}", args.output.display()))
 }
 

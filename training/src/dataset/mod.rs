@@ -35,9 +35,14 @@ pub struct Dataset {
 
 impl Dataset {
     /// Keeps of the samples to train on those of the first known humanoids only, this many: what
-    /// table 2.2 of the thesis asks for with one.
+    /// table 2.2 of the thesis asks for with one. The other known ones are unknown then.
     pub fn retain_identities(&mut self, count: usize) {
         let samples = &mut self.samples;
+        for i in 0..samples.knowledge.len() {
+            if samples.knowledge[i] == KNOWN_IDENTITY && samples.identity[i] >= count {
+                samples.knowledge[i] = UNKNOWN_IDENTITY;
+            }
+        }
         let kept: Vec<bool> = (0..samples.part1.len())
             .map(|i| {
                 samples.split[i] != TRAIN || samples.family[i] == 0 && samples.identity[i] < count

@@ -93,27 +93,32 @@ pub struct Associativity {
     pub difference: f64,
     /// Mean relative error of (1 2) 3.
     pub error: f64,
+    /// Mean relative error of the union of all three at once.
+    pub error_at_once: f64,
 }
 
 /// Largest mean difference of the two orders.
 const CLOSE: f64 = 0.05;
 
-/// Measures it on the triples of a knowledge.
+/// Measures it on the triples of a knowledge, of unions of two one after the other, as the thesis
+/// composes them (equation 2.5), and of all three at once.
 ///
 /// # Errors
 /// Of spectra that are none.
 pub fn associativity(
-    predictor: &dyn Predictor,
+    model: &SpectralUnion,
     dataset: &Dataset,
     knowledge: usize,
 ) -> Result<Associativity> {
     let triples = &dataset.triples;
     let of_kind = (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == knowledge);
-    let (mut count, mut within, mut difference, mut error) = (0, 0, 0.0, 0.0);
+    let (mut count, mut within, mut difference) = (0, 0, 0.0);
+    let (mut error, mut error_at_once) = (0.0, 0.0);
     for i in of_kind {
         let [a, b, c] = [&triples.part1[i], &triples.part2[i], &triples.part3[i]];
-        let left = predictor.predict(&predictor.predict(a, b)?, c)?;
-        let right = predictor.predict(a, &predictor.predict(b, c)?)?;
+        let left = model.predict(&model.predict(a, b)?, c)?;
+        let right = model.predict(a, &model.predict(b, c)?)?;
+        let at_once = model.predict_all(&[a, b, c])?;
         let mean = |x: &Spectrum, y: &Spectrum| {
             x.iter().zip(y).map(|(x, y)| (x - y).abs() / x.max(*y)).sum::<f64>() / x.len() as f64
         };
@@ -122,6 +127,7 @@ pub fn associativity(
         within += usize::from(apart <= CLOSE);
         difference += apart;
         error += mean(&left, &triples.whole[i]);
+        error_at_once += mean(&at_once, &triples.whole[i]);
     }
     let all = f64::from(u32::try_from(count).unwrap_or(u32::MAX)).max(1.0);
     Ok(Associativity {
@@ -129,5 +135,6 @@ pub fn associativity(
         within: within as f64 / all,
         difference: difference / all,
         error: error / all,
+        error_at_once: error_at_once / all,
     })
 }

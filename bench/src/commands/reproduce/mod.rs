@@ -60,6 +60,10 @@ pub struct Arguments {
     /// it is not there].
     #[arg(long, value_name = "FILE")]
     data: Option<PathBuf>,
+    /// Chapter 2: the thesis' own network, of `catamaran unions train --architecture thesis`, for a
+    /// column in table 2.1.
+    #[arg(long, value_name = "FILE")]
+    transformer: Option<PathBuf>,
     /// Chapter 2: other weights than those of the library.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
