@@ -1451,6 +1451,8 @@ typedef struct cata_plant_params {
     double elasticity_steepness; /**< How steeply it falls in between; 0: 10. */
     /** The relative water content at which it falls most steeply; 0: 0.75. */
     double elasticity_shift;
+    /** 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9). */
+    int32_t elasticity_literal;
 } cata_plant_params;
 /** Fills a struct with the defaults. */
 cata_status cata_plant_params_init(cata_plant_params *params, size_t struct_size);

@@ -185,7 +185,7 @@ fn thesis(args: &Args) -> Result<()> {
     };
     let mut told = Ok(());
     let mut watch = |epoch: usize, Losses { training, validation }| {
-        told = progress::check().and_then(|()| {
+        told = progress::check().map_err(anyhow::Error::from).and_then(|()| {
             report(format_args!(
                 "epoch     {}: loss {training:.4}, of those to choose by {validation:.4}",
                 epoch + 1
