@@ -55,6 +55,9 @@ const NOISE: f64 = 1e-6;
 /// identities differ much more than poses (T is large), it is that of q - e - g for covariance
 /// `2 W + C`.
 ///
+/// T has to be that of many identities, several times as many as there are logarithms: with six,
+/// new identities seem impossible, and Euclidean distances find more.
+///
 /// Source: Ioffe, Probabilistic Linear Discriminant Analysis (2006).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RetrievalMetric {

@@ -1,6 +1,7 @@
 use std::collections::BTreeSet;
 
 use catamaran::Result;
+use catamaran::base::Rng;
 use catamaran::unions::K;
 
 use super::metric::{MetricOptions, RetrievalMetric};
@@ -91,13 +92,17 @@ impl RetrievalStudy {
     /// # Errors
     /// As [`RetrievalMetric::fit`].
     pub fn by_likelihood(&self, source: Source, options: &MetricOptions) -> Result<Retrieval> {
-        self.search(self.queries(source), source, options)
+        let errors = match source {
+            Source::Predicted => &self.errors[..],
+            Source::True => &[],
+        };
+        self.search(self.queries(source), errors, options)
     }
 
     fn search(
         &self,
         queries: &[Query],
-        source: Source,
+        errors: &[(usize, Logs)],
         options: &MetricOptions,
     ) -> Result<Retrieval> {
         let mut ranks = Vec::new();
@@ -105,27 +110,18 @@ impl RetrievalStudy {
         for identity in identities {
             let own: Vec<Query> =
                 queries.iter().copied().filter(|query| query.identity == identity).collect();
-            let metric = self.metric(source, identity, options)?;
-            let found = self.gallery.ranks(&own, |s| metric.of_query(s), |s| metric.of_shape(s))?;
-            ranks.extend(found);
+            let poses: Vec<_> =
+                self.poses.iter().copied().filter(|(other, _)| *other != identity).collect();
+            let errors = errors.iter().filter(|(other, _)| *other != identity);
+            let errors: Vec<Logs> = errors.map(|(_, error)| *error).collect();
+            let metric = RetrievalMetric::fit(&poses, &errors, options)?;
+            ranks.extend(self.gallery.ranks(
+                &own,
+                |s| metric.of_query(s),
+                |s| metric.of_shape(s),
+            )?);
         }
         Ok(Retrieval::of(&ranks))
-    }
-
-    fn metric(
-        &self,
-        source: Source,
-        without: usize,
-        options: &MetricOptions,
-    ) -> Result<RetrievalMetric> {
-        let others = self.poses.iter().filter(|(identity, _)| *identity != without);
-        let poses: Vec<_> = others.copied().collect();
-        let others = self.errors.iter().filter(|(identity, _)| *identity != without);
-        let errors: Vec<Logs> = match source {
-            Source::Predicted => others.map(|(_, error)| *error).collect(),
-            Source::True => vec![],
-        };
-        RetrievalMetric::fit(&poses, &errors, options)
     }
 
     /// Mean relative errors of the predictions of the queries, of the eigenvalues 2 to 20.
@@ -149,10 +145,10 @@ impl RetrievalStudy {
     }
 
     /// Searches by true spectra of complete shapes, each disturbed 20 times: by the distance of
-    /// the thesis, and by the metric for predicted spectra.
+    /// the thesis, and by a metric that is fitted to such disturbances.
     ///
     /// # Errors
-    /// As [`RetrievalStudy::by_likelihood`].
+    /// As [`RetrievalMetric::fit`].
     pub fn disturbed(
         &self,
         disturbance: &Disturbance<'_>,
@@ -160,31 +156,39 @@ impl RetrievalStudy {
         seed: u64,
     ) -> Result<[Retrieval; 2]> {
         let queries = disturbance.queries(&self.gallery.queries(), REPEATS, seed);
-        self.both(&queries, options)
+        let mut rng = Rng::new(seed + 1);
+        let error = |&(identity, spectrum): &(usize, Spectrum)| {
+            (identity, log_errors(&disturbance.apply(&spectrum, &mut rng), &spectrum))
+        };
+        let errors: Vec<_> = self.poses.iter().map(error).collect();
+        self.both(&queries, &errors, options)
     }
 
     /// Searches by predicted spectra whose errors (of logarithms) are multiplied by a factor, as
-    /// [`RetrievalStudy::disturbed`].
+    /// those that metrics are fitted to: as [`RetrievalStudy::disturbed`].
     ///
     /// # Errors
-    /// As [`RetrievalStudy::by_likelihood`].
+    /// As [`RetrievalMetric::fit`].
     pub fn improved(&self, factor: f64, options: &MetricOptions) -> Result<[Retrieval; 2]> {
-        let errors = self.query_errors();
-        let queries: Vec<Query> = self
-            .truth
-            .iter()
-            .zip(&errors)
+        let queries = self.truth.iter().zip(self.query_errors());
+        let queries: Vec<Query> = queries
             .map(|(query, errors)| {
-                let spectrum = with_errors(&query.spectrum, errors, factor);
+                let spectrum = with_errors(&query.spectrum, &errors, factor);
                 Query { spectrum, ..*query }
             })
             .collect();
-        self.both(&queries, options)
+        let errors = self.errors.iter().map(|(who, error)| (*who, error.map(|x| factor * x)));
+        self.both(&queries, &errors.collect::<Vec<_>>(), options)
     }
 
-    fn both(&self, queries: &[Query], options: &MetricOptions) -> Result<[Retrieval; 2]> {
+    fn both(
+        &self,
+        queries: &[Query],
+        errors: &[(usize, Logs)],
+        options: &MetricOptions,
+    ) -> Result<[Retrieval; 2]> {
         let euclidean = Retrieval::of(&self.gallery.euclidean_ranks(queries)?);
-        Ok([euclidean, self.search(queries, Source::Predicted, options)?])
+        Ok([euclidean, self.search(queries, errors, options)?])
     }
 }
 

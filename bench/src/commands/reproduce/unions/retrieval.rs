@@ -86,7 +86,7 @@ fn table_tolerance(
 ) -> Result<()> {
     report.say(
         "\n## Errors that retrieval tolerates\n\nTop-1 in per cent of queries by true spectra of complete shapes with errors of a known \
-         size, by Euclidean distance and by likelihood (fitted to predictions).\n\n\
+         size, by Euclidean distance and by likelihood (fitted to such errors).\n\n\
          | error | size | Euclidean | likelihood |\n|---|---|---|---|",
     );
     let mut row = |name: &str, size: String, [euclidean, likelihood]: [Retrieval; 2]| {
