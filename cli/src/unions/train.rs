@@ -50,7 +50,8 @@ pub struct Args {
     /// Which network.
     #[arg(long, default_value = "sum")]
     architecture: Kind,
-    /// Learn from the first N known humanoids only, and from no other shapes (thesis, table 2.2: 1).
+    /// Learn from the first N known humanoids only, and from no other shapes (thesis, table 2.2:
+    /// 1).
     #[arg(long, value_name = "N")]
     identities: Option<usize>,
     /// Layers before and after the sum over the parts.

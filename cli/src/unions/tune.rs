@@ -20,8 +20,8 @@ use crate::report::report;
 /// Fit the network of `unions predict` to a family of shapes, from 50 meshes or so.
 ///
 /// Cuts parts out of each mesh by balls and planes, and goes on with the training on their spectra.
-/// One mesh in ten is kept aside; its error, before and after, is printed. No template of the family
-/// is known, so --localize has no meaning with the new weights.
+/// One mesh in ten is kept aside; its error, before and after, is printed. No template of the
+/// family is known, so --localize has no meaning with the new weights.
 #[derive(clap::Args)]
 pub struct Args {
     /// Complete shapes of the family: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or

@@ -46,8 +46,8 @@ fn add_scaled<T: Number>(sum: &mut Token<T>, factors: &Heads<T>, x: &Token<T>) {
     }
 }
 
-/// The first token that token `i` of `count` attends to: that of its sequence, or of the one `shift`
-/// sequences further, counted round.
+/// The first token that token `i` of `count` attends to: that of its sequence, or of the one
+/// `shift` sequences further, counted round.
 fn first(i: usize, shift: usize, count: usize) -> usize {
     (i / K + shift) * K % count
 }

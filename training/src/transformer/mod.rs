@@ -17,14 +17,15 @@
 //!   `T_A` and `T_B` after their last one. Hidden neurons are rectified. There is no dropout.
 //! - A step is of 128 pairs.
 //! - Predicted offsets are not restricted in training. A prediction takes negative ones for zero,
-//!   and the first one for 0.001 at least, so that it is a spectrum; it need not be below the bound.
+//!   and the first one for 0.001 at least, so that it is a spectrum; it need not be below the
+//!   bound.
 //!
 //! Departures from the thesis:
 //!
 //! - Both spectra and the union are divided by a 20th of the smaller one of the two 20th
 //!   eigenvalues, so that offsets are about 1 and units do not matter.
-//! - Areas of parts are not disturbed, and the parameters with the least loss on the pairs to choose
-//!   by are kept.
+//! - Areas of parts are not disturbed, and the parameters with the least loss on the pairs to
+//!   choose by are kept.
 
 mod attention;
 mod backward;

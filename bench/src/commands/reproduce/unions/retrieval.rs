@@ -54,7 +54,8 @@ fn table_thesis(
             let cells = found.top.map(|x| format!("{:.2}", 100.0 * x));
             report.say(&format!("| {name} | {distance} | {} |", cells.join(" | ")));
             report.lines.push(format!(
-                "retrieval,-,{name},network,top-1 {},{:.4}",
+                "retrieval,-,{},network,top-1 {},{:.4}",
+                name.replace(',', ""),
                 distance.replace(',', ""),
                 found.top[0]
             ));
