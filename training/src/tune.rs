@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn a_few_shapes_of_a_family_lower_the_error_on_others_of_it() {
         let base = SpectralUnion::pretrained().unwrap();
-        let options = TuneOptions { pairs: 24, aside: 4, epochs: 3, ..TuneOptions::default() };
+        let options = TuneOptions { pairs: 24, aside: 4, epochs: 6, ..TuneOptions::default() };
         let examples =
             |par| family_examples(&quadrupeds(8), &base, &options, par, Progress::none()).unwrap();
         let own = examples(Par::Threads(2));
@@ -132,7 +132,7 @@ mod tests {
         for _ in 0..options.epochs {
             trainer.epoch().unwrap();
         }
-        assert!(trainer.best_error() < 0.95 * before, "{} {before}", trainer.best_error());
+        assert!(trainer.best_error() < 0.9 * before, "{} {before}", trainer.best_error());
         // What it was fitted to is no stranger to it.
         let pair = &trainer.examples().validation[0];
         let score = trainer.model().unwrap().ood_score(&[&pair.first, &pair.second]).unwrap();

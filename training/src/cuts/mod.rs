@@ -21,9 +21,9 @@ use crate::families::Model;
 pub(crate) use draw::below;
 #[cfg(test)]
 pub(crate) use pairs::canonical;
-pub(crate) use pairs::{INSIDE, LEAST_GAIN};
+pub(crate) use pairs::no_pair;
 pub use regions::{Mask, id};
-pub(crate) use regions::{Surface, overlap, union};
+pub(crate) use regions::{Surface, union};
 
 /// Vertices that two parts share at least.
 pub const OVERLAP: usize = 50;

@@ -15,10 +15,10 @@ const ATTEMPTS: usize = 30;
 
 /// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are
 /// removed.
-pub(crate) const INSIDE: usize = 60;
+const INSIDE: usize = 60;
 
 /// A part that adds less than this share of the union adds nothing.
-pub(crate) const LEAST_GAIN: f64 = 0.05;
+const LEAST_GAIN: f64 = 0.05;
 
 /// Up to `count` pairs of one of `first` and one of `second`, each as it is or mirrored.
 pub(super) fn of_regions(
@@ -99,6 +99,23 @@ fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
     true
 }
 
+/// Why two parts with this union are no pair, if they are none.
+pub(crate) fn no_pair(
+    surface: &Surface<'_>,
+    parts: [&[bool]; 2],
+    whole: &[bool],
+) -> Option<&'static str> {
+    let area = surface.area(whole);
+    if parts.iter().any(|part| surface.inside(part) < INSIDE) {
+        return Some("one has too few vertices inside");
+    }
+    if overlap(parts[0], parts[1]) < OVERLAP {
+        return Some("they share too few vertices");
+    }
+    let adds_too_little = |part: &[bool]| area - surface.area(part) < LEAST_GAIN * area;
+    parts.into_iter().any(adds_too_little).then_some("one adds too little")
+}
+
 /// The same two parts, mirrored where need be; `None` when they don't overlap enough, one adds too
 /// little, or the least union is in doubt.
 pub(crate) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option<[Mask; 2]> {
@@ -115,10 +132,7 @@ pub(crate) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option
         true => (b.to_vec(), &unions[0]),
         false => (other, &unions[1]),
     };
-    let area = surface.area(whole);
-    let gains = [surface.area(a), surface.area(&b)].map(|part| area - part);
-    let too_thin = [a, &b].iter().any(|part| surface.inside(part) < INSIDE);
-    if too_thin || overlap(a, &b) < OVERLAP || gains.iter().any(|&gain| gain < LEAST_GAIN * area) {
+    if no_pair(surface, [a, &b], whole).is_some() {
         return None;
     }
     match surface.leaning(whole) >= 0.0 {

@@ -105,7 +105,7 @@ impl<'m> Surface<'m> {
 }
 
 /// The vertices in both.
-pub(crate) fn overlap(a: &[bool], b: &[bool]) -> usize {
+pub(super) fn overlap(a: &[bool], b: &[bool]) -> usize {
     a.iter().zip(b).filter(|(a, b)| **a && **b).count()
 }
 

@@ -2,7 +2,7 @@ use catamaran::mesh::{LaplacianOptions, TriMesh};
 use catamaran::unions::PartSpectra;
 use catamaran::{Error, Par, Result};
 
-use crate::cuts::{INSIDE, LEAST_GAIN, Mask, OVERLAP, Surface, overlap, union};
+use crate::cuts::{Mask, Surface, no_pair, union};
 use crate::dataset::{EIGENVALUES, Spectrum};
 use crate::train::Pair;
 
@@ -100,16 +100,8 @@ impl BodyCut {
     fn pair(&self, surface: &Surface<'_>, spectra: &PartSpectra<'_>, frame: Frame) -> Result<Pair> {
         let [a, b] = self.parts(surface, frame)?;
         let all = union(&a, &b);
-        let refuse = |why: &str| Err(Error::Argument { what: "parts", why: why.into() });
-        let area = surface.area(&all);
-        if [&a, &b].iter().any(|part| surface.inside(part) < INSIDE) {
-            return refuse("one has too few vertices inside");
-        }
-        if overlap(&a, &b) < OVERLAP {
-            return refuse("they share too few vertices");
-        }
-        if [&a, &b].iter().any(|part| area - surface.area(part) < LEAST_GAIN * area) {
-            return refuse("one adds too little");
+        if let Some(why) = no_pair(surface, [&a, &b], &all) {
+            return Err(Error::Argument { what: "parts", why: why.into() });
         }
         let spectrum = |mask: &Mask| -> Result<Spectrum> {
             let values = spectra.dirichlet(mask, EIGENVALUES)?;

@@ -19,6 +19,6 @@ pub use metrics::{Associativity, Errors, Predictor, associativity, errors, selec
 pub use oracle::{Disturbance, ErrorModel, errors_by_index};
 pub use real::{REAL_SHAPES, RealShape};
 pub use regions::{Localization, localization};
-pub use retrieval::{Gallery, Query, Retrieval, retrieval};
+pub use retrieval::{Gallery, Query, Retrieval};
 pub use study::{RetrievalStudy, Source};
 pub use warning::{DOCUMENTED_THRESHOLD, Detection, Judgement, THRESHOLDS, WRONG};

@@ -1,7 +1,6 @@
 use catamaran::unions::retrieve;
 use catamaran::{Par, Result};
 
-use super::Predictor;
 use crate::cuts::id;
 use crate::dataset::{Dataset, Spectrum, TRAIN};
 use crate::families::Family;
@@ -125,28 +124,4 @@ pub(super) fn asking(dataset: &Dataset, gallery: &Gallery) -> Vec<usize> {
             && gallery.has_another(samples.identity[i], samples.pose[i])
     };
     (0..complete.len()).filter(asks).collect()
-}
-
-/// Queries the complete shapes of family 0 by spectra of unions that are complete, predicted and
-/// true (ShapeDNA). A shape is not asked for itself, nor for shapes of which no other pose is
-/// there; samples that were trained on do not ask.
-///
-/// # Errors
-/// Of spectra that are none.
-pub fn retrieval(predictor: &dyn Predictor, dataset: &Dataset) -> Result<[Retrieval; 2]> {
-    let gallery = Gallery::new(dataset);
-    let samples = &dataset.samples;
-    let asking = asking(dataset, &gallery);
-    let query = |i: usize, spectrum| Query {
-        identity: samples.identity[i],
-        pose: samples.pose[i],
-        spectrum,
-    };
-    let predicted = asking
-        .iter()
-        .map(|&i| Ok(query(i, predictor.predict(&samples.part1[i], &samples.part2[i])?)));
-    let predicted = predicted.collect::<Result<Vec<_>>>()?;
-    let truth: Vec<_> = asking.iter().map(|&i| query(i, samples.union[i])).collect();
-    let of = |queries: &[Query]| Ok(Retrieval::of(&gallery.euclidean_ranks(queries)?));
-    Ok([of(&predicted)?, of(&truth)?])
 }

@@ -11,9 +11,10 @@ use super::{Disturbance, ErrorModel, Logs, Predictor, errors_by_index};
 use crate::dataset::{Dataset, Spectrum, TRAIN};
 use crate::families::CARICATURE;
 
-/// Why retrieval by predicted spectra succeeds or fails: the queries of
-/// [`retrieval`](super::retrieval()), and what the samples that were trained on say about errors
-/// of predictions and about poses.
+/// Why retrieval by predicted spectra succeeds or fails. The queries are spectra of unions that are
+/// complete humans, predicted and true; a shape is not asked for itself, nor for shapes of which no
+/// other pose is there, and samples that were trained on do not ask: metrics are fitted to the
+/// errors of their predictions and to their poses.
 pub struct RetrievalStudy {
     gallery: Gallery,
     truth: Vec<Query>,
