@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::unions::{K, interpolate};
 
@@ -43,6 +43,9 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if args.picture.path().is_some() && args.localize.is_none() {
+        bail!("--picture draws where unions are: it needs --localize");
+    }
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
     let picture = args.picture.create(overwrite)?;

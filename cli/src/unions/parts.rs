@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::mesh::{CloudOptions, LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
@@ -81,5 +81,9 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     }
     let all = vec![true; mesh.vertices().len()];
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
-    Ok(spectra.dirichlet(&all, K)?)
+    let values = spectra.dirichlet(&all, K)?;
+    if values[0] <= 0.0 {
+        bail!("closed, or with a closed component: a part of a surface has a boundary");
+    }
+    Ok(values)
 }

@@ -118,6 +118,12 @@ fn unions_with_spectra_in_between_begin_and_end_with_those_of_the_parts() {
     assert_eq!(unions.len(), 3);
     let refused = folder.fail("unions interpolate a.off b.off c.off -o out.csv");
     assert!(refused.contains("out.csv"), "{refused}");
+    let refused = folder.fail("unions interpolate a.off b.off c.off --picture p.png");
+    assert!(refused.contains("--localize"), "{refused}");
+    let sphere = Output::create(&folder.path("closed.off"), Overwrite::Never).unwrap();
+    io::write(sphere, &families::icosphere(2).unwrap().into()).unwrap();
+    let refused = folder.fail("unions predict a.off closed.off");
+    assert!(refused.contains("closed.off: closed"), "{refused}");
 }
 
 #[test]
