@@ -1,17 +1,14 @@
 //! A^T A on up to 65,536 ranks as the plans predict it: seconds, and words that a rank sends or
 //! receives.
 
-use std::fmt::Write;
-
 use catamaran::ata::distributed::{Cost, Machine, Mode, lower_bound, predict};
+use catamaran_charts::{Axis, Chart, Series};
 
-use crate::chart::{COLOURS, END, LEFT, Panel, distinct, open, point};
+use crate::chart::distinct;
 use crate::input::Shape;
 
 /// Ranks: powers of two up to here.
 const MOST: usize = 1 << 16;
-/// Heights of a panel, in those of a race.
-const HEIGHT: f64 = 1.4;
 
 /// A mode at one shape and number of ranks.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,11 +64,10 @@ impl Row {
 /// A name, and what is drawn.
 type Curve = (&'static str, fn(&Row) -> f64);
 
-/// The rows as an SVG document: two panels for each shape, all axes logarithmic.
+/// Draws the rows as an SVG document: two charts for each shape, all axes logarithmic.
 pub fn svg(rows: &[Row], machine: &Machine) -> String {
     let shapes = distinct(rows.iter().map(|row| row.shape));
-    let mut out = open(2 * shapes.len(), HEIGHT);
-    for (s, shape) in shapes.iter().enumerate() {
+    let charts = shapes.iter().flat_map(|shape| {
         let own: Vec<&Row> = rows.iter().filter(|row| row.shape == *shape).collect();
         let Machine { latency, seconds_per_word, flops } = machine;
         let title = format!(
@@ -81,60 +77,37 @@ pub fn svg(rows: &[Row], machine: &Machine) -> String {
             latency * 1e6
         );
         let least: Curve = ("even share of the flops", |row| row.least_seconds);
-        panel(&mut out, 2 * s, &title, &own, |row| row.cost.seconds, least);
+        let seconds = chart(title, "seconds", &own, |row| row.cost.seconds, least);
         let title = format!("A {shape}: words that a rank sends, or receives if they are more");
         let least: Curve = ("lower bound", |row| row.least_words);
-        panel(&mut out, 2 * s + 1, &title, &own, |row| row.cost.words, least);
-    }
-    out.push_str("</svg>\n");
-    out
+        [seconds, chart(title, "words", &own, |row| row.cost.words, least)]
+    });
+    catamaran_charts::svg(&charts.collect::<Vec<_>>())
 }
 
-/// One line for each mode, a grey one for the least possible; what is 0 is left out.
-fn panel(
-    out: &mut String,
-    p: usize,
-    title: &str,
+/// One curve for each mode, a grey one for the least possible.
+fn chart(
+    title: String,
+    unit: &str,
     rows: &[&Row],
     value: fn(&Row) -> f64,
     (least_name, least): Curve,
-) {
-    let panel = Panel::new(out, p, HEIGHT, title);
-    let all = || rows.iter().flat_map(|row| [value(row), least(row)]).filter(|v| *v > 0.0);
-    let bottom = all().fold(f64::INFINITY, f64::min).log10().floor();
-    let top = all().fold(0.0, f64::max).log10().ceil().max(bottom + 1.0);
-    let y = |value: f64| {
-        panel.low - (panel.low - panel.high) * (value.log10() - bottom) / (top - bottom)
+) -> Chart {
+    let of_mode = |mode: Mode, value: fn(&Row) -> f64| {
+        let own = rows.iter().filter(move |row| row.cost.mode == mode);
+        own.map(|row| (row.ranks as f64, value(row))).collect()
     };
-    let steps = f64::from(MOST.ilog2()) + 1.0;
-    let x = |ranks: usize| LEFT + (END - LEFT) * (f64::from(ranks.ilog2()) + 0.5) / steps;
-
-    for decade in bottom as i32..=top as i32 {
-        panel.tick(out, y(10_f64.powi(decade)), &format!("1e{decade}"));
-    }
-    for ranks in distinct(rows.iter().map(|row| row.ranks)).into_iter().step_by(2) {
-        panel.below(out, x(ranks), &ranks.to_string());
-    }
-    let mut line = |k: usize, colour: &str, name: &str, places: &[(usize, f64)]| {
-        let mut path = String::new();
-        for &(ranks, value) in places.iter().filter(|(_, value)| *value > 0.0) {
-            let (x, y) = (x(ranks), y(value));
-            let _ = write!(path, "{}{x:.1} {y:.1}", if path.is_empty() { "M" } else { "L" });
-            point(out, [x, y], colour, &format!("{name}, {ranks} ranks: {value:.3e}"));
-        }
-        let _ = writeln!(
-            out,
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>"
-        );
-        panel.legend(out, k, colour, name);
-    };
-    let first = rows.iter().filter(|row| row.cost.mode == Mode::Rows);
-    let places: Vec<_> = first.map(|row| (row.ranks, least(row))).collect();
-    line(Mode::NAMES.len(), "#999999", least_name, &places);
-    for (k, (name, mode)) in Mode::NAMES.iter().enumerate() {
-        let own = rows.iter().filter(|row| row.cost.mode == *mode);
-        let places: Vec<_> = own.map(|row| (row.ranks, value(row))).collect();
-        line(k, COLOURS[k], name, &places);
+    let curve = |name, color, points| Series { dots: true, ..Series::curve(name, color, points) };
+    let modes = Mode::NAMES.iter().enumerate();
+    let modes =
+        modes.map(|(k, (name, mode))| curve(*name, Series::color(k), of_mode(*mode, value)));
+    let least = curve(least_name, [0x99; 3], of_mode(Mode::Rows, least));
+    Chart {
+        title,
+        x: Axis::log2("ranks"),
+        y: Axis::log10(unit),
+        series: std::iter::once(least).chain(modes).collect(),
+        rules: vec![],
     }
 }
 
@@ -151,9 +124,7 @@ mod tests {
         let columns = CSV_HEADER.split(',').count();
         assert!(rows.iter().all(|row| row.csv().split(',').count() == columns));
         let picture = svg(&rows, &machine);
-        for text in
-            ["A 2000: predicted", ">grid<", ">lower bound<", "tree, 65536 ranks:", ">65536<"]
-        {
+        for text in ["A 2000: predicted", "\ngrid\n", "\nlower bound\n", "\n65536\n"] {
             assert!(picture.contains(text), "{text}");
         }
         assert!(!picture.contains("NaN") && !picture.contains("inf"));
