@@ -8,6 +8,8 @@ mod plain;
 mod progress;
 mod rng;
 mod scalar;
+#[cfg(feature = "geometry")]
+mod sets;
 mod simd;
 mod version;
 mod workspace;
@@ -22,6 +24,8 @@ pub use progress::Progress;
 pub(crate) use progress::Tracker;
 pub use rng::Rng;
 pub use scalar::Real;
+#[cfg(feature = "geometry")]
+pub(crate) use sets::Sets;
 pub(crate) use simd::widest;
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};

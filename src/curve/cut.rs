@@ -1,8 +1,8 @@
 //! Meshes cut open along edges.
 
 use super::walls::Walls;
-use crate::base::Result;
-use crate::mesh::{Part, Sets, TriMesh};
+use crate::base::{Result, Sets};
+use crate::mesh::{Part, TriMesh};
 
 /// Cuts a mesh open along edges: a vertex at which they part its faces becomes as many vertices.
 /// Faces stay as they are, in their order; vertices that are new follow those of the mesh. O(V +

@@ -1,12 +1,11 @@
 //! Which samples are near one another: the dual of their geodesic Voronoi diagram, grown only as
 //! far as needed.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BTreeMap;
 
 use super::search::Search;
 use super::surface::Surface;
-use crate::mesh::Sets;
+use crate::base::Sets;
 use crate::mesh::vector::distance;
 
 /// Cells go on growing to this times the radius at which all samples hang together.
@@ -32,18 +31,11 @@ impl Proximity {
     pub fn new(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Self {
         let dual = dual(surface, search, samples);
         let count = samples.len();
-        let mut distances = vec![f64::INFINITY; count];
         let (mut rows, mut nearest, mut horizon) = (Vec::new(), Vec::new(), Vec::new());
         for from in 0..count as u32 {
             let mut row = Vec::new();
-            let mut touched = vec![from];
-            distances[from as usize] = 0.0;
-            let mut heap = BinaryHeap::from([Reverse((0_u64, from))]);
-            while let Some(Reverse((bits, i))) = heap.pop() {
-                let to_i = distances[i as usize];
-                if bits != to_i.to_bits() {
-                    continue;
-                }
+            search.start(&[from]);
+            while let Some((i, to_i)) = search.next() {
                 if i != from {
                     row.push((i, to_i));
                     if row.len() == NEAREST {
@@ -51,16 +43,8 @@ impl Proximity {
                     }
                 }
                 for &(j, length) in &dual[i as usize] {
-                    let through = to_i + length;
-                    if through < distances[j as usize] {
-                        touched.push(j);
-                        distances[j as usize] = through;
-                        heap.push(Reverse((through.to_bits(), j)));
-                    }
+                    search.relax(i, j, to_i + length, 0.0);
                 }
-            }
-            for i in touched {
-                distances[i as usize] = f64::INFINITY;
             }
             horizon.push(row.last().map_or(0.0, |r| r.1));
             nearest.push(row.iter().map(|r| r.0).collect());

@@ -156,7 +156,7 @@ fn greedy(costs: &Costs<'_>, neighbours: &[Vec<u32>]) -> Vec<u32> {
         .collect();
     edges.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
     let mut links: Vec<Vec<u32>> = vec![Vec::new(); n as usize];
-    let mut sets = crate::mesh::Sets::new(n as usize);
+    let mut sets = crate::base::Sets::new(n as usize);
     for (_, i, j) in edges {
         let free = |v: u32| links[v as usize].len() < 2;
         if free(i) && free(j) && sets.find(i) != sets.find(j) {

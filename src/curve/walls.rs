@@ -1,7 +1,7 @@
 //! Edges that faces are not joined over.
 
-use crate::base::{Error, Result};
-use crate::mesh::{Edges, Sets, TriMesh};
+use crate::base::{Error, Result, Sets};
+use crate::mesh::{Edges, TriMesh};
 
 /// The edges of a mesh, some of them walls.
 pub(super) struct Walls {

@@ -20,7 +20,7 @@ pub(crate) mod shapes;
 pub mod topology;
 mod trimesh;
 mod validation;
-pub(crate) mod vector;
+pub mod vector;
 
 pub use cloud::{CloudOptions, cloud_laplacian};
 pub use compare::{Comparison, OneSided};
@@ -37,7 +37,6 @@ pub(crate) use repair::manifold;
 pub use repair::{
     RepairOptions, RepairReport, RepairStep, Repaired, Repairs, Weld, needs_repair, repair,
 };
-pub(crate) use topology::Sets;
 pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;
 pub use validation::{Problem, Validation};

@@ -1,44 +1,55 @@
-//! The little vector arithmetic that triangles need.
+//! Arithmetic of points and directions in space.
 
 /// A point or direction in space.
-pub(crate) type Vector = [f64; 3];
+pub type Vector = [f64; 3];
 
-pub(crate) fn sub(a: Vector, b: Vector) -> Vector {
+/// Returns `a + b`.
+pub fn add(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Returns `a - b`.
+pub fn sub(a: Vector, b: Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(crate) fn scale(a: Vector, s: f64) -> Vector {
+/// Returns `s a`.
+pub fn scale(a: Vector, s: f64) -> Vector {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
-pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+/// Returns the scalar product.
+pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
+/// Returns the vector product.
+pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The square of the length.
-pub(crate) fn square(a: Vector) -> f64 {
+/// Returns the square of the length.
+pub fn square(a: Vector) -> f64 {
     dot(a, a)
 }
 
-pub(crate) fn norm(a: Vector) -> f64 {
+/// Returns the length.
+pub fn norm(a: Vector) -> f64 {
     square(a).sqrt()
 }
 
-/// The direction of `a`; zero if it has none.
-pub(crate) fn unit(a: Vector) -> Vector {
+/// Returns the direction of `a`, of length 1; zero if `a` has none.
+pub fn unit(a: Vector) -> Vector {
     let length = norm(a);
     if length > 0.0 { a.map(|x| x / length) } else { [0.0; 3] }
 }
 
-pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
+/// Returns the distance between two points.
+pub fn distance(a: Vector, b: Vector) -> f64 {
     norm(sub(a, b))
 }
 
-/// The point in the middle between two.
-pub(crate) fn middle(a: Vector, b: Vector) -> Vector {
+/// Returns the point in the middle between two.
+pub fn middle(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|k| 0.5 * (a[k] + b[k]))
 }

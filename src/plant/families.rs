@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::{Plant, Segment};
 use crate::base::{Error, Result, Rng, builder, reserved};
-use crate::mesh::vector::{cross, dot, unit};
+use crate::mesh::vector::{add, cross, dot, scale, unit};
 
 /// Segments of an internode.
 const SEGMENTS: usize = 3;
@@ -109,7 +109,7 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
         }
         for _ in 0..SEGMENTS.min(options.nodes - segments.len()) {
             let step = bud.length / SEGMENTS as f64;
-            bud.tail = add(bud.tail, bud.direction, step);
+            bud.tail = add(bud.tail, scale(bud.direction, step));
             let mut segment = Segment::stem(bud.tail, bud.radius);
             segment.leaf = bud.order >= 2 || (bud.order > 0 && bud.age >= LIFE);
             parents.push(bud.parent);
@@ -176,10 +176,6 @@ pub fn chain(nodes: usize, length: f64, radius: f64) -> Result<Plant> {
     }
     let parents: Vec<_> = (0..nodes as u32).map(|v| v.checked_sub(1)).collect();
     Plant::new(segments, &parents, Some([0.0; 3]))
-}
-
-fn add(a: [f64; 3], b: [f64; 3], s: f64) -> [f64; 3] {
-    [0, 1, 2].map(|i| a[i] + s * b[i])
 }
 
 /// `a` turned about the unit vector `axis` (Rodrigues).

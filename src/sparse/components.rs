@@ -2,27 +2,18 @@ use sprs::CsMatView;
 
 use super::Mass;
 use super::product::row_sum;
+use crate::base::Sets;
 
 /// The null vectors of W that can be seen without arithmetic: each is 1 on one connected component
 /// of the graph of W and M, if the rows of W there sum to zero, and 0 elsewhere. As lists of rows,
 /// in the order of their first rows.
 pub(crate) fn null_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec<Vec<usize>> {
     let n = stiffness.rows();
-    let mut parent: Vec<usize> = (0..n).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut sets = Sets::new(n);
     let mut join = |matrix: CsMatView<'_, f64>| {
         for (i, row) in matrix.outer_iterator().enumerate() {
-            for (j, _) in row.iter().filter(|&(_, &x)| x != 0.0) {
-                let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-                // The first row of a component is its root.
-                parent[a.max(b)] = a.min(b);
-            }
+            let entries = row.iter().filter(|&(_, &x)| x != 0.0);
+            entries.for_each(|(j, _)| sets.join(i as u32, j as u32));
         }
     };
     join(stiffness);
@@ -31,7 +22,7 @@ pub(crate) fn null_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec
     }
     let mut components = vec![Some(Vec::new()); n];
     for (i, row) in stiffness.outer_iterator().enumerate() {
-        let component = &mut components[root(&mut parent, i)];
+        let component = &mut components[sets.find(i as u32) as usize];
         if row_sum(row.data()) != 0.0 {
             *component = None;
         }

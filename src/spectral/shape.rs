@@ -7,7 +7,7 @@ use crate::base::{Error, Par, Progress, Result, builder};
 use crate::dense::{
     cholesky, lower_solve_in_place, transposed_product, upper_solve_in_place, zeros,
 };
-use crate::mesh::vector::{cross, dot, norm, scale, sub};
+use crate::mesh::vector::{add, cross, dot, norm, scale, sub};
 use crate::mesh::{Boundary, Components, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, Factor, Inverse, Shifted, Symbolic, eigs};
 
@@ -210,10 +210,6 @@ impl<'a> Wanted<'a> {
             length *= 0.5;
         }
     }
-}
-
-fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|c| a[c] + b[c])
 }
 
 /// The normal of a face, twice its area long.

@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use catamaran::Result;
 use catamaran::base::Rng;
+use catamaran::mesh::vector::{dot, norm};
 use catamaran::mesh::{Edges, TriMesh};
 
 /// A mesh of some of the vertices of another.
@@ -148,7 +149,7 @@ impl<'m> Draft<'m> {
             let before = self.face(f);
             let after = before.map(|v| if v == gone { kept } else { v });
             let (m, n) = (self.normal(before), self.normal(after));
-            let cosine = (0..3).map(|k| m[k] * n[k]).sum::<f64>() / (norm(m) * norm(n));
+            let cosine = dot(m, n) / (norm(m) * norm(n));
             let enough = self.quality(before).min(LEAST_QUALITY);
             // What has no area has no normal, and a cosine that is not a number.
             if !(cosine >= LEAST_COSINE && self.quality(after) >= enough) {
@@ -175,10 +176,6 @@ impl<'m> Draft<'m> {
         let part = TriMesh::new(self.positions.to_vec(), faces)?.without_unreferenced()?;
         Ok(Remeshed { mesh: part.mesh, vertices: part.vertices })
     }
-}
-
-fn norm(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

@@ -3,11 +3,10 @@
 
 use anyhow::Result;
 use catamaran::curve::Curve;
+use catamaran::mesh::vector::{Vector, cross, norm, sub};
 use catamaran::mesh::{TriMesh, families};
 
 use super::image::Rgb;
-
-type Vector = [f64; 3];
 
 /// Radius of a tube, and of a ball, relative to the diagonal of the bounding box.
 const TUBE: f64 = 0.0035;
@@ -131,18 +130,6 @@ fn tube(
         faces.push([first + i, first + j, first + n + j]);
         faces.push([first + i, first + n + j, first + n + i]);
     }
-}
-
-fn sub(a: Vector, b: Vector) -> Vector {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn norm(a: Vector) -> f64 {
-    a.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

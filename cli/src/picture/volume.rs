@@ -8,11 +8,12 @@ use std::sync::{Mutex, PoisonError};
 use anyhow::{Result, bail};
 use catamaran::base::Progress;
 use catamaran::mesh::TriMesh;
+use catamaran::mesh::vector::Vector;
 
 use super::color::{to_light, to_screen};
 use super::image::{Image, Rgb};
 use super::mesh::View;
-use super::mesh::camera::{Camera, Vector};
+use super::mesh::camera::Camera;
 use super::mesh::shade::{GLOSS, gloss, lambert};
 use super::mesh::{LARGEST, MARGIN, PAPER};
 

@@ -4,7 +4,7 @@ use sprs::CsMat;
 
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
-use crate::base::{Error, Par, Result, builder};
+use crate::base::{Error, Par, Result, Sets, builder};
 use crate::sparse::{Factor, Inverse, Mass, Symbolic};
 
 /// Heat below this has lost digits, and with them the direction it flows in.
@@ -220,23 +220,10 @@ fn with_entries(matrix: &CsMat<f64>, entry: impl Fn(usize, usize, f64) -> f64) -
 
 /// For each vertex, the lowest of those that faces connect it to.
 fn components(n: usize, faces: &[[u32; 3]]) -> Vec<u32> {
-    fn root(parents: &mut [u32], mut v: u32) -> u32 {
-        while parents[v as usize] != v {
-            let above = parents[parents[v as usize] as usize];
-            parents[v as usize] = above;
-            v = above;
-        }
-        v
-    }
-    let mut parents: Vec<u32> = (0..n as u32).collect();
+    let mut sets = Sets::new(n);
     for &[a, b, c] in faces {
-        for other in [b, c] {
-            let (x, y) = (root(&mut parents, a), root(&mut parents, other));
-            parents[x.max(y) as usize] = x.min(y);
-        }
+        sets.join(a, b);
+        sets.join(a, c);
     }
-    for v in 0..n as u32 {
-        parents[v as usize] = root(&mut parents, v);
-    }
-    parents
+    (0..n as u32).map(|v| sets.find(v)).collect()
 }

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::super::io::{Attribute, Labels, MeshFile};
-use super::super::{Part, Sets, TriMesh};
-use crate::base::Result;
+use super::super::{Part, TriMesh};
+use crate::base::{Result, Sets};
 
 /// The number of a vertex that was left out.
 pub(super) const NONE: u32 = u32::MAX;

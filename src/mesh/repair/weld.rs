@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::super::vector::{Vector, distance};
-use super::super::{Edges, Sets, TriMesh};
-use crate::base::{Error, Result};
+use super::super::{Edges, TriMesh};
+use crate::base::{Error, Result, Sets};
 
 /// For each point the lowest one, itself or an earlier one, that is at most `tolerance` away and is
 /// its own representative. O(n) for points that are spread out.

@@ -1,5 +1,5 @@
 use super::super::TriMesh;
-use super::sets::Sets;
+use crate::base::Sets;
 
 /// The connected components of a mesh: two faces with a common vertex are in the same one. Numbered
 /// by their lowest vertex; vertices without a face are in none.

@@ -11,13 +11,11 @@ mod boundary;
 mod components;
 mod edges;
 mod orientation;
-mod sets;
 mod surface;
 
 pub use adjacency::Adjacency;
 pub use components::Components;
 pub use edges::Edges;
 pub(super) use edges::face_list;
-pub(crate) use sets::Sets;
 pub use surface::Genus;
 pub(super) use surface::genus_of;

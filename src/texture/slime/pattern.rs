@@ -1,5 +1,5 @@
+use crate::base::Sets;
 use crate::base::{Error, Result};
-use crate::mesh::Sets;
 
 /// Measures of the pattern in a square texture, in texels: what is covered are texels with more
 /// pheromone than a threshold, what hangs together does so over sides of texels. On a surface they

@@ -1,7 +1,7 @@
-use crate::base::{Error, Result, reserved};
+use crate::base::{Error, Result, Sets, reserved};
 use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
-use crate::mesh::{Edges, Sets, TriMesh, families};
+use crate::mesh::{Edges, TriMesh, families};
 
 /// The triangle across a boundary edge.
 pub const NO_TRIANGLE: u32 = u32::MAX;

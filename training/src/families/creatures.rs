@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use catamaran::base::Rng;
+use catamaran::mesh::vector::{Vector, add, distance, scale};
 
 use super::skeleton::Spec;
-use super::vector::{Vector, add, distance, scale};
 use crate::cuts::below;
 
 /// How wide creases between limbs are rounded, in metres.
@@ -39,7 +39,7 @@ pub(super) fn specs(vertices: usize, rng: &mut Rng) -> Vec<Spec> {
         let (head, beside, thickest) = match specs.get(parent) {
             None => ([0.0; 3], false, f64::INFINITY),
             Some(Spec { head, tail, radii, .. }) => {
-                let p = add(scale(1.0 - along, *head), scale(along, *tail));
+                let p = add(scale(*head, 1.0 - along), scale(*tail, along));
                 (p, p[0] > 0.0, radii[0].max(radii[1]))
             }
         };
@@ -54,7 +54,7 @@ pub(super) fn specs(vertices: usize, rng: &mut Rng) -> Vec<Spec> {
         specs.push(Spec {
             parent,
             head,
-            tail: add(head, scale(length, direction)),
+            tail: add(head, scale(direction, length)),
             radii: [radius, radius * between_evenly(TAPER, rng)],
             turns: if number == 0 { [[0.0; 2]; 3] } else { [[-TURN, TURN]; 3] },
             body_b: [1.0; 2],

@@ -1,7 +1,8 @@
 //! The flesh around bones: a smooth union of capsules.
 
+use catamaran::mesh::vector::{Vector, distance, dot, scale, sub};
+
 use super::skeleton::{Bone, Skeleton};
-use super::vector::{Vector, distance, dot, scale, sub};
 
 /// Distances to the capsules are united as `-s ln(sum exp(-d / s))`, symmetric in x.
 pub(super) struct Field<'a> {
@@ -42,7 +43,7 @@ impl<'a> Field<'a> {
             if slope < 0.01 {
                 break;
             }
-            p = sub(p, scale(self.at(p) / slope, gradient));
+            p = sub(p, scale(gradient, self.at(p) / slope));
         }
         p
     }

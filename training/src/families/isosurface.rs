@@ -7,10 +7,11 @@
 use std::collections::HashMap;
 
 use catamaran::Result;
+use catamaran::mesh::vector::{Vector, add, distance, scale};
 use catamaran::mesh::{Edges, TriMesh};
 
 use super::field::Field;
-use super::vector::{Vector, add, distance, mirrored, scale};
+use super::rotation::mirrored;
 
 /// Rounds of moving every vertex to the mean of its neighbours and back to the surface.
 const ROUNDS: usize = 12;
@@ -170,7 +171,7 @@ impl Net {
                     continue;
                 }
                 let sum = neighbours[v].iter().fold([0.0; 3], |s, &w| add(s, before[w as usize]));
-                let mut p = scale(1.0 / neighbours[v].len() as f64, sum);
+                let mut p = scale(sum, 1.0 / neighbours[v].len() as f64);
                 if m == v {
                     p[0] = 0.0;
                 }
@@ -213,10 +214,10 @@ fn crossing(at: impl Fn(usize) -> (Vector, f64)) -> Option<Vector> {
             let ((p, f), (q, g)) = (at(c), at(c | axis));
             if (f < 0.0) != (g < 0.0) {
                 let t = f / (f - g);
-                sum = add(sum, add(scale(1.0 - t, p), scale(t, q)));
+                sum = add(sum, add(scale(p, 1.0 - t), scale(q, t)));
                 count += 1.0;
             }
         }
     }
-    (count > 0.0).then(|| scale(1.0 / count, sum))
+    (count > 0.0).then(|| scale(sum, 1.0 / count))
 }

@@ -7,9 +7,9 @@ mod bodies;
 mod creatures;
 mod field;
 mod isosurface;
+mod rotation;
 mod sheet;
 mod skeleton;
-mod vector;
 mod weights;
 
 use catamaran::base::Rng;

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use catamaran::Result;
 use catamaran::base::Rng;
 use catamaran::mesh::TriMesh;
-
-use super::vector::Vector;
+use catamaran::mesh::vector::Vector;
 
 /// A grid of cells, an even number of columns.
 #[derive(Debug, Clone)]

@@ -1,10 +1,9 @@
 //! Bones, what identities make of them, and poses.
 
 use catamaran::base::Rng;
+use catamaran::mesh::vector::{Vector, add, distance, dot, scale, sub};
 
-use super::vector::{
-    Rotation, Vector, about, add, compose, distance, dot, mirrored, rotate, scale, sub,
-};
+use super::rotation::{Rotation, about, compose, mirrored, rotate};
 
 /// The body type whose proportions are this many times as far from those of the template as those
 /// of type A.
@@ -136,7 +135,7 @@ impl Skeleton {
             add(at.head, rotate(&at.rotation, from_head))
         };
         let blended = |(&p, held): (&Vector, &Vec<(u32, f64)>)| {
-            held.iter().fold([0.0; 3], |sum, &(b, w)| add(sum, scale(w, moved(b as usize, p))))
+            held.iter().fold([0.0; 3], |sum, &(b, w)| add(sum, scale(moved(b as usize, p), w)))
         };
         vertices.iter().zip(weights).map(blended).collect()
     }
@@ -164,13 +163,13 @@ impl Skeleton {
         let bone = &self.bones[b];
         let [longer, thicker] = proportions.0[b];
         let length = distance(bone.head, bone.tail);
-        let axis = scale(1.0 / length, sub(bone.tail, bone.head));
+        let axis = scale(sub(bone.tail, bone.head), 1.0 / length);
         let from_head = sub(p, bone.head);
         let along = dot(from_head, axis);
         let inside = along.clamp(0.0, length);
-        let across = sub(from_head, scale(along, axis));
+        let across = sub(from_head, scale(axis, along));
         let along = longer * inside + thicker * (along - inside);
-        add(head, add(scale(along, axis), scale(thicker, across)))
+        add(head, add(scale(axis, along), scale(across, thicker)))
     }
 }
 
@@ -185,5 +184,5 @@ impl Proportions {
 /// The pose at rest.
 #[cfg(test)]
 pub(super) fn rest(skeleton: &Skeleton) -> Vec<Rotation> {
-    vec![super::vector::IDENTITY; skeleton.bones.len()]
+    vec![super::rotation::IDENTITY; skeleton.bones.len()]
 }

@@ -1,7 +1,8 @@
+use catamaran::mesh::vector::distance;
 use catamaran::mesh::{Components, Edges, Genus};
 
+use super::rotation::mirrored;
 use super::skeleton::{Proportions, rest};
-use super::vector::{distance, mirrored};
 use super::*;
 
 /// Vertices of the templates in tests.

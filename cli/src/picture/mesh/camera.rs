@@ -1,9 +1,7 @@
 use std::str::FromStr;
 
 use catamaran::mesh::TriMesh;
-
-/// A point or direction in space.
-pub type Vector = [f64; 3];
+use catamaran::mesh::vector::{Vector, norm, sub};
 
 /// Half the angle that a perspective view opens to, in radians.
 const HALF_ANGLE: f64 = 0.22;
@@ -201,14 +199,6 @@ fn axes(view: &View) -> [Vector; 3] {
 
 fn inside(axes: &[Vector; 3], p: Vector) -> Vector {
     axes.map(|a| a[0] * p[0] + a[1] * p[1] + a[2] * p[2])
-}
-
-fn sub(a: Vector, b: Vector) -> Vector {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn norm(a: Vector) -> f64 {
-    a.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 fn bounds(points: impl Iterator<Item = Vector>) -> [Vector; 2] {

@@ -1,5 +1,7 @@
-use super::camera::{Camera, Projected, Vector};
-use super::lamp::{LAMPS, dot, unit};
+use catamaran::mesh::vector::{Vector, dot, unit};
+
+use super::camera::{Camera, Projected};
+use super::lamp::LAMPS;
 use super::raster::Hit;
 use super::tangent::{Finish, Tangent};
 use super::{Paint, Panel, SAMPLES, Scene, Texture};

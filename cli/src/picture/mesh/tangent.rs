@@ -1,10 +1,11 @@
 //! Normal maps, and what light a rough or shining, plain or metallic surface sends back.
 
 use catamaran::mesh::TriMesh;
+use catamaran::mesh::vector::{Vector, dot, unit};
 
 use super::Texture;
-use super::camera::{Camera, Vector};
-use super::lamp::{LAMPS, dot, unit};
+use super::camera::Camera;
+use super::lamp::LAMPS;
 use crate::picture::color::to_light;
 
 /// What is reflected straight back of all light by what is no metal.

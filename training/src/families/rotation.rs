@@ -1,30 +1,6 @@
-//! Vectors and rotations in space.
+//! Rotations and mirror images in space.
 
-pub type Vector = [f64; 3];
-
-pub fn add(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub fn sub(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub fn scale(s: f64, a: Vector) -> Vector {
-    a.map(|x| s * x)
-}
-
-pub fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub fn distance(a: Vector, b: Vector) -> f64 {
-    dot(sub(a, b), sub(a, b)).sqrt()
-}
+use catamaran::mesh::vector::{Vector, add, cross, dot, norm, scale};
 
 /// The mirror image in the plane x = 0.
 pub fn mirrored(a: Vector) -> Vector {
@@ -48,15 +24,15 @@ pub fn compose(a: &Rotation, b: &Rotation) -> Rotation {
 
 /// The rotation about an axis by its length in radians (Rodrigues).
 pub fn about(axis: Vector) -> Rotation {
-    let angle = dot(axis, axis).sqrt();
+    let angle = norm(axis);
     if angle == 0.0 {
         return IDENTITY;
     }
-    let u = scale(1.0 / angle, axis);
+    let u = scale(axis, 1.0 / angle);
     let (sin, cos) = angle.sin_cos();
     let turned = |p: Vector| {
-        let along = scale(dot(u, p) * (1.0 - cos), u);
-        add(add(scale(cos, p), scale(sin, cross(u, p))), along)
+        let along = scale(u, dot(u, p) * (1.0 - cos));
+        add(add(scale(p, cos), scale(cross(u, p), sin)), along)
     };
     let columns = IDENTITY.map(turned);
     std::array::from_fn(|i| columns.map(|column| column[i]))
