@@ -21,6 +21,16 @@ Catamaran is licensed under MIT or Apache-2.0. Programs that contain it also con
 others, with all features on Linux those below: name, version, license (SPDX; texts at
 https://spdx.org/licenses), where they come from, and whose they are as their license files say. System
 libraries that features link (OpenBLAS, HDF5, MPI, OpenCL) are not part of it.
+
+Fonts and data:
+Noto Sans Mono, in pictures with text: SIL Open Font License 1.1
+    https://fonts.google.com/noto/specimen/Noto+Sans+Mono
+Statistical Reference Datasets of NIST, in tests: public domain (17 U.S.C. 105)
+    https://www.itl.nist.gov/div898/strd
+Nefertiti, and Spot by Keenan Crane, in pictures of docs/guide: public domain
+    https://github.com/odedstein/meshes
+Weights of the network of `unions`: trained on generated shapes; license of Catamaran
+
 Written by `cargo xtask notice`.
 ";
 
