@@ -18,6 +18,52 @@ pub enum Components {
     Share(f64),
 }
 
+impl Components {
+    /// Refuses more components than columns, and shares out of range.
+    fn check(self, columns: usize) -> Result<()> {
+        let why = match self {
+            Self::Count(count) if count > columns => {
+                format!("at most {columns} columns, and not {count}")
+            }
+            Self::Share(share) if !(share > 0.0 && share <= 1.0) => {
+                format!("a share is in (0, 1], and not {share}")
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Argument { what: "components", why })
+    }
+
+    /// Returns how many are kept of components with these shares of the variance, in order.
+    fn count(self, shares: &[f64]) -> usize {
+        match self {
+            Self::All => shares.len(),
+            Self::Count(count) => count.min(shares.len()),
+            Self::Share(share) => {
+                let mut sum = 0.0;
+                let reached = shares.iter().position(|part| {
+                    sum += part;
+                    sum >= share
+                });
+                reached.map_or(shares.len(), |last| last + 1)
+            }
+        }
+    }
+}
+
+/// Returns the columns as rows, each with the sign that makes its entry of largest magnitude
+/// positive.
+fn oriented(columns: MatRef<'_, f64>) -> Result<Mat<f64>> {
+    let (n, count) = columns.shape();
+    let mut rows = crate::dense::zeros(count, n)?;
+    for k in 0..count {
+        let column = columns.col(k);
+        let first = column.iter().fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
+        let sign = if first < 0.0 { -1.0 } else { 1.0 };
+        (0..n).for_each(|c| rows[(k, c)] = sign * column[c]);
+    }
+    Ok(rows)
+}
+
 /// How [`PrincipalComponents`] are computed.
 ///
 /// ```
@@ -104,21 +150,14 @@ impl PrincipalComponents {
     /// options out of range; else as
     /// [`SingularValues::from_gram`](super::SingularValues::from_gram).
     pub fn from_gram(gram: &ExtendedGram, options: &PrincipalComponentsOptions) -> Result<Self> {
-        let (n, refuse) = (gram.n(), |what, why| Err(Error::Argument { what, why }));
+        let n = gram.n();
         check_centered(gram)?;
         let divisor = gram.weight() - 1.0;
         if divisor.is_nan() || divisor <= 0.0 {
-            return refuse("gram", format!("its weight is {}: no variance", gram.weight()));
+            let why = format!("its weight is {}: no variance", gram.weight());
+            return Err(Error::Argument { what: "gram", why });
         }
-        match options.components {
-            Components::Count(count) if count > n => {
-                return refuse("components", format!("at most {n} columns, and not {count}"));
-            }
-            Components::Share(share) if !(share > 0.0 && share <= 1.0) => {
-                return refuse("components", format!("a share is in (0, 1], and not {share}"));
-            }
-            _ => {}
-        }
+        options.components.check(n)?;
         let pivoting = if options.standardize { Pivoting::Scaled } else { Pivoting::Largest };
         let factor = PivotedCholesky::from_gram(gram, pivoting, options.par)?;
         let deviation = |c: usize| {
@@ -144,25 +183,8 @@ impl PrincipalComponents {
         let variance: Vec<_> = singular_values.iter().map(|s| s * s / divisor).collect();
         let total: f64 = (0..n).map(|c| (deviation(c) / scale[c]).powi(2)).sum();
         let ratio: Vec<_> = variance.iter().map(|v| v / total).collect();
-        let count = match options.components {
-            Components::All => variance.len(),
-            Components::Count(count) => count.min(variance.len()),
-            Components::Share(share) => {
-                let mut sum = 0.0;
-                let reached = ratio.iter().position(|ratio| {
-                    sum += ratio;
-                    sum >= share
-                });
-                reached.map_or(variance.len(), |last| last + 1)
-            }
-        };
-        let mut components = crate::dense::zeros(count, n)?;
-        for k in 0..count {
-            let column = found.vectors.col(k);
-            let first = column.iter().fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
-            let sign = if first < 0.0 { -1.0 } else { 1.0 };
-            (0..n).for_each(|c| components[(k, c)] = sign * column[c]);
-        }
+        let count = options.components.count(&ratio);
+        let components = oriented(found.vectors.as_ref().subcols(0, count))?;
         let first = |mut values: Vec<f64>| {
             values.truncate(count);
             values

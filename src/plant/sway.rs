@@ -109,6 +109,23 @@ impl Sway {
     }
 }
 
+/// How the water goes, in steps of `lapse` seconds.
+fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
+    let is_linear = options.stomata.is_none() && options.soil.is_none();
+    let method = match is_linear {
+        false => Method::Auto,
+        true if lapse > 0.0 => Method::Bdf6 { step: lapse },
+        true => Method::Rational,
+    };
+    CurveOptions::new()
+        .method(method)
+        .cycle(options.cycle.clone())
+        .stomata(options.stomata)
+        .soil(options.soil)
+        .rewatering(options.rewatering.clone())
+        .par(options.par)
+}
+
 /// Lets a plant dry, wilt and move at once, as in a film in time lapse: `options.drought` seconds
 /// of water pass in `options.seconds` of motion. In every step the water goes ahead by
 /// [`Bdf6`](super::Bdf6) (with stomata or soil as [`Method::Auto`] says), the stiffness and the
@@ -156,22 +173,8 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
     let mut gusts = options.wind.as_ref().map(Gusts::new).transpose()?;
 
     let full = model.full();
-    let is_linear = options.stomata.is_none() && options.soil.is_none();
-    let method = if !is_linear {
-        Method::Auto
-    } else if lapse > 0.0 {
-        Method::Bdf6 { step: lapse }
-    } else {
-        Method::Rational
-    };
-    let curve = CurveOptions::new()
-        .method(method)
-        .cycle(options.cycle.clone())
-        .stomata(options.stomata)
-        .soil(options.soil)
-        .rewatering(options.rewatering.clone())
-        .par(options.par);
-    let mut walk = Walk::new(model, &full, &[], &curve)?;
+    let course = course(options, lapse);
+    let mut walk = Walk::new(model, &full, &[], &course)?;
     let mut rods = rods.clone();
     let mut water = full.clone();
     let mut moduli = options.elasticity.moduli(&water, &full)?;

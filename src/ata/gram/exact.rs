@@ -9,10 +9,11 @@ use faer::MatRef;
 use super::extended::{About, ExtendedGram};
 use super::grid::{Capacity, Grid, RowBounds, Shift, first_non_finite};
 use super::moments::check_weight;
-use super::pass::{Pass, Scaling};
+use super::pass::{Engine, Pass, Scaling};
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
 use crate::ata::exact::{Columns, Flags, Signs, rows_of_triangle, triangle_len};
+use crate::ata::options::AtaOptions;
 use crate::base::{Error, Par, Real, Result, reserved, widest, zeros};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
@@ -116,7 +117,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         pass: &mut Pass<'_>,
     ) -> Result<()> {
         let n = self.grid.ncols();
-        let Capacity { slab, moduli, .. } = self.check(count, weights, subtract)?;
+        let capacity = self.check(count, weights, subtract)?;
         let (options, engine, memory) = pass.parts();
         // Weights were declared: rows without have weight 1.
         let ones;
@@ -146,28 +147,12 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
                     *x = T::ZERO;
                 }
             }
-            let powers = [false, true].map(|side| self.grid.powers(side).collect());
-            let scaling = Scaling { powers, wide: I::EXTENDED, moduli };
             // Without weights the right side is the left one.
             let mut sides: Vec<Option<&[T]>> = vec![weights.map(|_| &*weighted)];
             if !found.no_tail {
                 sides.push(Some(tail));
             }
-            let pieces = sides.len() as f64;
-            for (side, right) in sides.into_iter().enumerate() {
-                for first in (0..count).step_by(slab) {
-                    let rows = first..count.min(first + slab);
-                    let share = |row: usize| (side as f64 + row as f64 / count as f64) / pieces;
-                    let progress = options.progress.part(share(rows.start)..share(rows.end));
-                    let options = options.clone().progress(progress);
-                    let entries = rows.start * n..rows.end * n;
-                    let matrix = |side| MatRef::from_row_major_slice(side, rows.len(), n);
-                    let x = matrix(&block[entries.clone()]);
-                    let y = right.map(|right| matrix(&right[entries]));
-                    let sums = (&mut self.entries[..], &self.strip);
-                    engine.integers(x, y, &scaling, sums, subtract, &options)?;
-                }
-            }
+            self.add_products(count, block, &sides, capacity, subtract, (&options, engine))?;
         }
         self.rounded |= found.rounded;
         for (sum, part) in self.sums.iter_mut().zip(found.sums) {
@@ -182,6 +167,38 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             Some(weights) => weights.iter().for_each(|&w| add(self.grid.weight_integer(w))),
         }
         self.rows = if subtract { self.rows - count as u64 } else { self.rows + count as u64 };
+        Ok(())
+    }
+
+    /// Adds to C, or subtracts from it, the products of a block of `count` rows with each of these
+    /// sides (`None`: itself), in slabs of rows.
+    fn add_products(
+        &mut self,
+        count: usize,
+        block: &[T],
+        sides: &[Option<&[T]>],
+        Capacity { slab, moduli, .. }: Capacity,
+        subtract: bool,
+        (options, engine): (&AtaOptions<'_>, &mut Engine),
+    ) -> Result<()> {
+        let n = self.grid.ncols();
+        let powers = [false, true].map(|side| self.grid.powers(side).collect());
+        let scaling = Scaling { powers, wide: I::EXTENDED, moduli };
+        let pieces = sides.len() as f64;
+        for (side, right) in sides.iter().enumerate() {
+            for first in (0..count).step_by(slab) {
+                let rows = first..count.min(first + slab);
+                let share = |row: usize| (side as f64 + row as f64 / count as f64) / pieces;
+                let progress = options.progress.part(share(rows.start)..share(rows.end));
+                let options = options.clone().progress(progress);
+                let entries = rows.start * n..rows.end * n;
+                let matrix = |side| MatRef::from_row_major_slice(side, rows.len(), n);
+                let x = matrix(&block[entries.clone()]);
+                let y = right.map(|right| matrix(&right[entries]));
+                let sums = (&mut self.entries[..], &self.strip);
+                engine.integers(x, y, &scaling, sums, subtract, &options)?;
+            }
+        }
         Ok(())
     }
 

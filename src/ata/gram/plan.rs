@@ -38,6 +38,56 @@ pub struct StreamPlan {
     product: Option<Plan>,
 }
 
+/// What strips of rows of C need of memory.
+struct StripNeeds<'a> {
+    /// Rows of a block of A.
+    height: usize,
+    /// Columns of A.
+    n: usize,
+    weighted: bool,
+    exact: bool,
+    /// Blocks of rows that are in memory at once.
+    blocks: usize,
+    options: &'a AtaOptions<'a>,
+}
+
+impl StripNeeds<'_> {
+    /// Returns the bytes of blocks, of a strip and of the scratch of its products.
+    fn bytes<T: BlasReal>(&self, strip: &Range<usize>) -> Result<usize> {
+        let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
+        let blocks = bytes(self.blocks.saturating_mul(self.height).saturating_mul(self.n));
+        let mut c = bytes(strip.len().saturating_mul(strip.end));
+        if self.exact {
+            let entries = triangle_len(strip.end) - triangle_len(strip.start);
+            c = c.saturating_add(entries.saturating_mul(size_of::<i128>()));
+        }
+        Ok(c.saturating_add(blocks).saturating_add(bytes(self.scratch_len::<T>(strip)?)))
+    }
+
+    /// Returns the elements of scratch of the two products of a strip, whichever needs more.
+    fn scratch_len<T: BlasReal>(&self, strip: &Range<usize>) -> Result<usize> {
+        let Self { height, weighted, options, .. } = *self;
+        let own = strip.len();
+        if self.exact {
+            let len = |k: usize, symmetric: bool| {
+                let same = symmetric && !weighted;
+                let (extents, entry) = ([height, own, k], size_of::<T>());
+                let layout = Layout::new(extents, entry, moduli::<T>(), symmetric, same);
+                exact::scratch_len::<T>(extents, &layout, options.par.threads())
+            };
+            return Ok(len(own, true).max(len(strip.start, false)));
+        }
+        let op = if weighted { Op::Gemmt } else { Op::Syrk };
+        let square = Plan::new::<T>(op, height, own, own, options)?;
+        let square = scratch_len::<T>(&square, options.par);
+        if strip.start == 0 {
+            return Ok(square);
+        }
+        let left = Plan::atb::<T>(height, own, strip.start, options)?;
+        Ok(square.max(scratch_len::<T>(&left, options.par)))
+    }
+}
+
 impl StreamPlan {
     /// The plan for A m x n in blocks of `rows` rows (`None`: [`block_rows`]) that takes at most
     /// `memory` bytes: C or a strip of it, two blocks (three in the memory of two with weights),
@@ -59,42 +109,12 @@ impl StreamPlan {
             return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
         }
         let height = block_rows.min(m);
-        let count = if m > height { 2 } else { 1 } + usize::from(weighted);
-        let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
-        let blocks = bytes(count.saturating_mul(height).saturating_mul(n));
+        let blocks = if m > height { 2 } else { 1 } + usize::from(weighted);
         let product = Plan::ata::<T>(height, n, options)?;
         let exact = options.asks_for_exact();
-        // Of a strip, whichever of its two products needs more.
-        let scratch = |strip: &Range<usize>| -> Result<usize> {
-            let own = strip.len();
-            if exact {
-                let len = |k: usize, symmetric: bool| {
-                    let same = symmetric && !weighted;
-                    let (extents, entry) = ([height, own, k], size_of::<T>());
-                    let layout = Layout::new(extents, entry, moduli::<T>(), symmetric, same);
-                    exact::scratch_len::<T>(extents, &layout, options.par.threads())
-                };
-                return Ok(len(own, true).max(len(strip.start, false)));
-            }
-            let op = if weighted { Op::Gemmt } else { Op::Syrk };
-            let square = Plan::new::<T>(op, height, own, own, options)?;
-            let square = scratch_len::<T>(&square, options.par);
-            if strip.start == 0 {
-                return Ok(square);
-            }
-            let left = Plan::atb::<T>(height, own, strip.start, options)?;
-            Ok(square.max(scratch_len::<T>(&left, options.par)))
-        };
-        let total = |strip: &Range<usize>| -> Result<usize> {
-            let mut c = bytes(strip.len().saturating_mul(strip.end));
-            if exact {
-                let entries = triangle_len(strip.end) - triangle_len(strip.start);
-                c = c.saturating_add(entries.saturating_mul(size_of::<i128>()));
-            }
-            Ok(c.saturating_add(blocks).saturating_add(bytes(scratch(strip)?)))
-        };
+        let needs = StripNeeds { height, n, weighted, exact, blocks, options };
         let all = 0..n;
-        let whole = total(&all)?;
+        let whole = needs.bytes::<T>(&all)?;
         if whole <= memory {
             let (strips, product) = (vec![all], Some(product));
             return Ok(Self { rows: m, block_rows, strips, bytes: whole, exact, product });
@@ -107,16 +127,17 @@ impl StreamPlan {
             let (mut fits, mut over) = (start, n + 1);
             while over - fits > 1 {
                 let middle = fits.midpoint(over);
-                if total(&(start..middle))? <= memory { fits = middle } else { over = middle }
+                let bytes = needs.bytes::<T>(&(start..middle))?;
+                if bytes <= memory { fits = middle } else { over = middle }
             }
             if fits == start {
-                let least = total(&(start..start + 1))?;
+                let least = needs.bytes::<T>(&(start..start + 1))?;
                 let why = format!(
                     "{memory} bytes, where blocks of {height} rows and a row of C need {least}"
                 );
                 return Err(Error::Argument { what: "memory", why });
             }
-            largest = largest.max(total(&(start..fits))?);
+            largest = largest.max(needs.bytes::<T>(&(start..fits))?);
             strips.push(start..fits);
         }
         Ok(Self { rows: m, block_rows, strips, bytes: largest, exact, product: None })

@@ -132,6 +132,12 @@ struct Step {
     drag: Vec<Matrix<3>>,
 }
 
+/// The equations of bodies: their blocks on the diagonal, and right-hand sides.
+struct Bodies {
+    blocks: Vec<Matrix<6>>,
+    right: Vec<[f64; 6]>,
+}
+
 /// The equations of the joint of a segment.
 struct Joint {
     error: [f64; 6],
@@ -317,31 +323,49 @@ impl Motion {
         Ok(())
     }
 
-    /// One Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the largest turn,
-    /// in radians.
+    /// Does one Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the largest
+    /// turn, in radians.
     fn newton(&mut self, step: &Step) -> Result<f64> {
+        let joints: Vec<Joint> = (0..self.rods.len()).map(|v| self.joint(v)).collect();
+        let system = self.system(&joints, step);
+        let [steps, changes] =
+            self.solve_tree(&joints, system, step.seconds).ok_or_else(singular)?;
+        let turn = steps.iter().map(|s| norm([s[3], s[4], s[5]])).fold(0.0, f64::max);
+        if !turn.is_finite() {
+            return Err(singular());
+        }
+        let part = (LARGEST_TURN / turn).min(1.0);
+        for (v, (step, change)) in steps.iter().zip(&changes).enumerate() {
+            accumulate(&mut self.moving.multipliers[v], &change.map(|x| part * x));
+            let [x, y, z, a, b, c] = step.map(|x| part * x);
+            self.moving.centres[v] = plus(self.moving.centres[v], [x, y, z]);
+            self.moving.rotations[v] = turned(self.moving.rotations[v], [a, b, c]);
+        }
+        Ok(turn)
+    }
+
+    /// The equations of bodies, without those of joints.
+    fn system(&self, joints: &[Joint], step: &Step) -> Bodies {
         let n = self.rods.len();
-        let singular = |_| Error::NotConverged { iterations: 0, residual: f64::NAN };
-        let mut bodies: Vec<Matrix<6>> = (0..n).map(|v| self.inertia(v, step.seconds)).collect();
-        let mut right: Vec<[f64; 6]> = (0..n).map(|v| self.pull(v, &bodies[v], step)).collect();
+        let mut blocks: Vec<Matrix<6>> = (0..n).map(|v| self.inertia(v, step.seconds)).collect();
+        let mut right: Vec<[f64; 6]> = (0..n).map(|v| self.pull(v, &blocks[v], step)).collect();
         for (v, drag) in step.drag.iter().enumerate() {
             let force = self.drag_force(v, drag, step);
             for i in 0..3 {
                 right[v][i] += force[i];
                 for j in 0..3 {
-                    bodies[v][i][j] += drag[i][j] / step.seconds;
+                    blocks[v][i][j] += drag[i][j] / step.seconds;
                 }
             }
         }
         for v in 0..n {
             let [x, y, z, ..] = self.moving.multipliers[v];
             let force = [x, y, z];
-            add_tension(&mut bodies[v], force, scale(self.along(v), -0.5));
+            add_tension(&mut blocks[v], force, scale(self.along(v), -0.5));
             if let Some(p) = self.rods.parent(v) {
-                add_tension(&mut bodies[p], scale(force, -1.0), scale(self.along(p), 0.5));
+                add_tension(&mut blocks[p], scale(force, -1.0), scale(self.along(p), 0.5));
             }
         }
-        let joints: Vec<Joint> = (0..n).map(|v| self.joint(v)).collect();
         for v in 0..n {
             let l = self.moving.multipliers[v];
             accumulate(&mut right[v], &image(&transposed(&joints[v].by_child), &l));
@@ -349,37 +373,47 @@ impl Motion {
                 accumulate(&mut right[p], &image(&transposed(&joints[v].by_parent), &l));
             }
         }
-        // Of every joint: the factor of its block, its right-hand side, and those of bodies.
+        Bodies { blocks, right }
+    }
+
+    /// Solves the equations of bodies and joints by elimination, from the tips of the tree to its
+    /// root and back. Returns the steps of bodies and the changes of multipliers; `None` if a block
+    /// is not positive definite.
+    fn solve_tree(
+        &self,
+        joints: &[Joint],
+        Bodies { mut blocks, mut right }: Bodies,
+        seconds: f64,
+    ) -> Option<[Vec<[f64; 6]>; 2]> {
+        let n = self.rods.len();
+        let free = |v: usize| !self.rods.pinned[v];
+        let parent = |v: usize| self.rods.parent(v).filter(|&p| free(p));
+        let order = || self.rods.order.iter().map(|&v| v as usize);
+        let moves = |&v: &usize| free(v) || parent(v).is_some();
+        // Of every joint: the factor of its block, and its right-hand side.
         let mut joint_factors = vec![[[0.0; 6]; 6]; n];
         let mut joint_right = vec![[0.0; 6]; n];
-        for &v in self.rods.order.iter().rev() {
-            let v = v as usize;
+        for v in order().rev().filter(moves) {
             let joint = &joints[v];
-            let free = !self.rods.pinned[v];
-            let parent = self.rods.parent(v).filter(|&p| !self.rods.pinned[p]);
-            if !free && parent.is_none() {
-                continue;
-            }
-            let l = self.moving.multipliers[v];
-            let yielded = image(&joint.compliance, &l);
+            let yielded = image(&joint.compliance, &self.moving.multipliers[v]);
             let mut b = [0, 1, 2, 3, 4, 5].map(|i| -joint.error[i] - yielded[i]);
             let mut block = joint.compliance;
-            if free {
-                let body = cholesky(&bodies[v]).ok_or(()).map_err(singular)?;
+            if free(v) {
+                let body = cholesky(&blocks[v])?;
                 let response = solve_matrix(&body, &transposed(&joint.by_child));
                 add(&mut block, 1.0, &times(&joint.by_child, &response));
                 let moved = image(&joint.by_child, &solve(&body, &right[v]));
                 (0..6).for_each(|i| b[i] -= moved[i]);
-                bodies[v] = body;
+                blocks[v] = body;
             } else {
                 // A body that nothing moves: a trace of compliance instead of its own.
-                let trace = 1e-9 * step.seconds.powi(2) / self.rods.masses[v];
+                let trace = 1e-9 * seconds.powi(2) / self.rods.masses[v];
                 (0..3).for_each(|i| block[i][i] += trace);
             }
-            let factor = cholesky(&block).ok_or(()).map_err(singular)?;
-            if let Some(p) = parent {
+            let factor = cholesky(&block)?;
+            if let Some(p) = parent(v) {
                 let response = solve_matrix(&factor, &joint.by_parent);
-                add(&mut bodies[p], 1.0, &times(&transposed(&joint.by_parent), &response));
+                add(&mut blocks[p], 1.0, &times(&transposed(&joint.by_parent), &response));
                 let up = image(&transposed(&joint.by_parent), &solve(&factor, &b));
                 accumulate(&mut right[p], &up);
             }
@@ -387,38 +421,20 @@ impl Motion {
             joint_right[v] = b;
         }
         let (mut steps, mut changes) = (vec![[0.0; 6]; n], vec![[0.0; 6]; n]);
-        for &v in &self.rods.order {
-            let v = v as usize;
-            let free = !self.rods.pinned[v];
-            let parent = self.rods.parent(v).filter(|&p| !self.rods.pinned[p]);
-            if !free && parent.is_none() {
-                continue;
-            }
+        for v in order().filter(moves) {
             let mut b = joint_right[v];
-            if let Some(p) = parent {
+            if let Some(p) = parent(v) {
                 let moved = image(&joints[v].by_parent, &steps[p]);
                 (0..6).for_each(|i| b[i] -= moved[i]);
             }
-            let change = solve(&joint_factors[v], &b);
-            changes[v] = change;
-            if free {
+            changes[v] = solve(&joint_factors[v], &b);
+            if free(v) {
                 let mut force = right[v];
-                accumulate(&mut force, &image(&transposed(&joints[v].by_child), &change));
-                steps[v] = solve(&bodies[v], &force);
+                accumulate(&mut force, &image(&transposed(&joints[v].by_child), &changes[v]));
+                steps[v] = solve(&blocks[v], &force);
             }
         }
-        let turn = steps.iter().map(|s| norm([s[3], s[4], s[5]])).fold(0.0, f64::max);
-        if !turn.is_finite() {
-            return Err(singular(()));
-        }
-        let part = (LARGEST_TURN / turn).min(1.0);
-        for v in 0..n {
-            accumulate(&mut self.moving.multipliers[v], &changes[v].map(|x| part * x));
-            let [x, y, z, a, b, c] = steps[v].map(|x| part * x);
-            self.moving.centres[v] = plus(self.moving.centres[v], [x, y, z]);
-            self.moving.rotations[v] = turned(self.moving.rotations[v], [a, b, c]);
-        }
-        Ok(turn)
+        Some([steps, changes])
     }
 
     /// `M / h^2` of a cylinder.
@@ -518,6 +534,11 @@ impl Motion {
         let error = [gap[0], gap[1], gap[2], strain[0], strain[1], strain[2]];
         Joint { error, compliance, by_child, by_parent }
     }
+}
+
+/// The error of equations that have no solution.
+fn singular() -> Error {
+    Error::NotConverged { iterations: 0, residual: f64::NAN }
 }
 
 /// Adds the stiffness against turning of a force at an arm, as far as it is one: what pulls a body

@@ -46,6 +46,26 @@ fn write_all(
     encoding: GltfEncoding,
     material: Option<&Material>,
 ) -> io::Result<()> {
+    let (mut document, bytes) = document(file, material)?;
+    let mut buffer = json!({ "byteLength": bytes.len() });
+    if !bytes.is_empty() {
+        if encoding == GltfEncoding::Text {
+            let data = STANDARD.encode(&bytes);
+            buffer["uri"] = format!("data:application/octet-stream;base64,{data}").into();
+        }
+        document["buffers"] = json!([buffer]);
+    }
+    match encoding {
+        GltfEncoding::Text => {
+            serde_json::to_writer(&mut *sink, &document)?;
+            writeln!(sink)
+        }
+        GltfEncoding::Binary => write_binary(sink, &document, bytes),
+    }
+}
+
+/// The document without its buffer, and the bytes of that.
+fn document(file: &MeshFile, material: Option<&Material>) -> io::Result<(Value, Vec<u8>)> {
     let (copies, primitives) = split(file)?;
     let mut numbers = Numbers::default();
     let mut document = json!({
@@ -53,73 +73,67 @@ fn write_all(
         "scene": 0,
         "scenes": [{}],
     });
-    if !copies.is_empty() {
-        let primitives = primitives_of(file, &copies, &primitives, &mut numbers)?;
-        document["scenes"] = json!([{ "nodes": [0] }]);
-        document["nodes"] = json!([{ "mesh": 0 }]);
-        document["meshes"] = json!([{ "primitives": primitives }]);
-        if let Some(material) = material {
-            let mut images = Vec::new();
-            let described = material.json(&mut |name: &str, picture: &Picture| {
-                let view = numbers.picture(picture)?;
-                images.push(json!({ "name": name, "mimeType": "image/png", "bufferView": view }));
-                Ok(images.len() - 1)
-            })?;
-            document["materials"] = json!([described]);
-            if !images.is_empty() {
-                let texture = |source: usize| json!({ "sampler": 0, "source": source });
-                document["textures"] = (0..images.len()).map(texture).collect();
-                document["samplers"] = json!([{
-                    "magFilter": code::LINEAR, "minFilter": code::LINEAR_MIPMAP_LINEAR,
-                    "wrapS": code::REPEAT, "wrapT": code::REPEAT,
-                }]);
-                document["images"] = Value::Array(images);
-            }
-        } else if let Some(materials) = &file.materials {
-            let material = |name: &String| json!({ "name": name });
-            document["materials"] = materials.names.iter().map(material).collect();
-        }
-        document["accessors"] = Value::Array(numbers.accessors);
-        document["bufferViews"] = Value::Array(numbers.views);
+    if copies.is_empty() {
+        return Ok((document, numbers.bytes));
     }
-    let mut bytes = numbers.bytes;
-    let mut buffer = json!({ "byteLength": bytes.len() });
-    match encoding {
-        GltfEncoding::Text => {
-            if !bytes.is_empty() {
-                let data = STANDARD.encode(&bytes);
-                buffer["uri"] = format!("data:application/octet-stream;base64,{data}").into();
-                document["buffers"] = json!([buffer]);
-            }
-            serde_json::to_writer(&mut *sink, &document)?;
-            writeln!(sink)
-        }
-        GltfEncoding::Binary => {
-            if !bytes.is_empty() {
-                document["buffers"] = json!([buffer]);
-            }
-            let mut text = serde_json::to_vec(&document)?;
-            text.resize(text.len().next_multiple_of(4), b' ');
-            bytes.resize(bytes.len().next_multiple_of(4), 0);
-            let binary = if bytes.is_empty() { 0 } else { 8 + bytes.len() };
-            let length = |bytes: usize| {
-                let too_large = |_| io::Error::other("more than 4 GiB, which .glb can't hold");
-                u32::try_from(bytes).map_err(too_large)
-            };
-            sink.write_all(b"glTF")?;
-            sink.write_all(&2u32.to_le_bytes())?;
-            sink.write_all(&length(20 + text.len() + binary)?.to_le_bytes())?;
-            sink.write_all(&length(text.len())?.to_le_bytes())?;
-            sink.write_all(b"JSON")?;
-            sink.write_all(&text)?;
-            if !bytes.is_empty() {
-                sink.write_all(&length(bytes.len())?.to_le_bytes())?;
-                sink.write_all(b"BIN\0")?;
-                sink.write_all(&bytes)?;
-            }
-            Ok(())
-        }
+    let primitives = primitives_of(file, &copies, &primitives, &mut numbers)?;
+    document["scenes"] = json!([{ "nodes": [0] }]);
+    document["nodes"] = json!([{ "mesh": 0 }]);
+    document["meshes"] = json!([{ "primitives": primitives }]);
+    if let Some(material) = material {
+        describe(material, &mut document, &mut numbers)?;
+    } else if let Some(materials) = &file.materials {
+        let material = |name: &String| json!({ "name": name });
+        document["materials"] = materials.names.iter().map(material).collect();
     }
+    document["accessors"] = Value::Array(numbers.accessors);
+    document["bufferViews"] = Value::Array(numbers.views);
+    Ok((document, numbers.bytes))
+}
+
+/// Adds a material and its pictures to a document.
+fn describe(material: &Material, document: &mut Value, numbers: &mut Numbers) -> io::Result<()> {
+    let mut images = Vec::new();
+    let described = material.json(&mut |name: &str, picture: &Picture| {
+        let view = numbers.picture(picture)?;
+        images.push(json!({ "name": name, "mimeType": "image/png", "bufferView": view }));
+        Ok(images.len() - 1)
+    })?;
+    document["materials"] = json!([described]);
+    if !images.is_empty() {
+        let texture = |source: usize| json!({ "sampler": 0, "source": source });
+        document["textures"] = (0..images.len()).map(texture).collect();
+        document["samplers"] = json!([{
+            "magFilter": code::LINEAR, "minFilter": code::LINEAR_MIPMAP_LINEAR,
+            "wrapS": code::REPEAT, "wrapT": code::REPEAT,
+        }]);
+        document["images"] = Value::Array(images);
+    }
+    Ok(())
+}
+
+/// Writes a document and its buffer as the two chunks of a .glb file.
+fn write_binary(sink: &mut dyn Write, document: &Value, mut bytes: Vec<u8>) -> io::Result<()> {
+    let mut text = serde_json::to_vec(document)?;
+    text.resize(text.len().next_multiple_of(4), b' ');
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let binary = if bytes.is_empty() { 0 } else { 8 + bytes.len() };
+    let length = |bytes: usize| {
+        let too_large = |_| io::Error::other("more than 4 GiB, which .glb can't hold");
+        u32::try_from(bytes).map_err(too_large)
+    };
+    sink.write_all(b"glTF")?;
+    sink.write_all(&2u32.to_le_bytes())?;
+    sink.write_all(&length(20 + text.len() + binary)?.to_le_bytes())?;
+    sink.write_all(&length(text.len())?.to_le_bytes())?;
+    sink.write_all(b"JSON")?;
+    sink.write_all(&text)?;
+    if !bytes.is_empty() {
+        sink.write_all(&length(bytes.len())?.to_le_bytes())?;
+        sink.write_all(b"BIN\0")?;
+        sink.write_all(&bytes)?;
+    }
+    Ok(())
 }
 
 /// Faces of the same material, all with the same attributes.
