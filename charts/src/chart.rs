@@ -68,6 +68,13 @@ pub struct Rule {
     pub color: Rgb,
 }
 
+impl Chart {
+    /// Creates a chart without a title and rules.
+    pub fn new(x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self { title: String::new(), x, y, series, rules: Vec::new() }
+    }
+}
+
 impl Series {
     /// Creates a series of joined points.
     pub fn curve(name: impl Into<String>, color: Rgb, points: Vec<(f64, f64)>) -> Self {

@@ -1,10 +1,12 @@
 //! Files that commands write.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Result, bail};
 use catamaran::io::{Output, Overwrite, check_arrays_name};
 use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
+use catamaran_charts::Chart;
 
 use crate::report;
 
@@ -18,6 +20,13 @@ pub fn mesh(output: Output, file: &MeshFile) -> catamaran::Result<()> {
         report::note(format_args!("{}: no place in this format for {what}", path.display()));
     }
     Ok(())
+}
+
+/// Writes a chart as SVG.
+pub fn chart(mut output: Output, chart: &Chart) -> Result<()> {
+    let svg = catamaran_charts::svg(std::slice::from_ref(chart));
+    output.write_all(svg.as_bytes()).map_err(|e| output.error(e))?;
+    Ok(output.commit()?)
 }
 
 /// Refuses a file that is there and not to be replaced.

@@ -6,10 +6,10 @@ use anyhow::{Context, Result, bail};
 use catamaran::faer::MatRef;
 use catamaran::gram::{Components, PrincipalComponents, PrincipalComponentsOptions};
 use catamaran::io::{Array, ArraysWriter, Output};
+use catamaran_charts::{Axis, Chart, Line, Series};
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
-use crate::picture::{Chart, Curve, Upwards, write_chart};
 use crate::ranks::Ranks;
 use crate::report::report;
 
@@ -81,9 +81,9 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     if let Some(output) = output {
         write(args, output, &table, &found)?;
     }
-    if let Some(output) = picture {
-        let path = output.path().display().to_string();
-        write_chart(output, &scree(&found))?;
+    if let Some(picture) = picture {
+        let path = picture.path().display().to_string();
+        output::chart(picture, &scree(&found))?;
         report(format_args!("picture   {path}"))?;
     }
     pass.end()
@@ -135,7 +135,7 @@ fn write(args: &Args, output: Output, table: &Table, found: &PrincipalComponents
 }
 
 /// The share of the variance of each component, and of all up to it.
-fn scree(found: &PrincipalComponents) -> Chart<'static> {
+fn scree(found: &PrincipalComponents) -> Chart {
     let ratio = &found.explained_variance_ratio;
     let points = |values: &[f64]| (1..).map(f64::from).zip(values.iter().copied()).collect();
     let mut sum = 0.0;
@@ -146,15 +146,13 @@ fn scree(found: &PrincipalComponents) -> Chart<'static> {
             sum
         })
         .collect();
-    let curve = |name, color, dashed, points| Curve { name, color, width: 2.0, dashed, points };
-    Chart {
-        across: "component",
-        last: ratio.len() as f64,
-        upwards: "share of the variance",
-        scale: Upwards::To(1.05),
-        curves: vec![
-            curve("together", "#888", true, points(&sums)),
-            curve("each", "#1f6feb", false, points(ratio)),
+    let together = Series::curve("together", [0x88; 3], points(&sums));
+    Chart::new(
+        Axis::linear("component").range(0.0, ratio.len() as f64),
+        Axis::linear("share of the variance").range(0.0, 1.05),
+        vec![
+            Series { line: Line::Dashed, ..together },
+            Series::curve("each", [0x1f, 0x6f, 0xeb], points(ratio)),
         ],
-    }
+    )
 }

@@ -1,5 +1,5 @@
 //! Bilinear schemes as data: each is a table of products of sums of blocks, and one engine
-//! (`execute/recursive.rs`) runs them all. Every table is proven in the tests by the Brent equations.
+//! (`execute/recursive.rs`) runs them all. The tests prove every table by the Brent equations.
 //!
 //! A table splits A into `inner x left` blocks `a<t><i>`, B into `inner x right` blocks `b<t><j>`
 //! and C into `left x right` blocks `c<i><j>`, and computes `c<i><j> = sum_t a<t><i>^T b<t><j>`:

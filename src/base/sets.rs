@@ -1,4 +1,5 @@
-/// Disjoint sets of the numbers from 0 to `count - 1` (Tarjan 1975), each known by its lowest number.
+/// Disjoint sets of the numbers from 0 to `count - 1` (Tarjan 1975), each known by its lowest
+/// number.
 pub(crate) struct Sets {
     parent: Vec<u32>,
 }

@@ -82,7 +82,7 @@ impl OodDetector {
         }
     }
 
-    /// How strange a pair is; above 1 it is unlike those of the training.
+    /// Returns how far a pair is from those of the training; above 1 it is unlike them.
     pub(super) fn ood_score(&self, pair: &[f64; SYMMETRIC], probability: f64) -> f64 {
         self.distance(pair).max(probability / f64::from(self.probability_limit))
     }
@@ -114,7 +114,7 @@ mod tests {
     use crate::base::Rng;
 
     #[test]
-    fn few_pairs_of_the_training_are_strange_and_others_are() {
+    fn few_pairs_of_the_training_are_out_of_distribution_and_others_are() {
         let mut rng = Rng::new(5);
         let pairs: Vec<[f64; SYMMETRIC]> = (0..500)
             .map(|_| {
@@ -123,8 +123,8 @@ mod tests {
             })
             .collect();
         let detector = OodDetector::fit(&pairs, 0.99).unwrap();
-        let strange = pairs.iter().filter(|pair| detector.distance(pair) > 1.0 + 1e-6).count();
-        assert_eq!(strange, 5);
+        let outside = pairs.iter().filter(|pair| detector.distance(pair) > 1.0 + 1e-6).count();
+        assert_eq!(outside, 5);
         // As far from the mean as others, but across their direction.
         let across = std::array::from_fn(|j| if j % 2 == 0 { 3.0 } else { -3.0 });
         assert!(detector.distance(&across) > 5.0);

@@ -10,9 +10,10 @@ use catamaran::blas;
 use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
+use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
 
 use super::page::{Figure, Station, Table};
-use super::{Site, chart, task_tree};
+use super::{OTHERS, OWN, Site, task_tree};
 use crate::picture;
 use crate::progress::Bar;
 
@@ -96,13 +97,13 @@ fn describe(outcomes: &[Outcome], side: usize, scale: picture::Scale) -> Station
             if o.passed { "passed".into() } else { "<b>failed</b>".to_owned() },
         ]
     });
-    let bars: Vec<chart::Bar> = outcomes
+    let bars: Vec<ChartBar> = outcomes
         .iter()
-        .map(|o| chart::Bar {
+        .map(|o| ChartBar {
             name: o.name.into(),
             value: rate(o),
             label: format!("{:.1}", rate(o)),
-            accent: o.name == "auto",
+            color: if o.name == "auto" { OWN } else { OTHERS },
         })
         .collect();
     let low = if scale == picture::Scale::Diverging { "&minus;1" } else { "0" };
@@ -149,7 +150,7 @@ fn describe(outcomes: &[Outcome], side: usize, scale: picture::Scale) -> Station
                 wide: false,
             },
             Figure {
-                body: chart::bars(&bars, "effective GFLOP/s"),
+                body: draw_bars(&bars, "effective GFLOP/s"),
                 caption: "Effective rate of each scheme: m n&sup2; / time, whatever the number of \
                           multiplications it really does. Longer is faster."
                     .into(),

@@ -10,9 +10,10 @@ use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::int8::Isa;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice};
+use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
 
 use super::page::{Figure, Station, Table};
-use super::{Site, ata, chart};
+use super::{OTHERS, OWN, Site, ata};
 use crate::picture;
 use crate::progress::{self, Bar};
 
@@ -233,17 +234,17 @@ fn describe(
         },
         wide: false,
     };
-    let bars: Vec<chart::Bar> = outcomes
+    let bars: Vec<ChartBar> = outcomes
         .iter()
-        .map(|o| chart::Bar {
+        .map(|o| ChartBar {
             name: o.way.name.into(),
             value: o.largest,
             label: format!("{:.2}", o.largest),
-            accent: o.way.picture == exact.way.picture,
+            color: if o.way.picture == exact.way.picture { OWN } else { OTHERS },
         })
         .collect();
     let bars = Figure {
-        body: chart::bars(&bars, "largest error, in units of u |a_i| |a_j|"),
+        body: draw_bars(&bars, "largest error, in units of u |a_i| |a_j|"),
         caption:
             "Largest error of all entries. Shorter is better; a correctly rounded C would have \
                   1 at most."

@@ -4,10 +4,10 @@ use anyhow::Result;
 use catamaran::faer::linalg::solvers::{Llt, Qr, SolveCore, SolveLstsqCore};
 use catamaran::faer::{Conj, Mat, MatRef, Side};
 use catamaran::gram::{LeastSquaresOptions, lstsq};
+use catamaran_charts::{Axis, Chart, Rgb, Series, svg};
 
 use super::Site;
 use super::page::{Figure, Station, Table};
-use crate::picture::{Chart, Curve, Upwards};
 use crate::progress::Bar;
 
 /// Points t = 0, 1, ... of the polynomials.
@@ -23,15 +23,15 @@ type Solve = fn(MatRef<'_, f64>, MatRef<'_, f64>) -> Result<Option<Mat<f64>>>;
 /// A way to solve.
 struct Way {
     name: &'static str,
-    color: &'static str,
+    color: Rgb,
     solve: Solve,
 }
 
 /// Later ones are drawn above.
 const WAYS: [Way; 3] = [
-    Way { name: "normal equations", color: "#b4443c", solve: normal_equations },
-    Way { name: "QR", color: "#8a8a8a", solve: qr },
-    Way { name: "catamaran::gram::lstsq", color: "#1f6fb4", solve: ours },
+    Way { name: "normal equations", color: [0xb4, 0x44, 0x3c], solve: normal_equations },
+    Way { name: "QR", color: [0x8a, 0x8a, 0x8a], solve: qr },
+    Way { name: "catamaran::gram::lstsq", color: [0x1f, 0x6f, 0xb4], solve: ours },
 ];
 
 /// The fit of one degree: the condition number of its columns, and the largest relative error of a
@@ -87,24 +87,15 @@ fn ours(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
 }
 
 fn describe(fits: &[Fit]) -> Station {
-    let curve = |(k, way): (usize, &Way)| Curve {
-        name: way.name,
-        color: way.color,
-        width: 2.5,
-        dashed: false,
-        points: fits
-            .iter()
-            .filter_map(|fit| Some((fit.degree as f64, fit.errors[k]?.clamp(NO_ERROR, 1.0))))
-            .collect(),
+    let curve = |(k, way): (usize, &Way)| {
+        let error = |fit: &Fit| Some((fit.degree as f64, fit.errors[k]?.clamp(NO_ERROR, 1.0)));
+        Series::curve(way.name, way.color, fits.iter().filter_map(error).collect())
     };
-    let chart = Chart {
-        across: "degree",
-        // Room for the names.
-        last: 16.0,
-        upwards: "largest relative error",
-        scale: Upwards::Logarithmic,
-        curves: WAYS.iter().enumerate().map(curve).collect(),
-    };
+    let chart = Chart::new(
+        Axis::linear("degree"),
+        Axis::log10("largest relative error"),
+        WAYS.iter().enumerate().map(curve).collect(),
+    );
     let shown = |error: Option<f64>| match error {
         None => "breaks down".into(),
         Some(0.0) => "all".into(),
@@ -132,7 +123,7 @@ fn describe(fits: &[Fit]) -> Station {
             (normal, "those of the normal equations in double precision"),
         ],
         figures: vec![Figure {
-            body: chart.svg(),
+            body: svg(&[chart]),
             caption: "The largest relative error of a coefficient. Lower is better; no error is \
                       drawn as half a unit roundoff, and more than 1 as 1."
                 .into(),

@@ -3,7 +3,6 @@
 //! one is a new file here and a line in [`STATIONS`].
 
 mod ata;
-mod chart;
 mod curves;
 mod decimate;
 mod exact;
@@ -23,6 +22,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::io::{Output, Overwrite};
+use catamaran_charts::Rgb;
 use page::Station;
 
 /// Write a page with pictures and numbers of everything Catamaran does.
@@ -38,6 +38,10 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 }
+
+/// Colours of bars: of what a station is about, and of what it is compared with.
+const OWN: Rgb = [0xb2, 0x40, 0x2b];
+const OTHERS: Rgb = [0x8a, 0xa0, 0xb8];
 
 /// In the order of the page.
 const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
@@ -85,7 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
         stations.push(build(&site)?);
     }
     let mut index = site.file("index.html")?;
-    let html = page::render(&stations, start.elapsed());
+    let html = page::render(&stations, start.elapsed())?;
     index.write_all(html.as_bytes()).map_err(|e| index.error(e))?;
     index.commit()?;
     writeln!(io::stdout(), "written   {}", folder.join("index.html").display())?;

@@ -7,6 +7,7 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{Bdf6, Start, Tissue, WaterModel, WaterOptions};
+use catamaran_charts::svg;
 
 use super::Site;
 use super::page::{Figure, Station, Table};
@@ -76,7 +77,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             picture("wilting.png", format!("A plant of {nodes} nodes in 48 hours of drought. Colours: relative water content.")),
             picture("cut.png", "The same with a stem that passes no water, by days and nights.".into()),
             Figure {
-                body: chart(&plant, &dry).svg(),
+                body: svg(&[chart(&plant, &dry)]),
                 caption: "Relative water content of leaves, stem and all; thin lines are single nodes.".into(),
                 wide: false,
             },

@@ -6,6 +6,7 @@ use anyhow::Result;
 use catamaran::Par;
 use catamaran::mesh::families;
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+use catamaran_charts::svg;
 
 use super::Site;
 use super::page::{Figure, Station, Table};
@@ -71,7 +72,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             picture("slime-early.png", format!("After {} steps.", steps / 10)),
             picture("slime.png", format!("After {steps} steps.")),
             Figure {
-                body: chart(&moments).svg(),
+                body: svg(&[chart(&moments)]),
                 caption: "What the species cover: pheromone, and dashed the part of the surface with any.".into(),
                 wide: false,
             },

@@ -12,7 +12,7 @@ pub fn draw(tree: &Node, n: usize, processes: usize) -> String {
     const TREE_TOP: f64 = SIDE + 36.0;
     const HEIGHT: f64 = TREE_TOP + 170.0;
     let mut svg = format!(
-        r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Blocks of C and the task tree" font-size="13"><g transform="translate({} 2)">"#,
+        r#"<svg class="tree" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Blocks of C and the task tree" font-size="13"><g transform="translate({} 2)">"#,
         (WIDTH - SIDE) / 2.0
     );
     let unit = SIDE / n.max(1) as f64;

@@ -1,9 +1,7 @@
-//! Pictures: heat maps of matrices, meshes coloured by a function and volumes as PNG, animations,
-//! curves as SVG.
+//! Pictures: heat maps of matrices, meshes coloured by a function and volumes as PNG, animations.
 
 mod animation;
 mod args;
-mod chart;
 mod color;
 mod image;
 mod matrix;
@@ -16,7 +14,6 @@ pub use animation::{
     Format as AnimationFormat, Frames, RATE, names as frame_names, rate as frame_rate,
 };
 pub use args::PictureArgs;
-pub use chart::{Chart, Curve, Upwards, write_chart};
 pub use color::{ColorMap, ColorScale};
 pub use image::{Image, write_gray};
 pub use matrix::{Scale, levels, write};

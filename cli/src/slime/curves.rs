@@ -6,11 +6,7 @@ use std::io::Write as _;
 use anyhow::Result;
 use catamaran::io::Output;
 use catamaran::texture::slime::Coverage;
-
-use crate::picture::{Chart, Curve, Upwards};
-
-/// Colours of species, again from the first when there are more.
-const COLORS: [&str; 6] = ["#b91c1c", "#15803d", "#1d4ed8", "#a16207", "#7e22ce", "#0e7490"];
+use catamaran_charts::{Axis, Chart, Line, Series};
 
 /// A moment: seconds of the simulation, and the coverage of each species.
 pub type Moment = (f64, Vec<Coverage>);
@@ -33,25 +29,21 @@ pub fn write_csv(mut output: Output, moments: &[Moment]) -> Result<()> {
     Ok(output.commit()?)
 }
 
-/// A picture: coverage as lines, presence dashed.
-pub fn chart(moments: &[Moment]) -> Chart<'static> {
-    let curve = |color, dashed, value: &dyn Fn(&[Coverage]) -> f64| Curve {
-        name: "",
-        color,
-        width: 2.0,
-        dashed,
-        points: moments.iter().map(|(seconds, all)| (*seconds, value(all))).collect(),
+/// Draws coverage as lines and presence as dashes.
+pub fn chart(moments: &[Moment]) -> Chart {
+    let curve = |color, line, value: &dyn Fn(&[Coverage]) -> f64| {
+        let points = moments.iter().map(|(seconds, all)| (*seconds, value(all))).collect();
+        Series { line, ..Series::curve("", color, points) }
     };
     let species = 0..moments.first().map_or(0, |moment| moment.1.len());
-    let curves = species.flat_map(|s| {
-        let color = COLORS[s % COLORS.len()];
-        [curve(color, false, &|all| all[s].coverage), curve(color, true, &|all| all[s].presence)]
+    let series = species.flat_map(|s| {
+        let color = Series::color(s);
+        let coverage = curve(color, Line::Solid, &|all| all[s].coverage);
+        [coverage, curve(color, Line::Dashed, &|all| all[s].presence)]
     });
-    Chart {
-        across: "seconds",
-        last: moments.last().map_or(1.0, |moment| moment.0),
-        upwards: "coverage, and presence (dashed)",
-        scale: Upwards::To(1.0),
-        curves: curves.collect(),
-    }
+    Chart::new(
+        Axis::linear("seconds").range(0.0, moments.last().map_or(1.0, |moment| moment.0)),
+        Axis::linear("coverage, and presence (dashed)").range(0.0, 1.0),
+        series.collect(),
+    )
 }

@@ -25,7 +25,7 @@ use catamaran::{Error, Par};
 use crate::device::DeviceArgs;
 use crate::input::{self, MeshArgs};
 use crate::output;
-use crate::picture::{Image, Projection, Up, View, guess_up, write_chart};
+use crate::picture::{Image, Projection, Up, View, guess_up};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
 use crate::signals;
@@ -206,7 +206,7 @@ pub fn run(args: &Args) -> Result<()> {
         material::write(maps, &textured, MATERIAL_NAME, &args.output, overwrite)?;
     }
     if let Some(output) = outputs.coverage {
-        write_chart(output, &chart(&moments))?;
+        output::chart(output, &chart(&moments))?;
     }
     if let Some(output) = outputs.render {
         args.draw(&file, &simulation, maps.as_ref())?.write_png(output)?;

@@ -1,23 +1,20 @@
 //! The learning curve.
 
+use catamaran_charts::{Axis, Chart, Series};
 use catamaran_training::train::Epoch;
 
-use crate::picture::{Chart, Curve, Upwards};
-
-/// Errors over epochs, on a logarithmic axis.
-pub fn chart(history: &[Epoch]) -> Chart<'static> {
+/// Draws errors over epochs, on a logarithmic axis.
+pub fn chart(history: &[Epoch]) -> Chart {
     let curve = |name, color, of: fn(&Epoch) -> f64| {
         let points = history.iter().enumerate().map(|(i, epoch)| (i as f64, of(epoch))).collect();
-        Curve { name, color, width: 2.0, dashed: false, points }
+        Series::curve(name, color, points)
     };
-    Chart {
-        across: "epochs",
-        last: history.len().saturating_sub(1) as f64,
-        upwards: "mean error of logarithms",
-        scale: Upwards::Logarithmic,
-        curves: vec![
-            curve("training", "#1d4ed8", |epoch| epoch.training),
-            curve("pairs to choose by", "#b45309", |epoch| epoch.validation),
+    Chart::new(
+        Axis::linear("epochs").range(0.0, history.len().saturating_sub(1) as f64),
+        Axis::log10("mean error of logarithms"),
+        vec![
+            curve("training", [0x1d, 0x4e, 0xd8], |epoch| epoch.training),
+            curve("pairs to choose by", [0xb4, 0x53, 0x09], |epoch| epoch.validation),
         ],
-    }
+    )
 }

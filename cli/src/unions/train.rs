@@ -16,7 +16,7 @@ use catamaran_training::transformer::{Losses, Transformer, TransformerOptions};
 use clap::ValueEnum;
 
 use super::curve;
-use crate::picture::write_chart;
+use crate::output;
 use crate::progress;
 use crate::report::report;
 use crate::signals;
@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
         let bytes = trainer.model()?.to_bytes()?;
         weights.write_all(&bytes).map_err(|e| weights.error(e))?;
         weights.commit()?;
-        write_chart(create(&curve_path)?, &curve::chart(&trainer.state().history))
+        output::chart(create(&curve_path)?, &curve::chart(&trainer.state().history))
     };
     let start = Instant::now();
     let mut saved = start;

@@ -7,8 +7,9 @@ use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
 use catamaran::io::Output;
 use catamaran::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit};
+use catamaran_charts::{Axis, Chart, Line, Series};
 
-use crate::picture::{Chart, Curve, Upwards, write_chart};
+use crate::output;
 use crate::progress::Bar;
 use crate::report::report;
 
@@ -142,7 +143,7 @@ impl Fitted<'_> {
         }
         write(file(NAMES[0])?, &text)?;
         write(file(NAMES[1])?, &table(self.measured, &self.found))?;
-        write_chart(file(NAMES[2])?, &chart(self.measured, &self.found))
+        output::chart(file(NAMES[2])?, &chart(self.measured, &self.found))
     }
 }
 
@@ -201,7 +202,7 @@ fn table(measured: &Measurements, found: &Fit) -> String {
 }
 
 /// Weights between the lightest and the heaviest, and heights as parts of the first.
-fn chart(measured: &Measurements, found: &Fit) -> Chart<'static> {
+fn chart(measured: &Measurements, found: &Fit) -> Chart {
     let heaviest = measured.weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lightest = measured.weights.iter().copied().fold(f64::INFINITY, f64::min);
     let hours: Vec<f64> = measured.seconds.iter().map(|s| s / 3600.0).collect();
@@ -210,34 +211,31 @@ fn chart(measured: &Measurements, found: &Fit) -> Chart<'static> {
     let all = measured.heights.iter().chain(marks().flatten());
     let tallest = all.copied().fold(f64::MIN_POSITIVE, f64::max);
     let height = |h: f64| h / tallest;
-    let curve = |name, color, dashed, values: &[f64], part: &dyn Fn(f64) -> f64| Curve {
-        name,
-        color,
-        width: 2.0,
-        dashed,
-        points: hours.iter().zip(values).map(|(h, x)| (*h, part(*x))).collect(),
+    let curve = |name, color, line, values: &[f64], part: &dyn Fn(f64) -> f64| {
+        let points = hours.iter().zip(values).map(|(h, x)| (*h, part(*x))).collect();
+        Series { line, ..Series::curve(name, color, points) }
     };
+    let (fitted, dashed) = (Line::Solid, Line::Dashed);
     let mut curves = vec![
-        curve("weight, fitted", "#ea580c", false, &found.weights, &weight),
-        curve("weight, measured", "#1d4ed8", true, &measured.weights, &weight),
+        curve("weight, fitted", [0xea, 0x58, 0x0c], fitted, &found.weights, &weight),
+        curve("weight, measured", [0x1d, 0x4e, 0xd8], dashed, &measured.weights, &weight),
     ];
     if !measured.heights.is_empty() {
-        curves.push(curve("height, fitted", "#16a34a", false, &found.heights, &height));
-        curves.push(curve("height, measured", "#111827", true, &measured.heights, &height));
+        curves.push(curve("height, fitted", [0x16, 0xa3, 0x4a], fitted, &found.heights, &height));
+        let heights = &measured.heights;
+        curves.push(curve("height, measured", [0x11, 0x18, 0x27], dashed, heights, &height));
     }
     for (i, (model, heights)) in found.marks.iter().zip(marks()).enumerate() {
-        let [fitted, measured] = match i {
+        let [of_model, of_plant] = match i {
             0 => ["marks, fitted", "marks, measured"],
             _ => [""; 2],
         };
-        curves.push(curve(fitted, "#86efac", false, model, &height));
-        curves.push(curve(measured, "#9ca3af", true, heights, &height));
+        curves.push(curve(of_model, [0x86, 0xef, 0xac], fitted, model, &height));
+        curves.push(curve(of_plant, [0x9c, 0xa3, 0xaf], dashed, heights, &height));
     }
-    Chart {
-        across: "hours",
-        last: hours.last().copied().unwrap_or(1.0),
-        upwards: "weight above the least, and height, as parts",
-        scale: Upwards::To(1.05),
+    Chart::new(
+        Axis::linear("hours").range(0.0, hours.last().copied().unwrap_or(1.0)),
+        Axis::linear("weight above the least, and height, as parts").range(0.0, 1.05),
         curves,
-    }
+    )
 }

@@ -18,7 +18,7 @@ use catamaran::plant::tubes;
 
 use self::animation::write_animation;
 use self::watering::write_balance;
-use crate::picture::write_chart;
+use crate::output;
 use crate::progress::Bar;
 use crate::report::report;
 pub use args::Args;
@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
         &simulation.moduli,
         |row| row.iter().sum::<f64>() / row.len() as f64,
     )?;
-    write_chart(file("water.svg")?, &chart(&plant, &simulation))?;
+    output::chart(file("water.svg")?, &chart(&plant, &simulation))?;
     draw_strip(&plant, &simulation, file("wilting.png")?)?;
     if args.animation {
         write_animation(&plant, poses, &args.seconds(), SIDES, file("wilting.glb")?)?;

@@ -41,7 +41,7 @@ impl Judgement {
     }
 
     /// The score, and whether the parts are not those of a human.
-    pub fn strange(&self) -> (f64, bool) {
+    pub fn not_human(&self) -> (f64, bool) {
         (self.score, !self.human)
     }
 }
@@ -112,8 +112,8 @@ mod tests {
     #[test]
     fn labels_follow_from_error_and_kind() {
         let judgement = Judgement { score: 0.7, error: 0.2, human: true };
-        assert_eq!((judgement.wrong(), judgement.strange()), ((0.7, true), (0.7, false)));
+        assert_eq!((judgement.wrong(), judgement.not_human()), ((0.7, true), (0.7, false)));
         let judgement = Judgement { score: 0.7, error: WRONG, human: false };
-        assert_eq!((judgement.wrong(), judgement.strange()), ((0.7, false), (0.7, true)));
+        assert_eq!((judgement.wrong(), judgement.not_human()), ((0.7, false), (0.7, true)));
     }
 }

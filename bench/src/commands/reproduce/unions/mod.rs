@@ -115,7 +115,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     ));
     let thesis = arguments.transformer.as_deref().map(Transformer::read).transpose()?;
     table_errors(report, &dataset, &model, thesis.as_ref())?;
-    table_strangeness(report, &dataset, &model)?;
+    table_warnings(report, &dataset, &model)?;
     table_associativity(report, &dataset, &model)?;
     report.say(
         "## Table 2.3: regions on a template\n\nIn brackets the thesis' numbers, of a training on six identities.\n",
@@ -216,27 +216,27 @@ fn table_errors(
     Ok(())
 }
 
-/// How many pairs of each test are said to be strange.
-fn table_strangeness(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
+/// How many pairs of each test are said to be out of distribution.
+fn table_warnings(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     report.say(
-        "## Strangeness\n\nPairs that are unlike those of the training, by the network's own judgement (`ood_score` above 1), and the mean \
+        "## Out-of-distribution score\n\nPairs that are unlike those of the training, by the network's own judgement (`ood_score` above 1), and the mean \
          relative error of these and of the others.\n\n\
-         | test | shapes | pairs | strange % | error of strange ones % | of the others % |\n|---|---|---|---|---|---|",
+         | test | shapes | pairs | above 1 % | error of these % | of the others % |\n|---|---|---|---|---|---|",
     );
     for test in Test::all() {
         let pairs = select(dataset, test.split, test.knowledge, test.remeshed);
         if pairs.is_empty() {
             continue;
         }
-        let (mut strange, mut others) = (Vec::new(), Vec::new());
+        let (mut warned, mut others) = (Vec::new(), Vec::new());
         for pair in &pairs {
             match model.ood_score(&[&pair.first, &pair.second])? {
-                x if x > 1.0 => strange.push(*pair),
+                x if x > 1.0 => warned.push(*pair),
                 _ => others.push(*pair),
             }
         }
-        let share = 100.0 * strange.len() as f64 / pairs.len() as f64;
-        let [of_strange, of_others] = [&strange, &others].map(|pairs| match pairs.is_empty() {
+        let share = 100.0 * warned.len() as f64 / pairs.len() as f64;
+        let [of_warned, of_others] = [&warned, &others].map(|pairs| match pairs.is_empty() {
             true => Ok("-".to_owned()),
             false => errors(model, pairs).map(|found| format!("{:.2}", 100.0 * found.relative)),
         });
@@ -244,7 +244,7 @@ fn table_strangeness(report: &mut Report, dataset: &Dataset, model: &SpectralUni
         report.say(&format!(
             "| {letter} | {shapes} | {} | {share:.1} | {} | {} |",
             pairs.len(),
-            of_strange?,
+            of_warned?,
             of_others?
         ));
         let shapes = shapes.replace(',', "");

@@ -39,7 +39,7 @@ pub fn table(
 
 fn of_set(report: &mut Report, name: &str, judgements: &[Judgement]) {
     let wrong: Vec<_> = judgements.iter().map(Judgement::wrong).collect();
-    let strange: Vec<_> = judgements.iter().map(Judgement::strange).collect();
+    let not_human: Vec<_> = judgements.iter().map(Judgement::not_human).collect();
     let share = |of: &[(f64, bool)]| {
         let count = of.iter().filter(|(_, label)| *label).count();
         100.0 * count as f64 / of.len().max(1) as f64
@@ -49,21 +49,21 @@ fn of_set(report: &mut Report, name: &str, judgements: &[Judgement]) {
          | threshold | flagged % | wrong: precision % | recall % | not human: precision % | recall % |\n|---|---|---|---|---|---|",
         judgements.len(),
         share(&wrong),
-        share(&strange)
+        share(&not_human)
     ));
     let percent = |share: Option<f64>| share.map_or("-".into(), |x| format!("{:.1}", 100.0 * x));
     for threshold in THRESHOLDS {
-        let [wrong, strange] = [&wrong, &strange].map(|all| Detection::at(threshold, all));
+        let [wrong, not_human] = [&wrong, &not_human].map(|all| Detection::at(threshold, all));
         let mark = if threshold == DOCUMENTED_THRESHOLD { "**" } else { "" };
         report.say(&format!(
             "| {mark}{threshold:.1}{mark} | {:.1} | {} | {} | {} | {} |",
             100.0 * wrong.flagged as f64 / judgements.len().max(1) as f64,
             percent(wrong.precision()),
             percent(wrong.recall()),
-            percent(strange.precision()),
-            percent(strange.recall())
+            percent(not_human.precision()),
+            percent(not_human.recall())
         ));
-        for (label, found) in [("wrong", wrong), ("not human", strange)] {
+        for (label, found) in [("wrong", wrong), ("not human", not_human)] {
             for (quantity, share) in [("precision", found.precision()), ("recall", found.recall())]
             {
                 let share = share.map_or(String::new(), |share| format!("{share:.4}"));
