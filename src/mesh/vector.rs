@@ -19,7 +19,7 @@ pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The square of the length.
+/// Returns the square of the length.
 pub(crate) fn square(a: Vector) -> f64 {
     dot(a, a)
 }
@@ -28,7 +28,7 @@ pub(crate) fn norm(a: Vector) -> f64 {
     square(a).sqrt()
 }
 
-/// The direction of `a`; zero if it has none.
+/// Returns the direction of `a`; zero if it has none.
 pub(crate) fn unit(a: Vector) -> Vector {
     let length = norm(a);
     if length > 0.0 { a.map(|x| x / length) } else { [0.0; 3] }
@@ -38,7 +38,7 @@ pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
     norm(sub(a, b))
 }
 
-/// The point in the middle between two.
+/// Returns the point in the middle between two.
 pub(crate) fn middle(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|k| 0.5 * (a[k] + b[k]))
 }

@@ -29,7 +29,7 @@ pub(crate) use element::{Element, of_mesh};
 pub use matrices::Laplacian;
 pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 
-/// The Laplacian of a mesh, with nothing but finite numbers.
+/// Computes the Laplacian of a mesh, with nothing but finite numbers.
 ///
 /// With V vertices and F faces this takes O(V + F) time and memory, and for the kinds other than
 /// [`LaplacianKind::Cotangent`] also O(1) for each flip of an edge.

@@ -1,6 +1,6 @@
 use crate::base::builder;
 
-/// Which vertices become one.
+/// Which vertices [`repair`](super::repair()) makes one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Weld {
     /// None.
@@ -60,8 +60,8 @@ builder! { RepairOptions {
 }}
 
 impl RepairOptions {
-    /// Returns all steps that need no number: [`Weld::Seams`], and neither components left out nor
-    /// holes filled.
+    /// Returns options with all steps that need no number: [`Weld::Seams`], and neither components
+    /// left out nor holes filled.
     pub fn everything() -> Self {
         Self::new()
             .weld(Weld::Seams)
@@ -72,8 +72,8 @@ impl RepairOptions {
             .orient(true)
     }
 
-    /// Returns the steps that have one sensible outcome: [`Weld::Seams`], repeated faces and
-    /// faces without area.
+    /// Returns options with the steps that have one sensible outcome: [`Weld::Seams`], repeated
+    /// faces and faces without area.
     pub fn unambiguous() -> Self {
         Self::new().weld(Weld::Seams).drop_duplicates(true).drop_degenerate(true)
     }

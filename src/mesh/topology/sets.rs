@@ -4,11 +4,12 @@ pub(crate) struct Sets {
 }
 
 impl Sets {
+    /// Creates `count` sets of one number each.
     pub fn new(count: usize) -> Self {
         Self { parent: (0..count as u32).collect() }
     }
 
-    /// The lowest number of the set of i.
+    /// Returns the lowest number of the set of i.
     pub fn find(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             // Halves the path on the way.
@@ -19,6 +20,7 @@ impl Sets {
         i
     }
 
+    /// Joins the sets of i and j.
     pub fn join(&mut self, i: u32, j: u32) {
         let (i, j) = (self.find(i), self.find(j));
         // The root is the lowest number, so that results have an order of their own.
