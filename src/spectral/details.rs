@@ -8,7 +8,7 @@ use super::transfer::Transfer;
 use crate::base::{Error, Par, Result};
 use crate::mesh::TriMesh;
 
-/// The part of functions in a span, and what is left.
+/// Functions split into their part in a span and the remaining detail.
 #[derive(Debug, Clone)]
 pub struct Split {
     /// The nearest functions in the span, n x c.
