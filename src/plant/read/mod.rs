@@ -53,8 +53,8 @@ impl PlantFormat {
     }
 }
 
-/// Reads the plant in the file at `path`, of the format its name says; packed files (`.gz`, `.xz`)
-/// too.
+/// Reads the plant in the file at `path`, in the format that its name says; packed files (`.gz`,
+/// `.xz`) too.
 ///
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
@@ -71,8 +71,8 @@ pub fn read(path: &Path) -> Result<Plant> {
     read_with(path, &SourceOptions::new())
 }
 
-/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file
-/// read and may cancel.
+/// Reads as [`read()`] does, within a limit of memory, and with a callback that is told the
+/// fraction of the file read and may cancel.
 ///
 /// ```
 /// use catamaran::{io::SourceOptions, plant};
