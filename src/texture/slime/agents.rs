@@ -7,7 +7,7 @@ use super::random::{Purpose, draw};
 use super::surface::Surface;
 use super::walk::{Walker, project, unfold};
 
-/// What agents sense.
+/// The texture and the ground that agents sense.
 #[derive(Debug, Clone, Copy)]
 pub struct Field<'a> {
     /// The texture of all species, one after the other.
@@ -16,8 +16,8 @@ pub struct Field<'a> {
     pub ground: &'a [u8],
 }
 
-/// A step of agent number `agent` (algorithm 3.2, lines 11 to 20): returns it, and the texel that
-/// it is in.
+/// Computes a step of agent number `agent` (algorithm 3.2, lines 11 to 20), and returns the agent
+/// and the texel that it is in.
 ///
 /// Departures: it goes straight on where nothing is better than what is ahead; it picks one of
 /// [`Parameters::turns`] to turn by; it turns back instead of a step into an obstacle, or out of an

@@ -62,8 +62,8 @@ fn sum_along(row: &[f32], out: &mut [f32]) {
     }
 }
 
-/// [`diffuse_row`] for texel number `border` of [`Texels::border`], with the kernel of its links:
-/// `(G p)_i = p_i + sum_j w_ij (p_j - p_i)`, summed in their order.
+/// Computes [`diffuse_row`] for texel number `border` of [`Texels::border`], with the kernel of its
+/// links: `(G p)_i = p_i + sum_j w_ij (p_j - p_i)`, summed in their order.
 pub fn diffuse_border(
     parameters: &Parameters,
     texels: &Texels,
