@@ -108,8 +108,8 @@ impl Versioned for cata_lstsq_result {
     const FIRST_SIZE: usize = offset_of!(Self, digits) + size_of::<f64>();
 }
 
-/// The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
-/// W = diag(weights), from the Gram matrix of [A B] in extended precision.
+/// Computes the X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
+/// and W = diag(weights), from the Gram matrix of [A B] in extended precision.
 ///
 /// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
 /// factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm

@@ -49,9 +49,9 @@ pub unsafe extern "C" fn cata_pca_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The first principal components of the rows of A (m x n), from the Gram matrix of its centred
-/// columns in extended precision. Components beyond the rank of the centred columns are zeros,
-/// and so are their variances and singular values.
+/// Computes the first principal components of the rows of A (m x n), from the Gram matrix of its
+/// centred columns in extended precision. Components beyond the rank of the centred columns are
+/// zeros, and so are their variances and singular values.
 ///
 /// - `m`: at least 2. `n`: any, 0 included.
 /// - `count`: number of components, at most n.

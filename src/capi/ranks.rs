@@ -26,7 +26,7 @@ pub(super) struct Entrance<'w> {
 }
 
 impl<'w> Entrance<'w> {
-    /// The rank of the caller.
+    /// Returns the rank of the caller.
     pub fn rank(&self) -> usize {
         self.world.rank()
     }
