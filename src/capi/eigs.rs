@@ -280,6 +280,8 @@ pub(super) struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
+    /// Creates the outputs of eigenpairs from pointers.
+    ///
     /// # Safety
     /// The pointers are as the header describes them, during `'a`.
     pub unsafe fn new(

@@ -157,6 +157,8 @@ pub(super) struct FactorsOut<'a> {
 }
 
 impl<'a> FactorsOut<'a> {
+    /// Creates the outputs of a factorisation from pointers.
+    ///
     /// # Safety
     /// The pointers are as the header describes them, R of so many rows and columns, during
     /// `'a`.
@@ -177,6 +179,7 @@ impl<'a> FactorsOut<'a> {
         }
     }
 
+    /// Writes R, the kept columns and the rank.
     pub fn write(self, Factors { r, kept }: &Factors) {
         if let Some(mut to) = self.r {
             to.fill(0.0);

@@ -118,6 +118,8 @@ pub(super) struct ComponentOutputs<'a> {
 }
 
 impl<'a> ComponentOutputs<'a> {
+    /// Creates the outputs of principal components from pointers.
+    ///
     /// # Safety
     /// The pointers are as cata_pca describes them, and live as long as this.
     pub unsafe fn new(
@@ -147,6 +149,7 @@ impl<'a> ComponentOutputs<'a> {
         }
     }
 
+    /// Returns the options that the parameters say.
     pub fn options(&self, params: &cata_pca_params) -> Result<PrincipalComponentsOptions, Failure> {
         Ok(PrincipalComponentsOptions::new()
             .components(Components::Count(self.count))
@@ -154,6 +157,7 @@ impl<'a> ComponentOutputs<'a> {
             .par(par(params.threads)))
     }
 
+    /// Writes the components and the other results that are wanted.
     pub fn write(self, found: &PrincipalComponents) {
         if let Some(components) = self.components {
             fill(components, found.components.as_ref());

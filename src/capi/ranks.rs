@@ -31,6 +31,7 @@ impl<'w> Entrance<'w> {
         self.world.rank()
     }
 
+    /// Returns the world, and records that the work has entered it.
     pub fn enter(&self) -> &'w World {
         self.passed.set(true);
         self.world

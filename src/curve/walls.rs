@@ -26,7 +26,7 @@ impl Walls {
         Ok(Self { edges, is_wall })
     }
 
-    /// Returns, for each face, the lowest face of its piece: faces with a common edge that is no
+    /// Returns for each face the lowest face of its piece: faces with a common edge that is no
     /// wall are of one piece.
     pub fn pieces(&self, faces: usize) -> Vec<u32> {
         let mut pieces = Sets::new(faces);

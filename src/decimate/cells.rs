@@ -23,13 +23,13 @@ impl Cells {
         Self { of_vertices, distances }
     }
 
-    /// Returns, for each vertex of the mesh, the number of its cell, from 0, or [`Cells::NONE`]. Of
+    /// Returns for each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of
     /// equally near samples, the first counts.
     pub fn of_vertices(&self) -> &[u32] {
         &self.of_vertices
     }
 
-    /// Returns, for each vertex of the mesh, its distance along edges to the sample of its cell, in
+    /// Returns for each vertex of the mesh its distance along edges to the sample of its cell, in
     /// units of length (single precision); infinite where there is no cell.
     pub fn distances(&self) -> &[f32] {
         &self.distances

@@ -1,4 +1,4 @@
-//! The whole of it: from a mesh and a number to a mesh of that many vertices.
+//! The whole decimation: from a mesh and a number to a mesh of that many vertices.
 
 use std::borrow::Cow;
 

@@ -96,7 +96,7 @@ impl Refined {
         Self { mesh: finer.mesh, faces, vertices }
     }
 
-    /// Returns, for each face of the coarser mesh, the share of its area that pieces in the mask
+    /// Returns for each face of the coarser mesh the share of its area that pieces in the mask
     /// cover: exactly 0 or 1 where none or all of its pieces are. For faces without area, returns
     /// the share of the number of pieces.
     ///

@@ -1,4 +1,4 @@
-//! What there is to say about a mesh, and what is wrong with it.
+//! The report on a mesh: its counts and its problems.
 
 use std::fmt;
 
@@ -18,8 +18,8 @@ pub enum Problem {
         /// Its faces.
         faces: Vec<u32>,
     },
-    /// A vertex whose faces do not hang together over edges at this vertex: the surface meets
-    /// itself in a point.
+    /// A vertex whose faces are not connected over edges at this vertex: the surface meets itself
+    /// in a point.
     NonManifoldVertex {
         /// The vertex.
         vertex: u32,

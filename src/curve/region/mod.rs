@@ -1,4 +1,4 @@
-//! Regions of a mesh: sets of its faces, as curves enclose them, and what is made of them.
+//! Regions of a mesh: sets of its faces, such as curves enclose, and operations on them.
 
 mod enclosed;
 #[cfg(test)]
@@ -30,7 +30,7 @@ impl Region {
         Self { inside }
     }
 
-    /// Returns, for each face of the mesh, whether it is inside.
+    /// Returns for each face of the mesh whether it is inside.
     pub fn mask(&self) -> &[bool] {
         &self.inside
     }

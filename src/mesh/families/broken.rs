@@ -1,4 +1,4 @@
-//! Meshes that make algorithms stumble.
+//! Meshes with defects that algorithms must handle.
 
 use super::super::TriMesh;
 use super::draft::{Draft, Seam, at_least, positive, sheet};

@@ -229,7 +229,8 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};
-/// use catamaran::mesh::{families, io::{Attribute, Material, MeshFile, Picture, write_with_material}};
+/// use catamaran::mesh::families;
+/// use catamaran::mesh::io::{Attribute, Material, MeshFile, Picture, write_with_material};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("chequered.glb");

@@ -39,7 +39,7 @@ pub struct RepairOptions {
     /// Components with less than this share of the area of the mesh are left out, from 0 to 1. None
     /// by default.
     pub drop_specks: Option<f64>,
-    /// Holes of at most so many edges are filled. None by default.
+    /// Fills holes of at most this many edges. Default: no holes.
     pub fill_holes: Option<usize>,
     /// Whether faces are flipped to agree with their neighbours, and in closed components so that
     /// they are counter-clockwise as seen from outside. A closed component that is inside an odd

@@ -6,7 +6,7 @@ use super::super::vector::{Vector, distance};
 use super::super::{Edges, Sets, TriMesh};
 use crate::base::{Error, Result};
 
-/// Returns, for each point, the lowest one, itself or an earlier one, that is at most `tolerance`
+/// Returns for each point the lowest one, itself or an earlier one, that is at most `tolerance`
 /// away and is its own representative. O(n) for points that are spread out.
 ///
 /// # Errors

@@ -97,7 +97,7 @@ pub(super) fn corners(faces: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
 }
 
 impl TriMesh {
-    /// Returns, for each vertex, the vertices that an edge joins to it, ascending.
+    /// Returns for each vertex the vertices that an edge joins to it, ascending.
     ///
     /// ```
     /// use catamaran::mesh::families;
@@ -114,7 +114,7 @@ impl TriMesh {
         Adjacency::from_pairs(self.vertices().len(), pairs).sorted()
     }
 
-    /// Returns, for each vertex, its faces, ascending.
+    /// Returns for each vertex its faces, ascending.
     ///
     /// ```
     /// use catamaran::mesh::families;
@@ -142,7 +142,7 @@ impl TriMesh {
         (0..self.vertices().len() as u32).filter(|&v| !used[v as usize]).collect()
     }
 
-    /// Returns, for each vertex, whether a face has it.
+    /// Returns for each vertex whether a face has it.
     pub(crate) fn referenced(&self) -> Vec<bool> {
         let mut used = vec![false; self.vertices().len()];
         for &v in self.faces().as_flattened() {

@@ -93,7 +93,7 @@ impl Components {
 }
 
 impl TriMesh {
-    /// Returns the number of fans of each vertex: groups of its faces that hang together over edges
+    /// Returns the number of fans of each vertex: groups of its faces that are connected over edges
     /// at this vertex. A vertex of more than one fan is non-manifold (a bow tie); a vertex of none
     /// is in no face.
     ///

@@ -92,7 +92,7 @@ impl Edges {
         &self.ends
     }
 
-    /// Returns, for each edge, the corners (3 f + i, ascending) at which it starts in its faces.
+    /// Returns for each edge the corners (3 f + i, ascending) at which it starts in its faces.
     pub fn corners(&self) -> &Adjacency {
         &self.corners
     }
@@ -102,12 +102,12 @@ impl Edges {
         self.corners.row(e).iter().map(|corner| corner / 3)
     }
 
-    /// Returns, for each corner 3 f + i, the edge from corner i of face f to the next one.
+    /// Returns for each corner 3 f + i the edge from corner i of face f to the next one.
     pub fn of_corners(&self) -> &[u32] {
         &self.of_corner
     }
 
-    /// Returns, for each face, the faces across its edges, ascending by corner, then by face.
+    /// Returns for each face the faces across its edges, ascending by corner, then by face.
     pub fn face_neighbors(&self) -> Adjacency {
         let pairs = || {
             (0..).zip(&self.of_corner).flat_map(|(corner, &e)| {

@@ -31,7 +31,7 @@ impl TriMesh {
     }
 
     /// Returns which faces must be flipped so that all agree over every edge of two faces; of each
-    /// group of faces that hang together over such edges, the lowest stays.
+    /// group of faces that are connected over such edges, the lowest stays.
     ///
     /// ```
     /// use catamaran::mesh::{Edges, TriMesh};

@@ -68,7 +68,7 @@ impl TriMesh {
     }
 
     /// Returns an error unless the mesh is a manifold, with or without boundary: every edge has one
-    /// or two faces, and the faces at every vertex hang together over edges.
+    /// or two faces, and the faces at every vertex are connected over edges.
     ///
     /// ```
     /// use catamaran::mesh::families;
