@@ -159,8 +159,8 @@ impl SlimeOnDevice {
     /// the end.
     ///
     /// # Errors
-    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are done
-    /// then, and it can go on.
+    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are
+    /// done, and a later call can continue.
     pub fn run(&mut self, steps: u32, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.enqueue_step()?;

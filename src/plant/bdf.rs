@@ -90,6 +90,22 @@ impl Bdf6 {
     /// Continues from the present water with another model of the same plant (another loss, damage)
     /// or another step. The history starts anew, since derivatives jump.
     ///
+    /// ```
+    /// use catamaran::Par;
+    /// use catamaran::plant::{Bdf6, Start, WaterModel, WaterOptions, families};
+    ///
+    /// let mut model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let mut solver = Bdf6::new(&model, &model.full(), 10.0, Start::Radau, Par::Seq)?;
+    /// solver.step();
+    /// // From now on leaves lose nothing.
+    /// let before: f64 = solver.water().iter().sum();
+    /// model.set_loss(0.0)?;
+    /// solver.restart(&model, 60.0)?;
+    /// solver.step();
+    /// assert!((solver.water().iter().sum::<f64>() / before - 1.0).abs() < 1e-9);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] for a step that is not positive, [`Error::Shape`] for a model of another
     /// size, [`Error::OutOfMemory`].
@@ -140,7 +156,7 @@ impl Bdf6 {
     /// Advances by `count` steps.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]: the steps before are done then, and it can go on.
+    /// [`Error::Cancelled`]: the steps before are done, and a later call can continue.
     pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
         for done in 1..=count {
             self.step();

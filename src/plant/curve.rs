@@ -17,8 +17,8 @@ pub enum Method {
     /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)): small plants that are not
     /// stiff, many times.
     Spectral,
-    /// By [`Bdf6`](super::Bdf6) with steps of at most so many seconds, shortened so that they end
-    /// at the times asked for.
+    /// By [`Bdf6`](super::Bdf6) with steps of at most `step` seconds, shortened so that they end
+    /// at the requested times.
     Bdf6 {
         /// In seconds.
         step: f64,

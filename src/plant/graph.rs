@@ -36,7 +36,7 @@ impl Segment {
     }
 }
 
-/// A plant: segments that hang together as a tree.
+/// A plant: segments that are connected as a tree.
 ///
 /// ```
 /// use catamaran::plant::{Plant, Segment};

@@ -181,6 +181,15 @@ impl WaterModel {
     /// Returns the water of every node as a part of what the node holds when full, from water in
     /// kg.
     ///
+    /// ```
+    /// use catamaran::plant::{WaterModel, WaterOptions, families};
+    ///
+    /// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let half: Vec<f64> = model.full().iter().map(|water| 0.5 * water).collect();
+    /// assert!(model.relative(&half)?.iter().all(|w| (w - 0.5).abs() < 1e-12));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::NonFinite`] name `water`.
     pub fn relative(&self, water: &[f64]) -> Result<Vec<f64>> {
@@ -280,6 +289,15 @@ impl WaterModel {
     /// Computes the slowest rate at which water is lost, in 1 / s: the smallest eigenvalue of -S,
     /// by inverse iteration. Every digit of it is right, as elimination does not subtract. 0 if a
     /// part of the plant loses nothing.
+    ///
+    /// ```
+    /// use catamaran::{Par, plant::{SpectralSolution, WaterModel, WaterOptions, families}};
+    ///
+    /// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let rate = model.slowest_rate(Par::Seq)?;
+    /// assert!((rate / SpectralSolution::new(&model)?.rates()[0] - 1.0).abs() < 1e-6);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the two slowest rates are all but equal;

@@ -184,6 +184,13 @@ impl Basis {
 
     /// Returns the area of the mesh, `1^T M 1`.
     ///
+    /// ```
+    /// use catamaran::{faer::Mat, sparse::Mass, spectral::Basis};
+    ///
+    /// assert_eq!(Basis::orthonormal(Mat::identity(3, 2), Mass::identity(3))?.area()?, 3.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] when it is not positive, as without vertices.
     pub fn area(&self) -> Result<f64> {

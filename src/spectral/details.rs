@@ -57,7 +57,7 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
-/// // A sphere that gets its own detail stays as it is, nearly: as far as the transfer has its heights.
+/// // A sphere that gets its own detail stays nearly as it is: as far as four functions reach.
 /// let basis = basis.basis();
 /// let transfer = Transfer::new(basis, basis, Mat::identity(4, 4))?;
 /// let found = transfer_details(&mesh, &mesh, (basis, basis), &transfer, Par::Seq)?;

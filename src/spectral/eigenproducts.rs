@@ -144,7 +144,7 @@ impl Eigenproducts {
         (from(least) - from(first)) as usize
     }
 
-    /// Returns, for each product but the first, the index of the product without its last factor,
+    /// Returns for each product but the first the index of the product without its last factor,
     /// and that factor.
     pub(super) fn steps(&self) -> Vec<(usize, usize)> {
         let mut steps: Vec<(usize, usize)> = Vec::with_capacity(self.len() - 1);
@@ -157,7 +157,7 @@ impl Eigenproducts {
         steps
     }
 
-    /// All products of the given functions, pointwise.
+    /// Computes all products of the given functions, pointwise.
     ///
     /// `functions` is n x k, a function in each column; `out` is n x [`Eigenproducts::len`] and is
     /// overwritten. Fastest by columns (unit row stride). The same, bit for bit, for every `par`.

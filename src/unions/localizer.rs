@@ -31,6 +31,23 @@ impl Localizer {
     /// - `values`: of each of them the values of all eigenfunctions; rounded to half precision, as
     ///   files have them.
     ///
+    /// ```
+    /// use catamaran::{Par, mesh::{LaplacianOptions, families, laplacian}, unions::Localizer};
+    /// use catamaran::sparse::{EigenOptions, eigs};
+    ///
+    /// // Two eigenfunctions of a template, with all vertices as anchors.
+    /// let template = families::icosphere(1)?;
+    /// let operator = laplacian(&template, &LaplacianOptions::new())?;
+    /// let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(2))?;
+    /// let n = template.vertices().len();
+    /// let at = |v: usize| [0, 1].map(|i| pairs.vectors[(v, i)] as f32);
+    /// let localizer = Localizer::new(2, (0..n).collect(), (0..n).flat_map(at).collect(), n)?;
+    /// // A region that is the first eigenfunction, a constant.
+    /// let found = localizer.on(pairs.vectors.as_ref())?.indicator(&[1.0, 0.0])?;
+    /// assert!((found[0] - found[9]).abs() < 1e-3);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
     pub fn new(

@@ -99,8 +99,18 @@ impl<'m> PartSpectra<'m> {
         self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
     }
 
-    /// Returns, for each vertex, whether it is inside of the part: it and its neighbours belong to
+    /// Returns for each vertex whether it is inside of the part: it and its neighbours belong to
     /// the part, and it is not on the boundary of the surface.
+    ///
+    /// ```
+    /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
+    ///
+    /// let mesh = families::grid(4, 4)?;
+    /// let spectra = PartSpectra::new(&mesh, &LaplacianOptions::new())?;
+    /// let inside = spectra.inside(&[true; 25])?;
+    /// assert_eq!(inside.iter().filter(|&&is_inside| is_inside).count(), 9);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex.

@@ -28,8 +28,8 @@ pub enum PlantFormat {
     /// Class `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
     Mtg,
     /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it
-    /// is 1 mm. The root is the first vertex of the first line. End points of lines that nothing
-    /// goes on from are on leaves.
+    /// is 1 mm. The root is the first vertex of the first line. End points of lines from
+    /// which no line continues are on leaves.
     Obj,
 }
 

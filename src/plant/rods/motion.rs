@@ -193,6 +193,21 @@ impl Motion {
     /// [`MotionOptions::drag`]. The factors |u| are those at the beginning of a step, the rest is
     /// implicit, so that air only takes energy from what moves faster.
     ///
+    /// ```
+    /// use catamaran::plant::{Elasticity, Motion, MotionOptions, RodOptions, Rods};
+    /// use catamaran::plant::{WaterModel, WaterOptions, families};
+    ///
+    /// let plant = families::chain(5, 0.3, 2e-3)?;
+    /// let full = WaterModel::new(&plant, &WaterOptions::new())?.full();
+    /// let mut rods = Rods::new(&plant, &RodOptions::new())?;
+    /// rods.set_state(&Elasticity::default().moduli(&full, &full)?, &full)?;
+    /// let mut motion = Motion::new(&rods, &rods.rest_pose(), &MotionOptions::new())?;
+    /// motion.set_wind([3.0, 0.0, 0.0])?;
+    /// motion.step()?;
+    /// assert!(motion.pose().tails[4][0] > 0.0); // it leans with the wind
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] for a velocity that is not finite.
     pub fn set_wind(&mut self, velocity: [f64; 3]) -> Result<()> {

@@ -195,6 +195,24 @@ impl<'a> MapFit<'a> {
     /// Adds segments that correspond: vertices of the same label on both meshes. Every label
     /// counts, 0 too.
     ///
+    /// ```
+    /// use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
+    /// use catamaran::{mesh::families, prelude::*};
+    ///
+    /// # let mesh = families::icosphere(2)?;
+    /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+    /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+    /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+    /// // The eight octants of a sphere.
+    /// let octant = |p: &[f64; 3]| (0..3).map(|k| u32::from(p[k] > 0.0) << k).sum();
+    /// let labels: Vec<u32> = mesh.vertices().iter().map(octant).collect();
+    /// let mut fit = MapFit::new(&basis, &basis, Par::Seq);
+    /// fit.segments(&labels, &labels)?;
+    /// let c = fit.solve(MapFit::COMMUTATIVITY)?;
+    /// assert!((c - Mat::<f64>::identity(4, 4)).norm_max() < 1e-3);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the
     /// first label that only one of the meshes has.

@@ -22,6 +22,21 @@ pub struct Field<'a> {
 /// Departures: it goes straight on where nothing is better than what is ahead; it picks one of
 /// [`Parameters::turns`] to turn by; it turns back instead of a step into an obstacle, or out of an
 /// attractor.
+///
+/// ```
+/// use catamaran::texture::slime::{Field, Options, Surface, Walker, agent_step};
+///
+/// let surface = Surface::tile()?;
+/// let parameters = Options::new().agents(1).size(32).parameters()?;
+/// let field = Field { texture: &vec![0.0; 32 * 32], ground: &[] };
+/// let [a, b, c] = surface.corners()[0];
+/// let position = [0, 1].map(|k| ((a[k] + b[k] + c[k]) / 3.0) as f32);
+/// let walker = Walker { triangle: 0, position, heading: [1.0, 0.0] };
+/// // Without pheromone, agents go straight on.
+/// let (walker, texel) = agent_step(&surface, field, &parameters, walker, 0, 0);
+/// assert!(texel < 32 * 32 && (walker.heading[0] - 1.0).abs() < 1e-6);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn agent_step(
     surface: &Surface,
     field: Field<'_>,

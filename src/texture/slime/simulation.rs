@@ -121,7 +121,7 @@ impl Simulation {
     /// Computes `steps` steps; `progress` is told after each, and may cancel.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; the steps before are done then, and it can go on.
+    /// [`Error::Cancelled`]: the steps before are done, and a later call can continue.
     pub fn run(&mut self, steps: u32, par: Par, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.step(par);
@@ -222,6 +222,18 @@ impl Simulation {
     }
 
     /// Continues from another state.
+    ///
+    /// ```
+    /// use catamaran::{Par, texture::slime::{Mask, Options, Simulation, Surface}};
+    ///
+    /// let options = Options::new().agents(100).size(64);
+    /// let mut simulation = Simulation::new(Surface::tile()?, &options, &Mask::default())?;
+    /// let start = simulation.state().clone();
+    /// simulation.step(Par::Seq);
+    /// simulation.set_state(start)?;
+    /// assert_eq!(simulation.state().step, 0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it

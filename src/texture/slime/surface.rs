@@ -223,7 +223,7 @@ impl Surface {
         &self.records
     }
 
-    /// Returns, for each triangle and edge k, what is across: 8 g + j, g the triangle and j its
+    /// Returns for each triangle and edge k what is across: 8 g + j, g the triangle and j its
     /// edge there, plus [`ACROSS_FLIP`]; [`NO_TRIANGLE`] on the boundary.
     pub fn across(&self) -> &[[u32; 3]] {
         &self.across
@@ -250,7 +250,7 @@ impl Surface {
         &self.areas
     }
 
-    /// Returns, for each triangle, the lowest triangle of its chart: triangles that are connected
+    /// Returns for each triangle the lowest triangle of its chart: triangles that are connected
     /// in the texture are of one chart.
     pub fn charts(&self) -> &[u32] {
         &self.charts

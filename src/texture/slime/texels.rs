@@ -64,7 +64,7 @@ impl Texels {
         &self.links.texels
     }
 
-    /// Returns, for each of [`Texels::border`], where its links begin; one more for the end of the
+    /// Returns for each of [`Texels::border`] where its links begin; one more for the end of the
     /// last.
     pub fn link_starts(&self) -> &[u32] {
         &self.links.starts
@@ -80,9 +80,9 @@ impl Texels {
         &self.links.weights
     }
 
-    /// Returns the place to which a step of so many texels along u and v leads from the centre of a
-    /// texel (or the point of its triangle that is nearest to it) when it is taken on the surface,
-    /// over seams where there are any; `None` for a texel outside. Boundary edges reflect.
+    /// Returns the place to which a step of `step` texels along u and v leads from the centre of a
+    /// texel (or the point of its triangle that is nearest to it) when the step is taken on the
+    /// surface, over seams where there are any; `None` for a texel outside. Boundary edges reflect.
     ///
     /// # Panics
     /// When there is no such texel.

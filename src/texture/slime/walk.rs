@@ -114,6 +114,19 @@ fn stretch(surface: &Surface, walker: &Walker) -> f32 {
 /// Departures: positions are in the frame of the triangle instead of the texture and the basis of
 /// space that its corners are, so that no matrix is singular; a point that projects beside the
 /// triangle is moved to its edge.
+///
+/// ```
+/// use catamaran::{mesh::families, texture::slime::{Surface, Walker, atlas, project}};
+///
+/// let sphere = families::icosphere(1)?;
+/// let surface = Surface::of_faces(&sphere, atlas(&sphere, 128)?)?;
+/// let [a, b, c] = surface.corners()[0];
+/// let position = [0, 1].map(|k| ((a[k] + b[k] + c[k]) / 3.0) as f32);
+/// let walker = Walker { triangle: 0, position, heading: [1.0, 0.0] };
+/// let end = project(&surface, walker, 0.02, 20, true);
+/// assert_ne!(end.triangle, 0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn project(
     surface: &Surface,
     mut walker: Walker,

@@ -106,6 +106,14 @@ lanes!(f64: f64s, F64_LANES, splat_f64s, as_simd_f64s, as_mut_simd_f64s, mul_add
 /// Computes `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a
 /// is `a[i * strides.0 + k * strides.1]`.
 ///
+/// ```
+/// use catamaran::unions::network::gemm;
+///
+/// let mut c = [1.0_f32, 0.0];
+/// gemm((1, 2, 2), &[2.0, 3.0], (2, 1), &[1.0, 0.0, 0.0, 1.0], &mut c);
+/// assert_eq!(c, [3.0, 3.0]);
+/// ```
+///
 /// # Panics
 /// When a slice is too short.
 pub fn gemm<T: Number>(

@@ -5,7 +5,7 @@ const LARGEST: f32 = 127.0;
 /// From here on to twice as much, numbers of single precision are whole.
 const ROUNDING: f32 = 1.5 * (1 << 23) as f32;
 
-/// Returns, for each column of these weights, the number that one unit is worth: the largest weight
+/// Returns for each column of these weights the number that one unit is worth: the largest weight
 /// is 127 units.
 pub fn column_units(weights: &[f32], columns: usize) -> Vec<f32> {
     let mut units = vec![0.0f32; columns];
