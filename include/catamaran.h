@@ -80,15 +80,15 @@ typedef int32_t cata_status;
 #define CATA_ERR_RANK 12 /**< Another rank failed, or does not fit; the message names it. */
 #define CATA_ERR_MESH 13 /**< A mesh or plant is not one; the message names the element. */
 
-/** The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
- * none has. A call that succeeds leaves it alone. Never NULL.
+/** Returns the message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty
+ * when none has. A call that succeeds leaves it alone. Never NULL.
  *
  * The pointer is valid until the next call of this thread that fails, and not after the
  * thread's end; do not free it. */
 const char *cata_last_error_message(void);
 
-/** The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
- * Static, never NULL; do not free it. */
+/** Returns the name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is
+ * none. Static, never NULL; do not free it. */
 const char *cata_status_name(cata_status status);
 
 #define CATA_CAP_OPENBLAS 1 /**< Bit of cata_capabilities: OpenBLAS is linked in. */
@@ -97,15 +97,15 @@ const char *cata_status_name(cata_status status);
 #define CATA_CAP_HDF5 8 /**< Bit of cata_capabilities: rows from HDF5 files. */
 #define CATA_CAP_CHAPTERS 16 /**< Bit of cata_capabilities: all chapters, not A^T A alone. */
 
-/** The version of the library that runs, which may be newer than the header's. NULL where a part
- * is not wanted. */
+/** Gets the version of the library that runs, which may be newer than the header's. NULL where a
+ * part is not wanted. */
 cata_status cata_version(int32_t *major, int32_t *minor, int32_t *patch);
 
-/** The same as "major.minor.patch". Static, never NULL; do not free it. */
+/** Returns the version as "major.minor.patch". Static, never NULL; do not free it. */
 const char *cata_version_string(void);
 
-/** What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
- * capability exist, and return CATA_ERR_UNSUPPORTED. */
+/** Returns what this build of the library can do: a sum of CATA_CAP_* bits. The functions of an
+ * absent capability exist, and return CATA_ERR_UNSUPPORTED. */
 uint64_t cata_capabilities(void);
 
 /** Gives back the memory that products keep for the next one, at most 1 GiB, but for what is in
@@ -162,14 +162,14 @@ typedef struct cata_backend cata_backend;
  * no such file or it is not such a library. */
 cata_status cata_backend_load(const char *path, cata_backend **backend);
 
-/** The OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS. */
+/** Gets the OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS. */
 cata_status cata_backend_openblas(cata_backend **backend);
 
-/** Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
- * valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it. */
+/** Returns the short name of a back end, such as "openblas" or the file name of a loaded library,
+ * in UTF-8; valid until cata_backend_free; empty for NULL. Never NULL; do not free it. */
 const char *cata_backend_name(const cata_backend *backend);
 
-void cata_backend_free(cata_backend *backend); /**< Gives a back end back. */
+void cata_backend_free(cata_backend *backend); /**< Frees a back end. */
 
 /** @} */
 
@@ -243,7 +243,7 @@ typedef struct cata_ata_params {
 /** Fills a struct with the defaults. */
 cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
 
-/** C := alpha A^T A + beta C, for A m x n and C n x n.
+/** Computes C := alpha A^T A + beta C, for A m x n and C n x n.
  * - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
  *   neither read nor written.
  * - `beta`: with 0, C is not read, so it may be uninitialised.
@@ -270,7 +270,7 @@ cata_status cata_ata_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float
 cata_status cata_ata_f32_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const float *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** The number of elements of scratch of cata_ata_with_scratch_f64 for the same m, n and params. */
+/** Gets the length of the scratch of cata_ata_with_scratch_f64 for the same m, n and params. */
 cata_status cata_ata_scratch_len_f64(size_t m, size_t n, const cata_ata_params *params,
     size_t *len);
 
@@ -278,7 +278,7 @@ cata_status cata_ata_scratch_len_f64(size_t m, size_t n, const cata_ata_params *
 cata_status cata_ata_scratch_len_f32(size_t m, size_t n, const cata_ata_params *params,
     size_t *len);
 
-/** cata_ata_f64 in scratch of the caller, of any values and at least the length that
+/** Computes cata_ata_f64 in scratch of the caller, of any values and at least the length that
  * cata_ata_scratch_len_f64 says. It is overwritten. */
 cata_status cata_ata_with_scratch_f64(int32_t layout, int32_t uplo, size_t m, size_t n,
     double alpha, const double *a, size_t lda, double beta, double *c, size_t ldc, double *scratch,
@@ -289,7 +289,7 @@ cata_status cata_ata_with_scratch_f32(int32_t layout, int32_t uplo, size_t m, si
     const float *a, size_t lda, float beta, float *c, size_t ldc, float *scratch,
     size_t scratch_len, const cata_ata_params *params);
 
-/** C := alpha A A^T + beta C, for A m x n and C m x m. The rest as in cata_ata_f64. */
+/** Computes C := alpha A A^T + beta C, for A m x n and C m x m. The rest as in cata_ata_f64. */
 cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
@@ -297,8 +297,8 @@ cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, doubl
 cata_status cata_aat_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n, dense.
- * The sums are those of the classical algorithm, in double and in the order of the rows.
+/** Computes C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n,
+ * dense. The sums are those of the classical algorithm, in double and in the order of the rows.
  * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
  *   `row_starts[i + 1] - 1`, the first being 0.
  * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
@@ -316,8 +316,8 @@ cata_status cata_ata_sparse_f32(int32_t layout, int32_t uplo, size_t m, size_t n
     const size_t *row_starts, const size_t *columns, const float *entries, const double *weights,
     float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The rest as
- * in cata_ata_f64, with NaN and infinities of columns of A and of B. */
+/** Computes C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The
+ * rest as in cata_ata_f64, with NaN and infinities of columns of A and of B. */
 cata_status cata_atb_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
     const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
     const cata_ata_params *params);
@@ -327,8 +327,7 @@ cata_status cata_atb_f32(int32_t layout, size_t m, size_t n, size_t k, float alp
     size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
     const cata_ata_params *params);
 
-/** The number of elements of scratch of cata_atb_with_scratch_f64 for the same m, n, k and
- * params. */
+/** Gets the length of the scratch of cata_atb_with_scratch_f64 for the same m, n, k and params. */
 cata_status cata_atb_scratch_len_f64(size_t m, size_t n, size_t k, const cata_ata_params *params,
     size_t *len);
 
@@ -336,7 +335,7 @@ cata_status cata_atb_scratch_len_f64(size_t m, size_t n, size_t k, const cata_at
 cata_status cata_atb_scratch_len_f32(size_t m, size_t n, size_t k, const cata_ata_params *params,
     size_t *len);
 
-/** cata_atb_f64 in scratch of the caller, of any values and at least the length that
+/** Computes cata_atb_f64 in scratch of the caller, of any values and at least the length that
  * cata_atb_scratch_len_f64 says. It is overwritten. */
 cata_status cata_atb_with_scratch_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
     const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
@@ -347,8 +346,8 @@ cata_status cata_atb_with_scratch_f32(int32_t layout, size_t m, size_t n, size_t
     const float *a, size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
     float *scratch, size_t scratch_len, const cata_ata_params *params);
 
-/** C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are
- * real.
+/** Computes C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta
+ * are real.
  *
  * A complex element is two doubles, the real part and then the imaginary one, as `double
  * complex` of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading
@@ -372,7 +371,7 @@ cata_status cata_aha_c64(int32_t layout, int32_t uplo, size_t m, size_t n, doubl
 cata_status cata_aha_c32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k. A and B may overlap.
+/** Computes C := alpha A^H B + beta C, complex, for A m x n, B m x k, C n x k. A and B may overlap.
  * - `alpha`, `beta`: one complex element each, read; with beta == 0 C is not read. A real one
  *   multiplies both parts.
  *
@@ -475,8 +474,8 @@ typedef struct cata_lstsq_result {
 /** Fills a struct with the defaults. */
 cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);
 
-/** The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
- * W = diag(weights), from the Gram matrix of [A B] in extended precision.
+/** Computes the X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
+ * and W = diag(weights), from the Gram matrix of [A B] in extended precision.
  *
  * Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
  * factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm
@@ -507,9 +506,9 @@ typedef struct cata_pca_params {
 /** Fills a struct with the defaults. */
 cata_status cata_pca_params_init(cata_pca_params *params, size_t struct_size);
 
-/** The first principal components of the rows of A (m x n), from the Gram matrix of its centred
- * columns in extended precision. Components beyond the rank of the centred columns are zeros,
- * and so are their variances and singular values.
+/** Computes the first principal components of the rows of A (m x n), from the Gram matrix of its
+ * centred columns in extended precision. Components beyond the rank of the centred columns are
+ * zeros, and so are their variances and singular values.
  * - `m`: at least 2. `n`: any, 0 included.
  * - `count`: number of components, at most n.
  * - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
@@ -541,8 +540,8 @@ typedef struct cata_gram_params {
 /** Fills a struct with the defaults. */
 cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
 
-/** The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
- * extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
+/** Computes the singular values of A (m x n), and its right singular vectors, from its Gram matrix
+ * in extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
  *
  * With K the condition number of A with columns of norm 1, the relative error of every value,
  * the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended
@@ -556,8 +555,8 @@ cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
 cata_status cata_svd(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
     double *values, double *v, size_t ldv, const cata_gram_params *params);
 
-/** The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is
- * A (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
+/** Computes the lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where
+ * X is A (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
  *
  * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and
  * the two parts together are C rounded to about 106 bits; else entries were rounded to about
@@ -573,14 +572,14 @@ cata_status cata_gram_extended(int32_t layout, size_t m, size_t n, const double 
     const double *weights, int32_t centering, double *high, size_t ldhigh, double *low,
     size_t ldlow, int32_t *exact, const cata_gram_params *params);
 
-/** C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
- * the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
- * rounding. Both triangles are written; rows and columns of a column without variance are NaN.
+/** Computes C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix
+ * about the mean in extended precision: entries are within [-1, 1], and wrong by little more than
+ * one rounding. Both triangles are written; rows and columns of a column without variance are NaN.
  * - `c`: C, written, with leading dimension `ldc`; must not overlap A. */
 cata_status cata_gram_correlation(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
     double *c, size_t ldc, const cata_gram_params *params);
 
-/** How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
+/** Computes how far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
  * precision, and no digits are lost to cancellation.
  * - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64.
  * - `max`: one double, written: the largest entry of Q^T Q - I by size; NULL where not wanted.
@@ -588,7 +587,7 @@ cata_status cata_gram_correlation(int32_t layout, size_t m, size_t n, const doub
 cata_status cata_gram_orthogonality(int32_t layout, size_t m, size_t n, const double *q, size_t ldq,
     double *max, double *frobenius, const cata_gram_params *params);
 
-/** A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
+/** Factorises A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
  * extended precision: A (m x n) becomes Q. For columns that are independent;
  * cata_ortho_gram_schmidt takes any.
  *
@@ -625,9 +624,9 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
 #define CATA_CENTER_MEAN 1 /**< `centering`: the (weighted) mean of the rows is subtracted. */
 #define CATA_CENTER_GIVEN 2 /**< `centering`: the row given is subtracted. */
 
-/** C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
- * diag(weights). A is read in blocks of rows, about 32 MiB each. With CATA_CENTER_MEAN and
- * alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+/** Computes C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
+ * diag(weights). A is read in blocks of rows, about 32 MiB each. With CATA_CENTER_MEAN and alpha =
+ * 1 / (m - 1) C is the covariance matrix of the columns of A.
  * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
  * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
  * - `center`: with CATA_CENTER_GIVEN n finite numbers, read; else ignored.
@@ -674,11 +673,11 @@ typedef struct cata_accumulator_params {
 /** Fills a struct with the defaults. */
 cata_status cata_accumulator_params_init(cata_accumulator_params *params, size_t struct_size);
 
-/** An accumulator of no rows of n columns. */
+/** Creates an accumulator of no rows of n columns. */
 cata_status cata_accumulator_new(size_t n, const cata_accumulator_params *params,
     cata_accumulator **accumulator);
 
-/** The accumulator of a file of cata_accumulator_write.
+/** Reads the accumulator of a file of cata_accumulator_write.
  * - `params`: threads and progress; the rest comes from the file. */
 cata_status cata_accumulator_read(const char *path, const cata_accumulator_params *params,
     cata_accumulator **accumulator);
@@ -687,7 +686,7 @@ cata_status cata_accumulator_read(const char *path, const cata_accumulator_param
  * replaced when all is written, and stays otherwise. */
 cata_status cata_accumulator_write(const cata_accumulator *accumulator, const char *path);
 
-void cata_accumulator_free(cata_accumulator *accumulator); /**< Gives an accumulator back. */
+void cata_accumulator_free(cata_accumulator *accumulator); /**< Frees an accumulator. */
 
 /** Adds the rows of A, m x n.
  *
@@ -709,22 +708,22 @@ cata_status cata_accumulator_add_file(cata_accumulator *accumulator, const char 
 /** Adds the rows of another accumulator of the same kind, which stays as it is. */
 cata_status cata_accumulator_merge(cata_accumulator *accumulator, const cata_accumulator *other);
 
-/** The number of rows, the sum of their weights, and the mean of each column (n elements; 0
+/** Gets the number of rows, the sum of their weights, and the mean of each column (n elements; 0
  * unless `centered`). NULL where not wanted. */
 cata_status cata_accumulator_rows(const cata_accumulator *accumulator, uint64_t *rows,
     double *weight, double *mean);
 
-/** C := alpha X^T W X, n x n, of the rows so far; 1 / (rows - 1) makes it a covariance matrix.
+/** Computes C := alpha X^T W X, n x n, of the rows; 1 / (rows - 1) makes it a covariance matrix.
  * - `uplo`: the part of C that is written; the rest is neither read nor written. */
 cata_status cata_accumulator_gram(const cata_accumulator *accumulator, int32_t layout, int32_t uplo,
     double alpha, double *c, size_t ldc);
 
-/** Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k
- * for B. The sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`. */
+/** Solves least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last
+ * k for B. The sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`. */
 cata_status cata_accumulator_lstsq(const cata_accumulator *accumulator, size_t k, int32_t layout,
     double *x, size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
 
-/** Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and
+/** Computes principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and
  * `centered`. */
 cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t layout, size_t count,
     double *components, size_t ldcomponents, double *explained_variance,
@@ -785,8 +784,8 @@ typedef int32_t (*cata_eigs_slice)(size_t count, const double *eigenvalues,
 /** Fills a struct with the defaults. */
 cata_status cata_eigs_params_init(cata_eigs_params *params, size_t struct_size);
 
-/** The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
- * eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
+/** Computes the k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and
+ * their eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
  * given; M is a diagonal of positive masses.
  * - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
  *   `row_starts[i + 1] - 1`, the first being 0.
@@ -802,9 +801,9 @@ cata_status cata_eigs(size_t n, const size_t *row_starts, const size_t *columns,
     const double *entries, const double *masses, size_t k, double *eigenvalues,
     double *eigenvectors, size_t ldv, double *residuals, const cata_eigs_params *params);
 
-/** The k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one at a
- * time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap between
- * eigenvalues.
+/** Computes the k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one
+ * at a time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap
+ * between eigenvalues.
  * - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice.
  *   Too few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
  * - `slice`, `user`: what takes the slices, and what is handed to it. */
@@ -812,9 +811,9 @@ cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *c
     const double *entries, const double *masses, size_t k, size_t memory, cata_eigs_slice slice,
     void *user, const cata_eigs_params *params);
 
-/** The number of eigenvalues below `value`, which may not be one, by a factorisation: so many k
- * give cata_eigs all of them. In an interval there are as many as the difference of two counts,
- * and these are nearest to its middle as `shift`.
+/** Counts the eigenvalues below `value`, which may not be one, by a factorisation: so many k give
+ * cata_eigs all of them. In an interval there are as many as the difference of two counts, and
+ * these are nearest to its middle as `shift`.
  * - `count`: one size_t, written.
  * - `params`: of it only `progress` is looked at, before and after the work. */
 cata_status cata_eigs_count(size_t n, const size_t *row_starts, const size_t *columns,
@@ -842,8 +841,8 @@ typedef struct cata_ortho_params {
 /** Fills a struct with the defaults. */
 cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size);
 
-/** Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
- * M. Columns that depend on those before them are dropped.
+/** Runs Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a
+ * diagonal M. Columns that depend on those before them are dropped.
  * - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others
  *   unspecified.
  * - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
@@ -858,10 +857,10 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
     const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);
 
-/** A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the work of
- * cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves
- * A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
- * precision.)
+/** Factorises A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
+ * work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
+ * leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
+ * extended precision.)
  * - `a`, `masses`: as there; A becomes Q.
  * - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
  * - `params`: `threads` and `progress` are looked at. */
@@ -885,8 +884,8 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
  * @{
  */
 
-/** The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
- * W phi = lambda M phi, and their eigenfunctions.
+/** Computes the k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle
+ * mesh, W phi = lambda M phi, and their eigenfunctions.
  * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
  * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
  * - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of
@@ -898,14 +897,14 @@ cata_status cata_mesh_eigs(size_t n_vertices, const double *vertices, size_t n_f
     const uint32_t *faces, size_t k, double *eigenvalues, double *eigenvectors, size_t ldv,
     double *residuals, double *masses, const cata_eigs_params *params);
 
-/** The k smallest eigenpairs of the Laplacian of a triangle mesh, as those of cata_mesh_eigs, in
- * slices: `memory`, `slice` and `user` are those of cata_eigs_sliced. */
+/** Computes the k smallest eigenpairs of the Laplacian of a triangle mesh, as those of
+ * cata_mesh_eigs, in slices: `memory`, `slice` and `user` are those of cata_eigs_sliced. */
 cata_status cata_mesh_eigs_sliced(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t k, size_t memory, cata_eigs_slice slice, void *user,
     const cata_eigs_params *params);
 
-/** The k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the faces
- * whose three vertices are in the mask.
+/** Computes the k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the
+ * faces whose three vertices are in the mask.
  *
  * Under CATA_BOUNDARY_DIRICHLET functions are zero where the part ends and at the boundary of
  * the mesh: of two parts of which one lies in the other, the inner one then has no smaller
@@ -981,20 +980,20 @@ cata_status cata_decimation_new(size_t n_vertices, const double *vertices, size_
     const uint32_t *faces, size_t n, const cata_decimation_params *params,
     cata_decimation **decimation);
 
-void cata_decimation_free(cata_decimation *decimation); /**< Gives a decimation back. */
+void cata_decimation_free(cata_decimation *decimation); /**< Frees a decimation. */
 
-/** The numbers of vertices and faces of the result, and whether the input had to be repaired
+/** Gets the numbers of vertices and faces of the result, and whether the input had to be repaired
  * (repeated faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0.
  * NULL where not wanted. */
 cata_status cata_decimation_size(const cata_decimation *decimation, size_t *n_vertices,
     size_t *n_faces, int32_t *repaired);
 
-/** The vertices and faces of the result, as many as cata_decimation_size says; NULL where not
+/** Gets the vertices and faces of the result, as many as cata_decimation_size says; NULL where not
  * wanted. */
 cata_status cata_decimation_get(const cata_decimation *decimation, double *vertices,
     uint32_t *faces);
 
-/** Where the result lies on the input; NULL where not wanted.
+/** Gets where the result lies on the input; NULL where not wanted.
  * - `cells`: for each vertex of the input the nearest one of the result along edges, written;
  *   UINT32_MAX for those that no face has.
  * - `distances`: for each vertex of the input how far that is, written.
@@ -1003,24 +1002,24 @@ cata_status cata_decimation_get(const cata_decimation *decimation, double *verti
 cata_status cata_decimation_places(const cata_decimation *decimation, uint32_t *cells,
     float *distances, uint32_t *places, double *weights);
 
-/** Values of the input's vertices at the vertices of the result: `width` for each, one vertex
- * after the other. */
+/** Computes values of the input's vertices at the vertices of the result: `width` for each, one
+ * vertex after the other. */
 cata_status cata_decimation_carry(const cata_decimation *decimation, size_t width,
     const double *values, double *carried);
 
-/** Values of the result's vertices at the vertices of the input, the other way: each is the mean
- * of those of a face near it, 0 at vertices without a face. */
+/** Computes values of the result's vertices at the vertices of the input, the other way: each is
+ * the mean of those of a face near it, 0 at vertices without a face. */
 cata_status cata_decimation_prolong(const cata_decimation *decimation, size_t width,
     const double *values, double *prolonged);
 
-/** The texture of the result, from that of the input, with its seams.
+/** Computes the texture of the result, from that of the input, with its seams.
  * - `uv`: 6 for each face of the input, read: u and v at its three corners.
  * - `carried`: 6 for each face of the result, written. */
 cata_status cata_decimation_carry_uv(const cata_decimation *decimation, const double *uv,
     double *carried);
 
-/** The farthest points of a mesh: each new sample is the vertex farthest along edges from those
- * before, so that the first ones are the same for every n.
+/** Computes the farthest points of a mesh: each new sample is the vertex farthest along edges from
+ * those before, so that the first ones are the same for every n.
  * - `n`: samples, at most the vertices that have a face.
  * - `samples`: n vertices, written, in their order.
  * - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex,
@@ -1091,7 +1090,7 @@ typedef struct cata_curve_params {
 /** Fills a struct with the defaults. */
 cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size);
 
-/** A solver for a mesh of any kind, of which it keeps a copy. */
+/** Creates a solver for a mesh of any kind, of which it keeps a copy. */
 cata_status cata_curve_solver_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, cata_curve_solver **solver);
 
@@ -1105,7 +1104,7 @@ cata_status cata_curve_solver_new_at(size_t n_vertices, const double *vertices, 
     const uint32_t *faces, size_t count, const uint32_t *places, const double *weights,
     uint32_t *samples, cata_curve_solver **solver);
 
-void cata_curve_solver_free(cata_curve_solver *solver); /**< Gives a solver back. */
+void cata_curve_solver_free(cata_curve_solver *solver); /**< Frees a solver. */
 
 /** Finds the curves that samples without an order are of, neither meeting themselves nor each
  * other. The same samples give the same curves, bit for bit. CATA_OK also when there is no
@@ -1114,20 +1113,20 @@ void cata_curve_solver_free(cata_curve_solver *solver); /**< Gives a solver back
 cata_status cata_curve_solver_find(cata_curve_solver *solver, size_t count, const uint32_t *samples,
     const cata_curve_params *params, cata_curves **curves);
 
-void cata_curves_free(cata_curves *curves); /**< Gives curves back. */
+void cata_curves_free(cata_curves *curves); /**< Frees curves. */
 
-/** How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
+/** Gets how the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
  * curve is through, because their components of the mesh have fewer than three. NULL where not
  * wanted. */
 cata_status cata_curves_outcome(const cata_curves *curves, int32_t *outcome, size_t *count,
     size_t *left_out);
 
-/** The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
+/** Gets the numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
  * where not wanted. */
 cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *n_samples,
     size_t *n_vertices, size_t *n_points, double *length);
 
-/** A curve; NULL where not wanted.
+/** Gets a curve; NULL where not wanted.
  * - `order`: n_samples elements, written: numbers of samples in the order of the curve.
  * - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from
  *   the number of vertices of the mesh on were added.
@@ -1136,7 +1135,7 @@ cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *n_
 cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *order,
     uint32_t *path, double *points);
 
-/** The numbers of the samples that no curve is through, as many as cata_curves_outcome says. */
+/** Gets the numbers of the samples that no curve is through; cata_curves_outcome counts them. */
 cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 
 /** @} */
@@ -1176,7 +1175,7 @@ typedef struct cata_basis_params {
 /** Fills a struct with the defaults. */
 cata_status cata_basis_params_init(cata_basis_params *params, size_t struct_size);
 
-/** The basis of k eigenfunctions, as cata_mesh_eigs computes them, which are copied.
+/** Creates the basis of k eigenfunctions, as cata_mesh_eigs computes them, which are copied.
  * - `masses`: n elements, positive: those of the vertices.
  * - `eigenvalues`: k elements, ascending.
  * - `eigenvectors`: n x k, column-major: orthonormal in the inner product of the masses. The
@@ -1184,20 +1183,18 @@ cata_status cata_basis_params_init(cata_basis_params *params, size_t struct_size
 cata_status cata_basis_new(size_t n, size_t k, const double *masses, const double *eigenvalues,
     const double *eigenvectors, size_t ldv, const cata_basis_params *params, cata_basis **basis);
 
-/** The products of at most `order` eigenfunctions, each divided by the constant, made
- * orthonormal (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q
- * R, B being all products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the
- * basis.
+/** Computes the products of at most `order` eigenfunctions, each divided by the constant, made
+ * orthonormal (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q R, B
+ * being all products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the basis.
  *
  * `eigenfunctions`: of cata_basis_new, the constant among them. */
 cata_status cata_basis_products(const cata_basis *eigenfunctions, const cata_basis_params *params,
     cata_basis **basis);
 
-/** Gives a basis back; a cata_map_fit that uses it goes on. */
-void cata_basis_free(cata_basis *basis);
+void cata_basis_free(cata_basis *basis); /**< Frees a basis; a cata_map_fit that uses it goes on. */
 
-/** Sizes of a basis: vertices, functions, and all products that they were made of, 0 for a basis
- * of cata_basis_new. Each is NULL where not wanted. */
+/** Gets the sizes of a basis: vertices, functions, and all products that they were made of, 0 for a
+ * basis of cata_basis_new. Each is NULL where not wanted. */
 cata_status cata_basis_size(const cata_basis *basis, size_t *n, size_t *r, size_t *products);
 
 /** Copies a basis, each part NULL where not wanted: `q`: n x r, its functions; `triangle`: r x
@@ -1206,18 +1203,18 @@ cata_status cata_basis_size(const cata_basis *basis, size_t *n, size_t *r, size_
 cata_status cata_basis_copy(const cata_basis *basis, int32_t layout, double *q, size_t ldq,
     double *triangle, size_t ldtriangle, size_t *kept);
 
-/** The coefficients C (r x count) of the functions in the span that are nearest to the columns
- * of F (n x count). */
+/** Computes the coefficients C (r x count) of the functions in the span that are nearest to the
+ * columns of F (n x count). */
 cata_status cata_basis_analysis(const cata_basis *basis, int32_t layout, size_t count,
     const double *f, size_t ldf, double *c, size_t ldc);
 
-/** The functions F (n x count) with the coefficients C (r x count). */
+/** Computes the functions F (n x count) with the coefficients C (r x count). */
 cata_status cata_basis_synthesis(const cata_basis *basis, int32_t layout, size_t count,
     const double *c, size_t ldc, double *f, size_t ldf);
 
-/** G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r
- * elements (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span
- * by `rest`: 0 leaves it out, 1 keeps it. */
+/** Computes G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r
+ * elements (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span by
+ * `rest`: 0 leaves it out, 1 keeps it. */
 cata_status cata_basis_filter(const cata_basis *basis, int32_t layout, size_t count,
     const double *f, size_t ldf, const double *gains, double rest, double *g, size_t ldg);
 
@@ -1225,8 +1222,8 @@ cata_status cata_basis_filter(const cata_basis *basis, int32_t layout, size_t co
 cata_status cata_basis_add_coefficient(const cata_basis *basis, size_t index, double amount,
     int32_t layout, size_t count, double *f, size_t ldf);
 
-/** The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that
- * is left. */
+/** Splits the columns of F into LOW + HIGH (all n x count): their part in the span, and the detail
+ * that is left. */
 cata_status cata_basis_split(const cata_basis *basis, int32_t layout, size_t count, const double *f,
     size_t ldf, double *low, size_t ldlow, double *high, size_t ldhigh);
 
@@ -1235,11 +1232,11 @@ cata_status cata_basis_split(const cata_basis *basis, int32_t layout, size_t cou
  * target. */
 typedef struct cata_map_fit cata_map_fit;
 
-/** A fit that knows nothing yet, with the threads of `source`. */
+/** Creates a fit that knows nothing yet, with the threads of `source`. */
 cata_status cata_map_fit_new(const cata_basis *source, const cata_basis *target,
     cata_map_fit **fit);
 
-void cata_map_fit_free(cata_map_fit *fit); /**< Gives a fit back. */
+void cata_map_fit_free(cata_map_fit *fit); /**< Frees a fit. */
 
 /** Adds functions that correspond: columns of F (n_source x count) and G (n_target x count).
  * Each pair counts the same. */
@@ -1260,32 +1257,32 @@ cata_status cata_map_fit_landmarks(cata_map_fit *fit, size_t count, const uint32
 cata_status cata_map_fit_segments(cata_map_fit *fit, const uint32_t *source_labels,
     const uint32_t *target_labels);
 
-/** The map C (r_target x r_source, written) that fits best what was added, and commutes with the
- * Laplacians, with the weight `commutativity` >= 0; 1e-3 is usual. The constant goes to itself. */
+/** Computes the map C (r_target x r_source, written) that fits best what was added and commutes
+ * with the Laplacians; `commutativity` >= 0, usually 1e-3, weighs that. It keeps the constant. */
 cata_status cata_map_fit_solve(cata_map_fit *fit, double commutativity, int32_t layout, double *c,
     size_t ldc, const cata_basis_params *params);
 
-/** Iterative closest points: in turns the points of C (r_target x r_source, read and written)
- * and the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
+/** Iterates closest points: in turns the points of C (r_target x r_source, read and written) and
+ * the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
  * - `source`, `target`: of cata_basis_new.
  * - `points`: n_target elements, written: the vertex of the source for each of the target; NULL
  *   where not wanted. */
 cata_status cata_map_icp(const cata_basis *source, const cata_basis *target, size_t iterations,
     int32_t layout, double *c, size_t ldc, uint32_t *points, const cata_basis_params *params);
 
-/** ZoomOut: in turns the points of a map and the map along them between `step` >= 1 functions
- * more, from C (rows x cols, read), a map between the first functions, to the whole MAP
+/** Refines by ZoomOut: in turns the points of a map and the map along them between `step` >= 1
+ * functions more, from C (rows x cols, read), a map between the first functions, to the whole MAP
  * (r_target x r_source, written). `source`, `target` and `points` are as in cata_map_icp. */
 cata_status cata_map_zoomout(const cata_basis *source, const cata_basis *target, size_t step,
     int32_t layout, size_t rows, size_t cols, const double *c, size_t ldc, double *map,
     size_t ldmap, uint32_t *points, const cata_basis_params *params);
 
-/** The points of the map C (r_target x r_source) between any bases: n_target elements, written:
- * for each vertex of the target that of the source whose image is nearest. */
+/** Computes the points of the map C (r_target x r_source) between any bases: n_target elements,
+ * written: for each vertex of the target that of the source whose image is nearest. */
 cata_status cata_map_points(const cata_basis *source, const cata_basis *target, int32_t layout,
     const double *c, size_t ldc, uint32_t *points, const cata_basis_params *params);
 
-/** The map C (r_target x r_source, written) between any bases along points, which are read. */
+/** Computes the map C (r_target x r_source, written) between any bases along points (read). */
 cata_status cata_map_from_points(const cata_basis *source, const cata_basis *target,
     const uint32_t *points, int32_t layout, double *c, size_t ldc, const cata_basis_params *params);
 
@@ -1317,8 +1314,8 @@ cata_status cata_transfer_details(size_t n_vertices, const double *vertices, siz
     int32_t layout, const double *c, size_t ldc, double *positions,
     const cata_basis_params *params);
 
-/** ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature
- * (Reuter, Wolter and Peinecke 2006).
+/** Computes ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its
+ * signature (Reuter, Wolter and Peinecke 2006).
  * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
  * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
  *   the mesh; 0: they are not.
@@ -1328,8 +1325,8 @@ cata_status cata_shape_dna(size_t n_vertices, const double *vertices, size_t n_f
     const uint32_t *faces, size_t k, int32_t normalized, double *signature,
     const cata_eigs_params *params);
 
-/** The signatures nearest to a query, in Euclidean distance; of equally near ones the first. It
- * looks once at each number, on the calling thread.
+/** Finds the signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+ * It looks once at each number, on the calling thread.
  * - `query`: the k numbers of a signature; `signatures`: `count` x k, one after the other.
  * - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures
  *   from 0, the nearest first, and their distances. */
@@ -1366,16 +1363,16 @@ typedef struct cata_unions_params {
     void *progress_user; /**< Handed to `progress`. */
 } cata_unions_params;
 
-/** The network that predicts spectra of unions.
+/** Creates the network that predicts spectra of unions.
  *
  * `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
  * with the library. CATA_ERR_IO when something is wrong with the file. */
 cata_status cata_unions_new(const char *weights, cata_unions **unions);
 
-void cata_unions_free(cata_unions *unions); /**< Gives a network back. */
+void cata_unions_free(cata_unions *unions); /**< Frees a network. */
 
-/** The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
- * spectra, in whatever unit.
+/** Predicts the first eigenvalues of the union of parts of a surface, from those of the parts:
+ * Dirichlet spectra, in whatever unit.
  * - `parts`: their number, at least 1.
  * - `spectra`: CATA_UNION_EIGENVALUES elements for each part, ascending and positive, one part
  *   after the other.
@@ -1388,9 +1385,9 @@ cata_status cata_unions_predict(const cata_unions *unions, size_t parts, const d
 /** Fills a struct with the defaults. */
 cata_status cata_unions_params_init(cata_unions_params *params, size_t struct_size);
 
-/** Where the union of parts is on the template of the network, the mesh that `catamaran unions
- * template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes
- * the eigenfunctions of the template.
+/** Finds where the union of parts is on the template of the network, the mesh that
+ * `catamaran unions template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each
+ * call computes the eigenfunctions of the template.
  * - `parts`, `spectra`: as those of cata_unions_predict.
  * - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
  *   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two. */
@@ -1398,7 +1395,7 @@ cata_status cata_unions_locate(const cata_unions *unions, size_t parts, const do
     size_t n_vertices, const double *vertices, size_t n_faces, const uint32_t *faces,
     double *indicator, const cata_unions_params *params);
 
-/** A spectrum between two: (1 - t) first + t second.
+/** Computes a spectrum between two: (1 - t) first + t second.
  *
  * `first`, `second`, `spectrum`: CATA_UNION_EIGENVALUES elements each, the first two ascending
  * and positive, the last written; it may be one of the others. `t`: in [0, 1]. */
@@ -1457,7 +1454,7 @@ typedef struct cata_plant_params {
 /** Fills a struct with the defaults. */
 cata_status cata_plant_params_init(cata_plant_params *params, size_t struct_size);
 
-/** A plant of n >= 1 segments, each named after the node at its end.
+/** Creates a plant of n >= 1 segments, each named after the node at its end.
  * - `tails`: 3 n elements: x, y, z of the end of each.
  * - `radii`: n elements, positive.
  * - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
@@ -1471,24 +1468,24 @@ cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
     const uint32_t *parents, const int32_t *kinds, const double *base,
     const cata_plant_params *params, cata_plant **plant);
 
-/** The plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
+/** Reads the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
  * (polylines), each also as .gz or .xz. `path` is in UTF-8. */
 cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
 
-/** A plant of n >= 1 nodes that grows by chance, the same for the same seed. */
+/** Grows a plant of n >= 1 nodes by chance, the same for the same seed. */
 cata_status cata_plant_grow(size_t n, uint64_t seed, const cata_plant_params *params,
     cata_plant **plant);
 
 void cata_plant_free(cata_plant *plant); /**< Frees a plant. */
 
-/** The number of nodes of a plant, n in all calls below; 0 for NULL. */
+/** Returns the number of nodes of a plant, n in all calls below; 0 for NULL. */
 size_t cata_plant_size(const cata_plant *plant);
 
-/** The segments of a plant, as cata_plant_new takes them; NULL for what is not wanted. */
+/** Gets the segments of a plant, as cata_plant_new takes them; NULL for what is not wanted. */
 cata_status cata_plant_segments(const cata_plant *plant, size_t n, double *tails, double *radii,
     uint32_t *parents, int32_t *kinds, double *base);
 
-/** The water of every node when its cells are full, in kg: how a healthy plant begins. */
+/** Gets the water of every node when its cells are full, in kg: how a healthy plant begins. */
 cata_status cata_plant_full_water(const cata_plant *plant, size_t n, double *water);
 
 /** Sets what all leaves lose, in kg / (s m^2), from now on: another weather. */
@@ -1501,16 +1498,16 @@ cata_status cata_plant_set_intake(cata_plant *plant, double intake);
  * now on; 0 cuts the connection. */
 cata_status cata_plant_weaken(cata_plant *plant, size_t node, double factor);
 
-/** The rates at which the modes of the water decay, n elements, ascending, in 1 / s. Dense, of
- * order n^3: for small plants. */
+/** Computes the rates at which the modes of the water decay, n elements, ascending, in 1 / s.
+ * Dense, of order n^3: for small plants. */
 cata_status cata_plant_rates(const cata_plant *plant, size_t n, double *rates);
 
-/** The water of every node `seconds` after it was `water`, at once, without time steps.
+/** Computes the water of every node `seconds` after it was `water`, at once, without time steps.
  * `water`, `result` (written): n elements in kg each, which may be the same. */
 cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const double *water,
     double seconds, double *result);
 
-/** The water of every node at many times.
+/** Computes the water of every node at many times.
  * - `water`: n elements: in kg, at time 0; NULL: full cells.
  * - `times`: n_times elements: seconds from 0, ascending.
  * - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
@@ -1528,8 +1525,8 @@ cata_status cata_plant_start(cata_plant *plant, size_t n, const double *water, d
  * n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done. */
 cata_status cata_plant_step(cata_plant *plant, size_t count, size_t n, double *water);
 
-/** The modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic curve
- * from `elasticity_dry` to `elasticity_full`. */
+/** Computes the modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic
+ * curve from `elasticity_dry` to `elasticity_full`. */
 cata_status cata_plant_stiffness(const cata_plant *plant, size_t n, const double *water,
     double *moduli);
 
@@ -1556,7 +1553,7 @@ typedef struct cata_plant_rods_params {
 /** Fills a struct with the defaults. */
 cata_status cata_plant_rods_params_init(cata_plant_rods_params *params, size_t struct_size);
 
-/** The rods of a plant with full cells, in the pose in which it was given. They may outlive it. */
+/** Creates the rods of a plant with full cells, in the pose as given. They may outlive it. */
 cata_status cata_plant_rods_new(const cata_plant *plant, const cata_plant_rods_params *params,
     cata_plant_rods **rods);
 
@@ -1571,7 +1568,7 @@ cata_status cata_plant_rods_set_state(cata_plant_rods *rods, size_t n, const dou
  * plant was given, a quaternion (w, x, y, z); NULL: not at all. */
 cata_status cata_plant_rods_set_pose(cata_plant_rods *rods, size_t n, const double *rotations);
 
-/** The pose: `heads` and `tails`, 3 n elements each, where segments begin and end, and 4 n of
+/** Gets the pose: `heads` and `tails`, 3 n elements each, where segments begin and end, and 4 n of
  * `rotations`, as in cata_plant_rods_set_pose; NULL where not wanted. */
 cata_status cata_plant_rods_pose(const cata_plant_rods *rods, size_t n, double *heads,
     double *tails, double *rotations);
@@ -1585,9 +1582,9 @@ cata_status cata_plant_rods_relax(cata_plant_rods *rods, size_t *iterations, dou
  * what it grows on, in metres; NULL: not wanted. Those before a cancelled one are done. */
 cata_status cata_plant_rods_step(cata_plant_rods *rods, size_t count, double *gap);
 
-/** The pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
- * Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n
- * `sides` elements each, written; NULL where not wanted. */
+/** Gets the pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
+ * Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n `sides`
+ * elements each, written; NULL where not wanted. */
 cata_status cata_plant_rods_tubes(const cata_plant_rods *rods, size_t n, size_t sides,
     double thinnest, double *vertices, uint32_t *faces);
 
@@ -1663,7 +1660,7 @@ typedef struct cata_slime_params {
 /** Fills a struct with the defaults. */
 cata_status cata_slime_params_init(cata_slime_params *params, size_t struct_size);
 
-/** Agents spread over a surface, and a texture without pheromone.
+/** Creates a simulation: agents spread over a surface, and a texture without pheromone.
  * - `uv`: 6 n_faces elements: u, v of the three corners of each face, from 0 to 1; NULL: every
  *   triangle gets a place of its own in the texture, which cata_slime_uv gives.
  * - `start`: a texture: not 0 where agents start; NULL: anywhere.
@@ -1680,20 +1677,20 @@ void cata_slime_free(cata_slime *slime); /**< Frees a simulation. */
 /** Goes `steps` steps ahead. Those before a cancelled one are done. */
 cata_status cata_slime_step(cata_slime *slime, uint32_t steps);
 
-/** Texels of a side of a texture, species, triangles, and steps that are done; NULL where not
- * wanted. */
+/** Gets the texels of a side of a texture, species, triangles, and steps that are done; NULL where
+ * not wanted. */
 cata_status cata_slime_size(const cata_slime *slime, size_t *size, size_t *species, size_t *faces,
     uint32_t *steps);
 
-/** The texture of a species (from 0) as it is now: pheromone, from 0 to 1. */
+/** Gets the texture of a species (from 0) as it is now: pheromone, from 0 to 1. */
 cata_status cata_slime_texture(const cata_slime *slime, size_t species, float *texture);
 
-/** How much of the surface a species covers (thesis, equation 3.2): the mean of its pheromone,
- * and the part of the surface that has any; NULL where not wanted. */
+/** Computes how much of the surface a species covers (thesis, equation 3.2): the mean of its
+ * pheromone, and the part of the surface that has any; NULL where not wanted. */
 cata_status cata_slime_coverage(const cata_slime *slime, size_t species, double *coverage,
     double *presence);
 
-/** The texture coordinates of the corners of faces, as cata_slime_new takes them. */
+/** Gets the texture coordinates of the corners of faces, as cata_slime_new takes them. */
 cata_status cata_slime_uv(const cata_slime *slime, double *uv);
 
 /** @} */
@@ -1741,9 +1738,9 @@ typedef struct cata_newton_params {
 /** Fills a struct with the defaults. */
 cata_status cata_newton_params_init(cata_newton_params *params, size_t struct_size);
 
-/** A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
- * with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
- * exp(2 pi i b / n). */
+/** Creates a Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
+ * with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2
+ * pi i b / n). */
 cata_status cata_newton_new(const cata_newton_params *params, cata_newton **newton);
 
 void cata_newton_free(cata_newton *newton); /**< Frees a fractal. */
@@ -1751,20 +1748,20 @@ void cata_newton_free(cata_newton *newton); /**< Frees a fractal. */
 /** Changes the fourth coordinate of all points, as time goes on. */
 cata_status cata_newton_set_w(cata_newton *newton, double w);
 
-/** The fractal at points in space, such as the vertices of a mesh.
+/** Computes the fractal at points in space, such as the vertices of a mesh.
  * - `positions`: 3 `count` elements: x, y, z of less than 2^31 points, within 1e9 of 0.
  * - `roots`: `count` elements, written: the number of the root that each point converges to.
  * - `convergence`: `count` elements, written: how slowly. */
 cata_status cata_newton_points(const cata_newton *newton, size_t count, const float *positions,
     uint16_t *roots, float *convergence);
 
-/** The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at
- * most 65,536 a side and less than 2^31 in all, rows from the top (large y). */
+/** Computes the same on the plane z = 0: at the centres of the pixels of a picture `extent` wide,
+ * at most 65,536 a side and less than 2^31 in all, rows from the top (large y). */
 cata_status cata_newton_plane(const cata_newton *newton, uint32_t width, uint32_t height,
     double center_x, double center_y, double extent, uint16_t *roots, float *convergence);
 
-/** Colours of points: each root has its own, darker the slower a point converges. `colors`:
- * 3 `count` elements, written: red, green and blue of each (sRGB). */
+/** Computes colours of points: each root has its own, darker the slower a point converges.
+ * `colors`: 3 `count` elements, written: red, green and blue of each (sRGB). */
 cata_status cata_newton_colors(const cata_newton *newton, size_t count, const uint16_t *roots,
     const float *convergence, uint8_t *colors);
 
@@ -1790,13 +1787,13 @@ cata_status cata_newton_colors(const cata_newton *newton, size_t count, const ui
 #define CATA_DEVICE_GPU 1 /**< A kind of devices: a graphics card. */
 #define CATA_DEVICE_OTHER 2 /**< A kind of devices: anything else. */
 
-/** The number of devices, at least 1, or CATA_ERR_BACKEND; the message says what is missing. */
+/** Gets the number of devices, at least 1. CATA_ERR_BACKEND: the message says what is missing. */
 cata_status cata_device_count(size_t *count);
 
-/** What the device `index` (from 0) is called: `size` elements of `name`, cut to fit, and NUL. */
+/** Gets the name of the device `index` (from 0): `size` elements of `name`, cut to fit, and NUL. */
 cata_status cata_device_name(size_t index, size_t size, char *name);
 
-/** What the device `index` (from 0) is: one of CATA_DEVICE_*. */
+/** Gets the kind of the device `index` (from 0): one of CATA_DEVICE_*. */
 cata_status cata_device_kind(size_t index, int32_t *kind);
 
 /** @} */
@@ -1848,24 +1845,23 @@ typedef struct cata_traffic {
     uint64_t messages_received; /**< Messages received. */
 } cata_traffic;
 
-/** The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
- * it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
+/** Creates the world of the ranks of an MPI communicator, of which a duplicate is made. Collective
+ * over it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
  *
  * `fortran_comm`: MPI_Comm_c2f of the communicator; catamaran_mpi.h has cata_world_from_comm,
  * which takes the communicator itself. */
 cata_status cata_world_new(int32_t fortran_comm, cata_world **world);
 
-/** Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator
- * to MPI. */
+/** Frees a world. Collective; after MPI_Finalize local, and leaves the communicator to MPI. */
 void cata_world_free(cata_world *world);
 
-/** The rank of the caller, from 0. Local. */
+/** Gets the rank of the caller, from 0. Local. */
 cata_status cata_world_rank(const cata_world *world, size_t *rank);
 
-/** The number of ranks, at least 1. Local. */
+/** Gets the number of ranks, at least 1. Local. */
 cata_status cata_world_size(const cata_world *world, size_t *size);
 
-/** What this rank has sent and received since the world was made. Local. The struct_size of
+/** Gets what this rank has sent and received since the world was made. Local. The struct_size of
  * `traffic` is read. */
 cata_status cata_world_traffic(const cata_world *world, cata_traffic *traffic);
 
@@ -1873,9 +1869,9 @@ cata_status cata_world_traffic(const cata_world *world, cata_traffic *traffic);
  * world. Local, but all ranks must set the same before the next collective call. */
 cata_status cata_world_set_longest_message(const cata_world *world, size_t entries);
 
-/** C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
- * spread over the ranks. Collective. The result depends, by rounding, on the number of ranks
- * and on which rank has which rows.
+/** Computes C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
+ * spread over the ranks. Collective. The result depends, by rounding, on the number of ranks and
+ * on which rank has which rows.
  * - `layout`, `m`, `a`: of the rows of this rank, m x n, its own on each rank.
  * - `n`, `alpha`: the same on all ranks. */
 cata_status cata_world_ata_rows_f64(const cata_world *world, int32_t layout, size_t m, size_t n,
@@ -1885,8 +1881,8 @@ cata_status cata_world_ata_rows_f64(const cata_world *world, int32_t layout, siz
 cata_status cata_world_ata_rows_f32(const cata_world *world, int32_t layout, size_t m, size_t n,
     float alpha, const float *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/** Least squares where every rank has some rows of A, of B and of the weights, in any order and
- * number; every rank gets the whole of X and of the result. Collective. The result does not
+/** Solves least squares where every rank has some rows of A, of B and of the weights, in any order
+ * and number; every rank gets the whole of X and of the result. Collective. The result does not
  * depend on the number of ranks, nor on which rank has which rows, bit for bit.
  * - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights`
  *   is NULL on all ranks or on none.
@@ -1896,23 +1892,23 @@ cata_status cata_world_lstsq(const cata_world *world, int32_t layout, size_t m, 
     const double *a, size_t lda, const double *b, size_t ldb, const double *weights, double *x,
     size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
 
-/** C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks,
- * as cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide. */
+/** Computes C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the
+ * ranks, as cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide. */
 cata_status cata_world_ata_columns(const cata_world *world, int32_t layout, size_t m, size_t cols,
     double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/** C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
- * dealing rows of A, whichever should be faster. Collective. The result depends, by rounding,
- * on the number of ranks. C is untouched after an error in arguments, unspecified in its wanted
- * part after any other.
+/** Computes C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D,
+ * or by dealing rows of A, whichever should be faster. Collective. The result depends, by
+ * rounding, on the number of ranks. C is untouched after an error in arguments, unspecified in its
+ * wanted part after any other.
  * - `alpha`: the same on all ranks.
  * - `layout` to `lda`, `beta` to `ldc`: on the root as in cata_ata_f64; ignored on other ranks. */
 cata_status cata_world_ata_root(const cata_world *world, size_t root, int32_t layout, int32_t uplo,
     size_t m, size_t n, double alpha, const double *a, size_t lda, double beta, double *c,
     size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them;
- * what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
+/** Computes C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has
+ * them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
  * copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
  * - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
  *   symmetric.
@@ -1934,8 +1930,8 @@ cata_status cata_world_aat_cyclic(const cata_world *world, int32_t uplo, double 
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/** Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the
- * ranks. Collective. Every rank gets all eigenvalues and residuals and its rows of the
+/** Computes eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of
+ * the ranks. Collective. Every rank gets all eigenvalues and residuals and its rows of the
  * eigenvectors. The basis, most of the memory, is spread; W and its factor are on every rank.
  * - `own`: rows of this rank, its own on each rank; `n`: all rows.
  * - `row_starts`, `columns`, `entries`, `masses`: of these rows, columns from 0 to n - 1.
@@ -1945,23 +1941,23 @@ cata_status cata_world_eigs(const cata_world *world, size_t own, size_t n, const
     double *eigenvalues, double *eigenvectors, size_t ldv, double *residuals,
     const cata_eigs_params *params);
 
-/** cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
- * ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which is
- * c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
+/** Computes cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of
+ * the ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which
+ * is c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
  * CATA_ERR_UNSUPPORTED. */
 cata_status cata_world_gram_schmidt(const cata_world *world, int32_t layout, size_t own, size_t c,
     double *a, size_t lda, const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);
 
-/** cata_ortho_cholesky_qr likewise. */
+/** Computes cata_ortho_cholesky_qr likewise. */
 cata_status cata_world_cholesky_qr(const cata_world *world, int32_t layout, size_t own, size_t c,
     double *a, size_t lda, const double *masses, double *r, size_t ldr,
     const cata_ortho_params *params);
 
-/** Rows and columns of a distributed matrix. Local. */
+/** Returns the rows and columns of a distributed matrix. Local. */
 cata_status cata_symmetric_n(const cata_symmetric *symmetric, size_t *n);
 
-/** Gives the part that this rank has of a distributed matrix back. Local. */
+/** Frees the part that this rank has of a distributed matrix. Local. */
 void cata_symmetric_free(cata_symmetric *symmetric);
 
 /** Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x

@@ -81,7 +81,7 @@ pub unsafe extern "C" fn cata_accumulator_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// An accumulator of no rows of n columns.
+/// Creates an accumulator of no rows of n columns.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn cata_accumulator_new(
     })
 }
 
-/// The accumulator of a file of cata_accumulator_write.
+/// Reads the accumulator of a file of cata_accumulator_write.
 ///
 /// - `params`: threads and progress; the rest comes from the file.
 ///
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn cata_accumulator_write(
     })
 }
 
-/// Gives an accumulator back.
+/// Frees an accumulator.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -249,7 +249,7 @@ pub unsafe extern "C" fn cata_accumulator_merge(
     })
 }
 
-/// The number of rows, the sum of their weights, and the mean of each column (n elements; 0
+/// Gets the number of rows, the sum of their weights, and the mean of each column (n elements; 0
 /// unless `centered`). NULL where not wanted.
 ///
 /// # Safety
@@ -283,7 +283,7 @@ pub unsafe extern "C" fn cata_accumulator_rows(
     })
 }
 
-/// C := alpha X^T W X, n x n, of the rows so far; 1 / (rows - 1) makes it a covariance matrix.
+/// Computes C := alpha X^T W X, n x n, of the rows; 1 / (rows - 1) makes it a covariance matrix.
 ///
 /// - `uplo`: the part of C that is written; the rest is neither read nor written.
 ///
@@ -321,8 +321,8 @@ pub unsafe extern "C" fn cata_accumulator_gram(
     })
 }
 
-/// Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k
-/// for B. The sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`.
+/// Solves least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last
+/// k for B. The sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -359,7 +359,7 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
     })
 }
 
-/// Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and
+/// Computes principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and
 /// `centered`.
 ///
 /// # Safety

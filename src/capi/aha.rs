@@ -7,8 +7,8 @@ use super::status::cata_status;
 use crate::blas::BlasReal;
 use crate::{AtaOptions, Uplo};
 
-/// C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are
-/// real.
+/// Computes C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta
+/// are real.
 ///
 /// A complex element is two doubles, the real part and then the imaginary one, as `double
 /// complex` of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn cata_aha_c32(
     unsafe { aha(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k. A and B may overlap.
+/// Computes C := alpha A^H B + beta C, complex, for A m x n, B m x k, C n x k. A and B may overlap.
 ///
 /// - `alpha`, `beta`: one complex element each, read; with beta == 0 C is not read. A real one
 ///   multiplies both parts.

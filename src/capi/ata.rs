@@ -17,7 +17,7 @@ use crate::ata::{DenseRows, RowOptions, ata_rows};
 use crate::blas::BlasReal;
 use crate::{AtaOptions, Uplo};
 
-/// C := alpha A^T A + beta C, for A m x n and C n x n.
+/// Computes C := alpha A^T A + beta C, for A m x n and C n x n.
 ///
 /// - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
 ///   neither read nor written.
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
     })
 }
 
-/// The number of elements of scratch of cata_ata_with_scratch_f64 for the same m, n and params.
+/// Gets the length of the scratch of cata_ata_with_scratch_f64 for the same m, n and params.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -142,7 +142,7 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f32(
     unsafe { ata_scratch_len::<f32>(m, n, params, len) }
 }
 
-/// cata_ata_f64 in scratch of the caller, of any values and at least the length that
+/// Computes cata_ata_f64 in scratch of the caller, of any values and at least the length that
 /// cata_ata_scratch_len_f64 says. It is overwritten.
 ///
 /// # Safety
@@ -223,7 +223,7 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f32(
     }
 }
 
-/// C := alpha A A^T + beta C, for A m x n and C m x m. The rest as in cata_ata_f64.
+/// Computes C := alpha A A^T + beta C, for A m x n and C m x m. The rest as in cata_ata_f64.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.

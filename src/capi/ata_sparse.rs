@@ -5,8 +5,8 @@ use super::status::cata_status;
 use crate::ata::ata_sparse;
 use crate::blas::BlasReal;
 
-/// C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n, dense.
-/// The sums are those of the classical algorithm, in double and in the order of the rows.
+/// Computes C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n,
+/// dense. The sums are those of the classical algorithm, in double and in the order of the rows.
 ///
 /// - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
 ///   `row_starts[i + 1] - 1`, the first being 0.

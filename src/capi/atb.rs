@@ -5,8 +5,8 @@ use super::status::cata_status;
 use crate::blas::BlasReal;
 use crate::{AtaOptions, Uplo};
 
-/// C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The rest as
-/// in cata_ata_f64, with NaN and infinities of columns of A and of B.
+/// Computes C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The
+/// rest as in cata_ata_f64, with NaN and infinities of columns of A and of B.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -54,8 +54,7 @@ pub unsafe extern "C" fn cata_atb_f32(
     unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
-/// The number of elements of scratch of cata_atb_with_scratch_f64 for the same m, n, k and
-/// params.
+/// Gets the length of the scratch of cata_atb_with_scratch_f64 for the same m, n, k and params.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -87,7 +86,7 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f32(
     unsafe { atb_scratch_len::<f32>(m, n, k, params, len) }
 }
 
-/// cata_atb_f64 in scratch of the caller, of any values and at least the length that
+/// Computes cata_atb_f64 in scratch of the caller, of any values and at least the length that
 /// cata_atb_scratch_len_f64 says. It is overwritten.
 ///
 /// # Safety

@@ -61,7 +61,7 @@ pub unsafe extern "C" fn cata_backend_load(
     })
 }
 
-/// The OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS.
+/// Gets the OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -83,8 +83,8 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
     })
 }
 
-/// Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
-/// valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
+/// Returns the short name of a back end, such as "openblas" or the file name of a loaded library,
+/// in UTF-8; valid until cata_backend_free; empty for NULL. Never NULL; do not free it.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *con
     unsafe { backend.as_ref() }.map_or(c"".as_ptr(), |b| b.name.as_ptr())
 }
 
-/// Gives a back end back.
+/// Frees a back end.
 ///
 /// # Safety
 /// The pointer is as described.

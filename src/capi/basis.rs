@@ -120,7 +120,7 @@ pub unsafe extern "C" fn cata_basis_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The basis of k eigenfunctions, as cata_mesh_eigs computes them, which are copied.
+/// Creates the basis of k eigenfunctions, as cata_mesh_eigs computes them, which are copied.
 ///
 /// - `masses`: n elements, positive: those of the vertices.
 /// - `eigenvalues`: k elements, ascending.
@@ -163,10 +163,9 @@ pub unsafe extern "C" fn cata_basis_new(
     })
 }
 
-/// The products of at most `order` eigenfunctions, each divided by the constant, made
-/// orthonormal (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q
-/// R, B being all products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the
-/// basis.
+/// Computes the products of at most `order` eigenfunctions, each divided by the constant, made
+/// orthonormal (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q R, B
+/// being all products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the basis.
 ///
 /// `eigenfunctions`: of cata_basis_new, the constant among them.
 ///
@@ -193,7 +192,7 @@ pub unsafe extern "C" fn cata_basis_products(
     })
 }
 
-/// Gives a basis back; a cata_map_fit that uses it goes on.
+/// Frees a basis; a cata_map_fit that uses it goes on.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -203,8 +202,8 @@ pub unsafe extern "C" fn cata_basis_free(basis: *mut cata_basis) {
     unsafe { free(basis) };
 }
 
-/// Sizes of a basis: vertices, functions, and all products that they were made of, 0 for a basis
-/// of cata_basis_new. Each is NULL where not wanted.
+/// Gets the sizes of a basis: vertices, functions, and all products that they were made of, 0 for a
+/// basis of cata_basis_new. Each is NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -279,8 +278,8 @@ pub unsafe extern "C" fn cata_basis_copy(
     })
 }
 
-/// The coefficients C (r x count) of the functions in the span that are nearest to the columns
-/// of F (n x count).
+/// Computes the coefficients C (r x count) of the functions in the span that are nearest to the
+/// columns of F (n x count).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -307,7 +306,7 @@ pub unsafe extern "C" fn cata_basis_analysis(
     })
 }
 
-/// The functions F (n x count) with the coefficients C (r x count).
+/// Computes the functions F (n x count) with the coefficients C (r x count).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -334,9 +333,9 @@ pub unsafe extern "C" fn cata_basis_synthesis(
     })
 }
 
-/// G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r
-/// elements (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span
-/// by `rest`: 0 leaves it out, 1 keeps it.
+/// Computes G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r
+/// elements (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span by
+/// `rest`: 0 leaves it out, 1 keeps it.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -397,8 +396,8 @@ pub unsafe extern "C" fn cata_basis_add_coefficient(
     })
 }
 
-/// The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that
-/// is left.
+/// Splits the columns of F into LOW + HIGH (all n x count): their part in the span, and the detail
+/// that is left.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -443,7 +442,7 @@ pub(super) struct BasisOptions<'a> {
 }
 
 impl BasisOptions<'_> {
-    /// The products of eigenfunctions.
+    /// Returns the products of eigenfunctions.
     pub fn products(
         &self,
         eigen: &Eigenbasis,

@@ -108,7 +108,7 @@ pub unsafe extern "C" fn cata_curve_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// A solver for a mesh of any kind, of which it keeps a copy.
+/// Creates a solver for a mesh of any kind, of which it keeps a copy.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
     })
 }
 
-/// Gives a solver back.
+/// Frees a solver.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -255,7 +255,7 @@ fn fill(options: &mut CurveOptions<'_>, params: &cata_curve_params) -> Result<()
     Ok(())
 }
 
-/// Gives curves back.
+/// Frees curves.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -265,7 +265,7 @@ pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
     unsafe { free(curves) };
 }
 
-/// How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
+/// Gets how the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
 /// curve is through, because their components of the mesh have fewer than three. NULL where not
 /// wanted.
 ///
@@ -305,7 +305,7 @@ pub unsafe extern "C" fn cata_curves_outcome(
     })
 }
 
-/// The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
+/// Gets the numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
 /// where not wanted.
 ///
 /// # Safety
@@ -345,7 +345,7 @@ pub unsafe extern "C" fn cata_curves_size(
     })
 }
 
-/// A curve; NULL where not wanted.
+/// Gets a curve; NULL where not wanted.
 ///
 /// - `order`: n_samples elements, written: numbers of samples in the order of the curve.
 /// - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from
@@ -387,7 +387,7 @@ pub unsafe extern "C" fn cata_curves_get(
     })
 }
 
-/// The numbers of the samples that no curve is through, as many as cata_curves_outcome says.
+/// Gets the numbers of the samples that no curve is through; cata_curves_outcome counts them.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -128,7 +128,7 @@ pub unsafe extern "C" fn cata_decimation_new(
     })
 }
 
-/// Gives a decimation back.
+/// Frees a decimation.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn cata_decimation_free(decimation: *mut cata_decimation) 
     unsafe { free(decimation) };
 }
 
-/// The numbers of vertices and faces of the result, and whether the input had to be repaired
+/// Gets the numbers of vertices and faces of the result, and whether the input had to be repaired
 /// (repeated faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0.
 /// NULL where not wanted.
 ///
@@ -174,7 +174,7 @@ pub unsafe extern "C" fn cata_decimation_size(
     })
 }
 
-/// The vertices and faces of the result, as many as cata_decimation_size says; NULL where not
+/// Gets the vertices and faces of the result, as many as cata_decimation_size says; NULL where not
 /// wanted.
 ///
 /// # Safety
@@ -195,7 +195,7 @@ pub unsafe extern "C" fn cata_decimation_get(
     })
 }
 
-/// Where the result lies on the input; NULL where not wanted.
+/// Gets where the result lies on the input; NULL where not wanted.
 ///
 /// - `cells`: for each vertex of the input the nearest one of the result along edges, written;
 ///   UINT32_MAX for those that no face has.
@@ -227,8 +227,8 @@ pub unsafe extern "C" fn cata_decimation_places(
     })
 }
 
-/// Values of the input's vertices at the vertices of the result: `width` for each, one vertex
-/// after the other.
+/// Computes values of the input's vertices at the vertices of the result: `width` for each, one
+/// vertex after the other.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -254,8 +254,8 @@ pub unsafe extern "C" fn cata_decimation_carry(
     })
 }
 
-/// Values of the result's vertices at the vertices of the input, the other way: each is the mean
-/// of those of a face near it, 0 at vertices without a face.
+/// Computes values of the result's vertices at the vertices of the input, the other way: each is
+/// the mean of those of a face near it, 0 at vertices without a face.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -289,7 +289,7 @@ pub unsafe extern "C" fn cata_decimation_prolong(
     })
 }
 
-/// The texture of the result, from that of the input, with its seams.
+/// Computes the texture of the result, from that of the input, with its seams.
 ///
 /// - `uv`: 6 for each face of the input, read: u and v at its three corners.
 /// - `carried`: 6 for each face of the result, written.
@@ -325,8 +325,8 @@ pub unsafe extern "C" fn cata_decimation_carry_uv(
     })
 }
 
-/// The farthest points of a mesh: each new sample is the vertex farthest along edges from those
-/// before, so that the first ones are the same for every n.
+/// Computes the farthest points of a mesh: each new sample is the vertex farthest along edges from
+/// those before, so that the first ones are the same for every n.
 ///
 /// - `n`: samples, at most the vertices that have a face.
 /// - `samples`: n vertices, written, in their order.

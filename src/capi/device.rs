@@ -33,7 +33,7 @@ pub const CATA_DEVICE_GPU: i32 = 1;
 /// A kind of devices: anything else.
 pub const CATA_DEVICE_OTHER: i32 = 2;
 
-/// The number of devices, at least 1, or CATA_ERR_BACKEND; the message says what is missing.
+/// Gets the number of devices, at least 1. CATA_ERR_BACKEND: the message says what is missing.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -47,7 +47,7 @@ pub unsafe extern "C" fn cata_device_count(count: *mut usize) -> cata_status {
     })
 }
 
-/// What the device `index` (from 0) is called: `size` elements of `name`, cut to fit, and NUL.
+/// Gets the name of the device `index` (from 0): `size` elements of `name`, cut to fit, and NUL.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn cata_device_name(
     })
 }
 
-/// What the device `index` (from 0) is: one of CATA_DEVICE_*.
+/// Gets the kind of the device `index` (from 0): one of CATA_DEVICE_*.
 ///
 /// # Safety
 /// The pointer is as described.

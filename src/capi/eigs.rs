@@ -97,8 +97,8 @@ pub unsafe extern "C" fn cata_eigs_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
-/// eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
+/// Computes the k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and
+/// their eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
 /// given; M is a diagonal of positive masses.
 ///
 /// - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
@@ -157,9 +157,9 @@ pub type cata_eigs_slice = Option<
     ) -> i32,
 >;
 
-/// The k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one at a
-/// time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap between
-/// eigenvalues.
+/// Computes the k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one
+/// at a time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap
+/// between eigenvalues.
 ///
 /// - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice.
 ///   Too few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
@@ -192,9 +192,9 @@ pub unsafe extern "C" fn cata_eigs_sliced(
     })
 }
 
-/// The number of eigenvalues below `value`, which may not be one, by a factorisation: so many k
-/// give cata_eigs all of them. In an interval there are as many as the difference of two counts,
-/// and these are nearest to its middle as `shift`.
+/// Counts the eigenvalues below `value`, which may not be one, by a factorisation: so many k give
+/// cata_eigs all of them. In an interval there are as many as the difference of two counts, and
+/// these are nearest to its middle as `shift`.
 ///
 /// - `count`: one size_t, written.
 /// - `params`: of it only `progress` is looked at, before and after the work.
@@ -280,6 +280,8 @@ pub(super) struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
+    /// Creates the outputs of eigenpairs from pointers.
+    ///
     /// # Safety
     /// The pointers are as the header describes them, during `'a`.
     pub unsafe fn new(

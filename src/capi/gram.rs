@@ -52,8 +52,8 @@ pub unsafe extern "C" fn cata_gram_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
-/// extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
+/// Computes the singular values of A (m x n), and its right singular vectors, from its Gram matrix
+/// in extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
 ///
 /// With K the condition number of A with columns of norm 1, the relative error of every value,
 /// the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended
@@ -102,8 +102,8 @@ pub unsafe extern "C" fn cata_svd(
     })
 }
 
-/// The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is
-/// A (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
+/// Computes the lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where
+/// X is A (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
 ///
 /// C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and
 /// the two parts together are C rounded to about 106 bits; else entries were rounded to about
@@ -175,9 +175,9 @@ pub unsafe extern "C" fn cata_gram_extended(
     })
 }
 
-/// C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
-/// the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
-/// rounding. Both triangles are written; rows and columns of a column without variance are NaN.
+/// Computes C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix
+/// about the mean in extended precision: entries are within [-1, 1], and wrong by little more than
+/// one rounding. Both triangles are written; rows and columns of a column without variance are NaN.
 ///
 /// - `c`: C, written, with leading dimension `ldc`; must not overlap A.
 ///
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn cata_gram_correlation(
     })
 }
 
-/// How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
+/// Computes how far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
 /// precision, and no digits are lost to cancellation.
 ///
 /// - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64.
@@ -246,7 +246,7 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
     })
 }
 
-/// A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
+/// Factorises A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
 /// extended precision: A (m x n) becomes Q. For columns that are independent;
 /// cata_ortho_gram_schmidt takes any.
 ///

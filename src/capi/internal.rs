@@ -4,8 +4,8 @@ use super::boundary::boundary;
 use super::status::cata_status;
 use crate::base::{Latch, tickets};
 
-/// For the tests of this ABI only: panics inside the library, on the calling thread if `worker`
-/// is 0 and else on a thread of its own, to show that no panic reaches the caller.
+/// Panics, for the tests of this ABI only, inside the library, on the calling thread if `worker` is
+/// 0 and else on a thread of its own, to show that no panic reaches the caller.
 ///
 /// Returns CATA_ERR_PANIC. Not in libraries that are installed, nor in their header:
 /// tests/c/internal.h.

@@ -108,8 +108,8 @@ impl Versioned for cata_lstsq_result {
     const FIRST_SIZE: usize = offset_of!(Self, digits) + size_of::<f64>();
 }
 
-/// The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
-/// W = diag(weights), from the Gram matrix of [A B] in extended precision.
+/// Computes the X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
+/// and W = diag(weights), from the Gram matrix of [A B] in extended precision.
 ///
 /// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
 /// factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm
@@ -170,6 +170,8 @@ pub(super) struct LeastSquaresCall<'a> {
 }
 
 impl LeastSquaresCall<'_> {
+    /// Creates a call of least squares from its arguments.
+    ///
     /// # Safety
     /// The pointers are as cata_lstsq describes them, and live as long as this.
     pub unsafe fn new(
@@ -223,6 +225,8 @@ pub(super) struct LeastSquaresOutputs<'a> {
 }
 
 impl LeastSquaresOutputs<'_> {
+    /// Creates the outputs of least squares from pointers.
+    ///
     /// # Safety
     /// `x` and `result` are as cata_lstsq describes them, and live as long as this.
     pub unsafe fn new(
@@ -262,6 +266,7 @@ impl LeastSquaresOutputs<'_> {
         }
     }
 
+    /// Returns the options that the parameters say.
     pub fn options(&self, params: &cata_lstsq_params) -> Result<LeastSquaresOptions, Failure> {
         let deficiency = match flag("params.refuse_dependent", params.refuse_dependent)? {
             true => RankDeficiency::Refuse,
@@ -275,6 +280,7 @@ impl LeastSquaresOutputs<'_> {
             .par(par(params.threads)))
     }
 
+    /// Writes the solution and the results that are wanted.
     pub fn write(self, found: &LeastSquares, intercept: bool) {
         if let Some(x) = self.x {
             fill(x, found.coefficients.as_ref());

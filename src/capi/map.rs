@@ -24,7 +24,7 @@ pub struct cata_map_fit {
     known: Correspondences,
 }
 
-/// A fit that knows nothing yet, with the threads of `source`.
+/// Creates a fit that knows nothing yet, with the threads of `source`.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn cata_map_fit_new(
     })
 }
 
-/// Gives a fit back.
+/// Frees a fit.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -146,8 +146,8 @@ pub unsafe extern "C" fn cata_map_fit_segments(
     })
 }
 
-/// The map C (r_target x r_source, written) that fits best what was added, and commutes with the
-/// Laplacians, with the weight `commutativity` >= 0; 1e-3 is usual. The constant goes to itself.
+/// Computes the map C (r_target x r_source, written) that fits best what was added and commutes
+/// with the Laplacians; `commutativity` >= 0, usually 1e-3, weighs that. It keeps the constant.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -185,8 +185,8 @@ pub unsafe extern "C" fn cata_map_fit_solve(
     })
 }
 
-/// Iterative closest points: in turns the points of C (r_target x r_source, read and written)
-/// and the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
+/// Iterates closest points: in turns the points of C (r_target x r_source, read and written) and
+/// the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
 ///
 /// - `source`, `target`: of cata_basis_new.
 /// - `points`: n_target elements, written: the vertex of the source for each of the target; NULL
@@ -235,8 +235,8 @@ pub unsafe extern "C" fn cata_map_icp(
     })
 }
 
-/// ZoomOut: in turns the points of a map and the map along them between `step` >= 1 functions
-/// more, from C (rows x cols, read), a map between the first functions, to the whole MAP
+/// Refines by ZoomOut: in turns the points of a map and the map along them between `step` >= 1
+/// functions more, from C (rows x cols, read), a map between the first functions, to the whole MAP
 /// (r_target x r_source, written). `source`, `target` and `points` are as in cata_map_icp.
 ///
 /// # Safety
@@ -280,8 +280,8 @@ pub unsafe extern "C" fn cata_map_zoomout(
     })
 }
 
-/// The points of the map C (r_target x r_source) between any bases: n_target elements, written:
-/// for each vertex of the target that of the source whose image is nearest.
+/// Computes the points of the map C (r_target x r_source) between any bases: n_target elements,
+/// written: for each vertex of the target that of the source whose image is nearest.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -315,7 +315,7 @@ pub unsafe extern "C" fn cata_map_points(
     })
 }
 
-/// The map C (r_target x r_source, written) between any bases along points, which are read.
+/// Computes the map C (r_target x r_source, written) between any bases along points (read).
 ///
 /// # Safety
 /// The pointers are as described.

@@ -21,8 +21,8 @@ use crate::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
 use crate::sparse::{EigenOptions, Mass, eigs, eigs_sliced};
 use crate::unions::PartSpectra;
 
-/// The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
-/// W phi = lambda M phi, and their eigenfunctions.
+/// Computes the k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle
+/// mesh, W phi = lambda M phi, and their eigenfunctions.
 ///
 /// - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
 /// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
@@ -79,8 +79,8 @@ pub unsafe extern "C" fn cata_mesh_eigs(
     })
 }
 
-/// The k smallest eigenpairs of the Laplacian of a triangle mesh, as those of cata_mesh_eigs, in
-/// slices: `memory`, `slice` and `user` are those of cata_eigs_sliced.
+/// Computes the k smallest eigenpairs of the Laplacian of a triangle mesh, as those of
+/// cata_mesh_eigs, in slices: `memory`, `slice` and `user` are those of cata_eigs_sliced.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -114,8 +114,8 @@ pub unsafe extern "C" fn cata_mesh_eigs_sliced(
     })
 }
 
-/// The k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the faces
-/// whose three vertices are in the mask.
+/// Computes the k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the
+/// faces whose three vertices are in the mask.
 ///
 /// Under CATA_BOUNDARY_DIRICHLET functions are zero where the part ends and at the boundary of
 /// the mesh: of two parts of which one lies in the other, the inner one then has no smaller

@@ -20,8 +20,8 @@ use crate::mpi::{
 };
 use crate::{Error, Uplo};
 
-/// The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
-/// it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
+/// Creates the world of the ranks of an MPI communicator, of which a duplicate is made. Collective
+/// over it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
 ///
 /// `fortran_comm`: MPI_Comm_c2f of the communicator; catamaran_mpi.h has cata_world_from_comm,
 /// which takes the communicator itself.
@@ -52,8 +52,7 @@ pub unsafe extern "C" fn cata_world_new(
     })
 }
 
-/// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator
-/// to MPI.
+/// Frees a world. Collective; after MPI_Finalize local, and leaves the communicator to MPI.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -63,7 +62,7 @@ pub unsafe extern "C" fn cata_world_free(world: *mut cata_world) {
     unsafe { free(world) };
 }
 
-/// The rank of the caller, from 0. Local.
+/// Gets the rank of the caller, from 0. Local.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -78,7 +77,7 @@ pub unsafe extern "C" fn cata_world_rank(
     })
 }
 
-/// The number of ranks, at least 1. Local.
+/// Gets the number of ranks, at least 1. Local.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -93,7 +92,7 @@ pub unsafe extern "C" fn cata_world_size(
     })
 }
 
-/// What this rank has sent and received since the world was made. Local. The struct_size of
+/// Gets what this rank has sent and received since the world was made. Local. The struct_size of
 /// `traffic` is read.
 ///
 /// # Safety
@@ -135,9 +134,9 @@ pub unsafe extern "C" fn cata_world_set_longest_message(
     })
 }
 
-/// C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
-/// spread over the ranks. Collective. The result depends, by rounding, on the number of ranks
-/// and on which rank has which rows.
+/// Computes C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
+/// spread over the ranks. Collective. The result depends, by rounding, on the number of ranks and
+/// on which rank has which rows.
 ///
 /// - `layout`, `m`, `a`: of the rows of this rank, m x n, its own on each rank.
 /// - `n`, `alpha`: the same on all ranks.
@@ -184,8 +183,8 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
     })
 }
 
-/// Least squares where every rank has some rows of A, of B and of the weights, in any order and
-/// number; every rank gets the whole of X and of the result. Collective. The result does not
+/// Solves least squares where every rank has some rows of A, of B and of the weights, in any order
+/// and number; every rank gets the whole of X and of the result. Collective. The result does not
 /// depend on the number of ranks, nor on which rank has which rows, bit for bit.
 ///
 /// - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights`
@@ -230,8 +229,8 @@ pub unsafe extern "C" fn cata_world_lstsq(
     })
 }
 
-/// C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks,
-/// as cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide.
+/// Computes C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the
+/// ranks, as cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -263,10 +262,10 @@ pub unsafe extern "C" fn cata_world_ata_columns(
     })
 }
 
-/// C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
-/// dealing rows of A, whichever should be faster. Collective. The result depends, by rounding,
-/// on the number of ranks. C is untouched after an error in arguments, unspecified in its wanted
-/// part after any other.
+/// Computes C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D,
+/// or by dealing rows of A, whichever should be faster. Collective. The result depends, by
+/// rounding, on the number of ranks. C is untouched after an error in arguments, unspecified in its
+/// wanted part after any other.
 ///
 /// - `alpha`: the same on all ranks.
 /// - `layout` to `lda`, `beta` to `ldc`: on the root as in cata_ata_f64; ignored on other ranks.
@@ -311,8 +310,8 @@ pub unsafe extern "C" fn cata_world_ata_root(
     })
 }
 
-/// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them;
-/// what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
+/// Computes C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has
+/// them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
 /// copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
 ///
 /// - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
@@ -385,8 +384,8 @@ pub unsafe extern "C" fn cata_world_aat_cyclic(
     })
 }
 
-/// Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the
-/// ranks. Collective. Every rank gets all eigenvalues and residuals and its rows of the
+/// Computes eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of
+/// the ranks. Collective. Every rank gets all eigenvalues and residuals and its rows of the
 /// eigenvectors. The basis, most of the memory, is spread; W and its factor are on every rank.
 ///
 /// - `own`: rows of this rank, its own on each rank; `n`: all rows.
@@ -428,9 +427,9 @@ pub unsafe extern "C" fn cata_world_eigs(
     })
 }
 
-/// cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
-/// ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which is
-/// c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
+/// Computes cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of
+/// the ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which
+/// is c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
 /// CATA_ERR_UNSUPPORTED.
 ///
 /// # Safety
@@ -471,7 +470,7 @@ pub unsafe extern "C" fn cata_world_gram_schmidt(
     })
 }
 
-/// cata_ortho_cholesky_qr likewise.
+/// Computes cata_ortho_cholesky_qr likewise.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -509,7 +508,7 @@ pub unsafe extern "C" fn cata_world_cholesky_qr(
     })
 }
 
-/// Rows and columns of a distributed matrix. Local.
+/// Returns the rows and columns of a distributed matrix. Local.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -524,7 +523,7 @@ pub unsafe extern "C" fn cata_symmetric_n(
     })
 }
 
-/// Gives the part that this rank has of a distributed matrix back. Local.
+/// Frees the part that this rank has of a distributed matrix. Local.
 ///
 /// # Safety
 /// The pointer is as described.

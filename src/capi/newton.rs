@@ -94,9 +94,9 @@ pub unsafe extern "C" fn cata_newton_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
-/// with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
-/// exp(2 pi i b / n).
+/// Creates a Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
+/// with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2
+/// pi i b / n).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -195,7 +195,7 @@ pub unsafe extern "C" fn cata_newton_set_w(newton: *mut cata_newton, w: f64) -> 
     })
 }
 
-/// The fractal at points in space, such as the vertices of a mesh.
+/// Computes the fractal at points in space, such as the vertices of a mesh.
 ///
 /// - `positions`: 3 `count` elements: x, y, z of less than 2^31 points, within 1e9 of 0.
 /// - `roots`: `count` elements, written: the number of the root that each point converges to.
@@ -221,8 +221,8 @@ pub unsafe extern "C" fn cata_newton_points(
     })
 }
 
-/// The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at
-/// most 65,536 a side and less than 2^31 in all, rows from the top (large y).
+/// Computes the same on the plane z = 0: at the centres of the pixels of a picture `extent` wide,
+/// at most 65,536 a side and less than 2^31 in all, rows from the top (large y).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -251,8 +251,8 @@ pub unsafe extern "C" fn cata_newton_plane(
     })
 }
 
-/// Colours of points: each root has its own, darker the slower a point converges. `colors`:
-/// 3 `count` elements, written: red, green and blue of each (sRGB).
+/// Computes colours of points: each root has its own, darker the slower a point converges.
+/// `colors`: 3 `count` elements, written: red, green and blue of each (sRGB).
 ///
 /// # Safety
 /// The pointers are as described.

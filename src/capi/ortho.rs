@@ -57,8 +57,8 @@ pub unsafe extern "C" fn cata_ortho_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
-/// M. Columns that depend on those before them are dropped.
+/// Runs Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a
+/// diagonal M. Columns that depend on those before them are dropped.
 ///
 /// - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others
 ///   unspecified.
@@ -105,10 +105,10 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
     })
 }
 
-/// A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the work of
-/// cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves
-/// A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
-/// precision.)
+/// Factorises A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
+/// work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
+/// leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
+/// extended precision.)
 ///
 /// - `a`, `masses`: as there; A becomes Q.
 /// - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
@@ -157,6 +157,8 @@ pub(super) struct FactorsOut<'a> {
 }
 
 impl<'a> FactorsOut<'a> {
+    /// Creates the outputs of a factorisation from pointers.
+    ///
     /// # Safety
     /// The pointers are as the header describes them, R of so many rows and columns, during
     /// `'a`.
@@ -177,6 +179,7 @@ impl<'a> FactorsOut<'a> {
         }
     }
 
+    /// Writes R, the kept columns and the rank.
     pub fn write(self, Factors { r, kept }: &Factors) {
         if let Some(mut to) = self.r {
             to.fill(0.0);

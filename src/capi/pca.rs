@@ -49,9 +49,9 @@ pub unsafe extern "C" fn cata_pca_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The first principal components of the rows of A (m x n), from the Gram matrix of its centred
-/// columns in extended precision. Components beyond the rank of the centred columns are zeros,
-/// and so are their variances and singular values.
+/// Computes the first principal components of the rows of A (m x n), from the Gram matrix of its
+/// centred columns in extended precision. Components beyond the rank of the centred columns are
+/// zeros, and so are their variances and singular values.
 ///
 /// - `m`: at least 2. `n`: any, 0 included.
 /// - `count`: number of components, at most n.
@@ -118,6 +118,8 @@ pub(super) struct ComponentOutputs<'a> {
 }
 
 impl<'a> ComponentOutputs<'a> {
+    /// Creates the outputs of principal components from pointers.
+    ///
     /// # Safety
     /// The pointers are as cata_pca describes them, and live as long as this.
     pub unsafe fn new(
@@ -147,6 +149,7 @@ impl<'a> ComponentOutputs<'a> {
         }
     }
 
+    /// Returns the options that the parameters say.
     pub fn options(&self, params: &cata_pca_params) -> Result<PrincipalComponentsOptions, Failure> {
         Ok(PrincipalComponentsOptions::new()
             .components(Components::Count(self.count))
@@ -154,6 +157,7 @@ impl<'a> ComponentOutputs<'a> {
             .par(par(params.threads)))
     }
 
+    /// Writes the components and the other results that are wanted.
     pub fn write(self, found: &PrincipalComponents) {
         if let Some(components) = self.components {
             fill(components, found.components.as_ref());

@@ -110,7 +110,7 @@ pub unsafe extern "C" fn cata_plant_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// A plant of n >= 1 segments, each named after the node at its end.
+/// Creates a plant of n >= 1 segments, each named after the node at its end.
 ///
 /// - `tails`: 3 n elements: x, y, z of the end of each.
 /// - `radii`: n elements, positive.
@@ -168,7 +168,7 @@ pub unsafe extern "C" fn cata_plant_new(
     })
 }
 
-/// The plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
+/// Reads the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
 /// (polylines), each also as .gz or .xz. `path` is in UTF-8.
 ///
 /// # Safety
@@ -189,7 +189,7 @@ pub unsafe extern "C" fn cata_plant_read(
     })
 }
 
-/// A plant of n >= 1 nodes that grows by chance, the same for the same seed.
+/// Grows a plant of n >= 1 nodes by chance, the same for the same seed.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -220,7 +220,7 @@ pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
     unsafe { free(plant) };
 }
 
-/// The number of nodes of a plant, n in all calls below; 0 for NULL.
+/// Returns the number of nodes of a plant, n in all calls below; 0 for NULL.
 ///
 /// # Safety
 /// The pointer is NULL or a live plant.
@@ -230,7 +230,7 @@ pub unsafe extern "C" fn cata_plant_size(plant: *const cata_plant) -> usize {
     unsafe { plant.as_ref() }.map_or(0, |plant| plant.model.len())
 }
 
-/// The segments of a plant, as cata_plant_new takes them; NULL for what is not wanted.
+/// Gets the segments of a plant, as cata_plant_new takes them; NULL for what is not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -272,7 +272,7 @@ pub unsafe extern "C" fn cata_plant_segments(
     })
 }
 
-/// The water of every node when its cells are full, in kg: how a healthy plant begins.
+/// Gets the water of every node when its cells are full, in kg: how a healthy plant begins.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -325,8 +325,8 @@ pub unsafe extern "C" fn cata_plant_weaken(
     unsafe { change(plant, |model| model.weaken(node, factor)) }
 }
 
-/// The rates at which the modes of the water decay, n elements, ascending, in 1 / s. Dense, of
-/// order n^3: for small plants.
+/// Computes the rates at which the modes of the water decay, n elements, ascending, in 1 / s.
+/// Dense, of order n^3: for small plants.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -344,7 +344,7 @@ pub unsafe extern "C" fn cata_plant_rates(
     })
 }
 
-/// The water of every node `seconds` after it was `water`, at once, without time steps.
+/// Computes the water of every node `seconds` after it was `water`, at once, without time steps.
 /// `water`, `result` (written): n elements in kg each, which may be the same.
 ///
 /// # Safety
@@ -370,7 +370,7 @@ pub unsafe extern "C" fn cata_plant_water_after(
     })
 }
 
-/// The water of every node at many times.
+/// Computes the water of every node at many times.
 ///
 /// - `water`: n elements: in kg, at time 0; NULL: full cells.
 /// - `times`: n_times elements: seconds from 0, ascending.
@@ -473,8 +473,8 @@ pub unsafe extern "C" fn cata_plant_step(
     })
 }
 
-/// The modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic curve
-/// from `elasticity_dry` to `elasticity_full`.
+/// Computes the modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic
+/// curve from `elasticity_dry` to `elasticity_full`.
 ///
 /// # Safety
 /// The pointers are as described.

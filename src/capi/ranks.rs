@@ -26,11 +26,12 @@ pub(super) struct Entrance<'w> {
 }
 
 impl<'w> Entrance<'w> {
-    /// The rank of the caller.
+    /// Returns the rank of the caller.
     pub fn rank(&self) -> usize {
         self.world.rank()
     }
 
+    /// Returns the world, and records that the work has entered it.
     pub fn enter(&self) -> &'w World {
         self.passed.set(true);
         self.world

@@ -79,7 +79,7 @@ pub unsafe extern "C" fn cata_plant_rods_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The rods of a plant with full cells, in the pose in which it was given. They may outlive it.
+/// Creates the rods of a plant with full cells, in the pose as given. They may outlive it.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn cata_plant_rods_set_pose(
     })
 }
 
-/// The pose: `heads` and `tails`, 3 n elements each, where segments begin and end, and 4 n of
+/// Gets the pose: `heads` and `tails`, 3 n elements each, where segments begin and end, and 4 n of
 /// `rotations`, as in cata_plant_rods_set_pose; NULL where not wanted.
 ///
 /// # Safety
@@ -301,9 +301,9 @@ pub unsafe extern "C" fn cata_plant_rods_step(
     })
 }
 
-/// The pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
-/// Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n
-/// `sides` elements each, written; NULL where not wanted.
+/// Gets the pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
+/// Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n `sides`
+/// elements each, written; NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -24,9 +24,9 @@ pub const CATA_CENTER_MEAN: i32 = 1;
 /// `centering`: the row given is subtracted.
 pub const CATA_CENTER_GIVEN: i32 = 2;
 
-/// C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
-/// diag(weights). A is read in blocks of rows, about 32 MiB each. With CATA_CENTER_MEAN and
-/// alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+/// Computes C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
+/// diag(weights). A is read in blocks of rows, about 32 MiB each. With CATA_CENTER_MEAN and alpha =
+/// 1 / (m - 1) C is the covariance matrix of the columns of A.
 ///
 /// - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
 /// - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.

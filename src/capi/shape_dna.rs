@@ -8,8 +8,8 @@ use crate::mesh::LaplacianOptions;
 use crate::sparse::EigenOptions;
 use crate::unions::{ShapeDnaOptions, retrieve, shape_dna};
 
-/// ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature
-/// (Reuter, Wolter and Peinecke 2006).
+/// Computes ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its
+/// signature (Reuter, Wolter and Peinecke 2006).
 ///
 /// - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
 /// - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
@@ -47,8 +47,8 @@ pub unsafe extern "C" fn cata_shape_dna(
     })
 }
 
-/// The signatures nearest to a query, in Euclidean distance; of equally near ones the first. It
-/// looks once at each number, on the calling thread.
+/// Finds the signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+/// It looks once at each number, on the calling thread.
 ///
 /// - `query`: the k numbers of a signature; `signatures`: `count` x k, one after the other.
 /// - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures

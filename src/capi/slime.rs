@@ -125,7 +125,7 @@ pub unsafe extern "C" fn cata_slime_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Agents spread over a surface, and a texture without pheromone.
+/// Creates a simulation: agents spread over a surface, and a texture without pheromone.
 ///
 /// - `uv`: 6 n_faces elements: u, v of the three corners of each face, from 0 to 1; NULL: every
 ///   triangle gets a place of its own in the texture, which cata_slime_uv gives.
@@ -270,8 +270,8 @@ pub unsafe extern "C" fn cata_slime_step(slime: *mut cata_slime, steps: u32) -> 
     })
 }
 
-/// Texels of a side of a texture, species, triangles, and steps that are done; NULL where not
-/// wanted.
+/// Gets the texels of a side of a texture, species, triangles, and steps that are done; NULL where
+/// not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -311,7 +311,7 @@ pub unsafe extern "C" fn cata_slime_size(
     })
 }
 
-/// The texture of a species (from 0) as it is now: pheromone, from 0 to 1.
+/// Gets the texture of a species (from 0) as it is now: pheromone, from 0 to 1.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -337,8 +337,8 @@ pub unsafe extern "C" fn cata_slime_texture(
     })
 }
 
-/// How much of the surface a species covers (thesis, equation 3.2): the mean of its pheromone,
-/// and the part of the surface that has any; NULL where not wanted.
+/// Computes how much of the surface a species covers (thesis, equation 3.2): the mean of its
+/// pheromone, and the part of the surface that has any; NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -370,7 +370,7 @@ pub unsafe extern "C" fn cata_slime_coverage(
     })
 }
 
-/// The texture coordinates of the corners of faces, as cata_slime_new takes them.
+/// Gets the texture coordinates of the corners of faces, as cata_slime_new takes them.
 ///
 /// # Safety
 /// The pointers are as described.

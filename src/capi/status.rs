@@ -47,8 +47,8 @@ pub const CATA_ERR_RANK: cata_status = 12;
 /// A mesh or plant is not one; the message names the element.
 pub const CATA_ERR_MESH: cata_status = 13;
 
-/// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
-/// none has. A call that succeeds leaves it alone. Never NULL.
+/// Returns the message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty
+/// when none has. A call that succeeds leaves it alone. Never NULL.
 ///
 /// The pointer is valid until the next call of this thread that fails, and not after the
 /// thread's end; do not free it.
@@ -57,8 +57,8 @@ pub extern "C" fn cata_last_error_message() -> *const c_char {
     last_message()
 }
 
-/// The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
-/// Static, never NULL; do not free it.
+/// Returns the name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is
+/// none. Static, never NULL; do not free it.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_status_name(status: cata_status) -> *const c_char {
     name(status).as_ptr()

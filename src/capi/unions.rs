@@ -33,7 +33,7 @@ pub struct cata_unions {
     model: SpectralUnion,
 }
 
-/// The network that predicts spectra of unions.
+/// Creates the network that predicts spectra of unions.
 ///
 /// `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
 /// with the library. CATA_ERR_IO when something is wrong with the file.
@@ -60,7 +60,7 @@ pub unsafe extern "C" fn cata_unions_new(
     })
 }
 
-/// Gives a network back.
+/// Frees a network.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -70,8 +70,8 @@ pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
     unsafe { free(unions) };
 }
 
-/// The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
-/// spectra, in whatever unit.
+/// Predicts the first eigenvalues of the union of parts of a surface, from those of the parts:
+/// Dirichlet spectra, in whatever unit.
 ///
 /// - `parts`: their number, at least 1.
 /// - `spectra`: CATA_UNION_EIGENVALUES elements for each part, ascending and positive, one part
@@ -144,9 +144,9 @@ pub unsafe extern "C" fn cata_unions_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Where the union of parts is on the template of the network, the mesh that `catamaran unions
-/// template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes
-/// the eigenfunctions of the template.
+/// Finds where the union of parts is on the template of the network, the mesh that
+/// `catamaran unions template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each
+/// call computes the eigenfunctions of the template.
 ///
 /// - `parts`, `spectra`: as those of cata_unions_predict.
 /// - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn cata_unions_locate(
     })
 }
 
-/// A spectrum between two: (1 - t) first + t second.
+/// Computes a spectrum between two: (1 - t) first + t second.
 ///
 /// `first`, `second`, `spectrum`: CATA_UNION_EIGENVALUES elements each, the first two ascending
 /// and positive, the last written; it may be one of the others. `t`: in [0, 1].

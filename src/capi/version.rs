@@ -22,8 +22,8 @@ const VERSION: &CStr =
         Err(_) => panic!("a version has no NUL inside"),
     };
 
-/// The version of the library that runs, which may be newer than the header's. NULL where a part
-/// is not wanted.
+/// Gets the version of the library that runs, which may be newer than the header's. NULL where a
+/// part is not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -46,14 +46,14 @@ pub unsafe extern "C" fn cata_version(
     })
 }
 
-/// The same as "major.minor.patch". Static, never NULL; do not free it.
+/// Returns the version as "major.minor.patch". Static, never NULL; do not free it.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_version_string() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
-/// capability exist, and return CATA_ERR_UNSUPPORTED.
+/// Returns what this build of the library can do: a sum of CATA_CAP_* bits. The functions of an
+/// absent capability exist, and return CATA_ERR_UNSUPPORTED.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_capabilities() -> u64 {
     let openblas = if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 };

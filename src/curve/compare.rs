@@ -1,7 +1,7 @@
 //! How far a curve is from the one that it should be (thesis, section 6.4.2).
 
-/// Whether two orders of the same samples run around the same circle: equal up to where they start
-/// and which way they go.
+/// Returns whether two orders of the same samples run around the same circle: equal except for
+/// where they start and which way they run.
 ///
 /// ```
 /// use catamaran::curve::same_order;
@@ -29,8 +29,8 @@ fn nearest<'a>(from: &'a [[f64; 3]], to: &'a [[f64; 3]]) -> impl Iterator<Item =
     })
 }
 
-/// The Hausdorff distance of two sets of points; infinite when one of them is empty, and 0 when
-/// both are.
+/// Computes the Hausdorff distance of two sets of points; infinite when one of them is empty, and 0
+/// when both are.
 ///
 /// ```
 /// use catamaran::curve::hausdorff;
@@ -42,8 +42,8 @@ pub fn hausdorff(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     nearest(truth, found).chain(nearest(found, truth)).fold(0.0, f64::max)
 }
 
-/// R of equation 6.1 as it is written: the root of the mean distance from the points of the true
-/// curve to the one found; infinite when nothing was found.
+/// Computes R of equation 6.1 as printed: the root of the mean distance from the points of the true
+/// curve to the curve found; infinite when nothing was found.
 ///
 /// ```
 /// use catamaran::curve::root_mean_distance;
@@ -54,8 +54,8 @@ pub fn root_mean_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     mean(nearest(truth, found), truth.len()).sqrt()
 }
 
-/// R with the square that its name says: the root of the mean of the squared distance; infinite
-/// when nothing was found.
+/// Computes R with the square that its name says: the root of the mean of the squared distance;
+/// infinite when nothing was found.
 ///
 /// ```
 /// use catamaran::curve::root_mean_square_distance;

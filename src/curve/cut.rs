@@ -4,9 +4,9 @@ use super::walls::Walls;
 use crate::base::{Result, Sets};
 use crate::mesh::{Part, TriMesh};
 
-/// Cuts a mesh open along edges: a vertex at which they part its faces becomes as many vertices.
-/// Faces stay as they are, in their order; vertices that are new follow those of the mesh. O(V +
-/// F).
+/// Cuts a mesh open along edges: a vertex at which the edges part its faces becomes several
+/// vertices, one for each part. Faces keep their order; new vertices follow those of the mesh.
+/// Takes O(V + F).
 ///
 /// The pieces of a mesh without other single points of contact are the
 /// [components](crate::mesh::Components) of the result. Edges that end inside of the surface leave

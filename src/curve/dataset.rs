@@ -4,7 +4,7 @@ use super::search::Search;
 use crate::base::{Result, Rng};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh};
 
-/// Vertices of a curve, at least.
+/// The least number of vertices of a generated curve.
 pub const LEAST_VERTICES: usize = 100;
 /// Walks that fail, or are too short, before a mesh is given up.
 const ATTEMPTS: usize = 400;
@@ -32,7 +32,8 @@ pub struct Generator<'g> {
 }
 
 impl<'g> Generator<'g> {
-    /// A generator of curves on the mesh of this graph, always the same for a seed.
+    /// Creates a generator of curves on the mesh of this graph; the same seed gives the same
+    /// curves.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
@@ -46,8 +47,8 @@ impl<'g> Generator<'g> {
         })
     }
 
-    /// The next closed curve, of at least [`LEAST_VERTICES`] vertices, each next to the one before
-    /// and the last to the first; `None` when 400 walks gave none.
+    /// Returns the next closed curve, of at least [`LEAST_VERTICES`] vertices, each next to the one
+    /// before and the last to the first; `None` when 400 walks gave none.
     ///
     /// A walk goes from a vertex s to random neighbours farther from s, up to a vertex m where
     /// there is none; then it goes sideways, away from m and at the distance that m has from s as
@@ -149,7 +150,7 @@ pub struct Samples {
     pub order: Vec<u32>,
 }
 
-/// k samples of a curve, at most as many as it has vertices.
+/// Returns k samples of a curve, at most as many as it has vertices.
 ///
 /// ```
 /// use catamaran::base::Rng;
@@ -190,7 +191,8 @@ fn shuffle(items: &mut [usize], rng: &mut Rng) {
     }
 }
 
-/// The mesh with a volume of 1 inside; one that is not closed, with the area of a ball of volume 1.
+/// Returns the mesh scaled to the volume 1. A mesh that is not closed is scaled to the area of a
+/// ball of volume 1.
 ///
 /// ```
 /// use catamaran::{curve::dataset::scaled, mesh::families};

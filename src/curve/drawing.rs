@@ -11,8 +11,8 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{Refined, TriMesh};
 
-/// Layers of curves on one mesh, each of samples and options of its own. Curves of one layer do not
-/// meet, those of two may cross or run along common edges.
+/// Layers of curves on one mesh. Each layer has samples and options of its own. Curves of one layer
+/// do not meet; curves of different layers may cross or run along common edges.
 ///
 /// ```
 /// use catamaran::curve::{CurveOptions, Drawing, Region, Side};
@@ -54,7 +54,7 @@ pub struct Drawn {
 }
 
 impl Drawing {
-    /// An empty drawing on a mesh.
+    /// Creates an empty drawing on a mesh.
     ///
     /// # Errors
     /// As [`CurveSolver::new`].
@@ -63,19 +63,19 @@ impl Drawing {
         Ok(Self { solver: CurveSolver::owning(mesh)?, base, layers: Vec::new(), smooth: false })
     }
 
-    /// The mesh with the Steiner points of all layers, which paths are on.
+    /// Returns the mesh with the Steiner points of all layers, on which the paths are.
     pub fn mesh(&self) -> &TriMesh {
         self.solver.mesh()
     }
 
-    /// What was found for each layer. Paths and way points are on [`Drawing::mesh`].
+    /// Returns the reconstruction of each layer. Paths and way points are on [`Drawing::mesh`].
     pub fn found(&self) -> impl Iterator<Item = &Reconstruction> {
         self.layers.iter().map(|layer| &layer.found)
     }
 
     /// Finds curves through samples, as [`CurveSolver::reconstruct`] does, and adds them as a
-    /// layer. Where Steiner points are needed, the layers before get them too, and stay where they
-    /// are.
+    /// layer. Where Steiner points are needed, the earlier layers get them too; their curves stay
+    /// where they are.
     ///
     /// # Errors
     /// As [`CurveSolver::reconstruct`]; [`Error::Argument`] after [`Drawing::smooth`].
@@ -100,8 +100,8 @@ impl Drawing {
         Ok(&self.layers[self.layers.len() - 1].found)
     }
 
-    /// Shortens all curves to geodesics between their samples, as [`Reconstruction::smooth`] does;
-    /// whether the steps sufficed. Nothing can be added after that.
+    /// Shortens all curves to geodesics between their samples, as [`Reconstruction::smooth`] does,
+    /// and returns whether the steps sufficed. No layer can be added after that.
     ///
     /// # Errors
     /// As [`super::smooth()`].
@@ -114,7 +114,19 @@ impl Drawing {
         Ok(converged)
     }
 
-    /// A mesh whose edges the curves of all layers run along.
+    /// Returns a mesh whose edges the curves of all layers run along.
+    ///
+    /// ```
+    /// use catamaran::curve::{CurveOptions, Drawing};
+    /// use catamaran::mesh::families;
+    ///
+    /// let mut drawing = Drawing::new(families::grid(8, 8)?)?;
+    /// drawing.add(&[10, 64, 16, 70], &CurveOptions::new())?;
+    /// assert!(drawing.smooth()?);
+    /// let drawn = drawing.inscribe()?;
+    /// assert!((drawn.layers[0][0].length - 3.0).abs() < 1e-9);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`inscribe()`].

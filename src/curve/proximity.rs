@@ -27,7 +27,7 @@ pub(super) struct Proximity {
 }
 
 impl Proximity {
-    /// Of samples on one component.
+    /// Computes the neighbours of samples on one component.
     pub fn new(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Self {
         let dual = dual(surface, search, samples);
         let count = samples.len();
@@ -55,17 +55,17 @@ impl Proximity {
         Self { rows, nearest, horizon, positions }
     }
 
-    /// The number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// The nearest samples, the nearest first.
+    /// Returns the nearest samples, the nearest first.
     pub fn nearest(&self, i: u32) -> &[u32] {
         &self.nearest[i as usize]
     }
 
-    /// The distance of two samples; that of two which are far apart is an estimate.
+    /// Returns the distance of two samples; an estimate for samples that are far apart.
     pub fn distance(&self, i: u32, j: u32) -> f64 {
         let row = &self.rows[i as usize];
         if let Ok(at) = row.binary_search_by_key(&j, |r| r.0) {
@@ -80,7 +80,7 @@ impl Proximity {
         BEYOND * straight.max(self.horizon[i]).max(self.horizon[j])
     }
 
-    /// Where a sample is.
+    /// Returns the position of a sample.
     pub fn position(&self, i: u32) -> [f64; 3] {
         self.positions[i as usize]
     }

@@ -26,6 +26,7 @@ pub(super) struct Refinement<'m> {
 }
 
 impl<'m> Refinement<'m> {
+    /// Creates a refinement without cuts.
     pub fn new(mesh: Cow<'m, TriMesh>) -> Self {
         Self {
             mesh,
@@ -39,15 +40,17 @@ impl<'m> Refinement<'m> {
         }
     }
 
+    /// Returns the mesh that is refined.
     pub fn mesh(&self) -> &TriMesh {
         &self.mesh
     }
 
-    /// New vertices.
+    /// Returns the positions of the new vertices.
     pub fn positions(&self) -> &[Vector] {
         &self.positions
     }
 
+    /// Returns the position of a vertex.
     pub fn position(&self, vertex: u32) -> Vector {
         let old = self.mesh.vertices();
         match (vertex as usize).checked_sub(old.len()) {
@@ -56,6 +59,7 @@ impl<'m> Refinement<'m> {
         }
     }
 
+    /// Returns the corners of a face.
     pub fn face(&self, face: u32) -> [u32; 3] {
         let old = self.mesh.faces();
         match (face as usize).checked_sub(old.len()) {
@@ -64,7 +68,7 @@ impl<'m> Refinement<'m> {
         }
     }
 
-    /// The vertices that share a face with this one, ascending.
+    /// Returns the vertices that share a face with this one, ascending.
     pub fn neighbours(&mut self, vertex: u32) -> Vec<u32> {
         let faces = self.faces_of(vertex).clone();
         let others = faces.iter().flat_map(|&f| self.face(f)).filter(|&u| u != vertex);
@@ -74,8 +78,8 @@ impl<'m> Refinement<'m> {
         others
     }
 
-    /// Cuts an edge, and each of its faces in two, at a point of it. Gives the new vertex, and the
-    /// vertices whose neighbours are others now.
+    /// Cuts an edge, and each of its faces in two, at a point of the edge. Returns the new vertex,
+    /// and the vertices whose neighbours changed.
     ///
     /// # Errors
     /// [`Error::Argument`] when vertices or faces can't be numbered any more.
@@ -97,7 +101,7 @@ impl<'m> Refinement<'m> {
         Ok((new, around))
     }
 
-    /// Cuts a face into three at a point inside, which has these shares of its corners. Gives the
+    /// Cuts a face into three at a point inside, which has these shares of its corners. Returns the
     /// new vertex.
     ///
     /// # Errors
@@ -112,7 +116,7 @@ impl<'m> Refinement<'m> {
         Ok(new)
     }
 
-    /// What became of a face: those of it that were not cut.
+    /// Returns the pieces of a face: those of its faces that were not cut.
     pub fn pieces(&self, face: u32) -> impl Iterator<Item = u32> {
         let mut waiting = vec![face];
         std::iter::from_fn(move || {
@@ -126,7 +130,8 @@ impl<'m> Refinement<'m> {
         })
     }
 
-    /// The refined mesh: its own vertices, then the new ones in the order in which they came.
+    /// Returns the refined mesh: the vertices of the mesh, then the new ones in the order in which
+    /// they came.
     ///
     /// # Errors
     /// None that a refinement could cause.
@@ -140,7 +145,7 @@ impl<'m> Refinement<'m> {
         Ok(Refined { mesh: TriMesh::new(vertices, faces)?, faces: roots, vertices: origins })
     }
 
-    /// Back to the mesh.
+    /// Removes all cuts.
     pub fn forget(&mut self) {
         self.positions.clear();
         self.origins.clear();

@@ -1,33 +1,33 @@
 use std::fmt;
 
-/// How a reconstruction ended.
+/// The outcome of a reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Outcome {
     /// Closed curves through all samples but those [left out](Reconstruction::left_out), which meet
     /// neither each other nor themselves.
     Closed,
-    /// Curves from one end to another, as was asked for.
+    /// Curves from one end to another, as requested.
     Open,
-    /// From a sample no way led on to one of the others.
+    /// No path leads from one of the samples to another one that is left.
     Blocked {
         /// The number of that sample in the list of samples.
         at: u32,
         /// Samples that the curve has not reached.
         remaining: usize,
     },
-    /// All samples are connected, but no way led back to the first one.
+    /// All samples are connected, but no path leads back to the first one.
     CloseBlocked,
     /// Samples are on different components of the mesh, and no curve through all of them is there;
     /// or none of the components has three samples.
     Disconnected {
-        /// On how many.
+        /// The number of these components.
         components: usize,
     },
 }
 
 impl Outcome {
-    /// In one word, lower case.
+    /// Returns the name of the outcome: one lower-case word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Closed => "closed",
@@ -38,7 +38,7 @@ impl Outcome {
         }
     }
 
-    /// Whether the curves are those that were asked for.
+    /// Returns whether the curves are complete: closed, or open where that was requested.
     pub fn is_complete(self) -> bool {
         matches!(self, Self::Closed | Self::Open)
     }
@@ -58,7 +58,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// Where a point of a curve is on the mesh.
+/// A point of a curve on the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Waypoint {
     /// At a vertex.
@@ -72,7 +72,7 @@ pub enum Waypoint {
     },
 }
 
-/// A curve along edges, or as much of it as was found.
+/// A curve along edges, complete or the part of it that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Numbers of samples in the list of samples, in the order of the curve.
@@ -101,7 +101,7 @@ pub struct Steiner {
     pub position: [f64; 3],
 }
 
-/// What came of a reconstruction.
+/// The result of [`CurveSolver::reconstruct`](super::CurveSolver::reconstruct).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reconstruction {
     /// How it ended.
@@ -118,13 +118,13 @@ pub struct Reconstruction {
 }
 
 impl Reconstruction {
-    /// The sum of the curves' lengths.
+    /// Returns the sum of the curves' lengths.
     pub fn length(&self) -> f64 {
         total(self.curves.iter().map(|curve| curve.length))
     }
 }
 
-/// The sum of lengths; of none it is 0, where that of the standard library is -0.
+/// Returns the sum of lengths; for no lengths 0, where the sum of the standard library is -0.
 pub(super) fn total(lengths: impl Iterator<Item = f64>) -> f64 {
     lengths.fold(0.0, |sum, length| sum + length)
 }

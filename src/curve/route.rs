@@ -35,8 +35,8 @@ pub(super) struct Router<'a, 'm> {
 }
 
 impl Router<'_, '_> {
-    /// A path for each net, none where there is no way. They meet only at their ends. `samples` are
-    /// all vertices that paths of others keep away from.
+    /// Finds a path for each net, `None` where there is no way. Paths meet only at their ends.
+    /// `samples` are all vertices that paths of others keep away from.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); too many vertices.

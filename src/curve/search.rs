@@ -31,7 +31,7 @@ pub(super) struct Search {
 }
 
 impl Search {
-    /// A search among so many vertices.
+    /// Creates a search among this many vertices.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
@@ -48,13 +48,13 @@ impl Search {
         }
     }
 
-    /// Vertices settled by all searches.
+    /// Returns the number of vertices settled by all searches.
     pub fn settled(&self) -> usize {
         self.settled
     }
 
-    /// Forgets the last search and starts from these vertices; their place in the list is their
-    /// number as origins.
+    /// Forgets the previous search and starts from these vertices; their positions in the list are
+    /// their numbers as origins.
     pub fn start(&mut self, sources: &[u32]) {
         self.current += 2;
         self.heap.clear();
@@ -65,7 +65,7 @@ impl Search {
         }
     }
 
-    /// The next vertex whose distance is final, and the distance.
+    /// Returns the next vertex whose distance is final, and the distance.
     pub fn next(&mut self) -> Option<(u32, f64)> {
         while let Some(Reverse((_, v))) = self.heap.pop() {
             let label = &mut self.labels[v as usize];
@@ -78,9 +78,9 @@ impl Search {
         None
     }
 
-    /// A way of this length to `vertex` by `from`; `rest` is at most what is left of it to where
-    /// the search wants to go (Hart, Nilsson and Raphael 1968), and never more than an edge longer
-    /// than at the neighbour; 0 when there is no aim.
+    /// Offers a path of this length to `vertex` by `from`. `rest` is at most the length left from
+    /// `vertex` to the aim of the search (Hart, Nilsson and Raphael 1968), and never more than an
+    /// edge longer than at the neighbour; 0 when there is no aim.
     pub fn relax(&mut self, from: u32, vertex: u32, distance: f64, rest: f64) {
         let origin = self.labels[from as usize].origin;
         let current = self.current;
@@ -96,13 +96,13 @@ impl Search {
         }
     }
 
-    /// The distance and the origin of a vertex, if they are final.
+    /// Returns the distance and the origin of a vertex, if they are final.
     pub fn known(&self, vertex: u32) -> Option<(f64, u32)> {
         let label = self.labels[vertex as usize];
         (label.stamp == self.current + 1).then_some((label.distance, label.origin))
     }
 
-    /// The path to a vertex that was reached, from its source, both included.
+    /// Returns the path to a vertex that was reached, from its source, both included.
     pub fn path(&self, vertex: u32) -> Vec<u32> {
         let mut path = vec![vertex];
         let mut at = vertex;

@@ -9,7 +9,7 @@ use crate::mesh::{Refined, TriMesh};
 /// Shares of corners below this are none: the point is on an edge, or at a vertex.
 const NOTHING: f64 = 1e-9;
 
-/// Where a sample is.
+/// The place of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Site {
     /// At a vertex.
@@ -43,7 +43,7 @@ pub struct Placed {
     pub vertices: Vec<u32>,
 }
 
-/// The vertices of these sites.
+/// Finds the vertices of these sites.
 ///
 /// ```
 /// use catamaran::curve::{Placement, Site, place};
@@ -79,8 +79,8 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
     Ok(Placed { mesh: if inserted { Some(refinement.to_mesh()?) } else { None }, vertices })
 }
 
-/// The mesh with the Steiner points of a reconstruction as vertices after its own, so that the
-/// curves are along its edges.
+/// Returns the mesh with the Steiner points of a reconstruction as vertices after its own, so that
+/// the curves are along its edges.
 ///
 /// ```
 /// use catamaran::curve::{Steiner, refined};
@@ -100,7 +100,7 @@ pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
     Ok(with_steiner(mesh, steiner)?.mesh)
 }
 
-/// [`refined`], with where it comes from.
+/// Returns the mesh of [`refined`], with the origins of its vertices and faces.
 pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[Steiner]) -> Result<Refined> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     for (i, point) in steiner.iter().enumerate() {

@@ -31,7 +31,7 @@ pub enum Mode {
     Ordered,
 }
 
-/// How many curves the samples are of.
+/// The number of curves that the samples belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Count {
     /// One.
@@ -42,7 +42,7 @@ pub enum Count {
     Automatic,
 }
 
-/// What [`CurveSolver::reconstruct`] is asked for.
+/// Options of [`CurveSolver::reconstruct`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CurveOptions<'a> {
@@ -110,7 +110,8 @@ pub struct CurveSolver<'m> {
 }
 
 impl<'m> CurveSolver<'m> {
-    /// A solver for any mesh: several components, boundary and edges of many faces are allowed.
+    /// Creates a solver for any mesh: several components, boundary and edges of many faces are
+    /// allowed.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -118,7 +119,15 @@ impl<'m> CurveSolver<'m> {
         Self::of(Cow::Borrowed(mesh))
     }
 
-    /// As [`CurveSolver::new`], with the mesh in it.
+    /// Creates a solver as [`CurveSolver::new`] does, which owns its mesh.
+    ///
+    /// ```
+    /// use catamaran::{curve::CurveSolver, mesh::families};
+    ///
+    /// let solver: CurveSolver<'static> = CurveSolver::owning(families::grid(8, 8)?)?;
+    /// assert_eq!(solver.mesh().faces().len(), 128);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -126,7 +135,7 @@ impl<'m> CurveSolver<'m> {
         CurveSolver::of(Cow::Owned(mesh))
     }
 
-    /// The mesh that curves are found on.
+    /// Returns the mesh on which curves are found.
     pub fn mesh(&self) -> &TriMesh {
         self.surface.mesh()
     }
@@ -142,7 +151,7 @@ impl<'m> CurveSolver<'m> {
         })
     }
 
-    /// A curve along edges through these vertices, in whatever order suits it.
+    /// Finds a curve along edges through these vertices, which may be in any order.
     ///
     /// In the faithful mode the curve starts at sample `start`, in the ordered one at the first; in
     /// the robust one each starts at its sample of lowest number and goes towards the lower one of

@@ -8,7 +8,7 @@ const GAP: f64 = 2.5;
 /// Samples of a curve, at least.
 const LEAST: usize = 3;
 
-/// The tours that a closed tour falls into, itself when it does not.
+/// Returns the tours into which a closed tour falls; the tour itself when it does not fall apart.
 pub(super) fn split(proximity: &Proximity, tour: Vec<u32>) -> Vec<Vec<u32>> {
     let mut waiting = vec![tour];
     let mut done = Vec::new();

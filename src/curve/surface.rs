@@ -19,6 +19,7 @@ pub(super) struct Surface<'m> {
 }
 
 impl<'m> Surface<'m> {
+    /// Creates the surface of a mesh, not refined.
     pub fn new(mesh: Cow<'m, TriMesh>) -> Self {
         Self {
             graph: Graph::of_mesh(&mesh),
@@ -29,39 +30,41 @@ impl<'m> Surface<'m> {
         }
     }
 
+    /// Returns the mesh.
     pub fn mesh(&self) -> &TriMesh {
         self.refinement.mesh()
     }
 
-    /// Vertices of the mesh and of its refinement.
+    /// Returns the number of vertices of the mesh and of its refinement.
     pub fn len(&self) -> usize {
         self.graph.len() + self.ends.len()
     }
 
-    /// The component of a vertex of the mesh.
+    /// Returns the component of a vertex of the mesh.
     pub fn component(&self, vertex: u32) -> u32 {
         self.components.of_vertices()[vertex as usize]
     }
 
+    /// Returns the position of a vertex.
     pub fn position(&self, vertex: u32) -> Vector {
         self.refinement.position(vertex)
     }
 
-    /// The vertices of the refinement: the ends of the edges whose middles they are, and where they
-    /// are.
+    /// Returns the vertices of the refinement: the ends of the edges whose middles they are, and
+    /// their positions.
     pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], Vector)> {
         self.ends.iter().copied().zip(self.refinement.positions().iter().copied())
     }
 
-    /// The neighbours of a vertex, and the lengths of the edges that lead there.
+    /// Returns the neighbours of a vertex, and the lengths of the edges that lead there.
     pub fn neighbours(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
         let new = if self.neighbours.is_empty() { None } else { self.neighbours.get(&vertex) };
         let old = new.is_none().then(|| self.graph.neighbours(vertex));
         old.into_iter().flatten().chain(new.into_iter().flatten().copied())
     }
 
-    /// Puts a vertex into the middle of every edge at these paths but the paths' own edges: where
-    /// they were in the way, there is a way around them then.
+    /// Puts a vertex into the middle of every edge at these paths except the paths' own edges, so
+    /// that other paths find a way around them.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) when vertices can't be numbered any more.
@@ -81,7 +84,7 @@ impl<'m> Surface<'m> {
         Ok(())
     }
 
-    /// Back to the mesh.
+    /// Removes the refinement.
     pub fn forget_refinement(&mut self) {
         self.refinement.forget();
         self.ends.clear();

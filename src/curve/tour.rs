@@ -35,7 +35,7 @@ pub(super) struct Costs<'a> {
 }
 
 impl<'a> Costs<'a> {
-    /// For tours through these samples.
+    /// Collects the costs of tours through these samples.
     pub fn new(proximity: &'a Proximity, members: &'a [u32], open: bool) -> Self {
         let mut costs = Self { proximity, members, open, table: None };
         let all = 0..members.len() as u32;
@@ -115,7 +115,8 @@ impl<'a> Costs<'a> {
     }
 }
 
-/// A short tour through the members, as their samples; for an open curve from one end to the other.
+/// Returns a short tour through the members, as their samples; for an open curve from one end to
+/// the other.
 pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
     let neighbours = costs.neighbours();
     let mut state = Tour::new(costs, &neighbours, greedy(costs, &neighbours));

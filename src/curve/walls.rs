@@ -10,7 +10,7 @@ pub(super) struct Walls {
 }
 
 impl Walls {
-    /// Those between these vertices.
+    /// Creates the walls along the edges between these vertices.
     pub fn new(mesh: &TriMesh, along: &[[u32; 2]]) -> Result<Self> {
         let edges = Edges::new(mesh);
         let mut is_wall = vec![false; edges.len()];
@@ -26,8 +26,8 @@ impl Walls {
         Ok(Self { edges, is_wall })
     }
 
-    /// For each face the lowest face of its piece: faces with a common edge that is no wall are of
-    /// one.
+    /// Returns for each face the lowest face of its piece: faces with a common edge that is no
+    /// wall are of one piece.
     pub fn pieces(&self, faces: usize) -> Vec<u32> {
         let mut pieces = Sets::new(faces);
         for e in (0..self.edges.len()).filter(|&e| !self.is_wall[e]) {
@@ -39,7 +39,8 @@ impl Walls {
         (0..faces as u32).map(|f| pieces.find(f)).collect()
     }
 
-    /// The faces on both sides of each wall that is not on the boundary, with its number.
+    /// Returns the faces on both sides of each wall that is not on the boundary, with the number of
+    /// the wall.
     pub fn sides(&self) -> impl Iterator<Item = (usize, u32, u32)> + '_ {
         let walls = (0..self.edges.len()).filter(|&e| self.is_wall[e]);
         walls.flat_map(|e| {

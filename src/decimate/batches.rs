@@ -75,7 +75,7 @@ pub(super) fn add_samples(
     Ok(())
 }
 
-/// The samples from `first` on as starts of cells of the same numbers.
+/// Returns the samples from `first` on as starts of cells of the same numbers.
 pub(super) fn seeds(samples: &[u32], first: usize) -> Vec<Seed> {
     let numbered = samples.iter().zip(0..).skip(first);
     numbered.map(|(&vertex, cell)| Seed { vertex, distance: 0.0, cell }).collect()

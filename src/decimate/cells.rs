@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::surface::Surface;
 use crate::base::{Par, Result, reserved};
 
-/// A partition of the vertices of a mesh: each with its nearest sample, along edges.
+/// A partition of the vertices of a mesh: each vertex belongs to its nearest sample, along edges.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cells {
     of_vertices: Vec<u32>,
@@ -23,24 +23,25 @@ impl Cells {
         Self { of_vertices, distances }
     }
 
-    /// For each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of equally
-    /// near samples, the first.
+    /// Returns for each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of
+    /// equally near samples, the first counts.
     pub fn of_vertices(&self) -> &[u32] {
         &self.of_vertices
     }
 
-    /// For each vertex of the mesh its distance along edges to the sample of its cell, in units of
-    /// length (single precision); infinite where there is none.
+    /// Returns for each vertex of the mesh its distance along edges to the sample of its cell, in
+    /// units of length (single precision); infinite where there is no cell.
     pub fn distances(&self) -> &[f32] {
         &self.distances
     }
 
-    /// The largest distance of a vertex that is in a cell; 0 when there is none.
+    /// Returns the largest distance of a vertex that is in a cell; 0 when there is none.
     pub fn radius(&self) -> f32 {
         self.distances.iter().copied().filter(|d| d.is_finite()).fold(0.0, f32::max)
     }
 
-    /// The same cells by other vertices: vertex v is what was vertex `old[v]`, if that is one.
+    /// Returns the same cells for other vertices: vertex v is what was vertex `old[v]`, if that is
+    /// one.
     pub(super) fn seen_from(&self, old: &[u32]) -> Self {
         let at = |&v: &u32| v as usize;
         let known = |v: usize| self.of_vertices.get(v).copied().unwrap_or(Self::NONE);
@@ -90,27 +91,29 @@ type Queue = BinaryHeap<Reverse<u64>>;
 const BATCH: usize = 8;
 
 impl Growth {
+    /// Creates the growth of no cells.
     pub fn new(surface: &Surface<'_>, par: Par) -> Result<Self> {
         let mut state = reserved(surface.len())?;
         state.resize_with(surface.len(), || AtomicU64::new(FREE));
         Ok(Self { state, par })
     }
 
-    /// Every vertex is free again.
+    /// Makes every vertex free again.
     pub fn clear(&mut self) {
         self.state.iter_mut().for_each(|state| *state.get_mut() = FREE);
     }
 
+    /// Returns the distance of a vertex from the seed of its cell.
     pub fn distance(&self, v: u32) -> f32 {
         distance_of(self.state[v as usize].load(Ordering::Relaxed))
     }
 
-    /// The cell of a vertex, [`Cells::NONE`] if it is free.
+    /// Returns the cell of a vertex, [`Cells::NONE`] if it is free.
     pub fn cell(&self, v: u32) -> u32 {
         self.state[v as usize].load(Ordering::Relaxed) as u32
     }
 
-    /// Lets all seeds grow, not farther than `cutoff` (relative to the surface's scale).
+    /// Grows all seeds, not farther than `cutoff` (relative to the surface's scale).
     pub fn grow(&self, surface: &Surface<'_>, seeds: &[Seed], cutoff: f32) {
         if self.par.threads() == 1 {
             let mut queue = Queue::new();
@@ -125,7 +128,7 @@ impl Growth {
         });
     }
 
-    /// Lets what is grown up to the cut-off go on to all that it can reach.
+    /// Continues the growth of what is grown up to the cut-off to all vertices that it can reach.
     pub fn grow_on(&self, surface: &Surface<'_>) {
         let free = |v: u32| self.state[v as usize].load(Ordering::Relaxed) == FREE;
         let mut queue = Queue::new();
@@ -194,7 +197,8 @@ impl Growth {
         false
     }
 
-    /// What is grown, distances in units of length: [`Surface::scale`] times those relative to it.
+    /// Returns the grown cells, distances in units of length: [`Surface::scale`] times the relative
+    /// ones.
     pub fn cells(&self, scale: f64) -> Cells {
         let vertices = 0..self.state.len() as u32;
         let length = |v: u32| (f64::from(self.distance(v)) * scale) as f32;

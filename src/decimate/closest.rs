@@ -16,8 +16,8 @@ pub(super) struct Found {
     pub square: f64,
 }
 
-/// The nearest point of the surface that a walk from a vertex meets: over the vertices first, then
-/// over faces, downhill.
+/// Returns the nearest point of the surface that a walk from a vertex meets: over the vertices
+/// first, then over faces, downhill.
 pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
     let mut best: Option<Found> = None;
     let mut around = [Some(downhill(surface, from, p)), None];
@@ -45,7 +45,8 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
     }
 }
 
-/// The same for a vertex of the new mesh with this anchor: along the boundary if it is there.
+/// Returns the same for a vertex of the new mesh with this anchor: along the boundary if the vertex
+/// is there.
 pub(super) fn nearest(
     surface: &Surface<'_>,
     anchor: u32,
@@ -55,7 +56,7 @@ pub(super) fn nearest(
     if is_on_boundary { on_boundary(surface, anchor, p) } else { on_surface(surface, anchor, p) }
 }
 
-/// The same along the boundary, from a vertex there.
+/// Returns the same along the boundary, from a vertex there.
 pub(super) fn on_boundary(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
     let mut best: Option<(f64, [u32; 2], f64)> = None;
     let mut at = from;
@@ -123,7 +124,7 @@ fn along(a: Vector, b: Vector, p: Vector) -> f64 {
     if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
 }
 
-/// The nearest point of a face of `mesh` and its barycentric coordinates.
+/// Returns the nearest point of a face of `mesh` and its barycentric coordinates.
 pub(super) fn on_face(mesh: &TriMesh, face: u32, p: Vector) -> (Vector, [f64; 3]) {
     nearest_on_triangle(mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]), p)
 }

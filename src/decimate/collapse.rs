@@ -13,9 +13,9 @@ use crate::mesh::vector::Vector;
 /// length.
 const LOSS: f64 = 0.15;
 
-/// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First
-/// without turning faces over or losing thin parts, then without making faces intersect, then, if
-/// that is not enough, at any rate.
+/// Collapses the shortest edges that can be, until `n` vertices are left, and returns how many are
+/// left. Collapses first without turning faces over or losing thin parts, then without making faces
+/// intersect, then, if that is not enough, in any case.
 pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
     if patch.count <= n {
         return patch.count;

@@ -23,7 +23,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Between `first` and `second`. O(V log F).
+    /// Measures the distances between `first` and `second` in O(V log F).
     ///
     /// ```
     /// use catamaran::{Par, decimate::Difference, mesh::families};

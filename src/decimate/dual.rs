@@ -7,7 +7,8 @@ use crate::base::Par;
 /// Vertices or faces that one thread takes at a time.
 const BLOCK: usize = 1 << 16;
 
-/// The input triangles with three cells each, as faces between cells, in the order of the input.
+/// Returns the input triangles with three cells each, as faces between cells, in the order of the
+/// input.
 pub(super) fn faces(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u32; 3]> {
     let all = surface.mesh.faces();
     let blocks = par.map_blocks(all.len(), BLOCK, |range| {
@@ -17,8 +18,8 @@ pub(super) fn faces(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u3
     blocks.concat()
 }
 
-/// Every three-cycle of the graph of cells (thesis, section 5.3.3), the way a triangle of the input
-/// with these cells runs if there is one, ascending else. Not a manifold in general.
+/// Returns every three-cycle of the graph of cells (thesis, section 5.3.3), oriented as a triangle
+/// of the input with these cells if there is one, ascending else. Not a manifold in general.
 pub(super) fn three_cycles(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u32; 3]> {
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for v in 0..surface.len() as u32 {

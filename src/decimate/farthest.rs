@@ -32,7 +32,7 @@ pub struct FarthestPoints<'m> {
 }
 
 impl<'m> FarthestPoints<'m> {
-    /// The first sample only: vertex `first`, or else the lowest that a face has.
+    /// Takes the first sample: vertex `first`, or by default the lowest that a face has.
     ///
     /// # Errors
     /// [`Error::Argument`] when no face has vertex `first`, [`Error::Mesh`] when there is no face,
@@ -44,8 +44,8 @@ impl<'m> FarthestPoints<'m> {
         Ok(Self { surface, sampler })
     }
 
-    /// Adds samples until there are n; does nothing when there are. A callback may cancel: the
-    /// samples so far stay.
+    /// Adds samples until there are n; does nothing when there already are. A callback may cancel:
+    /// the samples so far stay.
     ///
     /// # Errors
     /// [`Error::Argument`] when there are not that many vertices with faces, [`Error::Cancelled`].
@@ -53,12 +53,25 @@ impl<'m> FarthestPoints<'m> {
         self.sampler.extend_to(&self.surface, n, progress)
     }
 
-    /// The samples, in the order in which they were taken.
+    /// Returns the samples, in the order in which they were taken.
     pub fn samples(&self) -> &[u32] {
         &self.sampler.samples
     }
 
-    /// The cells of the samples, by their place in [`FarthestPoints::samples`].
+    /// Returns the cells of the samples, numbered as [`FarthestPoints::samples`].
+    ///
+    /// ```
+    /// use catamaran::{base::Progress, decimate::FarthestPoints, mesh::families};
+    ///
+    /// let line = families::grid(10, 1)?;
+    /// let mut points = FarthestPoints::new(&line, Some(0))?;
+    /// points.extend_to(2, Progress::none())?;
+    /// let cells = points.cells();
+    /// let far = points.samples()[1] as usize;
+    /// assert_eq!((cells.of_vertices()[0], cells.of_vertices()[far]), (0, 1));
+    /// assert!((cells.radius() - 1.0).abs() < 1e-5);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn cells(&self) -> Cells {
         self.sampler.growth.cells(self.surface.scale)
     }
@@ -80,7 +93,7 @@ pub(super) struct Sampler {
 const WAITING: f32 = 0.9;
 
 impl Sampler {
-    /// Without samples.
+    /// Creates a sampler without samples.
     pub fn empty(surface: &Surface<'_>, par: Par) -> Result<Self> {
         Ok(Self {
             growth: Growth::new(surface, par)?,
@@ -90,14 +103,14 @@ impl Sampler {
         })
     }
 
-    /// Goes on to a surface with more vertices, these after those that were there: samples stay,
-    /// cells have to grow anew.
+    /// Continues on a surface with more vertices, which come after those that were there: samples
+    /// stay, cells have to grow anew.
     pub fn move_to(&mut self, surface: &Surface<'_>, par: Par) -> Result<()> {
         self.growth = Growth::new(surface, par)?;
         Ok(())
     }
 
-    /// The first sample, and its cell, which is the whole component.
+    /// Takes the first sample, and its cell, which is the whole component.
     pub fn start(&mut self, surface: &Surface<'_>, first: u32) {
         self.growth.clear();
         self.samples = vec![first];
@@ -106,15 +119,17 @@ impl Sampler {
         self.growth.grow(surface, &seeds(&self.samples, 0), f32::INFINITY);
     }
 
+    /// Returns the samples.
     pub fn samples(&self) -> &[u32] {
         &self.samples
     }
 
+    /// Returns the growth of the cells.
     pub fn growth(&self) -> &Growth {
         &self.growth
     }
 
-    /// For samples in batches.
+    /// Returns the growth and the samples, for samples in batches.
     pub fn in_batches(&mut self) -> (&mut Growth, &mut Vec<u32>) {
         (&mut self.growth, &mut self.samples)
     }
@@ -174,7 +189,7 @@ fn waiting_key(distance: f32, v: u32) -> u64 {
     u64::from(distance.to_bits()) << 32 | u64::from(!v)
 }
 
-/// Vertex `first`, or the lowest with a face.
+/// Returns vertex `first`, or the lowest with a face.
 pub(super) fn first_sample(surface: &Surface<'_>, first: Option<u32>) -> Result<u32> {
     let has_face = |v: u32| (v as usize) < surface.len() && !surface.links(v).is_empty();
     match first {

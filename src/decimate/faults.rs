@@ -7,8 +7,9 @@ use crate::base::Par;
 /// Vertices that one thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
-/// Of the `doubtful` cells and their neighbours, those that have to be split before the dual is a
-/// triangulation of the surface, ascending. `sizes` are the numbers of vertices of all cells.
+/// Returns, of the `doubtful` cells and their neighbours, those that have to be split before the
+/// dual is a triangulation of the surface, ascending. `sizes` are the numbers of vertices of all
+/// cells.
 ///
 /// A cell is the part of the surface around its vertices; two cells meet along arcs across their
 /// mixed edges, three in the corners within triangles of three cells. The dual is a triangulation

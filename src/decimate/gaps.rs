@@ -39,7 +39,7 @@ pub(super) struct Gaps<'a, 's> {
 const SAMPLES: [Vector; 4] = [[1.0 / 3.0; 3], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
 
 impl<'a, 's> Gaps<'a, 's> {
-    /// With the cell of each vertex of the surface, of so many cells.
+    /// Creates the gaps of a surface from the cell of each of its vertices, of `count` cells.
     pub fn new(
         surface: &'a Surface<'s>,
         cell_of: impl IntoIterator<Item = u32>,
@@ -59,8 +59,8 @@ impl<'a, 's> Gaps<'a, 's> {
         self.cells.get(v as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// From the vertex in the cell of v that is farthest from the new mesh; `None` when none is
-    /// farther than `least`.
+    /// Returns the gap from the vertex in the cell of v that is farthest from the new mesh; `None`
+    /// when none is farther than `least`.
     pub fn of_cell(&self, patch: &Patch, v: u32, least: f64) -> Option<Gap> {
         let mut widest: Option<Gap> = None;
         for &near in self.cell(v) {
@@ -87,8 +87,8 @@ impl<'a, 's> Gaps<'a, 's> {
         widest
     }
 
-    /// From the middle of a face or of its edges, whichever is farthest from the surface; `None`
-    /// when none is farther than `least`.
+    /// Returns the gap from the middle of a face or of its edges, whichever is farthest from the
+    /// surface; `None` when none is farther than `least`.
     pub fn of_face(&self, patch: &Patch, f: u32, least: f64) -> Option<Gap> {
         let face = patch.face(f as usize)?;
         let corners = patch.corners_at(face);

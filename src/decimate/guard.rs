@@ -22,12 +22,12 @@ fn intersections_of(patch: &Patch, faces: &[u32]) -> usize {
     intersections(patch, faces, &corners)
 }
 
-/// Whether an edge may flip.
+/// Returns whether an edge may flip.
 pub(super) fn allows_flip(patch: &Patch, flip: &Flip) -> bool {
     allows(patch, &flip.old, &flip.new.map(|face| patch.corners_at(face)))
 }
 
-/// Whether the edge from a to b may collapse into p.
+/// Returns whether the edge from a to b may collapse into p.
 pub(super) fn allows_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> bool {
     let of_b = patch.around(b).iter().filter(|f| !patch.faces[**f as usize].contains(&a));
     let old: Vec<u32> = patch.around(a).iter().chain(of_b).copied().collect();
@@ -37,17 +37,17 @@ pub(super) fn allows_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> bool 
     allows(patch, &old, &new)
 }
 
-/// Whether v may move to p.
+/// Returns whether v may move to p.
 pub(super) fn allows_move(patch: &Patch, v: u32, p: Vector) -> bool {
     allows(patch, patch.around(v), &faces_with(patch, v, p))
 }
 
-/// Whether fewer faces would intersect, were v at p.
+/// Returns whether fewer faces would intersect, were v at p.
 pub(super) fn untangles_move(patch: &Patch, v: u32, p: Vector) -> bool {
     untangles(patch, patch.around(v), &faces_with(patch, v, p))
 }
 
-/// Whether fewer faces would intersect, were an edge flipped.
+/// Returns whether fewer faces would intersect, were an edge flipped.
 pub(super) fn untangles_flip(patch: &Patch, flip: &Flip) -> bool {
     untangles(patch, &flip.old, &flip.new.map(|face| patch.corners_at(face)))
 }
@@ -71,7 +71,7 @@ fn intersections(patch: &Patch, without: &[u32], triangles: &[Corners]) -> usize
     count
 }
 
-/// Moves vertices all at once, but for those by which faces would intersect that do not yet.
+/// Moves vertices all at once, except those that would make faces intersect that do not yet.
 pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
     let mut before: Vec<Option<Move>> = vec![None; moves.len()];
     for (v, found) in (0..).zip(moves) {

@@ -4,13 +4,13 @@ use super::patch::Patch;
 use crate::mesh::nearest_on_triangle;
 use crate::mesh::vector::{Vector, cross, dot, norm, square, sub, unit};
 
-/// From the nearest point of the faces around v, were it at p, to q.
+/// Returns the vector from the nearest point of the faces around v, were it at p, to q.
 pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector {
     gap(patch, q, patch.around(v).iter(), [v, v], p)
 }
 
-/// How far the ends of the edge from a to b would be from the faces around p, were it collapsed to
-/// that.
+/// Returns how far the ends of the edge from a to b would be from the faces around p, were the edge
+/// collapsed to p.
 pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 {
     let lost = |q: u32| {
         let without = |v: u32| move |f: &&u32| !patch.faces[**f as usize].contains(&v);
@@ -21,7 +21,7 @@ pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 
     lost(a).max(lost(b))
 }
 
-/// How far the edge from a to b is from that from c to d, along the normal of both.
+/// Returns how far the edge from a to b is from the edge from c to d, along the normal of both.
 pub(super) fn loss_of_flip(patch: &Patch, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> f64 {
     let [a, b, c, d] = [a, b, c, d].map(|v| patch.position(v));
     dot(sub(c, a), unit(cross(sub(b, a), sub(d, c)))).abs()

@@ -1,6 +1,6 @@
 use crate::base::{Par, Progress, builder};
 
-/// How faces are found and vertices placed.
+/// How the faces of the result are found and its vertices placed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
     /// Farthest points in batches, the dual triangulation made manifold, Lloyd passes, vertices
@@ -14,6 +14,15 @@ pub enum Method {
 }
 
 /// Options of [`decimate`](super::decimate()).
+///
+/// ```
+/// use catamaran::{decimate::{DecimateOptions, decimate}, mesh::families};
+///
+/// let options = DecimateOptions::new().lloyd(2).relaxation(0).first(5);
+/// let found = decimate(&families::icosphere(2)?, 50, &options)?;
+/// assert_eq!(found.mesh.faces().len(), 96);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct DecimateOptions<'a> {

@@ -36,6 +36,7 @@ pub(super) struct Sides {
 }
 
 impl Patch {
+    /// Creates a patch of these vertices and faces.
     pub fn new(positions: Vec<Vector>, anchors: Vec<u32>, faces: Vec<[u32; 3]>) -> Self {
         let mut around = vec![Vec::with_capacity(8); positions.len()];
         for (face, f) in faces.iter().zip(0..) {
@@ -53,7 +54,7 @@ impl Patch {
         patch
     }
 
-    /// A tree of the faces that are there now.
+    /// Builds a tree of the faces that are there now.
     pub fn plant_tree(&mut self) {
         self.tree = BoxTree::new(self.faces.len(), |f| self.bounds(f as u32));
     }
@@ -65,7 +66,7 @@ impl Patch {
         late.filter(|&f| self.bounds(f).is_some_and(|own| own.meets(bounds))).for_each(found);
     }
 
-    /// The tree: of all faces after [`Patch::plant_tree`], until one is added.
+    /// Returns the tree: of all faces after [`Patch::plant_tree`], until one is added.
     pub fn tree(&self) -> &BoxTree {
         &self.tree
     }
@@ -83,35 +84,37 @@ impl Patch {
         }
     }
 
+    /// Returns the positions of all vertices.
     pub fn positions(&self) -> &[Vector] {
         &self.positions
     }
 
+    /// Returns the position of v.
     pub fn position(&self, v: u32) -> Vector {
         self.positions[v as usize]
     }
 
-    /// Where the corners of face f are, which must be there.
+    /// Returns the positions of the corners of face f, which must be there.
     pub fn corners_of(&self, f: u32) -> Corners {
         self.corners_at(self.faces[f as usize])
     }
 
-    /// Where the corners of a face are.
+    /// Returns the positions of the corners of a face.
     pub fn corners_at(&self, face: [u32; 3]) -> Corners {
         face.map(|v| self.positions[v as usize])
     }
 
-    /// Where the corners of a face would be, were the vertices `moved` at p.
+    /// Returns the positions that the corners of a face would have, were the vertices `moved` at p.
     pub fn corners_with(&self, face: [u32; 3], moved: [u32; 2], p: Vector) -> Corners {
         face.map(|v| if moved.contains(&v) { p } else { self.positions[v as usize] })
     }
 
-    /// Puts a vertex elsewhere, of which the tree is to be told ([`Patch::plant_tree`]).
+    /// Moves a vertex; the caller rebuilds the tree ([`Patch::plant_tree`]).
     pub fn displace(&mut self, v: u32, p: Vector) {
         self.positions[v as usize] = p;
     }
 
-    /// Puts a vertex elsewhere.
+    /// Moves a vertex.
     pub fn place(&mut self, v: u32, p: Vector) {
         self.positions[v as usize] = p;
         for i in 0..self.around[v as usize].len() {
@@ -119,17 +122,18 @@ impl Patch {
         }
     }
 
-    /// Puts a vertex elsewhere, with its anchor there.
+    /// Moves a vertex and its anchor.
     pub fn move_to(&mut self, v: u32, (p, anchor): Move) {
         self.place(v, p);
         self.anchors[v as usize] = anchor;
     }
 
+    /// Returns the faces around v.
     pub fn around(&self, v: u32) -> &[u32] {
         &self.around[v as usize]
     }
 
-    /// The neighbours of v, each once.
+    /// Returns the neighbours of v, each once.
     pub fn neighbours(&self, v: u32) -> Vec<u32> {
         let mut neighbours = Vec::with_capacity(12);
         for &f in self.around(v) {
@@ -142,13 +146,14 @@ impl Patch {
         neighbours
     }
 
+    /// Returns the faces on both sides of the edge from a to b.
     pub fn sides(&self, a: u32, b: u32) -> Option<Sides> {
         let with_b = |&f: &u32| self.faces[f as usize].contains(&b);
         let mut sides = self.around(a).iter().copied().filter(with_b);
         Some(Sides { first: sides.next()?, second: sides.next() })
     }
 
-    /// The corner of face f that is neither a nor b.
+    /// Returns the corner of face f that is neither a nor b.
     pub fn opposite(&self, f: u32, a: u32, b: u32) -> u32 {
         let [x, y, z] = self.faces[f as usize];
         if x != a && x != b {
@@ -160,7 +165,7 @@ impl Patch {
         }
     }
 
-    /// All edges, each once, the lower vertex first, in the order of faces.
+    /// Returns all edges, each once, the lower vertex first, in the order of faces.
     pub fn edges(&self) -> Vec<[u32; 2]> {
         let mut edges = Vec::with_capacity(3 * self.count);
         for (&[a, b, c], f) in self.faces.iter().zip(0..) {
@@ -176,34 +181,36 @@ impl Patch {
         edges
     }
 
-    /// The mean length of all edges; 0 without.
+    /// Returns the mean length of all edges; 0 without edges.
     pub fn mean_length(&self) -> f64 {
         let edges = self.edges();
         let total: f64 = edges.iter().map(|&[a, b]| self.length(a, b)).sum();
         total / edges.len().max(1) as f64
     }
 
-    /// The corners of a face, if it is still there.
+    /// Returns the corners of a face, if it is still there.
     pub fn face(&self, f: usize) -> Option<[u32; 3]> {
         Some(self.faces[f]).filter(|&face| face != GONE)
     }
 
+    /// Returns the middle of the edge from a to b.
     pub fn middle(&self, a: u32, b: u32) -> Vector {
         middle(self.positions[a as usize], self.positions[b as usize])
     }
 
+    /// Returns the length of the edge from a to b.
     pub fn length(&self, a: u32, b: u32) -> f64 {
         distance(self.positions[a as usize], self.positions[b as usize])
     }
 
-    /// Twice the area of a face times its normal.
+    /// Returns twice the area of a face times its normal.
     pub fn normal(&self, face: [u32; 3]) -> Vector {
         let [a, b, c] = face.map(|v| self.positions[v as usize]);
         cross(sub(b, a), sub(c, a))
     }
 
-    /// Whether the edge can be collapsed and leave the same surface: the links of its ends meet in
-    /// the link of the edge (Dey et al., Topology preserving edge contraction, 1999).
+    /// Returns whether the edge can be collapsed and leave the same surface: the links of its ends
+    /// meet in the link of the edge (Dey et al., Topology preserving edge contraction, 1999).
     pub fn can_collapse(&self, a: u32, b: u32) -> bool {
         let Some(Sides { first, second }) = self.sides(a, b) else { return false };
         let both = self.on_boundary[a as usize] && self.on_boundary[b as usize];
@@ -232,7 +239,7 @@ impl Patch {
         })
     }
 
-    /// Whether no face around a, without those at `but`, turns over when a goes to p.
+    /// Returns whether no face around a, except those at `but`, turns over when a moves to p.
     pub fn stays_upright(&self, a: u32, but: Option<u32>, p: Vector) -> bool {
         self.around(a).iter().map(|&f| self.faces[f as usize]).all(|face| {
             if but.is_some_and(|b| face.contains(&b)) {
@@ -297,8 +304,8 @@ impl Patch {
         Some(new)
     }
 
-    /// The faces that would be there if the edge from a to b joined its opposite corners instead;
-    /// `None` when it can't.
+    /// Returns the faces that would be there if the edge from a to b joined its opposite corners
+    /// instead; `None` when it can't.
     pub fn flipped(&self, a: u32, b: u32) -> Option<Flip> {
         let Sides { first, second: Some(second) } = self.sides(a, b)? else { return None };
         let (c, d) = (self.opposite(first, a, b), self.opposite(second, a, b));
@@ -317,6 +324,7 @@ impl Patch {
         Some(Flip { old: [first, second], ends: [a, b], new: [[c, d, b], [d, c, a]] })
     }
 
+    /// Flips an edge.
     pub fn flip(&mut self, flip: &Flip) {
         let Flip { old: [first, second], ends: [a, b], new } = *flip;
         let [c, d, _] = new[0];
@@ -365,7 +373,7 @@ impl Patch {
         self.count += 3;
     }
 
-    /// Vertices that are there, renumbered: positions, anchors and faces.
+    /// Returns the vertices that are there, renumbered: positions, anchors and faces.
     pub fn compact(self) -> (Vec<Vector>, Vec<u32>, Vec<bool>, Vec<[u32; 3]>) {
         let kept: Vec<usize> =
             (0..self.positions.len()).filter(|&v| !self.around[v].is_empty()).collect();

@@ -22,7 +22,8 @@ pub(super) struct Prepared<'m> {
 const NEW: u32 = u32::MAX;
 
 impl Prepared<'_> {
-    /// The same with edges no longer than `longest`; vertices that were there keep their numbers.
+    /// Returns the surface with edges no longer than `longest`; vertices that were there keep their
+    /// numbers.
     pub fn refined(
         &self,
         longest: f64,
@@ -47,7 +48,7 @@ impl Prepared<'_> {
     }
 }
 
-/// The input, cut where it is not a manifold, and oriented if it can be.
+/// Prepares the input: cuts it where it is not a manifold, and orients it if it can be.
 ///
 /// # Errors
 /// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex at which no cut

@@ -30,6 +30,7 @@ pub(super) struct Quadrics<'a, 's> {
 }
 
 impl<'a, 's> Quadrics<'a, 's> {
+    /// Creates the quadrics of a surface.
     pub fn new(surface: &'a Surface<'s>, par: Par) -> Self {
         let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
             range.map(|v| Planes::at(surface, v)).collect::<Vec<_>>()
@@ -37,9 +38,9 @@ impl<'a, 's> Quadrics<'a, 's> {
         Self { surface, at: blocks.concat() }
     }
 
-    /// The point of least square distance from `target` and from the planes of the surface that is
-    /// nearer to v than to its neighbours (Garland and Heckbert, Surface Simplification Using
-    /// Quadric Error Metrics, 1997), no farther than `length` from `target`.
+    /// Returns the point of least square distance from `target` and from the planes of the surface
+    /// that is nearer to v than to its neighbours (Garland and Heckbert, Surface Simplification
+    /// Using Quadric Error Metrics, 1997), no farther than `length` from `target`.
     ///
     /// Planes weigh the more, the better they meet in a line or a point, and the more they differ:
     /// where the surface is sharp or thin, vertices go to its creases, corners and tips; elsewhere

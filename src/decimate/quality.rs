@@ -27,7 +27,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// The measures of `mesh`; all 0 when it has no face.
+    /// Computes the measures of `mesh`; all 0 when the mesh has no face.
     ///
     /// ```
     /// use catamaran::{decimate::Quality, mesh::families};

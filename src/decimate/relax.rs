@@ -19,10 +19,10 @@ const BLOCK: usize = 512;
 /// must end.
 const SWEEPS: usize = 4;
 
-/// Passes: edges flipped towards six at each vertex, in the last passes to be Delaunay; short edges
-/// exchanged for long ones, but in the last passes; vertices moved to the centroids of their faces
-/// and back onto the surface, or to its creases and tips; at the end off it by half its height
-/// above the faces. Handles narrow for edges of the length `narrow` are cut.
+/// Runs passes over the mesh: edges flipped towards six at each vertex, in the last passes to be
+/// Delaunay; short edges exchanged for long ones, except in the last passes; vertices moved to the
+/// centroids of their faces and back onto the surface, or to its creases and tips; at the end off
+/// it by half its height above the faces. Handles narrow for edges of the length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,

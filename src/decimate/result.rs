@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::prepare::Repairs;
 use crate::mesh::{Genus, TriMesh};
 
-/// What the decimation of a mesh gives.
+/// The result of a decimation.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Decimation {
@@ -35,18 +35,19 @@ pub struct Place {
 }
 
 impl Place {
-    /// The value here of a function that is linear on the face and has these values at its corners.
+    /// Returns the value here of a function that is linear on the face and has these values at its
+    /// corners.
     pub(super) fn mix<const N: usize>(&self, values: [[f64; N]; 3]) -> [f64; N] {
         std::array::from_fn(|k| (0..3).map(|i| self.weights[i] * values[i][k]).sum())
     }
 
-    /// The corner of its face that it is nearest to in these coordinates, 0 to 2.
+    /// Returns the corner of the face that the place is nearest to in these coordinates, 0 to 2.
     pub(super) fn heaviest(&self) -> usize {
         (0..3).max_by(|&i, &j| self.weights[i].total_cmp(&self.weights[j])).unwrap_or(0)
     }
 }
 
-/// What deformations leave as it is.
+/// The topology of a surface: what deformations leave as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Topology {
     /// Connected components.

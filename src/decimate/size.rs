@@ -4,9 +4,9 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{Edges, TriMesh};
 
-/// The length of the edges when `n` vertices are spread over an area by equilateral triangles, of
-/// which there are 2 n: sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of length. (The
-/// thesis has 3 n triangles and a factor 2, which would be right for neither.)
+/// Computes the length of the edges when `n` vertices are spread over an area by equilateral
+/// triangles, of which there are 2 n: sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of
+/// length. (The thesis has 3 n triangles and a factor 2, which would be right for neither.)
 ///
 /// ```
 /// use catamaran::decimate::edge_length_for;
@@ -27,8 +27,8 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
     Ok((2.0 * area / (n as f64 * 3f64.sqrt())).sqrt())
 }
 
-/// The number of vertices at which edges are `length` long: the inverse of [`edge_length_for`],
-/// rounded, at least 1.
+/// Computes the number of vertices at which edges are `length` long: the inverse of
+/// [`edge_length_for`], rounded, at least 1.
 ///
 /// ```
 /// use catamaran::decimate::{edge_length_for, vertices_for_edge_length};
@@ -51,9 +51,9 @@ pub fn vertices_for_edge_length(area: f64, length: f64) -> Result<usize> {
     Ok((n.round() as usize).max(1))
 }
 
-/// The number of vertices at which a decimation of `mesh` has `faces` faces: exactly, to one face,
-/// where the mesh is closed; where it has a boundary, along which edges are about as long as
-/// elsewhere, about.
+/// Computes the number of vertices at which a decimation of `mesh` has `faces` faces. For a closed
+/// mesh the number is exact, to one face; for a mesh with boundary, along which edges are taken to
+/// be as long as elsewhere, it is an estimate.
 ///
 /// ```
 /// use catamaran::{decimate::vertices_for_faces, mesh::families};

@@ -1,4 +1,4 @@
-//! The whole of it: from a mesh and a number to a mesh of that many vertices.
+//! The whole decimation: from a mesh and a number to a mesh of that many vertices.
 
 use std::borrow::Cow;
 
@@ -25,7 +25,7 @@ use crate::base::{Error, Progress, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{TriMesh, vertex_areas};
 
-/// The mesh of `n` vertices that is like `mesh`, as uniform as can be.
+/// Decimates `mesh` to `n` vertices: a mesh of the same shape and topology, as uniform as possible.
 ///
 /// ```
 /// use catamaran::{decimate::{DecimateOptions, decimate}, mesh::families};
@@ -47,7 +47,7 @@ pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Resu
 /// the result: a cell has vertices on all sides then.
 const FINE: f64 = 0.7;
 
-/// Decimations of one mesh to several sizes.
+/// Decimator of one mesh to several sizes.
 ///
 /// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels
 /// of detail are nested in where they start from; a smaller one has the first of them.
@@ -120,7 +120,7 @@ fn component_of(surface: &Surface<'_>, components: &[Component], v: u32) -> usiz
 }
 
 impl<'m, 'o> Decimator<'m, 'o> {
-    /// Looks at the mesh, and repairs what is no manifold.
+    /// Prepares the mesh: checks it, and repairs it where it is not a manifold.
     ///
     /// # Errors
     /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex at
@@ -131,7 +131,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         Ok(Self { input: mesh, options: *options, source })
     }
 
-    /// The mesh of `n` vertices.
+    /// Decimates the mesh to `n` vertices.
     ///
     /// # Errors
     /// [`Error::Argument`] when n is more than can be numbered, or fewer than the topology needs: 4

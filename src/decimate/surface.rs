@@ -86,6 +86,7 @@ fn scale_of(mesh: &TriMesh) -> Result<f64> {
 }
 
 impl<'m> Surface<'m> {
+    /// Creates the surface of a manifold mesh.
     /// # Errors
     /// [`Error::Mesh`] that names a vertex whose faces are not one fan, or says that lengths are
     /// out of range; [`Error::OutOfMemory`].
@@ -99,7 +100,8 @@ impl<'m> Surface<'m> {
         }
     }
 
-    /// With the first vertex whose faces are not one fan: then only the mesh is of use.
+    /// Creates the surface, and returns the first vertex whose faces are not one fan: where there
+    /// is one, only the mesh is of use.
     ///
     /// # Errors
     /// As those of [`Surface::new`] but for this one.
@@ -122,7 +124,8 @@ impl<'m> Surface<'m> {
         Self::from_blocks(mesh, faces_of, blocks, scale)
     }
 
-    /// The same of any mesh, edges not in rotational order, nothing known of the boundary.
+    /// Creates the surface of any mesh, edges not in rotational order, nothing known of the
+    /// boundary.
     pub fn of_edges(mesh: Cow<'m, TriMesh>, par: Par) -> Result<Self> {
         let scale = scale_of(&mesh)?;
         let neighbours = mesh.vertex_neighbors();
@@ -166,19 +169,19 @@ impl<'m> Surface<'m> {
         Ok((Self { mesh, faces_of, starts, links, on_boundary, scale, oriented }, broken))
     }
 
-    /// The edges at a vertex, in the order in which one turns around it.
+    /// Returns the edges at a vertex, in the order in which one turns around it.
     pub fn links(&self, v: u32) -> &[Link] {
         &self.links[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 
-    /// The neighbours of v along the boundary, if it is there.
+    /// Returns the neighbours of v along the boundary, if v is there.
     pub fn along_boundary(&self, v: u32) -> Option<[u32; 2]> {
         let links = self.links(v);
         let ends = [links.first()?.to, links.last()?.to];
         self.on_boundary[v as usize].then_some(ends)
     }
 
-    /// The length of the longest edge, in units of length.
+    /// Returns the length of the longest edge, in units of length.
     pub fn longest_edge(&self, par: Par) -> f64 {
         let blocks = par.map_blocks(self.links.len(), 8 * BLOCK, |range| {
             self.links[range].iter().map(|link| link.length).fold(0.0, f32::max)
@@ -186,10 +189,12 @@ impl<'m> Surface<'m> {
         f64::from(blocks.into_iter().fold(0.0, f32::max)) * self.scale
     }
 
+    /// Returns the number of vertices.
     pub fn len(&self) -> usize {
         self.on_boundary.len()
     }
 
+    /// Returns the position of v.
     pub fn position(&self, v: u32) -> [f64; 3] {
         self.mesh.vertices()[v as usize]
     }

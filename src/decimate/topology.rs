@@ -12,13 +12,14 @@ pub(super) struct Component {
 }
 
 impl Component {
-    /// The vertices that it needs: those of a tetrahedron, or of a triangle.
+    /// Returns the number of vertices that the component needs: those of a tetrahedron, or of a
+    /// triangle.
     pub fn least_vertices(&self) -> usize {
         if self.closed { 4 } else { 3 }
     }
 }
 
-/// The components, by their lowest vertices.
+/// Returns the components, by their lowest vertices.
 pub(super) fn components(surface: &Surface<'_>) -> Vec<Component> {
     let mut seen = vec![false; surface.len()];
     let mut found = Vec::new();
@@ -43,7 +44,7 @@ pub(super) fn components(surface: &Surface<'_>) -> Vec<Component> {
     found
 }
 
-/// Of these components.
+/// Returns the topology of these components.
 pub(super) fn topology(surface: &Surface<'_>, components: usize) -> Topology {
     let (mut vertices, mut ends) = (0i64, 0i64);
     let mut loops = 0;

@@ -15,10 +15,23 @@ use crate::mesh::TriMesh;
 const BLOCK: usize = 4096;
 
 impl Decimation {
-    /// The matrix that takes functions on the new mesh to the input, one row for each vertex of the
-    /// input, one column for each of the new mesh: the barycentric coordinates of the point nearest
-    /// to the vertex that is found by walking from the vertex of its cell. At most three entries a
-    /// row, positive, of sum 1; none in rows of vertices without a face.
+    /// Computes the matrix that takes functions on the new mesh to the input, one row for each
+    /// vertex of the input, one column for each of the new mesh: the barycentric coordinates of the
+    /// point nearest to the vertex that is found by walking from the vertex of its cell. At most
+    /// three entries a row, positive, of sum 1; none in rows of vertices without a face.
+    ///
+    /// ```
+    /// use catamaran::{Par, decimate::{DecimateOptions, decimate}, mesh::families};
+    ///
+    /// let sphere = families::icosphere(2)?;
+    /// let found = decimate(&sphere, 60, &DecimateOptions::new())?;
+    /// let weights = found.weights(&sphere, Par::Seq)?;
+    /// assert_eq!(weights.shape(), (162, 60));
+    /// for row in weights.outer_iterator() {
+    ///     assert!((row.data().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    /// }
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when `input` has not as many vertices as the mesh that was decimated,

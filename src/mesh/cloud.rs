@@ -51,7 +51,7 @@ const DISORDER: f64 = 1e-6;
 /// Sine of an angle of pi at a point of a straight boundary, for all that the disorder makes of it.
 const FLAT: f64 = 1e-4;
 
-/// The Laplacian of the surface that points were sampled from.
+/// Computes the Laplacian of the surface that `points` were sampled from.
 ///
 /// Around each point its nearest ones are projected into the plane that fits best, where the
 /// point's triangles of the Delaunay triangulation are taken; the tufted Laplacian of all of these

@@ -12,7 +12,7 @@ const BLOCK: usize = 1024;
 /// Points spread over each surface, beside its vertices.
 const SAMPLES: usize = 100_000;
 
-/// How far a surface is from another one.
+/// Distances from one surface to another one, in units of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct OneSided {
@@ -125,6 +125,7 @@ struct Near {
 }
 
 impl Triangles {
+    /// Creates the face tree of a mesh.
     pub fn of(mesh: &TriMesh) -> Self {
         let corners = mesh.faces().iter().map(|&face| mesh.corners_of(face));
         Self(RTree::bulk_load(corners.map(Triangle).collect()))
@@ -137,13 +138,15 @@ impl Triangles {
         Some(Near { square: triangle.distance_2(&p), normal })
     }
 
-    /// The squared distance of each point from the nearest face; 0 when there is none.
+    /// Returns the squared distance of each point from the nearest face; 0 when the mesh has no
+    /// face.
     pub fn squares(&self, points: &[Vector], par: Par) -> Vec<f64> {
         squares(points, &self.0, par)
     }
 }
 
-/// The squared distance of each point from what is nearest in the tree; 0 when that is empty.
+/// Returns the squared distance of each point from the nearest item of the tree; 0 when the tree is
+/// empty.
 pub(crate) fn squares<T>(points: &[Vector], tree: &RTree<T>, par: Par) -> Vec<f64>
 where
     T: PointDistance + RTreeObject<Envelope = AABB<Vector>> + Sync,
@@ -171,7 +174,7 @@ impl PointDistance for Triangle {
     }
 }
 
-/// The point of the triangle nearest to p, and its barycentric coordinates.
+/// Returns the point of the triangle nearest to p, and the barycentric coordinates of that point.
 pub(crate) fn nearest_on_triangle(corners: [Vector; 3], p: Vector) -> (Vector, [f64; 3]) {
     let weights = weights_on_triangle(corners, p);
     let ([u, v, w], [a, b, c]) = (weights, corners);

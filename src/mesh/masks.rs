@@ -4,7 +4,16 @@ use super::{HeatMethod, HeatOptions, Part, TriMesh};
 use crate::base::{Error, Par, Result};
 
 impl TriMesh {
-    /// The part of the faces whose three vertices are in the mask.
+    /// Returns the part of the faces whose three vertices are in the mask.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// let square = families::grid(2, 2)?;
+    /// let left = square.masked(&square.half_space([1.0, 0.0, 0.0], 0.5))?;
+    /// assert_eq!(left.faces.len(), 4);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex.
@@ -15,7 +24,17 @@ impl TriMesh {
         self.submesh(&faces)
     }
 
-    /// The vertices at most `radius` from `centre` along the surface (heat method), as a mask.
+    /// Returns a mask of the vertices at most `radius` from the vertex `centre` along the surface,
+    /// by the heat method.
+    ///
+    /// ```
+    /// use catamaran::{Par, mesh::families};
+    ///
+    /// let sphere = families::icosphere(2)?;
+    /// let cap = sphere.ball(0, 0.5, Par::all())?;
+    /// assert!(cap[0] && cap.iter().filter(|&&inside| inside).count() < 20);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`HeatMethod::new`] and [`HeatMethod::distances`].
@@ -24,7 +43,8 @@ impl TriMesh {
         Ok(heat.distances(&[centre])?.into_iter().map(|distance| distance <= radius).collect())
     }
 
-    /// The vertices p with `<normal, p> <= offset`, as a mask.
+    /// Returns a mask of the vertices p with `<normal, p> <= offset`. The example of
+    /// [`TriMesh::masked`] shows its use.
     pub fn half_space(&self, normal: [f64; 3], offset: f64) -> Vec<bool> {
         let below = |p: &[f64; 3]| (0..3).map(|k| normal[k] * p[k]).sum::<f64>() <= offset;
         self.vertices().iter().map(below).collect()

@@ -9,7 +9,7 @@ use crate::base::{Error, Result};
 /// edge: rounding of a degenerate triangle gives no less.
 const FLAT: f64 = 8.0 * f64::EPSILON;
 
-/// To what [`TriMesh::normalized`] scales.
+/// The size to which [`TriMesh::normalized`] scales.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Normalization {
     /// Total area 1, the centroid of the surface at the origin.
@@ -29,23 +29,47 @@ impl TriMesh {
         face.map(|v| self.vertices()[v as usize])
     }
 
-    /// Area of each face.
+    /// Returns the area of each face.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// assert_eq!(families::grid(2, 1)?.face_areas(), [0.25; 4]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn face_areas(&self) -> Vec<f64> {
         self.faces().iter().map(|&f| norm(self.doubled_normal(f)) / 2.0).collect()
     }
 
-    /// Total area.
+    /// Returns the total area.
     pub fn area(&self) -> f64 {
         self.faces().iter().map(|&f| norm(self.doubled_normal(f)) / 2.0).sum()
     }
 
-    /// Unit normal of each face; zero where a face has no area.
+    /// Returns the unit normal of each face; zero for faces without area.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// assert_eq!(families::grid(1, 1)?.face_normals(), [[0.0, 0.0, 1.0]; 2]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn face_normals(&self) -> Vec<[f64; 3]> {
         self.faces().iter().map(|&f| unit(self.doubled_normal(f))).collect()
     }
 
-    /// Unit normal of each vertex, the mean of the normals of its faces weighted by area; zero
-    /// where that is zero.
+    /// Returns the unit normal of each vertex: the mean of the normals of its faces weighted by
+    /// area; zero where that mean is zero.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// let sphere = families::icosphere(2)?;
+    /// let (normal, position) = (sphere.vertex_normals()[7], sphere.vertices()[7]);
+    /// let cosine: f64 = (0..3).map(|k| normal[k] * position[k]).sum();
+    /// assert!(cosine > 0.99);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn vertex_normals(&self) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; self.vertices().len()];
         for &face in self.faces() {
@@ -58,8 +82,17 @@ impl TriMesh {
         sums.into_iter().map(unit).collect()
     }
 
-    /// Volume inside of a closed, oriented mesh, negative when its faces are seen clockwise from
-    /// outside; of other meshes, that of the cones over their faces with tip at the first vertex.
+    /// Returns the volume inside a closed, oriented mesh, negative when its faces are seen
+    /// clockwise from outside. For other meshes, returns the volume of the cones over the faces
+    /// with tip at the first vertex.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// let volume = families::icosphere(3)?.volume();
+    /// assert!((volume / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 0.02);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn volume(&self) -> f64 {
         let Some(&tip) = self.vertices().first() else { return 0.0 };
         let cone = |&face: &[u32; 3]| {
@@ -69,20 +102,37 @@ impl TriMesh {
         self.faces().iter().map(cone).sum::<f64>() / 6.0
     }
 
-    /// Quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the perimeter S and
-    /// longest edge l (thesis, section 5): 1 for equilateral triangles, 0 for those without area.
+    /// Returns the quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the
+    /// perimeter S and longest edge l (thesis, section 5): 1 for equilateral triangles, 0 for
+    /// triangles without area.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// let qualities = families::icosphere(1)?.qualities();
+    /// assert!(qualities.iter().all(|&q| q > 0.8 && q <= 1.0 + 1e-12));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn qualities(&self) -> Vec<f64> {
         self.faces().iter().map(|&face| quality(self.corners_of(face))).collect()
     }
 
-    /// The faces without area: at most 8 eps times the square of their longest edge, which is what
-    /// rounding leaves.
+    /// Returns the faces without area: at most 8 eps times the square of their longest edge, which
+    /// is what rounding leaves.
     pub fn faces_without_area(&self) -> Vec<u32> {
         let flat = |&face: &[u32; 3]| is_flat(self.corners_of(face));
         (0..).zip(self.faces()).filter(|(_, face)| flat(face)).map(|(f, _)| f).collect()
     }
 
-    /// Lowest and highest coordinates of the vertices; `None` when there are none.
+    /// Returns the lowest and the highest coordinates of the vertices; `None` when there are no
+    /// vertices.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// assert_eq!(families::grid(1, 1)?.bounding_box(), Some([[0.0; 3], [1.0, 1.0, 0.0]]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
         let &first = self.vertices().first()?;
         Some(self.vertices().iter().fold([first, first], |[low, high], p| {
@@ -90,7 +140,15 @@ impl TriMesh {
         }))
     }
 
-    /// The mesh moved and scaled, alike in all directions.
+    /// Returns the mesh moved and scaled, alike in all directions.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Normalization, families};
+    ///
+    /// let unit = families::torus(20, 10, 2.0, 0.5)?.normalized(Normalization::UnitArea)?;
+    /// assert!((unit.area() - 1.0).abs() < 1e-12);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] when area or box are zero, or too large to be computed with.
@@ -126,7 +184,7 @@ impl TriMesh {
     }
 }
 
-/// Whether a triangle has no area: at most 8 eps times the square of its longest edge.
+/// Returns whether a triangle has no area: at most 8 eps times the square of its longest edge.
 pub(super) fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
     let edges = [sub(b, a), sub(c, b), sub(a, c)];
     // Scaled, so that squares of small or large lengths are in range.
@@ -139,7 +197,7 @@ pub(super) fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
     norm(cross(ab, ca)) / 2.0 <= FLAT * longest * longest
 }
 
-/// Q of a triangle with these corners, as in [`TriMesh::qualities`].
+/// Returns the quality Q of a triangle with these corners, as in [`TriMesh::qualities`].
 pub(crate) fn quality([a, b, c]: [[f64; 3]; 3]) -> f64 {
     let edges = [sub(b, a), sub(c, b), sub(a, c)];
     let lengths = edges.map(norm);

@@ -1,5 +1,5 @@
-//! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files,
-//! and generated ones.
+//! Triangle meshes: topology, measures, distances, Laplacians, validation, repair, files and
+//! generated families.
 
 mod cloud;
 mod compare;

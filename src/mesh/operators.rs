@@ -7,9 +7,9 @@ use super::TriMesh;
 use super::vector::{Vector, cross, dot, norm, scale, sub};
 use crate::base::{Error, Result};
 
-/// What takes a function (one value a vertex) to its gradient, constant on faces: a matrix of 3 F
-/// rows, F faces, by V columns, V vertices. Rows 3 f to 3 f + 2 are the components x, y, z in face
-/// f, per unit of length.
+/// Returns the matrix that takes a function (one value a vertex) to its gradient, constant on
+/// faces: 3 F rows, F faces, by V columns, V vertices. Rows 3 f to 3 f + 2 are the components x, y,
+/// z in face f, per unit of length.
 ///
 /// ```
 /// use catamaran::mesh::{divergence, families, gradient};
@@ -42,11 +42,11 @@ pub fn gradient(mesh: &TriMesh) -> Result<CsMat<f64>> {
     Ok(CsMat::new((rows, mesh.vertices().len()), starts, columns, values))
 }
 
-/// What takes a vector field constant on faces (3 F values, as [`gradient`] returns them) to its
-/// divergence, integrated against the hat function of each vertex: a matrix D of V rows by 3 F
-/// columns, the adjoint of minus the gradient G. So `D G = -W` with the cotangent stiffness W of
-/// [`laplacian`](fn@super::laplacian), and with a lumped mass M the divergence at vertex v is
-/// `(D x)_v / M_v`.
+/// Returns the matrix that takes a vector field constant on faces (3 F values, as [`gradient`]
+/// returns them) to its divergence, integrated against the hat function of each vertex: V rows by 3
+/// F columns, the adjoint of minus the gradient G. So for this matrix D, `D G = -W` with the
+/// cotangent stiffness W of [`laplacian`](fn@super::laplacian), and with a lumped mass M the
+/// divergence at vertex v is `(D x)_v / M_v`.
 ///
 /// ```
 /// use catamaran::mesh::{LaplacianOptions, divergence, families, gradient, laplacian};
@@ -88,8 +88,8 @@ pub fn divergence(mesh: &TriMesh) -> Result<CsMat<f64>> {
     Ok(CsMat::new((n, 3 * faces.len()), starts, columns, values))
 }
 
-/// A third of the area of the faces at each vertex, in units of area; zero where there are none.
-/// O(V + F).
+/// Returns a third of the area of the faces at each vertex, in units of area; zero for vertices
+/// without faces. O(V + F).
 ///
 /// ```
 /// use catamaran::mesh::{families, vertex_areas};

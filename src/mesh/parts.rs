@@ -15,7 +15,7 @@ pub struct Part {
 }
 
 impl TriMesh {
-    /// The part of these faces, in the order of the mesh, with the vertices that they use.
+    /// Returns the part of these faces, in the order of the mesh, with the vertices that they use.
     ///
     /// ```
     /// use catamaran::mesh::families;
@@ -42,7 +42,16 @@ impl TriMesh {
         self.part(|f| wanted[f as usize])
     }
 
-    /// Component number `component` of `components`, those of this mesh.
+    /// Returns component number `component` of `components`, which must be those of this mesh.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Components, families};
+    ///
+    /// let two = families::spheres(2, 0)?;
+    /// let second = two.component(&Components::new(&two), 1)?;
+    /// assert_eq!((second.mesh.vertices().len(), second.vertices[0]), (12, 12));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when there is none of that number.
@@ -57,7 +66,16 @@ impl TriMesh {
         self.part(|f| own[f as usize] as usize == component)
     }
 
-    /// The mesh without vertices that no face has.
+    /// Returns the mesh without the vertices that no face has.
+    ///
+    /// ```
+    /// use catamaran::mesh::TriMesh;
+    ///
+    /// let vertices = vec![[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let part = TriMesh::new(vertices, vec![[1, 2, 3]])?.without_unreferenced()?;
+    /// assert_eq!((part.mesh.faces(), part.vertices), (&[[0, 1, 2]][..], vec![1, 2, 3]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// None that a mesh could cause.

@@ -13,12 +13,12 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// At a vertex.
+    /// Creates the origin of a vertex that is at vertex `v` of the mesh.
     pub fn vertex(v: u32) -> Self {
         Self { vertices: [v; 3], weights: [1.0, 0.0, 0.0] }
     }
 
-    /// What lies between places of one face, with these shares.
+    /// Returns the origin at the mean of places of one face, with these shares.
     pub(crate) fn between(parts: &[(Self, f64)]) -> Self {
         let mut sum = Self { vertices: [u32::MAX; 3], weights: [0.0; 3] };
         let mut count = 0;
@@ -45,7 +45,7 @@ impl Origin {
         sum
     }
 
-    /// The share of a vertex.
+    /// Returns the share of a vertex.
     pub(crate) fn share(&self, vertex: u32) -> f64 {
         let all = self.vertices.iter().zip(self.weights);
         all.filter(|(v, _)| **v == vertex).map(|(_, weight)| weight).sum()
@@ -54,6 +54,15 @@ impl Origin {
 
 /// A mesh that covers the same surface as another with more vertices and faces: its first vertices
 /// are those of the other.
+///
+/// ```
+/// use catamaran::mesh::{Refined, families};
+///
+/// let refined = Refined::new(families::grid(1, 1)?);
+/// assert_eq!(refined.faces, [0, 1]);
+/// assert_eq!(refined.shares(&[true, false])?, [1.0, 0.0]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
     /// The finer mesh.
@@ -65,14 +74,15 @@ pub struct Refined {
 }
 
 impl Refined {
-    /// The mesh itself, not refined.
+    /// Creates a refinement that is the mesh itself.
     pub fn new(mesh: TriMesh) -> Self {
         let faces = (0..mesh.faces().len() as u32).collect();
         let vertices = (0..mesh.vertices().len() as u32).map(Origin::vertex).collect();
         Self { mesh, faces, vertices }
     }
 
-    /// What `finer`, made of this one's mesh, is of the mesh that this one was made of.
+    /// Returns the composition of two refinements: `finer`, a refinement of the mesh of this one,
+    /// as a refinement of the mesh that this one refines.
     #[must_use]
     pub fn then(&self, finer: Refined) -> Self {
         let faces = finer.faces.iter().map(|&f| self.faces[f as usize]).collect();
@@ -86,9 +96,9 @@ impl Refined {
         Self { mesh: finer.mesh, faces, vertices }
     }
 
-    /// For each face of the coarser mesh, the share of its area that pieces in the mask cover:
-    /// exactly 0 or 1 where none or all of its pieces are. Without area, the share of the number of
-    /// pieces.
+    /// Returns for each face of the coarser mesh the share of its area that pieces in the mask
+    /// cover: exactly 0 or 1 where none or all of its pieces are. For faces without area, returns
+    /// the share of the number of pieces.
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each face of the finer mesh.

@@ -3,8 +3,8 @@
 use super::{TriMesh, families};
 use crate::base::Rng;
 
-/// Squares of side 1, x by y, each cut along the diagonal from its lower left corner; vertices are
-/// numbered along x first.
+/// Generates squares of side 1, x by y, each cut along the diagonal from its lower left corner;
+/// vertices are numbered along x first.
 pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     let at = |i, j| j * (x + 1) + i;
     let vertices = (0..=y).flat_map(|j| (0..=x).map(move |i| [f64::from(i), f64::from(j), 0.0]));
@@ -17,12 +17,12 @@ pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     TriMesh::new(vertices.collect(), faces.collect()).unwrap()
 }
 
-/// The unit sphere.
+/// Generates the unit sphere.
 pub(crate) fn sphere(subdivisions: u32) -> TriMesh {
     families::icosphere(subdivisions).unwrap()
 }
 
-/// The same connections, every coordinate off by up to `by`.
+/// Returns the mesh with every coordinate moved by up to `by`.
 pub(crate) fn shaken(mesh: &TriMesh, by: f64, seed: u64) -> TriMesh {
     let mut rng = Rng::new(seed);
     let mut vertices = mesh.vertices().to_vec();
@@ -32,7 +32,7 @@ pub(crate) fn shaken(mesh: &TriMesh, by: f64, seed: u64) -> TriMesh {
     TriMesh::new(vertices, mesh.faces().to_vec()).unwrap()
 }
 
-/// Any triangles among n vertices, some of them in one place.
+/// Generates any triangles among n vertices, some of them in one place.
 pub(crate) fn soup(n: u32, faces: usize, seed: u64) -> TriMesh {
     let mut rng = Rng::new(seed);
     let mut below = |n: u32| (rng.bits() % u64::from(n)) as u32;
@@ -48,7 +48,7 @@ pub(crate) fn soup(n: u32, faces: usize, seed: u64) -> TriMesh {
     TriMesh::new(vertices, faces).unwrap()
 }
 
-/// Two meshes as one, the second moved along x.
+/// Returns two meshes as one, the second moved along x.
 pub(crate) fn both(first: &TriMesh, second: &TriMesh, along: f64) -> TriMesh {
     let n = first.vertices().len() as u32;
     let mut vertices = first.vertices().to_vec();

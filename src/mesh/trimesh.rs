@@ -23,8 +23,8 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// A mesh of these positions and faces (three indices of vertices, from 0, counter-clockwise as
-    /// seen from outside).
+    /// Creates a mesh of these positions and faces (three indices of vertices, from 0,
+    /// counter-clockwise as seen from outside).
     ///
     /// # Errors
     /// [`Error::Mesh`] names a coordinate that is not finite, a face with an index out of range or
@@ -69,17 +69,17 @@ impl TriMesh {
         Ok(Self { vertices, faces })
     }
 
-    /// Positions of the vertices.
+    /// Returns the positions of the vertices.
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices
     }
 
-    /// Vertices of the faces.
+    /// Returns the vertices of the faces.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// Positions and faces.
+    /// Returns the positions and the faces.
     pub fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         (self.vertices, self.faces)
     }

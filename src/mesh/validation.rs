@@ -1,4 +1,4 @@
-//! What there is to say about a mesh, and what is wrong with it.
+//! The report on a mesh: its counts and its problems.
 
 use std::fmt;
 
@@ -18,8 +18,8 @@ pub enum Problem {
         /// Its faces.
         faces: Vec<u32>,
     },
-    /// A vertex whose faces do not hang together over edges at this vertex: the surface meets
-    /// itself in a point.
+    /// A vertex whose faces are not connected over edges at this vertex: the surface meets itself
+    /// in a point.
     NonManifoldVertex {
         /// The vertex.
         vertex: u32,
@@ -109,7 +109,7 @@ pub struct Validation {
 }
 
 impl Validation {
-    /// Whether every edge has two faces or more.
+    /// Returns whether every edge has two faces or more.
     pub fn is_closed(&self) -> bool {
         self.boundary_edges == 0
     }
@@ -150,7 +150,18 @@ impl fmt::Display for Validation {
 }
 
 impl TriMesh {
-    /// Looks at everything that [`Problem`] lists, and counts.
+    /// Checks for everything that [`Problem`] lists, and counts vertices, edges, faces, components
+    /// and boundary loops.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Problem, TriMesh};
+    ///
+    /// let mesh = TriMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let report = mesh.validate();
+    /// assert_eq!((report.edges, report.boundary_loops), (3, Some(1)));
+    /// assert!(matches!(report.problems[..], [Problem::ZeroArea(0)]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn validate(&self) -> Validation {
         let edges = Edges::new(self);
         let fans = self.fans(&edges);
@@ -203,8 +214,17 @@ impl TriMesh {
         }
     }
 
-    /// The faces that have the vertices of an earlier one, in any order, each with the first of
-    /// these; ascending.
+    /// Returns the faces that have the vertices of an earlier face, in any order, each with the
+    /// first face of these vertices; ascending.
+    ///
+    /// ```
+    /// use catamaran::mesh::TriMesh;
+    ///
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = TriMesh::new(corners, vec![[0, 1, 2], [2, 1, 0]])?;
+    /// assert_eq!(mesh.repeated_faces(), [[1, 0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn repeated_faces(&self) -> Vec<[u32; 2]> {
         let by_lowest = Adjacency::from_pairs(self.vertices().len(), || {
             let lowest = |&[a, b, c]: &[u32; 3]| a.min(b).min(c);

@@ -11,7 +11,7 @@ use opencl3::platform::{Platform, get_platforms};
 
 use crate::base::{Error, Result};
 
-/// What a device is.
+/// The kind of a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeviceKind {
     /// The processor of this machine.
@@ -42,7 +42,7 @@ pub struct DeviceInfo {
     pub memory: u64,
 }
 
-/// All devices of all platforms; never empty.
+/// Returns all devices of all platforms; never empty.
 ///
 /// ```
 /// use catamaran::opencl::devices;
@@ -61,9 +61,9 @@ pub fn devices() -> Result<Vec<DeviceInfo>> {
     Ok(all()?.into_iter().map(|(info, _)| info).collect())
 }
 
-/// The device that `selector` names: its number, or a part of its name or of its platform's, in any
-/// case. Of several that fit, and for an empty selector, the first GPU is taken, or else the first
-/// one.
+/// Returns the device that `selector` names: its number, or a part of its name or of its
+/// platform's, in any case. Of several that fit, and for an empty selector, the first GPU is taken,
+/// or else the first device.
 ///
 /// ```
 /// use catamaran::opencl::{devices, find};
@@ -80,7 +80,7 @@ pub fn find(selector: &str) -> Result<DeviceInfo> {
     chosen(selector).map(|(info, _)| info)
 }
 
-/// [`find`], with the device itself.
+/// Returns the device as [`find`] does, opened.
 pub(super) fn chosen(selector: &str) -> Result<(DeviceInfo, Device)> {
     let mut all = all()?;
     let infos: Vec<&DeviceInfo> = all.iter().map(|(info, _)| info).collect();

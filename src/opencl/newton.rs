@@ -12,9 +12,9 @@ const SOURCE: &str = include_str!("kernels/newton.cl");
 /// Points that go to the device at a time, a multiple of all lanes: 18 bytes of its memory each.
 const PART: usize = 1 << 22;
 
-/// What [`Newton::evaluate`] computes, on a device: the same bits where it rounds divisions and
-/// square roots correctly, as processors do; else roots and convergence differ at the few points (1
-/// of 4,000, say) where fractals are chaotic.
+/// Computes on a device what [`Newton::evaluate`] computes: the same bits where the device rounds
+/// divisions and square roots correctly, as processors do. Otherwise roots and convergence differ
+/// at the few points (1 of 4,000, say) where fractals are chaotic.
 ///
 /// ```
 /// use catamaran::opencl::{Device, evaluate_newton};
@@ -42,8 +42,8 @@ pub fn evaluate_newton(
     evaluate_newton_in_groups(device, newton, points, None, progress)
 }
 
-/// [`evaluate_newton`] in work-groups of this many work-items, instead of as many as the driver
-/// likes; the result does not depend on it.
+/// Computes [`evaluate_newton`] in work-groups of this many work-items, instead of the driver's
+/// choice; the result does not depend on it.
 ///
 /// ```
 /// use catamaran::base::Progress;

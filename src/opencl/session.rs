@@ -56,7 +56,7 @@ impl Number for u32 {}
 impl Number for u64 {}
 
 impl Device {
-    /// The device that `selector` names, as [`find`](super::find) says.
+    /// Opens the device that `selector` names, as in [`find`](super::find).
     ///
     /// # Errors
     /// As [`find`](super::find); [`Error::Backend`] when the device refuses.
@@ -72,13 +72,13 @@ impl Device {
         Ok(Self(Arc::new(Opened { info, handle, queue, context, programs })))
     }
 
-    /// What it is.
+    /// Returns the description of the device.
     pub fn info(&self) -> &DeviceInfo {
         &self.0.info
     }
 
-    /// Numbers of 32 bits that it computes with at once: 16, 8, 4, or 1 where threads are what it
-    /// has many of.
+    /// Returns how many numbers of 32 bits the device computes with at once: 16, 8, 4, or 1 where
+    /// the device has many threads instead.
     pub(super) fn lanes(&self) -> usize {
         match self.0.handle.native_vector_width_float() {
             Ok(16..) => 16,
@@ -88,8 +88,8 @@ impl Device {
         }
     }
 
-    /// The kernel `name` of a program, which is built unless it was before. `source` is the text of
-    /// the program, and `options` is for its compiler.
+    /// Returns the kernel `name` of a program, which is built unless it was before. `source` is the
+    /// text of the program, and `options` is for its compiler.
     pub(super) fn kernel(&self, source: &'static str, options: &str, name: &str) -> Result<Kernel> {
         let program = self.program(source, options)?;
         Kernel::create(&program, name).map_err(|e| self.failed(name, e))
@@ -115,7 +115,7 @@ impl Device {
         Ok(program)
     }
 
-    /// Memory for `len` numbers; at least one.
+    /// Allocates memory for `len` numbers; at least one.
     pub(super) fn buffer<T: Number>(&self, len: usize) -> Result<Buffer<T>> {
         let len = len.max(1);
         // SAFETY: the device's own memory, which no pointer of ours is behind.
@@ -132,8 +132,8 @@ impl Device {
         )
     }
 
-    /// Puts `values` at the beginning of `buffer`, which is large enough, and waits until they are
-    /// there.
+    /// Copies `values` to the beginning of `buffer`, which is large enough, and waits until they
+    /// are there.
     pub(super) fn write<T: Number>(&self, buffer: &mut Buffer<T>, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
@@ -144,12 +144,13 @@ impl Device {
         sent.map(drop).map_err(|e| self.failed("sending", e))
     }
 
-    /// Gets the beginning of `buffer`, which is large enough, after all work before it.
+    /// Copies the beginning of `buffer`, which is large enough, to `values`, after all work before
+    /// it.
     pub(super) fn read<T: Number>(&self, buffer: &Buffer<T>, values: &mut [T]) -> Result<()> {
         self.read_from(buffer, 0, values)
     }
 
-    /// [`Device::read`] from the number `first` of `buffer` on.
+    /// Copies as [`Device::read`] does, from the number `first` of `buffer` on.
     pub(super) fn read_from<T: Number>(
         &self,
         buffer: &Buffer<T>,
@@ -167,14 +168,14 @@ impl Device {
         got.map(drop).map_err(|e| self.failed("receiving", e))
     }
 
-    /// Memory that holds these numbers.
+    /// Allocates memory that holds these numbers.
     pub(super) fn filled<T: Number>(&self, values: &[T]) -> Result<Buffer<T>> {
         let mut buffer = self.buffer(values.len())?;
         self.write(&mut buffer, values)?;
         Ok(buffer)
     }
 
-    /// The first `len` numbers of `buffer`, after all work before it.
+    /// Returns the first `len` numbers of `buffer`, after all work before it.
     pub(super) fn values<T: Number + Default>(
         &self,
         buffer: &Buffer<T>,
@@ -186,7 +187,7 @@ impl Device {
         Ok(values)
     }
 
-    /// Where kernels wait for their turn, one after the other.
+    /// Returns the queue in which kernels wait for their turn, one after the other.
     pub(super) fn queue(&self) -> &CommandQueue {
         &self.0.queue
     }
@@ -237,8 +238,8 @@ fn refusal(info: &DeviceInfo, what: &str, error: ClError) -> Error {
 pub(super) mod tests {
     use super::*;
 
-    /// The device of tests, or `None`, said aloud, where there may be none: `scripts/test` sets
-    /// CATAMARAN_REQUIRE_OPENCL.
+    /// Returns the device of tests, or `None`, said aloud, where there may be none: `scripts/test`
+    /// sets CATAMARAN_REQUIRE_OPENCL.
     pub(crate) fn device() -> Option<Device> {
         match Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default()) {
             Ok(device) => Some(device),

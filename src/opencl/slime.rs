@@ -83,7 +83,7 @@ struct Memory {
 }
 
 impl SlimeOnDevice {
-    /// The simulation as it is now, on a device.
+    /// Copies the simulation as it is now to a device.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
@@ -91,8 +91,8 @@ impl SlimeOnDevice {
         Self::in_groups(device, simulation, None)
     }
 
-    /// [`SlimeOnDevice::new`] with work-groups of this many work-items, instead of as many as the
-    /// driver likes; nothing depends on it.
+    /// Copies a simulation as [`SlimeOnDevice::new`] does, with work-groups of this many
+    /// work-items, instead of the driver's choice; the result does not depend on it.
     ///
     /// # Errors
     /// As [`SlimeOnDevice::new`]; [`Error::Argument`] for a group of 0.
@@ -155,12 +155,12 @@ impl SlimeOnDevice {
         })
     }
 
-    /// Steps; `progress` is told after each, and without it the device is left alone until all are
-    /// done.
+    /// Computes `steps` steps. `progress` is told after each; without it, the host waits only at
+    /// the end.
     ///
     /// # Errors
-    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are done
-    /// then, and it can go on.
+    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are
+    /// done, and a later call can continue.
     pub fn run(&mut self, steps: u32, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.enqueue_step()?;
@@ -172,17 +172,30 @@ impl SlimeOnDevice {
         self.wait()
     }
 
-    /// The device that it is on.
+    /// Returns the device that the simulation is on.
     pub fn device(&self) -> &Device {
         &self.launcher.device
     }
 
-    /// The number of steps that are done, those of the simulation that this began with included.
+    /// Returns the number of steps that are done, including those of the original simulation.
     pub fn steps(&self) -> u32 {
         self.step
     }
 
-    /// The texture of a species as it is now: all that comes from the device.
+    /// Copies the texture of a species as it is now to `texture`, and nothing else from the device.
+    ///
+    /// ```no_run
+    /// use catamaran::opencl::{Device, SlimeOnDevice};
+    /// use catamaran::texture::slime::{Mask, Options, Simulation, Surface};
+    ///
+    /// let options = Options::new().agents(1000).size(128);
+    /// let simulation = Simulation::new(Surface::tile()?, &options, &Mask::default())?;
+    /// let on_device = SlimeOnDevice::new(&Device::open("")?, &simulation)?;
+    /// let mut texture = vec![1.0; 128 * 128];
+    /// on_device.read_texture(0, &mut texture)?;
+    /// assert_eq!(texture[0], 0.0); // no pheromone before the first step
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] for a species that is not there, [`Error::Shape`] for a texture of
@@ -197,7 +210,7 @@ impl SlimeOnDevice {
         self.device().read_from(&self.memory.texture, species * size * size, texture)
     }
 
-    /// Agents, by their numbers, and textures as they are now.
+    /// Returns the agents, by their numbers, and the textures as they are now.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
@@ -210,7 +223,7 @@ impl SlimeOnDevice {
         Ok(state)
     }
 
-    /// [`Simulation::coverage`] of what is on the device.
+    /// Computes [`Simulation::coverage`] on the device.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
@@ -233,7 +246,8 @@ impl SlimeOnDevice {
         Ok(sums.as_chunks().0.chunks(p.size as usize).map(of).collect())
     }
 
-    /// Gives agents and textures as they are now to the simulation that this began with.
+    /// Copies agents and textures as they are now to `simulation`, which is usually the one that
+    /// this began with.
     ///
     /// # Errors
     /// As [`SlimeOnDevice::state`], and [`Error::Shape`] for a simulation of other numbers of

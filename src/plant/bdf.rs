@@ -9,7 +9,7 @@ const WEIGHTS: [f64; 6] = [-10.0, 72.0, -225.0, 400.0, -450.0, 360.0];
 const RIGHT: f64 = 60.0;
 const UNIT: f64 = 147.0;
 
-/// Where the first six values of [`Bdf6`] come from.
+/// The source of the first six values of [`Bdf6`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
     /// Steps of Radau IIA of order 5 (Hairer and Wanner 1996, section IV.5). The default
@@ -87,8 +87,24 @@ impl Bdf6 {
         Ok(solver)
     }
 
-    /// Goes on from the present water with another model of the same plant (another loss, damage)
-    /// or another step. History is begun anew: derivatives jump.
+    /// Continues from the present water with another model of the same plant (another loss, damage)
+    /// or another step. The history starts anew, since derivatives jump.
+    ///
+    /// ```
+    /// use catamaran::Par;
+    /// use catamaran::plant::{Bdf6, Start, WaterModel, WaterOptions, families};
+    ///
+    /// let mut model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let mut solver = Bdf6::new(&model, &model.full(), 10.0, Start::Radau, Par::Seq)?;
+    /// solver.step();
+    /// // From now on leaves lose nothing.
+    /// let before: f64 = solver.water().iter().sum();
+    /// model.set_loss(0.0)?;
+    /// solver.restart(&model, 60.0)?;
+    /// solver.step();
+    /// assert!((solver.water().iter().sum::<f64>() / before - 1.0).abs() < 1e-9);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] for a step that is not positive, [`Error::Shape`] for a model of another
@@ -116,7 +132,7 @@ impl Bdf6 {
         Ok(())
     }
 
-    /// Goes one step ahead.
+    /// Advances by one step.
     pub fn step(&mut self) {
         let starting = self.steps < 5;
         match self.workspace.as_mut().filter(|_| starting) {
@@ -137,10 +153,10 @@ impl Bdf6 {
         self.time += self.step;
     }
 
-    /// Goes `count` steps ahead.
+    /// Advances by `count` steps.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]: the steps before are done then, and it can go on.
+    /// [`Error::Cancelled`]: the steps before are done, and a later call can continue.
     pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
         for done in 1..=count {
             self.step();
@@ -174,27 +190,27 @@ impl Bdf6 {
         self.factor.solve(order, right, &mut self.next, self.par);
     }
 
-    /// The present water of every node, in kg.
+    /// Returns the present water of every node, in kg.
     pub fn water(&self) -> Vec<f64> {
         self.model.water_by_nodes(&self.history[5])
     }
 
-    /// Seconds since the first start.
+    /// Returns the seconds since time 0.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Relative water content by positions.
+    /// Returns the relative water content by positions.
     pub(super) fn present(&self) -> &[f64] {
         &self.history[5]
     }
 
-    /// The length of a step, in seconds.
+    /// Returns the length of a step, in seconds.
     pub fn step_length(&self) -> f64 {
         self.step
     }
 
-    /// The model as it is used.
+    /// Returns the model that the solver uses.
     pub fn model(&self) -> &WaterModel {
         &self.model
     }

@@ -4,8 +4,9 @@ use super::walk::Walk;
 use super::water::{WaterModel, at_least_zero};
 use crate::base::{Error, Result};
 
-/// The water of every node, in kg, at each of `times` (seconds from 0, ascending), from `water` at
-/// time 0. Where the loss changes, one solution ends and the next begins: nothing is interpolated.
+/// Computes the water of every node, in kg, at each of `times` (seconds from 0, ascending), from
+/// `water` at time 0. Where the loss changes, one solution ends and the next begins: nothing is
+/// interpolated.
 ///
 /// ```
 /// use catamaran::plant::{CurveOptions, WaterModel, WaterOptions, families, water_curve};
@@ -31,7 +32,7 @@ pub fn water_curve(
     Ok(water_course(model, water, times, options)?.water)
 }
 
-/// What [`water_course`] returns, time by time.
+/// The result of [`water_course`], time by time.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct WaterCourse {
@@ -41,7 +42,8 @@ pub struct WaterCourse {
     pub balance: Vec<Balance>,
 }
 
-/// [`water_curve`], and where the water went: the soil's, what leaves have lost, what was poured.
+/// Computes what [`water_curve`] does and the balance of the water: the water of the soil, the
+/// water that leaves have lost, and the water that was poured.
 ///
 /// ```
 /// use catamaran::plant::{CurveOptions, Rewatering, Soil, WaterModel, WaterOptions, families};

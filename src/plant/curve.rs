@@ -2,7 +2,7 @@ use super::soil::{Rewatering, Soil};
 use super::stomata::Stomata;
 use crate::base::{Par, Progress, builder};
 
-/// How water is computed at many times.
+/// The method by which water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
     /// The fastest of the others that is accurate to about 1e-12 of the water of a full plant, as
@@ -17,8 +17,8 @@ pub enum Method {
     /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)): small plants that are not
     /// stiff, many times.
     Spectral,
-    /// By [`Bdf6`](super::Bdf6) with steps of at most so many seconds, shortened so that they end
-    /// at the times asked for.
+    /// By [`Bdf6`](super::Bdf6) with steps of at most `step` seconds, shortened so that they end
+    /// at the requested times.
     Bdf6 {
         /// In seconds.
         step: f64,
@@ -35,8 +35,8 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// 16 hours of light, in which leaves lose `loss`, and 8 of dark, in which they lose a twelfth
-    /// of it.
+    /// Returns a cycle of 16 hours of light, in which leaves lose `loss`, in kg / (s m^2), and 8
+    /// hours of dark, in which they lose a twelfth of it.
     ///
     /// ```
     /// use catamaran::plant::Interval;
@@ -52,6 +52,16 @@ impl Interval {
 }
 
 /// Options of [`water_curve`](super::water_curve).
+///
+/// ```
+/// use catamaran::plant::{CurveOptions, Interval, WaterModel, WaterOptions, families, water_curve};
+///
+/// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+/// let options = CurveOptions::new().cycle(Interval::day_and_night(1.5e-5));
+/// let curve = water_curve(&model, &model.full(), &[0.0, 86_400.0], &options)?;
+/// assert!(curve[1][0] < curve[0][0]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CurveOptions<'a> {

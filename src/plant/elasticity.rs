@@ -1,7 +1,7 @@
 use super::water::positive;
 use crate::base::{Error, Result};
 
-/// How the modulus of elasticity of a segment follows from its water.
+/// The law by which the modulus of elasticity of a segment follows from its water.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Elasticity {
     /// A logistic curve of the relative water content w, scaled to `dry` at w = 0 and `full` at w =
@@ -38,7 +38,16 @@ impl Default for Elasticity {
 }
 
 impl Elasticity {
-    /// The modulus of every segment, in Pa, from its water and its water when full, both in kg.
+    /// Computes the modulus of every segment, in Pa, from its water and its water when full, both
+    /// in kg.
+    ///
+    /// ```
+    /// use catamaran::plant::Elasticity;
+    ///
+    /// let moduli = Elasticity::default().moduli(&[1e-3, 0.0], &[1e-3, 1e-3])?;
+    /// assert!((moduli[0] - 5e7).abs() < 1.0 && (moduli[1] - 3e5).abs() < 1.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] names a constant that is out of its range, [`Error::Shape`] `water`.
@@ -61,13 +70,13 @@ impl Elasticity {
         }
     }
 
-    /// kappa.
+    /// Returns the steepness kappa.
     pub(super) fn steepness(&self) -> f64 {
         let (Self::Relative { steepness, .. } | Self::Literal { steepness, .. }) = *self;
         steepness
     }
 
-    /// The same with another steepness.
+    /// Returns the same elasticity with another steepness.
     pub(super) fn with_steepness(mut self, value: f64) -> Self {
         let (Self::Relative { steepness, .. } | Self::Literal { steepness, .. }) = &mut self;
         *steepness = value;

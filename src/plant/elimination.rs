@@ -18,7 +18,7 @@ use crate::base::{Par, Result, reserved};
 const BIN: usize = 8192;
 
 impl Factor<f64> {
-    /// Whether a pivot is 0: a part of the tree without any excess.
+    /// Returns whether a pivot is 0: a part of the tree without any excess.
     pub fn is_singular(&self) -> bool {
         self.inverses.iter().any(|i| !i.is_finite())
     }
@@ -29,8 +29,9 @@ pub(crate) trait Number:
     Copy + Send + Sync + Add<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
 {
     const ZERO: Self;
+    /// Returns the reciprocal.
     fn reciprocal(self) -> Self;
-    /// The sum with a real number.
+    /// Returns the sum with a real number.
     fn plus(self, real: f64) -> Self;
 }
 
@@ -81,6 +82,7 @@ pub(crate) struct Order {
 }
 
 impl Order {
+    /// Computes the order of elimination of a plant.
     pub fn new(plant: &Plant) -> Self {
         Self::with_bins(plant, BIN)
     }
@@ -128,25 +130,27 @@ impl Order {
         Self { nodes, positions, parents, trunk, bins, starts, children }
     }
 
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// The position of the parent of the node at position k.
+    /// Returns the position of the parent of the node at position k.
     pub fn parent(&self, k: usize) -> Option<usize> {
         Some(self.parents[k]).filter(|&p| p != NONE).map(|p| p as usize)
     }
 
+    /// Returns the position of a node.
     pub fn position(&self, node: usize) -> usize {
         self.positions[node] as usize
     }
 
-    /// Values of positions, by nodes.
+    /// Returns values of positions, by nodes.
     pub fn by_nodes<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.positions.iter().map(|&k| values[k as usize]).collect()
     }
 
-    /// Values of nodes, by positions.
+    /// Returns values of nodes, by positions.
     pub fn by_positions<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.nodes.iter().map(|&v| values[v as usize]).collect()
     }
@@ -159,7 +163,7 @@ impl Order {
         &self.children[self.starts[k] as usize..self.starts[k + 1] as usize]
     }
 
-    /// The parts of an array: that of the trunk, and those of the bins.
+    /// Returns the parts of an array: that of the trunk, and those of the bins.
     pub fn split<'a, T>(&self, array: &'a mut [T]) -> (&'a mut [T], Vec<&'a mut [T]>) {
         let (trunk, mut rest) = array.split_at_mut(self.trunk);
         let mut parts = Vec::with_capacity(self.bins.len());
@@ -214,7 +218,7 @@ pub(crate) struct Factor<T> {
 }
 
 impl<T: Number> Factor<T> {
-    /// Memory for `order.len()` nodes.
+    /// Allocates memory for `order.len()` nodes.
     pub fn new(order: &Order) -> Result<Self> {
         let n = order.len();
         Ok(Self { fractions: filled(n)?, inverses: filled(n)?, excess: filled(n)? })
@@ -263,7 +267,8 @@ impl<T: Number> Factor<T> {
         }
     }
 
-    /// The solution into `x`, into which `fill(positions, values)` writes the right-hand side.
+    /// Solves the equations into `x`, into which `fill(positions, values)` writes the right-hand
+    /// side.
     pub fn solve(
         &self,
         order: &Order,

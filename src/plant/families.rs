@@ -19,7 +19,7 @@ const LIFE: u32 = 24;
 /// The divergence of successive laterals, 137.5 degrees.
 const GOLDEN_ANGLE: f64 = PI * 0.763_932_022_500_210_3;
 
-/// How a plant grows.
+/// Options of [`grow`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct GrowthOptions {
@@ -64,7 +64,7 @@ struct Bud {
     order: u32,
 }
 
-/// A plant of exactly `options.nodes` nodes from a parametric L-system (Prusinkiewicz and
+/// Generates a plant of exactly `options.nodes` nodes from a parametric L-system (Prusinkiewicz and
 /// Lindenmayer 1990, section 1.10):
 /// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and
 /// `B(r, l, s) -> B(r, l, s - 1)`, `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of
@@ -153,8 +153,8 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
     Plant::new(segments, &parents, Some([0.0; 3]))
 }
 
-/// A straight, vertical stem of `nodes` equal segments (at least 1), the last one a leaf's: a
-/// chain.
+/// Generates a straight, vertical stem of `nodes` equal segments (at least 1), the last of which is
+/// on a leaf: a chain.
 ///
 /// ```
 /// use catamaran::plant::families::chain;

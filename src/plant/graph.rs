@@ -25,18 +25,18 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// A piece of stem: no leaf, not pinned.
+    /// Creates a piece of stem: no leaf, not pinned. `tail` and `radius` are in metres.
     pub fn stem(tail: [f64; 3], radius: f64) -> Self {
         Self { tail, radius, leaf: false, petiole: false, leaf_area: None, pinned: false }
     }
 
-    /// A vein of a leaf.
+    /// Creates a vein of a leaf. `tail` and `radius` are in metres.
     pub fn vein(tail: [f64; 3], radius: f64) -> Self {
         Self { leaf: true, ..Self::stem(tail, radius) }
     }
 }
 
-/// A plant: segments that hang together as a tree.
+/// A plant: segments that are connected as a tree.
 ///
 /// ```
 /// use catamaran::plant::{Plant, Segment};
@@ -67,9 +67,10 @@ fn refused<T>(element: String, what: impl Into<String>) -> Result<T> {
 }
 
 impl Plant {
-    /// A plant of n >= 1 segments and the parent of each, `None` for the root. The root segment
-    /// begins at `base`; without one, or where it ends there, it is as long as its first child and
-    /// goes straight on into it (of a plant of one segment: it stands upright, 1 cm long).
+    /// Creates a plant of n >= 1 segments from the parent of each, `None` for the root. The root
+    /// segment begins at `base`; without `base`, or where the segment ends there, it is as long as
+    /// its first child and continues straight into it (in a plant of one segment: it stands
+    /// upright, 1 cm long).
     ///
     /// # Errors
     /// [`Error::Mesh`] names the node without a finite position, positive radius, leaf area at
@@ -115,9 +116,19 @@ impl Plant {
         Self::measured(segments, parents, root as u32, base)
     }
 
-    /// A plant of n >= 1 segments and edges between them (node numbers from 0, in either
+    /// Creates a plant of n >= 1 segments from edges between them (node numbers from 0, in either
     /// direction). The root is the node whose tail is nearest to `base` (default: the origin),
     /// where the root segment begins, as in [`Plant::new`].
+    ///
+    /// ```
+    /// use catamaran::plant::{Plant, Segment};
+    ///
+    /// let tails = [[0.0, 0.0, 0.2], [0.0, 0.0, 0.1]];
+    /// let segments = tails.map(|tail| Segment::stem(tail, 1e-3)).to_vec();
+    /// let plant = Plant::from_edges(segments, &[[0, 1]], None)?;
+    /// assert_eq!((plant.root(), plant.parent(0)), (1, Some(1)));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As those of [`Plant::new`]; an edge that closes a cycle, and a node that no edges connect to
@@ -190,53 +201,54 @@ impl Plant {
         }
     }
 
-    /// The number of segments, at least 1.
+    /// Returns the number of segments, at least 1.
     #[allow(clippy::len_without_is_empty)] // there is no empty plant
     pub fn len(&self) -> usize {
         self.segments.len()
     }
 
-    /// The segments.
+    /// Returns the segments.
     pub fn segments(&self) -> &[Segment] {
         &self.segments
     }
 
-    /// The node before node `v`; `None` for the root.
+    /// Returns the node before node `v`; `None` for the root.
     pub fn parent(&self, v: usize) -> Option<usize> {
         self.parents.get(v).filter(|&&p| p != NONE).map(|&p| p as usize)
     }
 
-    /// The parents as they are kept.
+    /// Returns the parents as they are stored.
     pub(crate) fn parents(&self) -> &[u32] {
         &self.parents
     }
 
-    /// The node that has no parent.
+    /// Returns the node that has no parent.
     pub fn root(&self) -> usize {
         self.root as usize
     }
 
-    /// Where the root segment begins, in metres.
+    /// Returns the point where the root segment begins, in metres.
     pub fn base(&self) -> [f64; 3] {
         self.base
     }
 
-    /// Where segment `v` begins, in metres.
+    /// Returns the point where segment `v` begins, in metres.
     pub fn head(&self, v: usize) -> [f64; 3] {
         self.parent(v).map_or(self.base, |p| self.segments[p].tail)
     }
 
-    /// The lengths of the segments, in metres.
+    /// Returns the lengths of the segments, in metres.
     pub fn lengths(&self) -> &[f64] {
         &self.lengths
     }
 
-    /// The volume of segment `v`, a cylinder, in cubic metres.
+    /// Returns the volume of segment `v`, a cylinder, in cubic metres.
     pub fn volume(&self, v: usize) -> f64 {
         std::f64::consts::PI * self.segments[v].radius.powi(2) * self.lengths[v]
     }
 
-    /// The area of leaf that node `v` supplies, in square metres; 0 if it is not on a leaf.
+    /// Returns the area of leaf that node `v` supplies, in square metres; 0 if the node is not on a
+    /// leaf.
     pub fn leaf_area(&self, v: usize) -> f64 {
         let segment = &self.segments[v];
         match segment.leaf {
@@ -245,8 +257,8 @@ impl Plant {
         }
     }
 
-    /// The nodes, every parent before its children, these in ascending order, each with all that
-    /// hangs on it.
+    /// Returns the nodes in depth-first order: every parent before its children, children in
+    /// ascending order, each followed by its subtree.
     pub(crate) fn preorder(&self) -> Vec<u32> {
         let n = self.len();
         // Children as linked lists, so that a node with thousands of them costs no more than

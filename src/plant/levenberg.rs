@@ -33,8 +33,8 @@ pub(super) struct Minimum {
 /// Residuals of parameters.
 pub(super) type Residuals<'a> = &'a dyn Fn(&[f64]) -> Result<Vec<f64>>;
 
-/// The minimum of the sum of squares near `start`, between bounds, by central differences. In each
-/// step parameters that are at a bound and would leave it stay.
+/// Finds the minimum of the sum of squares near `start`, between bounds, by central differences. In
+/// each step parameters that are at a bound and would leave it stay.
 ///
 /// # Errors
 /// Those of residuals; [`Error::Argument`] for no more residuals than parameters;

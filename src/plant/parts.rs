@@ -12,10 +12,11 @@ pub enum Part {
 }
 
 impl Plant {
-    /// The part that each segment belongs to. Leaves are those that the plant says. Petioles are
-    /// those that it labels ([`Segment::petiole`](super::Segment::petiole), class `P...` of MTG
-    /// files); of a plant without such labels they are the stalks: rows of segments without a
-    /// branch that end where nothing but veins of leaves goes on, and do not reach the root.
+    /// Returns the part that each segment belongs to. Leaves are the segments that the plant marks
+    /// as such. Petioles are the segments that the plant labels
+    /// ([`Segment::petiole`](super::Segment::petiole), class `P...` of MTG files); in a plant
+    /// without such labels they are the stalks: rows of segments without a branch that end where
+    /// only veins of leaves continue, and do not reach the root.
     ///
     /// ```
     /// use catamaran::plant::{Part, Plant, Segment};

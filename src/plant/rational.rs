@@ -50,6 +50,7 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
+    /// Allocates the memory of an approximation.
     pub fn new(order: &Order) -> Result<Self> {
         let mut solution = reserved(order.len())?;
         solution.resize(order.len(), c64::new(0.0, 0.0));
@@ -58,8 +59,8 @@ impl Workspace {
 }
 
 impl Rational {
-    /// `relative := r(t S) relative` and what the root takes in meanwhile, `t phi(t S) s` with
-    /// `phi(x) = (r(x) - r(0)) / x`, whose partial fractions have c / z for c.
+    /// Computes `relative := r(t S) relative` and what the root takes in meanwhile, `t phi(t S) s`
+    /// with `phi(x) = (r(x) - r(0)) / x`, whose partial fractions have c / z for c.
     pub fn apply(
         &self,
         model: &WaterModel,
@@ -102,10 +103,19 @@ impl Rational {
 }
 
 impl WaterModel {
-    /// The water of every node, in kg, `seconds` after it was `water` (kg, by nodes): the
-    /// exponential of S by a rational approximation, 8 factorisations with complex shifts, O(n). No
-    /// time steps, but for times in which most of the water goes: each part may lose a factor of
-    /// about 20, so that the rest keeps its digits.
+    /// Computes the water of every node, in kg, `seconds` after it was `water` (kg, by nodes): the
+    /// exponential of S by a rational approximation, 8 factorisations with complex shifts, O(n).
+    /// Takes no time steps, except for times in which most of the water is lost: each part may lose
+    /// a factor of about 20, so that the rest keeps its digits.
+    ///
+    /// ```
+    /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families}};
+    ///
+    /// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let day = model.water_after(&model.full(), 86_400.0, Par::Seq)?;
+    /// assert!(day.iter().zip(model.full()).all(|(after, full)| *after < full));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// Off by about 1e-13 of the water there was in a part; the same for every `par`, bit for bit.
     ///
@@ -117,7 +127,7 @@ impl WaterModel {
         self.water_after_with(water, seconds, par, Progress::none())
     }
 
-    /// [`WaterModel::water_after`], which tells of its progress.
+    /// Computes [`WaterModel::water_after`], and tells of its progress.
     pub(crate) fn water_after_with(
         &self,
         water: &[f64],
@@ -138,7 +148,7 @@ impl WaterModel {
         Ok(self.water_by_nodes(&relative))
     }
 
-    /// Parts of a time in which not too much is lost.
+    /// Returns the number of parts of a time in each of which not too much is lost.
     pub(super) fn substeps(&self, seconds: f64) -> usize {
         /// Exponent of what is lost in a part.
         const LOST: f64 = 3.0;

@@ -51,10 +51,12 @@ pub(super) struct Responses {
 }
 
 impl Responses {
+    /// Returns whether there is neither soil nor stomata.
     pub fn are_none(&self) -> bool {
         self.stomata.is_none() && self.soil.is_none()
     }
 
+    /// Returns an error that names what is out of range.
     pub fn check(&self) -> Result<()> {
         self.stomata.map_or(Ok(()), |stomata| stomata.check())?;
         self.soil.map_or(Ok(()), |soil| soil.check())
@@ -96,7 +98,7 @@ struct Attempt {
 }
 
 impl Sdirk {
-    /// From a relative water content by positions.
+    /// Creates a solver from a relative water content by positions.
     pub fn new(
         model: &WaterModel,
         responses: Responses,
@@ -123,18 +125,18 @@ impl Sdirk {
         })
     }
 
-    /// Goes on with another loss.
+    /// Continues with another loss.
     pub fn set_model(&mut self, model: &WaterModel) {
         self.model = model.clone();
         self.step = 0.0;
     }
 
-    /// Relative water content by positions.
+    /// Returns the relative water content by positions.
     pub fn present(&self) -> &[f64] {
         &self.present
     }
 
-    /// The water of the soil, in kg.
+    /// Returns the water of the soil, in kg.
     pub fn content(&self) -> f64 {
         self.content
     }
@@ -145,12 +147,12 @@ impl Sdirk {
         self.step = 0.0;
     }
 
-    /// What leaves have lost, in kg.
+    /// Returns the water that leaves have lost, in kg.
     pub fn transpired(&self) -> f64 {
         self.transpired[0] + self.transpired[1]
     }
 
-    /// Goes `seconds` ahead.
+    /// Advances by `seconds`.
     pub fn advance(&mut self, seconds: f64) -> Result<()> {
         let mut left = seconds;
         if self.step == 0.0 {

@@ -30,7 +30,7 @@ pub struct Soil {
 }
 
 impl Soil {
-    /// Soil that holds `capacity` kg of water, and is wet.
+    /// Creates wet soil that holds `capacity` kg of water.
     pub fn new(capacity: f64) -> Self {
         Self { capacity, content: capacity, conductance: None, half: 0.1 }
     }
@@ -47,7 +47,7 @@ impl Soil {
         Err(Error::Argument { what: "content of the soil", why })
     }
 
-    /// a, for a content in kg; below 0, where only rounding leads, its tangent at 0.
+    /// Returns a, for a content in kg; below 0, where only rounding leads, its tangent at 0.
     pub(super) fn supply(&self, content: f64) -> f64 {
         let x = content / self.capacity;
         if x > 0.0 {
@@ -57,7 +57,7 @@ impl Soil {
         }
     }
 
-    /// The derivative of a by the content, in 1 / kg.
+    /// Returns the derivative of a by the content, in 1 / kg.
     pub(super) fn supply_slope(&self, content: f64) -> f64 {
         let x = (content / self.capacity).max(0.0);
         (1.0 + self.half) * self.half / (self.half + x).powi(2) / self.capacity
@@ -70,7 +70,7 @@ builder! { setters only Soil {
     half: f64,
 }}
 
-/// Water that is poured on the soil.
+/// An amount of water that is poured on the soil at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rewatering {
     /// When, in seconds from time 0.
@@ -79,7 +79,7 @@ pub struct Rewatering {
     pub amount: Option<f64>,
 }
 
-/// Where the water of a plant and its soil is, and where it went since time 0, in kg:
+/// The water of a plant and its soil, and where it went since time 0, in kg:
 /// `plant + soil + transpired` is what there was at time 0 plus `supplied`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]

@@ -56,12 +56,12 @@ impl SpectralSolution {
         Ok(Self { model: model.clone(), rates, modes: vectors })
     }
 
-    /// The rates of decay of the modes, ascending, in 1 / s.
+    /// Returns the rates of decay of the modes, ascending, in 1 / s.
     pub fn rates(&self) -> &[f64] {
         &self.rates
     }
 
-    /// As [`WaterModel::water_after`].
+    /// Computes the water of every node as [`WaterModel::water_after`] does.
     ///
     /// # Errors
     /// As those of [`WaterModel::water_after`].

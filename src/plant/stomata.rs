@@ -39,13 +39,13 @@ builder! { Stomata {
 }}
 
 impl Stomata {
-    /// f: what a leaf of this relative water content loses as a part of what it would lose with
-    /// open stomata.
+    /// Returns f: the water that a leaf of this relative water content loses, as a part of what it
+    /// would lose with open stomata.
     pub fn openness(&self, relative: f64) -> f64 {
         self.scale() * logistic(self.steepness * (relative - self.half))
     }
 
-    /// The derivative of [`Stomata::openness`].
+    /// Returns the derivative of [`Stomata::openness`].
     pub(super) fn slope(&self, relative: f64) -> f64 {
         let x = self.steepness * (relative - self.half);
         self.scale() * self.steepness * logistic(x) * logistic(-x)

@@ -77,7 +77,7 @@ builder! { SwayOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// A plant in motion, frame by frame, the first one at rest.
+/// The result of [`sway`]: a plant in motion, frame by frame, the first one at rest.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Sway {
@@ -102,7 +102,7 @@ pub struct Sway {
 }
 
 impl Sway {
-    /// The share of the water in the time of a step (thesis, figure 4.11: about 0.01).
+    /// Returns the share of the water in the time of a step (thesis, figure 4.11: about 0.01).
     pub fn water_share(&self) -> f64 {
         let water = self.water_time.as_secs_f64();
         water / (water + self.rods_time.as_secs_f64()).max(f64::MIN_POSITIVE)
@@ -126,12 +126,12 @@ fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
         .par(options.par)
 }
 
-/// Lets a plant dry, wilt and move at once, as in a film in time lapse: `options.drought` seconds
-/// of water pass in `options.seconds` of motion. In every step the water goes ahead by
-/// [`Bdf6`](super::Bdf6) (with stomata or soil as [`Method::Auto`] says), the stiffness and the
-/// weight follow from it (thesis, section 4.5.4), and the rods go ahead by [`Motion`] in the wind
-/// of the moment. The plant begins with full cells and at rest, or, between pins, where
-/// [`Rods::relax`] came.
+/// Simulates a plant that dries, wilts and moves, as in a film in time lapse: `options.drought`
+/// seconds of water pass in `options.seconds` of motion. In every step [`Bdf6`](super::Bdf6) (with
+/// stomata or soil as [`Method::Auto`] says) advances the water, the stiffness and the weight
+/// follow from it (thesis, section 4.5.4), and [`Motion`] advances the rods in the wind of the
+/// moment. The plant begins with full cells and at rest, or, between pins, in the pose of
+/// [`Rods::relax`].
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};

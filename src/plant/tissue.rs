@@ -40,7 +40,8 @@ impl Default for Tissue {
 }
 
 impl Tissue {
-    /// Classes of segments, and the number (from 0) of that of each segment.
+    /// Creates classes of segments from the elasticity of each class, and the number (from 0) of
+    /// the class of each segment.
     ///
     /// # Errors
     /// [`Error::Argument`] for no class, or names the segment whose class is not there.
@@ -55,8 +56,8 @@ impl Tissue {
         Ok(Self { classes, members })
     }
 
-    /// Classes by the part of the plant ([`Plant::parts`]): class 0 is that of all parts that are
-    /// not named, class i that of `named[i - 1]`.
+    /// Creates classes by the part of the plant ([`Plant::parts`]): class 0 is that of all parts
+    /// that are not named, class i that of `named[i - 1]`.
     pub fn by_part(plant: &Plant, others: Elasticity, named: &[(Part, Elasticity)]) -> Self {
         let class = |part: Part| named.iter().position(|(p, _)| *p == part).map_or(0, |i| i + 1);
         let members = plant.parts().into_iter().map(|part| class(part) as u32).collect();
@@ -64,8 +65,18 @@ impl Tissue {
         Self { classes, members }
     }
 
-    /// Classes by radius: class 0 is that of segments thinner than all of `thicker`, class i that
-    /// of segments whose radius is at least `thicker[i - 1].0` metres.
+    /// Creates classes by radius: class 0 is that of segments thinner than all of `thicker`, class
+    /// i that of segments whose radius is at least `thicker[i - 1].0` metres.
+    ///
+    /// ```
+    /// use catamaran::plant::{Elasticity, Tissue, families};
+    ///
+    /// let plant = families::chain(3, 0.3, 1e-3)?;
+    /// let (soft, woody) = (Elasticity::default(), Elasticity::default());
+    /// let tissue = Tissue::by_radius(&plant, soft, &[(5e-4, woody)])?;
+    /// assert_eq!(tissue.class(0), 1);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] unless radii are positive and ascend.
@@ -87,17 +98,18 @@ impl Tissue {
         Ok(Self { classes, members })
     }
 
-    /// The elasticity of each class.
+    /// Returns the elasticity of each class.
     pub fn classes(&self) -> &[Elasticity] {
         &self.classes
     }
 
-    /// The class of segment `v`.
+    /// Returns the class of segment `v`.
     pub fn class(&self, v: usize) -> usize {
         self.members.get(v).map_or(0, |&class| class as usize)
     }
 
-    /// The modulus of every segment, in Pa, from its water and its water when full, both in kg.
+    /// Computes the modulus of every segment, in Pa, from its water and its water when full, both
+    /// in kg.
     ///
     /// # Errors
     /// As those of [`Elasticity::moduli`]; [`Error::Shape`] for classes of another plant.
@@ -111,7 +123,7 @@ impl Tissue {
         Ok((0..water.len()).map(modulus).collect())
     }
 
-    /// The same with another steepness for each class.
+    /// Returns the same classes with another steepness for each.
     pub(super) fn with_steepness(&self, values: &[f64]) -> Self {
         let classes = self.classes.iter().zip(values).map(|(e, &k)| e.with_steepness(k)).collect();
         Self { classes, members: self.members.clone() }

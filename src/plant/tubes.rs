@@ -5,8 +5,8 @@ use crate::base::{Error, Result, reserved};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{cross, sub, unit};
 
-/// A plant as a mesh of tubes: a frustum of `sides` >= 3 flat sides for each segment, from the
-/// radius of its parent to its own, each at least `thinnest` metres. Segment v has the vertices
+/// Returns a plant as a mesh of tubes: a frustum of `sides` >= 3 flat sides for each segment, from
+/// the radius of its parent to its own, each at least `thinnest` metres. Segment v has the vertices
 /// `2 sides v .. 2 sides (v + 1)`.
 ///
 /// ```

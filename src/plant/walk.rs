@@ -71,7 +71,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// From `water` at time 0; [`Method::Auto`] is chosen for these times.
+    /// Starts from `water` at time 0; [`Method::Auto`] is chosen for these times.
     pub fn new(
         model: &WaterModel,
         water: &[f64],
@@ -123,7 +123,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// The water at a later time, after what is poured then.
+    /// Computes the water at a later time, after what is poured then.
     pub fn to(&mut self, time: f64) -> Result<Vec<f64>> {
         loop {
             match self.rewatering.last().copied() {
@@ -143,7 +143,7 @@ impl<'a> Walk<'a> {
         Ok(self.model.water_by_nodes(&self.present))
     }
 
-    /// Where all water is, and where it went.
+    /// Returns the balance: where all water is, and where it went.
     pub fn balance(&self) -> Balance {
         let plant = self.present.iter().zip(&self.model.full).map(|(w, m)| w * m).sum();
         let supplied = self.held + self.model.intake * self.time;

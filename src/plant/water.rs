@@ -5,7 +5,7 @@ use super::Plant;
 use super::elimination::{Factor, Order};
 use crate::base::{Error, Par, Result, builder, zeros};
 
-/// How well segments conduct water along themselves.
+/// The law by which segments conduct water along themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Conductivity {
     /// That of a pipe as wide as the segment (Hagen and Poiseuille), times `scale`, a number that
@@ -66,7 +66,7 @@ builder! { WaterOptions {
     intake: f64,
 }}
 
-/// A loss in g / (h m^2) as one in kg / (s m^2).
+/// Returns a loss in g / (h m^2) in kg / (s m^2).
 ///
 /// ```
 /// assert_eq!(catamaran::plant::grams_per_hour(3600.0), 1e-3);
@@ -111,7 +111,7 @@ pub struct WaterModel {
 }
 
 impl WaterModel {
-    /// The model of a plant.
+    /// Creates the model of a plant.
     ///
     /// # Errors
     /// [`Error::Argument`] names the option that is out of its range; [`Error::Mesh`] a node whose
@@ -166,19 +166,29 @@ impl WaterModel {
         Ok(model)
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     #[allow(clippy::len_without_is_empty)] // there is no empty plant
     pub fn len(&self) -> usize {
         self.full.len()
     }
 
-    /// The water of every node when its cells are full, in kg: how a healthy plant begins (thesis,
-    /// section 4.3.3).
+    /// Returns the water of every node when its cells are full, in kg: the initial state of a
+    /// healthy plant (thesis, section 4.3.3).
     pub fn full(&self) -> Vec<f64> {
         self.order.by_nodes(&self.full)
     }
 
-    /// The water of every node as a part of what it holds when full, of water in kg.
+    /// Returns the water of every node as a part of what the node holds when full, from water in
+    /// kg.
+    ///
+    /// ```
+    /// use catamaran::plant::{WaterModel, WaterOptions, families};
+    ///
+    /// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let half: Vec<f64> = model.full().iter().map(|water| 0.5 * water).collect();
+    /// assert!(model.relative(&half)?.iter().all(|w| (w - 0.5).abs() < 1e-12));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::NonFinite`] name `water`.
@@ -186,18 +196,27 @@ impl WaterModel {
         Ok(self.order.by_nodes(&self.relative_by_positions(water)?))
     }
 
-    /// The loss of every node, in 1 / s.
+    /// Returns the loss of every node, in 1 / s.
     pub fn losses(&self) -> Vec<f64> {
         self.order.by_nodes(&self.losses)
     }
 
-    /// What passes between each node and its parent at a difference of 1 of their relative water
-    /// contents, in kg / s: modulus times conductance. 0 for the root.
+    /// Returns what passes between each node and its parent at a difference of 1 of their relative
+    /// water contents, in kg / s: modulus times conductance. 0 for the root.
     pub fn exchanges(&self) -> Vec<f64> {
         self.order.by_nodes(&self.exchange)
     }
 
-    /// Sets the loss of all leaves, in kg / (s m^2): another weather.
+    /// Sets the loss of all leaves, in kg / (s m^2), for another weather.
+    ///
+    /// ```
+    /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families}};
+    ///
+    /// let mut model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// model.set_loss(0.0)?;
+    /// assert_eq!(model.slowest_rate(Par::Seq)?, 0.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] if it is negative or not finite.
@@ -247,7 +266,19 @@ impl WaterModel {
         Ok(())
     }
 
-    /// [`WaterModel::weaken`] with factor 0: no water passes between the node and its parent.
+    /// Cuts the connection between a node and its parent, so that no water passes:
+    /// [`WaterModel::weaken`] with factor 0.
+    ///
+    /// ```
+    /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families}};
+    ///
+    /// let mut model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let whole = model.water_after(&model.full(), 86_400.0, Par::Seq)?;
+    /// model.cut(9)?; // the leaf
+    /// let after = model.water_after(&model.full(), 86_400.0, Par::Seq)?;
+    /// assert!(after[9] < whole[9] && after[0] > whole[0]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As those of [`WaterModel::weaken`].
@@ -255,9 +286,18 @@ impl WaterModel {
         self.weaken(node, 0.0)
     }
 
-    /// The slowest rate at which water is lost, in 1 / s: the smallest eigenvalue of -S, by inverse
-    /// iteration; every digit of it is right, as elimination does not subtract. 0 if a part of the
-    /// plant loses nothing.
+    /// Computes the slowest rate at which water is lost, in 1 / s: the smallest eigenvalue of -S,
+    /// by inverse iteration. Every digit of it is right, as elimination does not subtract. 0 if a
+    /// part of the plant loses nothing.
+    ///
+    /// ```
+    /// use catamaran::{Par, plant::{SpectralSolution, WaterModel, WaterOptions, families}};
+    ///
+    /// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let rate = model.slowest_rate(Par::Seq)?;
+    /// assert!((rate / SpectralSolution::new(&model)?.rates()[0] - 1.0).abs() < 1e-6);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the two slowest rates are all but equal;
@@ -297,7 +337,7 @@ impl WaterModel {
         Err(Error::NotConverged { iterations: ITERATIONS, residual: change })
     }
 
-    /// No rate of the plant is above this, in 1 / s (Gershgorin).
+    /// Returns a bound that no rate of the plant exceeds, in 1 / s (Gershgorin).
     pub(super) fn fastest_rate_bound(&self) -> f64 {
         let mut sums = self.exchange.clone();
         for k in 0..self.len() {
@@ -309,13 +349,13 @@ impl WaterModel {
         (0..self.len()).map(rate).fold(0.0, f64::max)
     }
 
-    /// The loss of a full plant as a part of its water, in 1 / s.
+    /// Returns the loss of a full plant as a part of its water, in 1 / s.
     pub(super) fn mean_loss(&self) -> f64 {
         let lost: f64 = (0..self.len()).map(|k| self.losses[k] * self.full[k]).sum();
         lost / self.full.iter().sum::<f64>()
     }
 
-    /// Relative water content by positions.
+    /// Returns the relative water content by positions.
     pub(super) fn relative_by_positions(&self, water: &[f64]) -> Result<Vec<f64>> {
         Error::check_shape("water", (self.len(), 1), (water.len(), 1))?;
         if let Some(v) = water.iter().position(|x| !x.is_finite()) {
@@ -326,13 +366,13 @@ impl WaterModel {
         Ok(relative)
     }
 
-    /// Water of nodes, in kg.
+    /// Returns the water of nodes, in kg.
     pub(super) fn water_by_nodes(&self, relative: &[f64]) -> Vec<f64> {
         let water: Vec<f64> = relative.iter().zip(&self.full).map(|(x, full)| x * full).collect();
         self.order.by_nodes(&water)
     }
 
-    /// The position of the root.
+    /// Returns the position of the root.
     pub(super) fn root(&self) -> usize {
         self.root
     }
@@ -346,7 +386,7 @@ impl WaterModel {
     }
 }
 
-/// `Ok` when `value` is finite and above 0.
+/// Returns an error unless `value` is finite and above 0.
 pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
@@ -354,7 +394,7 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
     Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
 }
 
-/// `Ok` when `value` is finite and at least 0.
+/// Returns an error unless `value` is finite and at least 0.
 pub(super) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     if value >= 0.0 && value.is_finite() {
         return Ok(());

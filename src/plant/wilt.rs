@@ -58,7 +58,7 @@ builder! { WiltOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// What became of a plant, time by time.
+/// The result of [`wilt`], time by time.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Wilting {
@@ -74,9 +74,9 @@ pub struct Wilting {
     pub iterations: usize,
 }
 
-/// Lets a plant wilt, from full cells at time 0 on: its water at each of `times` (seconds,
-/// ascending), the stiffness that follows from it, and the pose in which the plant then rests, each
-/// found from the one before.
+/// Lets a plant wilt, from full cells at time 0 on: computes its water at each of `times` (seconds,
+/// ascending), the stiffness that follows from the water, and the pose in which the plant then
+/// rests, each found from the previous one.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
@@ -131,7 +131,7 @@ pub fn wilt(
     Ok(Wilting { water, balance, moduli, poses, iterations })
 }
 
-/// [`Rods::relax`] to where no picture shows the rest. Returns the Newton iterations.
+/// Applies [`Rods::relax`] until no picture shows the rest. Returns the Newton iterations.
 pub(super) fn settle(rods: &Rods, pose: &mut Pose, progress: Progress<'_>) -> Result<usize> {
     match rods.relax(pose, &RelaxOptions::new().progress(progress)) {
         Ok(done) => Ok(done.iterations),

@@ -48,7 +48,7 @@ pub struct Gusts {
 }
 
 impl Gusts {
-    /// The wind at time 0.
+    /// Creates the wind at time 0.
     ///
     /// # Errors
     /// [`Error::Argument`] names the option that is out of its range.
@@ -64,7 +64,7 @@ impl Gusts {
         Ok(Self { wind: *wind, rng, present })
     }
 
-    /// The velocity of the air `seconds` later than before, in m / s.
+    /// Returns the velocity of the air `seconds` later than before, in m / s.
     pub fn after(&mut self, seconds: f64) -> [f64; 3] {
         let kept = (-seconds / self.wind.memory).exp();
         let fresh = (1.0 - kept * kept).max(0.0).sqrt();

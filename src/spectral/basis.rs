@@ -37,7 +37,7 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// A basis of functions that are orthonormal, `Q^T M Q = I`, which is not checked.
+    /// Creates a basis of functions that are orthonormal, `Q^T M Q = I`, which is not checked.
     ///
     /// `functions` is n x r, the mass n x n.
     ///
@@ -50,8 +50,8 @@ impl Basis {
         Ok(Self { functions, mass, gram: None })
     }
 
-    /// A basis of functions that are linearly independent but need not be orthogonal: projections
-    /// onto their span are by least squares.
+    /// Creates a basis of functions that are linearly independent but need not be orthogonal:
+    /// projections onto their span are by least squares.
     ///
     /// # Errors
     /// As [`Basis::orthonormal`]; [`Error::Argument`] names the first function that depends, to
@@ -74,38 +74,48 @@ impl Basis {
         Ok(basis)
     }
 
-    /// The functions, n x r.
+    /// Returns the functions, n x r.
     pub fn functions(&self) -> MatRef<'_, f64> {
         self.functions.as_ref()
     }
 
-    /// Whether the functions are orthonormal, as those of [`Basis::orthonormal`] are.
+    /// Returns whether the functions are orthonormal, as those of [`Basis::orthonormal`] are.
     pub fn is_orthonormal(&self) -> bool {
         self.gram.is_none()
     }
 
-    /// The inner product.
+    /// Returns the inner product.
     pub fn mass(&self) -> &Mass {
         &self.mass
     }
 
-    /// Number n of vertices.
+    /// Returns the number n of vertices.
     pub fn vertices(&self) -> usize {
         self.functions.nrows()
     }
 
-    /// Number r of functions.
+    /// Returns the number r of functions.
     pub fn len(&self) -> usize {
         self.functions.ncols()
     }
 
-    /// Whether it has no functions.
+    /// Returns whether the basis has no functions.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The coefficients, r x c, of the functions in the span that are nearest to the columns of
-    /// `f`, n x c, in the norm of the mass.
+    /// Computes the coefficients, r x c, of the functions in the span that are nearest to the
+    /// columns of `f`, n x c, in the norm of the mass.
+    ///
+    /// ```
+    /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::Basis};
+    ///
+    /// let basis = Basis::orthonormal(Mat::identity(3, 2), Mass::identity(3))?;
+    /// let f = mat![[5.0], [6.0], [7.0]];
+    /// assert_eq!(basis.analysis(f.as_ref(), Par::Seq)?, mat![[5.0], [6.0]]);
+    /// assert_eq!(basis.approximation(f.as_ref(), Par::Seq)?, mat![[5.0], [6.0], [0.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when `f` has not n rows, [`Error::NonFinite`], [`Error::OutOfMemory`].
@@ -119,7 +129,16 @@ impl Basis {
         Ok(coefficients)
     }
 
-    /// The functions, n x c, with these coefficients, r x c.
+    /// Computes the functions, n x c, with these coefficients, r x c.
+    ///
+    /// ```
+    /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::Basis};
+    ///
+    /// let basis = Basis::orthonormal(Mat::identity(3, 2), Mass::identity(3))?;
+    /// let f = basis.synthesis(mat![[5.0], [6.0]].as_ref(), Par::Seq)?;
+    /// assert_eq!(f, mat![[5.0], [6.0], [0.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when there are not r rows, [`Error::OutOfMemory`].
@@ -129,7 +148,8 @@ impl Basis {
         dense::product(self.functions(), coefficients, par)
     }
 
-    /// The nearest functions in the span: analysis, then synthesis (thesis, section 1.4.3).
+    /// Computes the nearest functions in the span: analysis, then synthesis (thesis, section
+    /// 1.4.3). The example of [`Basis::analysis`] shows both.
     ///
     /// # Errors
     /// As [`Basis::analysis`].
@@ -162,7 +182,14 @@ impl Basis {
         self.functions.col_mut(column).fill(value);
     }
 
-    /// The area of the mesh, `1^T M 1`.
+    /// Returns the area of the mesh, `1^T M 1`.
+    ///
+    /// ```
+    /// use catamaran::{faer::Mat, sparse::Mass, spectral::Basis};
+    ///
+    /// assert_eq!(Basis::orthonormal(Mat::identity(3, 2), Mass::identity(3))?.area()?, 3.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when it is not positive, as without vertices.
@@ -188,8 +215,8 @@ impl Basis {
     }
 }
 
-/// `|f_j - g_j| / |f_j|` in the norm of the mass, of each column: the error of an approximation or
-/// a transfer g of f (thesis, sections 1.4.3 and 1.4.4).
+/// Computes the error `|f_j - g_j| / |f_j|` of each column, in the norm of the mass, of an
+/// approximation or a transfer g of f (thesis, sections 1.4.3 and 1.4.4).
 ///
 /// Both are n x c. It is 0 where both columns are zero, infinite where only f is.
 ///
@@ -220,7 +247,7 @@ pub fn relative_errors(f: MatRef<'_, f64>, g: MatRef<'_, f64>, mass: &Mass) -> R
     Ok(errors.into_iter().zip(squares(f)?).map(relative).collect())
 }
 
-/// `M X`.
+/// Computes `M X`.
 pub(super) fn times_mass(mass: &Mass, x: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let mut out = zeros(x.nrows(), x.ncols())?;
     mass.multiply(x, out.as_mut(), par)?;

@@ -17,7 +17,7 @@ use crate::dense::{self, zeros};
 
 const SEQ: faer::Par = faer::Par::Seq;
 
-/// `A^T B`, classical: error bounds by entry.
+/// Computes `A^T B` by the classical algorithm, whose error is bounded entry by entry.
 pub(super) fn transposed_product(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -28,7 +28,7 @@ pub(super) fn transposed_product(
     Ok(c)
 }
 
-/// `A^T B` into the caller's matrix.
+/// Computes `A^T B` into the caller's matrix.
 pub(super) fn transposed_product_into(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -39,12 +39,12 @@ pub(super) fn transposed_product_into(
     atb(1.0, a, b, 0.0, c, &options)
 }
 
-/// `A B`.
+/// Computes `A B`.
 pub(super) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     transposed_product(a.transpose(), b, par)
 }
 
-/// Refuses NaN and infinity by name.
+/// Returns an error that names the matrix and its first NaN or infinity, if there is one.
 pub(super) fn check_finite(what: &'static str, a: MatRef<'_, f64>) -> Result<()> {
     for j in 0..a.ncols() {
         if let Some(i) = (0..a.nrows()).find(|&i| !a[(i, j)].is_finite()) {
@@ -54,8 +54,8 @@ pub(super) fn check_finite(what: &'static str, a: MatRef<'_, f64>) -> Result<()>
     Ok(())
 }
 
-/// The Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read; or the
-/// index of the first pivot that is not positive.
+/// Returns the Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read;
+/// or the index of the first pivot that is not positive.
 pub(super) fn cholesky(mut a: Mat<f64>) -> Result<std::result::Result<Mat<f64>, usize>> {
     Ok(dense::cholesky(a.as_mut())?.map(|()| a))
 }
@@ -74,7 +74,7 @@ pub(super) struct Svd {
     pub v: Mat<f64>,
 }
 
-/// The singular value decomposition of a finite matrix.
+/// Computes the singular value decomposition of a finite matrix.
 pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
     check_finite(what, a)?;
     let (m, n) = a.shape();
@@ -90,7 +90,7 @@ pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
     Ok(Svd { u, s, v })
 }
 
-/// The X with the least `|A X - B|`, for A of full column rank, by Householder's QR.
+/// Returns the X with the least `|A X - B|`, for A of full column rank, by Householder's QR.
 pub(super) fn least_squares(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Mat<f64>> {
     let (m, n) = a.shape();
     let mut basis = zeros(m, n)?;

@@ -8,7 +8,7 @@ use super::transfer::Transfer;
 use crate::base::{Error, Par, Result};
 use crate::mesh::TriMesh;
 
-/// The part of functions in a span, and what is left.
+/// Functions split into their part in a span and the remaining detail.
 #[derive(Debug, Clone)]
 pub struct Split {
     /// The nearest functions in the span, n x c.
@@ -57,7 +57,7 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
-/// // A sphere that gets its own detail stays as it is, nearly: as far as the transfer has its heights.
+/// // A sphere that gets its own detail stays nearly as it is: as far as four functions reach.
 /// let basis = basis.basis();
 /// let transfer = Transfer::new(basis, basis, Mat::identity(4, 4))?;
 /// let found = transfer_details(&mesh, &mesh, (basis, basis), &transfer, Par::Seq)?;

@@ -37,8 +37,8 @@ pub struct Eigenbasis {
 }
 
 impl Eigenbasis {
-    /// A basis of these eigenpairs: `values` ascending, `vectors` n x r, M-orthonormal (which is
-    /// not checked).
+    /// Creates a basis of these eigenpairs: `values` ascending, `vectors` n x r, M-orthonormal
+    /// (which is not checked).
     ///
     /// # Errors
     /// [`Error::Shape`] when numbers of values, columns, rows and masses don't fit,
@@ -57,7 +57,16 @@ impl Eigenbasis {
         Ok(Self { values, basis, constant })
     }
 
-    /// The first `len` functions only; all of them if there are fewer.
+    /// Returns the basis of the first `len` functions; of all of them if there are fewer.
+    ///
+    /// ```
+    /// use catamaran::{faer::Mat, sparse::Mass, spectral::Eigenbasis};
+    ///
+    /// let vectors = Mat::<f64>::identity(3, 3);
+    /// let basis = Eigenbasis::new(vec![1.0, 2.0, 4.0], vectors, Mass::identity(3))?;
+    /// assert_eq!(basis.truncated(2)?.values(), [1.0, 2.0]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -69,37 +78,38 @@ impl Eigenbasis {
         Ok(Self { values: self.values[..len].to_vec(), basis, constant })
     }
 
-    /// The functions with their inner product.
+    /// Returns the functions with their inner product.
     pub fn basis(&self) -> &Basis {
         &self.basis
     }
 
-    /// The eigenvalues, ascending; in units of 1 / length^2.
+    /// Returns the eigenvalues, ascending; in units of 1 / length^2.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The functions, n x r; in units of 1 / length.
+    /// Returns the functions, n x r; in units of 1 / length.
     pub fn functions(&self) -> MatRef<'_, f64> {
         self.basis.functions()
     }
 
-    /// Number of functions, the constant included.
+    /// Returns the number of functions, the constant included.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Whether it has no functions.
+    /// Returns whether the basis has no functions.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// Value of the first function where that is the constant, `1 / sqrt(area)`.
+    /// Returns the value of the first function where that function is the constant,
+    /// `1 / sqrt(area)`; `None` otherwise.
     pub fn constant(&self) -> Option<f64> {
         self.constant
     }
 
-    /// [`Eigenbasis::constant`], or an error that names the argument `what`.
+    /// Returns [`Eigenbasis::constant`], or an error that names the argument `what`.
     pub(super) fn need_constant(&self, what: &'static str) -> Result<f64> {
         self.constant.ok_or_else(|| {
             let (len, area) = (self.len(), self.basis.area().unwrap_or(f64::INFINITY));
@@ -116,7 +126,7 @@ impl Eigenbasis {
         })
     }
 
-    /// Analysis of `f`, as [`Basis::analysis`].
+    /// Computes the coefficients of `f`, as [`Basis::analysis`] does.
     ///
     /// # Errors
     /// As [`Basis::analysis`].

@@ -38,7 +38,7 @@ pub struct Eigenproducts {
 }
 
 impl Eigenproducts {
-    /// The products of at most `order` (0 to 255) of `k` functions.
+    /// Creates the dictionary of the products of at most `order` (0 to 255) of `k` functions.
     ///
     /// # Errors
     /// [`Error::Argument`] when the order is larger, or the products are more than a `u32` can
@@ -60,23 +60,23 @@ impl Eigenproducts {
         Ok(Self { k, starts })
     }
 
-    /// Number of functions that are multiplied.
+    /// Returns the number of functions that are multiplied.
     pub fn k(&self) -> usize {
         self.k
     }
 
-    /// Largest number of factors.
+    /// Returns the largest number of factors.
     pub fn order(&self) -> usize {
         self.starts.len() - 2
     }
 
-    /// Number of products, at least 1.
+    /// Returns the number of products, at least 1.
     #[allow(clippy::len_without_is_empty)] // never empty
     pub fn len(&self) -> usize {
         self.starts[self.starts.len() - 1]
     }
 
-    /// Number of products of at most `order` factors.
+    /// Returns the number of products of at most `order` factors.
     pub(super) fn len_up_to(&self, order: usize) -> usize {
         self.starts[order.min(self.order()) + 1]
     }
@@ -86,7 +86,8 @@ impl Eigenproducts {
         self.starts.partition_point(|&start| start <= index) - 1
     }
 
-    /// The factors, from 1, ascending, of the product `index`; `None` when there is none.
+    /// Returns the factors of the product `index`, from 1, ascending; `None` when there is no such
+    /// product.
     pub fn factors(&self, index: usize) -> Option<Vec<usize>> {
         if index >= self.len() {
             return None;
@@ -114,7 +115,8 @@ impl Eigenproducts {
         Some(factors)
     }
 
-    /// The index of the product of these factors (1 to k, in any order); `None` when there is none.
+    /// Returns the index of the product of these factors (1 to k, in any order); `None` when there
+    /// is no such product.
     pub fn index(&self, factors: &[usize]) -> Option<usize> {
         let degree = factors.len();
         let known = degree <= self.order() && factors.iter().all(|i| (1..=self.k).contains(i));
@@ -142,8 +144,8 @@ impl Eigenproducts {
         (from(least) - from(first)) as usize
     }
 
-    /// Of each product but the first: the index of the product without its last factor, and that
-    /// factor.
+    /// Returns for each product but the first the index of the product without its last factor,
+    /// and that factor.
     pub(super) fn steps(&self) -> Vec<(usize, usize)> {
         let mut steps: Vec<(usize, usize)> = Vec::with_capacity(self.len() - 1);
         for degree in 1..=self.order() {
@@ -155,10 +157,21 @@ impl Eigenproducts {
         steps
     }
 
-    /// All products of the given functions, pointwise.
+    /// Computes all products of the given functions, pointwise.
     ///
     /// `functions` is n x k, a function in each column; `out` is n x [`Eigenproducts::len`] and is
     /// overwritten. Fastest by columns (unit row stride). The same, bit for bit, for every `par`.
+    ///
+    /// ```
+    /// use catamaran::{Par, faer::{Mat, mat}, spectral::Eigenproducts};
+    ///
+    /// let products = Eigenproducts::new(2, 2)?;
+    /// // 1, f, g, f f, f g and g g for functions f and g on two vertices.
+    /// let mut values = Mat::zeros(2, products.len());
+    /// products.evaluate(mat![[2.0, 3.0], [1.0, 5.0]].as_ref(), values.as_mut(), Par::Seq)?;
+    /// assert_eq!(values, mat![[1.0, 2.0, 3.0, 4.0, 6.0, 9.0], [1.0, 1.0, 5.0, 1.0, 5.0, 25.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when a matrix has another shape, [`Error::NonFinite`] for the functions.

@@ -37,7 +37,7 @@ pub enum Response {
 }
 
 impl Response {
-    /// The gain for a frequency.
+    /// Returns the gain for a frequency.
     pub fn gain(self, frequency: f64) -> f64 {
         let pass = |passes: bool| f64::from(u8::from(passes));
         match self {
@@ -49,7 +49,7 @@ impl Response {
         }
     }
 
-    /// The gain for what is beyond every frequency of a basis.
+    /// Returns the gain for frequencies beyond every frequency of a basis.
     pub fn limit(self) -> f64 {
         self.gain(f64::MAX)
     }
@@ -138,7 +138,7 @@ pub fn add_coefficient(
     Ok(Mat::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] + amount * function[i]))
 }
 
-/// The Dirichlet energy `<q, W q> / <q, q>` of each function (thesis, definition 7): for
+/// Computes the Dirichlet energy `<q, W q> / <q, q>` of each function (thesis, definition 7): for
 /// eigenfunctions the eigenvalue, for products what comes nearest to a frequency.
 ///
 /// `functions` is n x r, the stiffness matrix W and the mass are n x n. The energy of the function

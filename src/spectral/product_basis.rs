@@ -27,7 +27,7 @@ pub enum Orthogonalization {
     RankRevealing,
 }
 
-/// How [`ProductBasis::new`] works.
+/// Options of [`ProductBasis::new`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ProductBasisOptions<'a> {
@@ -81,8 +81,8 @@ pub struct ProductBasis {
 }
 
 impl ProductBasis {
-    /// The basis of all products of at most `order` of the eigenfunctions, the constant one
-    /// excepted.
+    /// Computes the basis of all products of at most `order` of the eigenfunctions, the constant
+    /// one excepted.
     ///
     /// The products are made and orthogonalised in the memory of the result; R needs more beside
     /// it.
@@ -125,48 +125,48 @@ impl ProductBasis {
         Ok(Self { products, kept, r, basis })
     }
 
-    /// The products that were orthogonalised, L of them.
+    /// Returns the products that were orthogonalised, L of them.
     pub fn products(&self) -> &Eigenproducts {
         &self.products
     }
 
-    /// The functions Q, n x r, with their inner product.
+    /// Returns the functions Q, n x r, with their inner product.
     pub fn basis(&self) -> &Basis {
         &self.basis
     }
 
-    /// The functions Q with their inner product, and nothing else.
+    /// Returns the functions Q with their inner product, and drops the rest.
     pub fn into_basis(self) -> Basis {
         self.basis
     }
 
-    /// The functions Q, n x r.
+    /// Returns the functions Q, n x r.
     pub fn functions(&self) -> MatRef<'_, f64> {
         self.basis.functions()
     }
 
-    /// R, r x L: the coefficients of every product in the basis.
+    /// Returns R, r x L: the coefficients of every product in the basis.
     pub fn r(&self) -> MatRef<'_, f64> {
         self.r.as_ref()
     }
 
-    /// The index of the product that each function comes from, r of them, ascending: `R[.., kept]`
-    /// is upper triangular.
+    /// Returns the index of the product that each function comes from, r of them, ascending:
+    /// `R[.., kept]` is upper triangular.
     pub fn kept(&self) -> &[usize] {
         &self.kept
     }
 
-    /// Number r of functions.
+    /// Returns the number r of functions.
     pub fn len(&self) -> usize {
         self.kept.len()
     }
 
-    /// Whether it has no functions.
+    /// Returns whether the basis has no functions.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }
 
-    /// `R[.., kept]`, r x r, upper triangular.
+    /// Returns `R[.., kept]`, r x r, upper triangular.
     pub(super) fn triangle(&self) -> Mat<f64> {
         Mat::from_fn(self.len(), self.len(), |i, j| self.r[(i, self.kept[j])])
     }

@@ -15,7 +15,7 @@ use crate::dense::{for_row_blocks, zeros};
 /// Columns that a thread computes at once.
 const PANEL: usize = 16;
 
-/// C~, the map of eigenproducts that a functional map C of eigenfunctions implies:
+/// The map C~ of eigenproducts that a functional map C of eigenfunctions implies:
 /// `T(phi_i phi_j) = T(phi_i) T(phi_j)`.
 ///
 /// A column of C is a polynomial of degree 1 in the functions on the target, and a column of C~ the
@@ -50,7 +50,7 @@ pub struct ProductMap {
 }
 
 impl ProductMap {
-    /// The extension of `c` to products of at most `order` of the functions of
+    /// Creates the extension of `c` to products of at most `order` of the functions of
     /// [`ProductBasis`](super::ProductBasis).
     ///
     /// `c` maps coefficients of eigenfunctions on `source` to such on `target`, the constant
@@ -75,8 +75,8 @@ impl ProductMap {
         Self::from_polynomials(linear, order)
     }
 
-    /// The extension of `phi_i -> linear[0, i] + sum_h linear[h, i] psi_h`, all numbered from 1 but
-    /// the columns.
+    /// Creates the extension of `phi_i -> linear[0, i] + sum_h linear[h, i] psi_h`, all numbered
+    /// from 1 but the columns.
     pub(super) fn from_polynomials(linear: Mat<f64>, order: usize) -> Result<Self> {
         let source = Eigenproducts::new(linear.ncols(), order)?;
         let target = Eigenproducts::new(linear.nrows() - 1, order)?;
@@ -84,17 +84,31 @@ impl ProductMap {
         Ok(Self { source, target, linear, times })
     }
 
-    /// The products on the source, as many as C~ has columns.
+    /// Returns the products on the source, as many as C~ has columns.
     pub fn source(&self) -> &Eigenproducts {
         &self.source
     }
 
-    /// The products on the target, as many as C~ has rows.
+    /// Returns the products on the target, as many as C~ has rows.
     pub fn target(&self) -> &Eigenproducts {
         &self.target
     }
 
-    /// These columns of C~: the images of the products with these indices.
+    /// Computes these columns of C~: the images of the products with these indices.
+    ///
+    /// ```
+    /// use catamaran::spectral::{Eigenbasis, ProductMap};
+    /// use catamaran::{mesh::families, prelude::*};
+    ///
+    /// # let mesh = families::icosphere(2)?;
+    /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+    /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+    /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+    /// let map = ProductMap::new(Mat::identity(4, 4).as_ref(), &basis, &basis, 2)?;
+    /// let image = map.columns(&[5], Par::Seq)?;
+    /// assert_eq!((image.nrows(), image[(5, 0)]), (map.target().len(), 1.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] names the first index that is not of a column; [`Error::OutOfMemory`].
@@ -122,7 +136,7 @@ impl ProductMap {
         Ok(out)
     }
 
-    /// `C~ X`: the images of functions with these coefficients of products, L x c.
+    /// Computes `C~ X`: the images of functions with these coefficients of products, L x c.
     ///
     /// A column takes about `N k` times its length, not its square.
     ///

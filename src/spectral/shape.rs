@@ -38,7 +38,7 @@ builder! { ShapeOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// A template that was deformed.
+/// A template that [`shape_from_spectrum`] deformed.
 #[derive(Debug, Clone)]
 pub struct ShapeFromSpectrum {
     /// The faces of the template, with other positions.

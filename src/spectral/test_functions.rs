@@ -7,9 +7,9 @@ use super::descriptors::heat_kernel;
 use crate::base::{Error, Result, Rng};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
-/// Heat kernels between random vertices and all others (HK): arguments as in [`heat_kernel`]; the
-/// thesis has t = 1e-3 on shapes of area 1. The same seed gives the same vertices for any number of
-/// eigenfunctions.
+/// Computes heat kernels between random vertices and all others (HK). Arguments as in
+/// [`heat_kernel`]; the thesis has t = 1e-3 on shapes of area 1. The same seed gives the same
+/// vertices for any number of eigenfunctions.
 ///
 /// ```
 /// use catamaran::{faer::Mat, spectral::test_functions::heat_kernels};
@@ -41,8 +41,8 @@ pub fn heat_kernels(
     Ok(kernels)
 }
 
-/// `count` columns of a signature at equal distances, the first and the last included (the middle,
-/// if it is one): for HKS and WKS, 10 channels of 100 scales.
+/// Returns `count` columns of a signature at equal distances, the first and the last included (the
+/// middle, if `count` is 1): for HKS and WKS, 10 channels of 100 scales.
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, spectral::test_functions::channels};
@@ -64,7 +64,7 @@ pub fn channels(signature: MatRef<'_, f64>, count: usize) -> Result<Mat<f64>> {
     Ok(Mat::from_fn(signature.nrows(), count, |i, j| signature[(i, column(j))]))
 }
 
-/// Numbers uniform in [0, 1), independent (Rand).
+/// Returns independent numbers, uniform in [0, 1) (Rand).
 ///
 /// ```
 /// use catamaran::spectral::test_functions::random;
@@ -84,7 +84,7 @@ pub fn random(n: usize, count: usize, seed: u64) -> Mat<f64> {
     functions
 }
 
-/// The coordinates of the vertices (XYZ): three columns.
+/// Returns the coordinates of the vertices (XYZ): three columns.
 ///
 /// ```
 /// use catamaran::{mesh::families, spectral::test_functions::coordinates};
@@ -97,8 +97,9 @@ pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
     Mat::from_fn(mesh.vertices().len(), 3, |i, j| mesh.vertices()[i][j])
 }
 
-/// Indicators of random regions (Ind): 1 at the vertices nearest to a random one along edges, as
-/// many as have at least this share of the area (in (0, 1]) or are connected to it; 0 elsewhere.
+/// Returns indicators of random regions (Ind): 1 at the vertices nearest to a random one along
+/// edges, as many as have at least this share of the area (in (0, 1]) or are connected to it; 0
+/// elsewhere.
 ///
 /// ```
 /// use catamaran::{mesh::{families, vertex_areas}, spectral::test_functions::geodesic_cells};

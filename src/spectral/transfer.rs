@@ -29,7 +29,7 @@ pub struct Transfer<'a> {
 }
 
 impl<'a> Transfer<'a> {
-    /// Transfer by `map`, r_target x r_source.
+    /// Creates a transfer by `map`, r_target x r_source.
     ///
     /// # Errors
     /// [`Error::Shape`] when the map is of another shape, [`Error::NonFinite`].
@@ -39,13 +39,13 @@ impl<'a> Transfer<'a> {
         Ok(Self { source, target, map })
     }
 
-    /// The matrix.
+    /// Returns the matrix.
     pub fn map(&self) -> MatRef<'_, f64> {
         self.map.as_ref()
     }
 
-    /// The functions on the target, n_target x c, that correspond to the columns of `f`, n_source x
-    /// c.
+    /// Computes the functions on the target, n_target x c, that correspond to the columns of `f`,
+    /// n_source x c.
     ///
     /// # Errors
     /// [`Error::Shape`] when `f` has not as many rows as the source has vertices,

@@ -17,8 +17,8 @@ use crate::dense::{divide_by_upper, zeros};
 /// Columns of C~ that exist at the same time.
 const PANEL: usize = 256;
 
-/// O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the least-squares
-/// solution of `O R_source = R_target C~`, which has a column for every product.
+/// Computes O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the
+/// least-squares solution of `O R_source = R_target C~`, which has a column for every product.
 ///
 /// It is computed from a QR factorisation of `R_source^T`, which does not square its condition
 /// number as the formula does.
@@ -56,8 +56,8 @@ pub fn transform_of_all_products(
     Ok(solution.transpose().to_owned())
 }
 
-/// O by equation 1.18: column by column, each from those before it. It uses the products that were
-/// kept on the source.
+/// Computes O by equation 1.18: column by column, each from those before it. It uses the products
+/// that were kept on the source.
 ///
 /// The thesis writes `R[i, h]` for what is `R[h, i]` of its equation 1.13, and means the products
 /// that were kept.

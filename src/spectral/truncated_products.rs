@@ -7,8 +7,8 @@ use super::dense::{self, Svd};
 use super::product_basis::ProductBasis;
 use crate::base::{Error, Par, Result};
 
-/// Functions as coefficients of the eigenproducts themselves, of the many such coefficients the
-/// least ones, by a truncated singular value decomposition of the products.
+/// Functions as coefficients of the eigenproducts themselves. Of the many such coefficients it
+/// takes the least ones, by a truncated singular value decomposition of the products.
 ///
 /// For comparison with [`ProductBasis`]: it is larger, slower and less stable. Coefficients are
 /// transferred by [`ProductMap::apply`](super::ProductMap::apply).
@@ -41,7 +41,7 @@ pub struct TruncatedProducts<'a> {
 }
 
 impl<'a> TruncatedProducts<'a> {
-    /// The products of `basis`, which should be
+    /// Decomposes the products of `basis`, which should be
     /// [`Reorthogonalized`](super::Orthogonalization::Reorthogonalized): `Q R = B`, so that R has
     /// the singular values of the products B in the norm of the mass.
     ///
@@ -58,7 +58,7 @@ impl<'a> TruncatedProducts<'a> {
         Ok(products)
     }
 
-    /// Leaves out other singular values, as in [`TruncatedProducts::new`], by the same
+    /// Changes which singular values are left out, as in [`TruncatedProducts::new`], by the same
     /// decomposition.
     ///
     /// # Errors
@@ -73,13 +73,13 @@ impl<'a> TruncatedProducts<'a> {
         Ok(())
     }
 
-    /// Number of singular values that are used.
+    /// Returns the number of singular values that are used.
     pub fn rank(&self) -> usize {
         self.rank
     }
 
-    /// The least coefficients of products, L x c, of the functions of their (truncated) span that
-    /// are nearest to the columns of `f`, n x c.
+    /// Computes the least coefficients of products, L x c, of the functions of their (truncated)
+    /// span that are nearest to the columns of `f`, n x c.
     ///
     /// # Errors
     /// As [`Basis::analysis`](super::Basis::analysis).
@@ -95,7 +95,7 @@ impl<'a> TruncatedProducts<'a> {
         dense::product(self.svd.v.subcols(0, self.rank), parts.as_ref(), par)
     }
 
-    /// The functions, n x c, with these coefficients of products, L x c.
+    /// Computes the functions, n x c, with these coefficients of products, L x c.
     ///
     /// # Errors
     /// [`Error::Shape`] when there are not L rows, [`Error::OutOfMemory`].

@@ -7,9 +7,9 @@ use crate::base::{Result, reserved};
 /// borders, and smaller copies of a texture (mipmaps) down to a sixteenth of its side.
 const RINGS: usize = 16;
 
-/// For each texel the one whose value it shows: itself on the surface, else the nearest of a chart,
-/// up to 16 texels away (diagonal steps count as one), and itself beyond. Without such a margin,
-/// filters of renderers mix what is outside of the surface into what is on it.
+/// Returns for each texel the texel whose value it shows: itself on the surface, else the nearest
+/// of a chart, up to 16 texels away (diagonal steps count as one), and itself beyond. Without such
+/// a margin, filters of renderers mix what is outside of the surface into what is on it.
 ///
 /// ```
 /// use catamaran::{mesh::families, texture::margin};

@@ -6,7 +6,7 @@ use super::relief::{normal_colors, normal_map};
 use super::slime::{Blur, Options, Parameters, Simulation, diffuse_border, diffuse_row};
 use crate::base::{Error, Par, Result, builder, reserved, zeros};
 
-/// What a part of a surface looks like.
+/// The appearance of a part of a surface: colour, roughness, metalness, height and glow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Finish {
@@ -37,7 +37,7 @@ builder! { Finish {
 }}
 
 impl Finish {
-    /// `Ok` when every number is in its range; it may glow up to `glow`.
+    /// Returns an error unless every number is in its range; the glow may be up to `glow`.
     pub(super) fn check(&self, glow: f64) -> Result<()> {
         within("roughness", self.roughness, 0.0, 1.0)?;
         within("metalness", self.metalness, 0.0, 1.0)?;
@@ -46,7 +46,7 @@ impl Finish {
     }
 }
 
-/// `Ok` when a number is in its range.
+/// Returns an error unless a number is in its range.
 pub(super) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
     if (low..=high).contains(&value) {
         return Ok(());
@@ -55,7 +55,7 @@ pub(super) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Res
     Err(Error::Argument { what, why })
 }
 
-/// Which finishes a surface has where nothing is and where species are, and how these are mixed.
+/// The finishes of a surface, bare and where species are, and how they are mixed.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Look {
@@ -102,7 +102,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// All, with their names.
+    /// All presets with their names.
     pub const ALL: [(&'static str, Self); 6] = [
         ("strands", Self::Strands),
         ("marble", Self::Marble),
@@ -120,7 +120,15 @@ impl Default for Look {
 }
 
 impl Look {
-    /// That of a name.
+    /// Returns the look of a preset.
+    ///
+    /// ```
+    /// use catamaran::texture::{Look, Preset};
+    ///
+    /// let look = Look::of(Preset::Gold).depth(1.0);
+    /// assert!(look.check().is_ok());
+    /// assert!(look.depth(-1.0).check().is_err());
+    /// ```
     pub fn of(preset: Preset) -> Self {
         let finish = |color, roughness, metalness, height| {
             Finish::new().color(color).roughness(roughness).metalness(metalness).height(height)
@@ -178,7 +186,7 @@ impl Look {
         }
     }
 
-    /// `Ok` when every value is in its range.
+    /// Returns an error unless every value is in its range.
     ///
     /// # Errors
     /// [`Error::Argument`] that names the value.
@@ -243,7 +251,7 @@ pub struct MaterialMaps {
 }
 
 impl MaterialMaps {
-    /// Those of a simulation as it is now. Colours are mixed as light.
+    /// Creates the textures of a simulation as it is now. Colours are mixed as light.
     ///
     /// # Errors
     /// As [`Look::check`]; [`Error::OutOfMemory`].
@@ -356,13 +364,13 @@ fn smoothed(simulation: &Simulation, species: usize, passes: u32, par: Par) -> R
     Ok(texture)
 }
 
-/// The amount of light of a number of a screen (IEC 61966-2-1).
+/// Returns the amount of light of a number of a screen (IEC 61966-2-1).
 pub(super) fn to_light(number: u8) -> f64 {
     let c = f64::from(number) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The inverse of [`to_light`], rounded.
+/// Returns the inverse of [`to_light`], rounded.
 pub(super) fn to_screen(light: f64) -> u8 {
     let l = light.clamp(0.0, 1.0);
     let c = if l <= 0.003_130_8 { 12.92 * l } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };

@@ -26,8 +26,8 @@ pub struct HeightField<'a> {
     pub repeats: bool,
 }
 
-/// The normal map of a plane, by differences of neighbours; at the sides of a texture that does not
-/// repeat, one-sided.
+/// Computes the normal map of a plane, by differences of neighbours; one-sided at the sides of a
+/// texture that does not repeat.
 ///
 /// ```
 /// use catamaran::texture::{HeightField, flat_normal_map};
@@ -76,8 +76,8 @@ pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
     Ok(normals)
 }
 
-/// The normal map of a texture of a surface: `heights` of [`Texels::size`] rows of as many, `depth`
-/// what a height of 1 is in the unit of the surface, the square root of its area.
+/// Computes the normal map of a texture of a surface: `heights` of [`Texels::size`] rows of as
+/// many, `depth` what a height of 1 is in the unit of the surface, the square root of its area.
 ///
 /// Slopes are those on the surface: the texture may stretch and turn it. Over seams, neighbours are
 /// found by walking there ([`Texels::beside`]), so that no seam shows. Texels outside of the
@@ -117,7 +117,7 @@ pub fn normal_map(
     Ok(normals)
 }
 
-/// Normals as pictures have them: a byte for each of x, y and z, 0 for -1 and 255 for 1.
+/// Returns normals as pictures have them: a byte for each of x, y and z, 0 for -1 and 255 for 1.
 pub fn normal_colors(normals: &[[f32; 3]]) -> Vec<[u8; 3]> {
     let byte = |x: f32| (127.5 * x.clamp(-1.0, 1.0) + 127.5).round() as u8;
     normals.iter().map(|n| n.map(byte)).collect()

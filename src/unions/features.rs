@@ -2,7 +2,7 @@ use super::network::{FEATURES, K};
 use super::spectrum;
 use crate::base::{Error, Result};
 
-/// The parts of a union as the network sees them: without units.
+/// The features of the parts of a union, without units, as the network reads them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartFeatures {
     /// By how much eigenvalues are divided: the last one of the bound.
@@ -17,6 +17,15 @@ pub struct PartFeatures {
 
 impl PartFeatures {
     /// Computes the features of two parts with these spectra.
+    ///
+    /// ```
+    /// use catamaran::unions::{K, PartFeatures};
+    ///
+    /// let part: Vec<f64> = (1..=K).map(|k| k as f64).collect();
+    /// let features = PartFeatures::of_pair(&part, &part)?;
+    /// assert_eq!((features.scale, features.bound[0]), (K as f64, 1.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name the spectrum, `first` or
@@ -50,8 +59,8 @@ impl PartFeatures {
         Self { scale, bound, features: parts.iter().map(of_part).collect() }
     }
 
-    /// What does not change when the parts change places: the mean of each logarithm over the
-    /// parts, and the distance of its largest and smallest value.
+    /// Returns features that do not depend on the order of the parts: the mean of each logarithm
+    /// over the parts, and the distance of its largest and smallest value.
     pub fn symmetric(&self) -> [f64; 2 * K] {
         let count = self.features.len() as f64;
         std::array::from_fn(|j| {

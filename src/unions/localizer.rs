@@ -24,12 +24,29 @@ pub struct Localizer {
 }
 
 impl Localizer {
-    /// From what training knows of a template with so many vertices.
+    /// Creates a localizer from the anchors of the training, on a template of `vertices` vertices.
     ///
     /// - `modes`: number of eigenfunctions;
     /// - `anchors`: vertices, at least as many as eigenfunctions;
     /// - `values`: of each of them the values of all eigenfunctions; rounded to half precision, as
     ///   files have them.
+    ///
+    /// ```
+    /// use catamaran::{Par, mesh::{LaplacianOptions, families, laplacian}, unions::Localizer};
+    /// use catamaran::sparse::{EigenOptions, eigs};
+    ///
+    /// // Two eigenfunctions of a template, with all vertices as anchors.
+    /// let template = families::icosphere(1)?;
+    /// let operator = laplacian(&template, &LaplacianOptions::new())?;
+    /// let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(2))?;
+    /// let n = template.vertices().len();
+    /// let at = |v: usize| [0, 1].map(|i| pairs.vectors[(v, i)] as f32);
+    /// let localizer = Localizer::new(2, (0..n).collect(), (0..n).flat_map(at).collect(), n)?;
+    /// // A region that is the first eigenfunction, a constant.
+    /// let found = localizer.on(pairs.vectors.as_ref())?.indicator(&[1.0, 0.0])?;
+    /// assert!((found[0] - found[9]).abs() < 1e-3);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
@@ -48,7 +65,7 @@ impl Localizer {
         Ok(Self { modes, anchors, values, vertices })
     }
 
-    /// From the tensors of a file.
+    /// Creates a localizer from the tensors of a file.
     pub(super) fn from_tensors(tensors: &Tensors<'_>, modes: usize) -> Result<Self> {
         let anchors = tensors.values("anchors", tensors.len("anchors"))?;
         let anchors: Vec<usize> = anchors.iter().map(|&x| x as usize).collect();
@@ -57,13 +74,13 @@ impl Localizer {
         Self::new(modes, anchors, values, vertices)
     }
 
-    /// The numbers of a file that are whole: the anchors, and then that of vertices. (Below 2^24,
-    /// as floats.)
+    /// Returns the whole numbers of a file: the anchors, and then the number of vertices. (Below
+    /// 2^24, as floats.)
     pub(super) fn whole(&self) -> Vec<f32> {
         self.anchors.iter().chain([&self.vertices]).map(|&x| x as f32).collect()
     }
 
-    /// The tensors of a file, given [`Localizer::whole`].
+    /// Returns the tensors of a file, given [`Localizer::whole`].
     pub(super) fn tensors<'a>(&'a self, whole: &'a [f32]) -> [(&'a str, Tensor<'a>); 3] {
         let (anchors, vertices) = whole.split_at(self.anchors.len());
         [
@@ -73,17 +90,17 @@ impl Localizer {
         ]
     }
 
-    /// Number of eigenfunctions.
+    /// Returns the number of eigenfunctions.
     pub fn modes(&self) -> usize {
         self.modes
     }
 
-    /// Vertices of the template.
+    /// Returns the number of vertices of the template.
     pub fn vertices(&self) -> usize {
         self.vertices
     }
 
-    /// The localizer on its template.
+    /// Computes the localizer on its template.
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] for another mesh; as [`laplacian()`] and [`eigs`].
@@ -91,7 +108,8 @@ impl Localizer {
         self.on_mesh_watched(template, par, Progress::none())
     }
 
-    /// [`Localizer::on_mesh`] that tells of the progress of the eigenfunctions; may cancel.
+    /// Computes what [`Localizer::on_mesh`] does, with a callback that is told the progress of the
+    /// eigenfunctions and may cancel.
     ///
     /// # Errors
     /// As [`Localizer::on_mesh`], [`Error::Cancelled`].
@@ -110,8 +128,8 @@ impl Localizer {
         self.on(operator.extend(pairs.vectors.as_ref())?.as_ref())
     }
 
-    /// The localizer on a template with these eigenfunctions (vertices x their number), whatever
-    /// their signs are.
+    /// Computes the localizer on a template with these eigenfunctions (vertices x their number),
+    /// whatever their signs are.
     ///
     /// # Errors
     /// [`Error::Shape`] for another template; [`Error::Argument`] when the functions are not those
@@ -151,8 +169,9 @@ pub struct LocalizerOn {
 }
 
 impl LocalizerOn {
-    /// For each vertex about 1 inside of the region with these coefficients and 0 outside; the
-    /// region is what is above 1/2. Mirror images have the same spectrum, and one of them is found.
+    /// Returns a value for each vertex, about 1 inside of the region with these coefficients and 0
+    /// outside; the region is where it is above 1/2. Mirror images have the same spectrum, and one
+    /// of them is found.
     ///
     /// # Errors
     /// [`Error::Shape`] unless there is a coefficient for each eigenfunction.

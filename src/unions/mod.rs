@@ -1,5 +1,5 @@
-//! Spectral unions of partial shapes (thesis, chapter 2): the spectrum of a part of a surface, that
-//! of the union of parts from theirs, signatures, retrieval.
+//! Spectral unions of partial shapes (thesis, chapter 2): the spectrum of a part of a surface,
+//! the spectrum of a union predicted from those of its parts, signatures, retrieval.
 //!
 //! See docs/algorithms/unions.md for the mathematics.
 

@@ -34,7 +34,7 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The features of a part in units of their deviations, as the network reads them.
+    /// Returns the features of a part in units of their deviations, as the network reads them.
     pub fn features(&self, part: &[[f64; FEATURES]; K]) -> [f32; K * FEATURES] {
         let part = part.as_flattened();
         std::array::from_fn(|j| {
@@ -44,9 +44,9 @@ impl Scaling {
     }
 }
 
-/// The spectral union operator (thesis, section 2.4): from the first [`K`] Dirichlet eigenvalues of
-/// each part of a surface those of their union, whatever its geometry is, and where it is on a
-/// template.
+/// The spectral union operator (thesis, section 2.4). It predicts, from the first [`K`] Dirichlet
+/// eigenvalues of each part of a surface, those of their union, whatever the geometry is, and the
+/// place of the union on a template.
 ///
 /// By construction a prediction is positive, ascending, at most the bound that domain monotonicity
 /// gives (`lambda_i` of the union is at most the smallest one of the parts), the same for all
@@ -66,7 +66,15 @@ pub struct SpectralUnion {
 }
 
 impl SpectralUnion {
-    /// With the weights that come with the library.
+    /// Creates the network with the weights that come with the library.
+    ///
+    /// ```
+    /// use catamaran::unions::SpectralUnion;
+    ///
+    /// let model = SpectralUnion::pretrained()?;
+    /// assert_eq!(SpectralUnion::from_bytes(&model.to_bytes()?)?.parameters(), model.parameters());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// None in a sound build.
@@ -74,8 +82,8 @@ impl SpectralUnion {
         Self::from_bytes(PRETRAINED)
     }
 
-    /// From trained parameters, in the order of [`Architecture::layout`]; weights are rounded as
-    /// files have them ([`quantize`]).
+    /// Creates the network from trained parameters, in the order of [`Architecture::layout`];
+    /// weights are rounded as files have them ([`quantize`]).
     ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
@@ -127,7 +135,8 @@ impl SpectralUnion {
         Ok(Self { sizes, layout, parameters, units, scaling, detector, localizer })
     }
 
-    /// From the bytes of a file that [`SpectralUnion::to_bytes`] made.
+    /// Reads the network from the bytes of a file that [`SpectralUnion::to_bytes`] made. The
+    /// example of [`SpectralUnion::pretrained`] shows both.
     ///
     /// # Errors
     /// [`Error::Argument`] says what is wrong with the weights.
@@ -166,7 +175,7 @@ impl SpectralUnion {
         Self::assemble(sizes, parameters, units, scaling, detector, localizer)
     }
 
-    /// From a file of weights (safetensors).
+    /// Reads the network from a file of weights (safetensors).
     ///
     /// # Errors
     /// [`Error::Io`] names the file.
@@ -175,7 +184,8 @@ impl SpectralUnion {
         Self::from_bytes(&bytes).map_err(|e| Error::file(path, e.to_string()))
     }
 
-    /// A file of the weights, in the safetensors format; the same weights give the same bytes.
+    /// Returns the bytes of a file of the weights, in the safetensors format; the same weights give
+    /// the same bytes.
     ///
     /// # Errors
     /// [`Error::Argument`] when the format can't hold them.
@@ -218,23 +228,23 @@ impl SpectralUnion {
         to_bytes(tensors)
     }
 
-    /// The sizes of the network.
+    /// Returns the sizes of the network.
     pub fn architecture(&self) -> Architecture {
         self.sizes
     }
 
-    /// The parameters, in the order of [`Architecture::layout`].
+    /// Returns the parameters, in the order of [`Architecture::layout`].
     pub fn parameters(&self) -> &[f32] {
         &self.parameters
     }
 
-    /// How numbers are scaled for the network.
+    /// Returns how numbers are scaled for the network.
     pub fn scaling(&self) -> &Scaling {
         &self.scaling
     }
 
-    /// The K first eigenvalues of the union of two parts, from those of the parts, in whatever unit
-    /// these have.
+    /// Predicts the K first eigenvalues of the union of two parts, from those of the parts, in the
+    /// unit of those.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -255,8 +265,8 @@ impl SpectralUnion {
         Ok(self.union(&input, &tape.output))
     }
 
-    /// The unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for bit, in a
-    /// fraction of the time.
+    /// Predicts the unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for
+    /// bit, in a fraction of the time.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -308,8 +318,8 @@ impl SpectralUnion {
         spectrum::ascending(&below)
     }
 
-    /// The eigenvalues of the union of any number of parts. Their order does not matter, bit for
-    /// bit: they are sorted by their eigenvalues. The network was trained on up to four.
+    /// Predicts the eigenvalues of the union of any number of parts. Their order does not matter,
+    /// bit for bit: they are sorted by their eigenvalues. The network was trained on up to four.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -335,7 +345,7 @@ impl SpectralUnion {
         Ok(self.union(&input, &tape.output))
     }
 
-    /// Where the union of any number of parts is on the template: coefficients in its
+    /// Predicts where the union of any number of parts is on the template: coefficients in its
     /// eigenfunctions, which [`Localizer::on_mesh`] makes a function of. The order of the parts
     /// does not matter, as in [`SpectralUnion::predict_all`].
     ///
@@ -361,13 +371,13 @@ impl SpectralUnion {
         Ok(self.run(&[&PartFeatures::new(&parts)?]).region)
     }
 
-    /// The template, for [`SpectralUnion::locate`].
+    /// Returns the template, for [`SpectralUnion::locate`].
     pub fn localizer(&self) -> &Localizer {
         &self.localizer
     }
 
-    /// The probability that two parts are of another kind of shape than the template, among the
-    /// kinds of the training.
+    /// Computes the probability that two parts are of another kind of shape than the template,
+    /// among the kinds of the training.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].
@@ -381,10 +391,19 @@ impl SpectralUnion {
         if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
     }
 
-    /// How unlike the pairs of the training parts are, the largest of all pairs of them: the
-    /// Mahalanobis distance of a pair from the mean or the
+    /// Computes how unlike the pairs of the training parts are, the largest score of all pairs of
+    /// them: the Mahalanobis distance of a pair from the mean or the
     /// [probability](SpectralUnion::ood_probability), whichever is larger, each in units of what
-    /// 99.5 % of such pairs keep. A prediction for parts above 1 is a guess.
+    /// 99.5 % of such pairs keep. A prediction for parts with a score above 1 is a guess.
+    ///
+    /// ```
+    /// use catamaran::unions::{K, SpectralUnion};
+    ///
+    /// // A spectrum that grows without bound is not one of a part of the template.
+    /// let part: Vec<f64> = (0..K as i32).map(|k| 4.0_f64.powi(k)).collect();
+    /// assert!(SpectralUnion::pretrained()?.ood_score(&[&part, &part])? > 1.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].

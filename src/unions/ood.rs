@@ -28,9 +28,16 @@ const LEAST_PROBABILITY: f32 = 0.05;
 const NOISE: f64 = 1e-6;
 
 impl OodDetector {
-    /// From the symmetric features ([`PartFeatures::symmetric`](super::PartFeatures::symmetric)) of
-    /// all pairs of the training, of which the share `within` must score at most 1. Probabilities
-    /// do not count yet.
+    /// Fits a detector to the symmetric features
+    /// ([`PartFeatures::symmetric`](super::PartFeatures::symmetric)) of all pairs of the training,
+    /// of which the share `within` must score at most 1. Probabilities do not count yet.
+    ///
+    /// ```
+    /// use catamaran::unions::{K, OodDetector};
+    ///
+    /// assert!(OodDetector::fit(&[[0.0; 2 * K], [1.0; 2 * K]], 0.995).is_ok());
+    /// assert!(OodDetector::fit(&[], 0.995).is_err());
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] for no pairs, a share outside [0, 1], or features that are not finite.
@@ -66,9 +73,9 @@ impl OodDetector {
         Ok(found)
     }
 
-    /// Lets probabilities count, given those of some pairs like those of the training
-    /// ([`SpectralUnion::ood_probability`](super::SpectralUnion::ood_probability)), of which the
-    /// share `within` shall score at most 1; unchanged for no pairs.
+    /// Returns the detector with probabilities counted, given those of some pairs like those of the
+    /// training ([`SpectralUnion::ood_probability`](super::SpectralUnion::ood_probability)), of
+    /// which the share `within` shall score at most 1; unchanged for no pairs.
     ///
     /// # Panics
     /// For a share outside [0, 1].
@@ -82,7 +89,7 @@ impl OodDetector {
         }
     }
 
-    /// Returns how far a pair is from those of the training; above 1 it is unlike them.
+    /// Returns how unlike the pairs of the training a pair is; above 1 it is unlike them.
     pub(super) fn ood_score(&self, pair: &[f64; SYMMETRIC], probability: f64) -> f64 {
         self.distance(pair).max(probability / f64::from(self.probability_limit))
     }

@@ -43,8 +43,8 @@ pub struct PartSpectra<'m> {
 }
 
 impl<'m> PartSpectra<'m> {
-    /// Assembles the Laplacian of the surface. The boundary conditions of the options count for
-    /// nothing.
+    /// Assembles the Laplacian of the surface. The boundary conditions of the options have no
+    /// effect.
     ///
     /// # Errors
     /// As [`laplacian()`].
@@ -61,13 +61,13 @@ impl<'m> PartSpectra<'m> {
         Ok(Self { mesh, options, operator, neighbours, on_boundary, progress })
     }
 
-    /// Tells of the progress of each spectrum, from 0 to 1; may cancel.
+    /// Sets a callback that is told of the progress of each spectrum, from 0 to 1, and may cancel.
     pub fn progress(self, progress: impl Into<Progress<'m>>) -> Self {
         Self { progress: progress.into(), ..self }
     }
 
-    /// The k smallest eigenvalues of the part under Dirichlet conditions, ascending; in units of 1
-    /// / length^2.
+    /// Computes the k smallest eigenvalues of the part under Dirichlet conditions, ascending; in
+    /// units of 1 / length^2.
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex; [`Error::Argument`] when the
@@ -78,8 +78,19 @@ impl<'m> PartSpectra<'m> {
         self.eigenvalues(&operator, k)
     }
 
-    /// The k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for each of
-    /// its pieces, then what follows; in units of 1 / length^2.
+    /// Computes the k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for
+    /// each of its pieces, then what follows; in units of 1 / length^2.
+    ///
+    /// ```
+    /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
+    ///
+    /// let mesh = families::icosphere(2)?;
+    /// let spectra = PartSpectra::new(&mesh, &LaplacianOptions::new())?;
+    /// let upper: Vec<bool> = mesh.vertices().iter().map(|p| p[2] > -0.1).collect();
+    /// let values = spectra.neumann(&upper, 3)?;
+    /// assert!(values[0].abs() < 1e-6 && values[1] > 1.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`PartSpectra::dirichlet`], and as [`laplacian()`] of the part.
@@ -88,8 +99,18 @@ impl<'m> PartSpectra<'m> {
         self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
     }
 
-    /// Of each vertex whether it is inside of the part: it and its neighbours belong to it, and it
-    /// is not on the boundary of the surface.
+    /// Returns for each vertex whether it is inside of the part: it and its neighbours belong to
+    /// the part, and it is not on the boundary of the surface.
+    ///
+    /// ```
+    /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
+    ///
+    /// let mesh = families::grid(4, 4)?;
+    /// let spectra = PartSpectra::new(&mesh, &LaplacianOptions::new())?;
+    /// let inside = spectra.inside(&[true; 25])?;
+    /// assert_eq!(inside.iter().filter(|&&is_inside| is_inside).count(), 9);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex.
@@ -109,10 +130,10 @@ impl<'m> PartSpectra<'m> {
     }
 }
 
-/// The k smallest Dirichlet eigenvalues of the part of a surface that points were sampled from
-/// (thesis, figure 2.8), ascending, in units of 1 / length^2: those of [`cloud_laplacian`], zero at
-/// the points that their neighbours do not surround. The boundary of the options counts for
-/// nothing.
+/// Computes the k smallest Dirichlet eigenvalues of the part of a surface that points were sampled
+/// from (thesis, figure 2.8), ascending, in units of 1 / length^2: those of [`cloud_laplacian`],
+/// zero at the points that their neighbours do not surround. The boundary of the options has no
+/// effect.
 ///
 /// ```
 /// use catamaran::{mesh::CloudOptions, unions::cloud_spectrum};

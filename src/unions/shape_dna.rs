@@ -36,8 +36,8 @@ builder! { ShapeDnaOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers
-/// where they are normalized by area. Closed surfaces begin with 0.
+/// Computes the k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure
+/// numbers where they are normalized by area. Those of closed surfaces begin with 0.
 ///
 /// ```
 /// use catamaran::{mesh::families, unions::{ShapeDnaOptions, shape_dna}};
@@ -68,7 +68,7 @@ pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f6
     Ok(values)
 }
 
-/// What [`retrieve`] finds.
+/// A signature that [`retrieve`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
     /// Number of the signature, from 0.
@@ -77,8 +77,8 @@ pub struct Match {
     pub distance: f64,
 }
 
-/// The signatures nearest to `query`, the nearest first (of equally near ones the first), at most
-/// `count` of them.
+/// Returns the signatures nearest to `query`, the nearest first (of equally near ones the first),
+/// at most `count` of them.
 ///
 /// ```
 /// use catamaran::{Par, unions::retrieve};

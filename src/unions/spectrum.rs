@@ -4,7 +4,8 @@ use crate::base::{Error, Result};
 /// Eigenvalues must lie between this and its inverse, so that nothing over- or underflows.
 const LEAST: f64 = 1e-150;
 
-/// Refuses what is no sequence of [`K`] Dirichlet eigenvalues: positive, finite and ascending.
+/// Returns an error for what is no sequence of [`K`] Dirichlet eigenvalues: positive, finite and
+/// ascending.
 pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
     let Ok(spectrum) = <[f64; K]>::try_from(values) else {
         return Err(Error::Shape { what, expected: (K, 1), got: (values.len(), 1) });
@@ -32,7 +33,8 @@ pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
     Ok(spectrum)
 }
 
-/// `(1 - t) first + t second`, a spectrum between two for t in [0, 1] (thesis, section 2.6.2).
+/// Returns `(1 - t) first + t second`, a spectrum between two for t in [0, 1] (thesis, section
+/// 2.6.2).
 ///
 /// ```
 /// use catamaran::unions::{K, interpolate};
@@ -53,9 +55,9 @@ pub fn interpolate(first: &[f64], second: &[f64], t: f64) -> Result<[f64; K]> {
     Ok(std::array::from_fn(|i| (1.0 - t) * first[i] + t * second[i]))
 }
 
-/// The non-decreasing sequence nearest to `values` in the maximum norm: half the sum of the largest
-/// value so far and the smallest from here on. No rounding breaks the order, and where `values` are
-/// at most an ascending bound, the result is.
+/// Returns the non-decreasing sequence nearest to `values` in the maximum norm: half the sum of the
+/// largest value so far and the smallest from here on. No rounding breaks the order, and where
+/// `values` are at most an ascending bound, the result is.
 pub(super) fn ascending(values: &[f64; K]) -> [f64; K] {
     let mut above = *values;
     for i in 1..K {

@@ -15,24 +15,24 @@ pub(super) struct Tensor<'a> {
 }
 
 impl<'a> Tensor<'a> {
-    /// `values` in rows of `columns`.
+    /// Creates a tensor of `values` in rows of `columns`.
     pub(super) fn new(columns: usize, values: &'a [f32]) -> Self {
         let shape = [values.len() / columns.max(1), columns];
         Self { dtype: Dtype::F32, shape, values }
     }
 
-    /// [`Tensor::new`] of numbers that are [`rounded`].
+    /// Creates a tensor as [`Tensor::new`] does, of numbers that are [`rounded`].
     pub(super) fn half(columns: usize, values: &'a [f32]) -> Self {
         Self { dtype: Dtype::F16, ..Self::new(columns, values) }
     }
 
-    /// [`Tensor::new`] of whole numbers from -127 to 127.
+    /// Creates a tensor as [`Tensor::new`] does, of whole numbers from -127 to 127.
     pub(super) fn whole(columns: usize, values: &'a [f32]) -> Self {
         Self { dtype: Dtype::I8, ..Self::new(columns, values) }
     }
 }
 
-/// The nearest number of half precision, of at most 65504.
+/// Returns the nearest number of half precision, of at most 65504.
 pub(super) fn rounded(x: f32) -> f32 {
     f16::from_f32(x.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())).to_f32()
 }
@@ -61,7 +61,7 @@ impl View for Tensor<'_> {
     }
 }
 
-/// The bytes of a file of these tensors; the same tensors give the same bytes.
+/// Returns the bytes of a file of these tensors; the same tensors give the same bytes.
 pub(super) fn to_bytes(tensors: Vec<(&str, Tensor<'_>)>) -> Result<Vec<u8>> {
     safetensors::serialize(tensors, None)
         .map_err(|e| Error::Argument { what: "weights", why: e.to_string() })
@@ -75,7 +75,7 @@ impl<'a> Tensors<'a> {
         SafeTensors::deserialize(bytes).map(Self).map_err(|e| refuse(e.to_string()))
     }
 
-    /// The tensor of this name, with `len` elements, all finite.
+    /// Returns the values of the tensor of this name, with `len` elements, all finite.
     pub(super) fn values(&self, name: &str, len: usize) -> Result<Vec<f32>> {
         let tensor = self.0.tensor(name).map_err(|e| refuse(e.to_string()))?;
         let data = tensor.data();
@@ -99,7 +99,7 @@ impl<'a> Tensors<'a> {
         }
     }
 
-    /// The number of elements of a tensor, 0 if there is none.
+    /// Returns the number of elements of a tensor, 0 if there is none.
     pub(super) fn len(&self, name: &str) -> usize {
         self.0.tensor(name).map_or(0, |tensor| tensor.shape().iter().product())
     }

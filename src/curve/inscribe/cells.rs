@@ -41,8 +41,8 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// A face with points on its sides: for each side, from its first corner, that corner and the
-    /// points.
+    /// Creates a face with points on its sides: for each side, from its first corner, that corner
+    /// and the points.
     pub fn new(sides: [Vec<Point>; 3]) -> Self {
         let corners = [0, sides[0].len(), sides[0].len() + sides[1].len()];
         let cell = (sides.iter().enumerate())
@@ -65,8 +65,8 @@ impl Cells {
         sides(a).into_iter().flatten().any(|side| others.contains(&Some(side)))
     }
 
-    /// Cuts along the line between two points of the sides; the points that it passes, both ends
-    /// included.
+    /// Cuts along the line between two points of the sides, and returns the points that the line
+    /// passes, both ends included.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when rounding leaves no order in which chords cross.
@@ -190,8 +190,8 @@ impl Cells {
         Err(Error::NotConverged { iterations: self.chords.len(), residual: SAME })
     }
 
-    /// The triangles of all cells, as points. Of possible ones the best shaped come first; none has
-    /// its corners on one line.
+    /// Returns the triangles of all cells, as points. Of possible ones the best shaped come first;
+    /// none has its corners on one line.
     pub fn triangles(&self, corners: [Vector; 3]) -> Vec<[usize; 3]> {
         let place = |i: usize| self.place(i, corners);
         let mut all = Vec::new();
@@ -228,7 +228,7 @@ impl Cells {
         all
     }
 
-    /// Where a point is, in a face with these corners.
+    /// Returns the position of a point, in a face with these corners.
     pub fn place(&self, point: usize, corners: [Vector; 3]) -> Vector {
         let shares = self.points[point].shares;
         std::array::from_fn(|k| (0..3).map(|i| shares[i] * corners[i][k]).sum())

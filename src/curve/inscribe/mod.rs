@@ -25,7 +25,17 @@ pub struct Inscribed {
 }
 
 impl Curve {
-    /// The edges of the path, each with its lower vertex first.
+    /// Returns the edges of the path, each with its lower vertex first.
+    ///
+    /// ```
+    /// use catamaran::curve::{CurveOptions, CurveSolver};
+    /// use catamaran::mesh::families;
+    ///
+    /// let mesh = families::grid(8, 8)?;
+    /// let found = CurveSolver::new(&mesh)?.reconstruct(&[10, 70, 16, 64], &CurveOptions::new())?;
+    /// assert_eq!(found.curves[0].edges().len(), found.curves[0].path.len()); // closed
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn edges(&self) -> Vec<[u32; 2]> {
         let next = self.path.iter().skip(1).chain(self.path.first().filter(|_| self.closed));
         let ends = self.path.iter().zip(next).filter(|(a, b)| a != b);
@@ -33,9 +43,9 @@ impl Curve {
     }
 }
 
-/// Cuts the faces of a mesh along curves: where curves cross edges, and each other, are new
-/// vertices, after those of the mesh. Curves along edges change nothing. O(V + F), and then what
-/// the curves pass.
+/// Cuts the faces of a mesh along curves: new vertices, numbered after those of the mesh, lie where
+/// curves cross edges and each other. Curves along edges change nothing. O(V + F), plus the faces
+/// that the curves pass.
 ///
 /// Points nearer to each other than 1e-9 of an edge become one.
 ///

@@ -7,7 +7,7 @@ use crate::base::{Error, Result};
 use crate::curve::walls::Walls;
 use crate::mesh::TriMesh;
 
-/// Which side of curves is inside.
+/// The side of curves that is inside.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Side {
     /// The one with the smaller area; of equal ones that with the lowest face. The default.
@@ -20,7 +20,7 @@ pub enum Side {
 }
 
 impl Region {
-    /// What curves along edges of a mesh enclose.
+    /// Returns the region that curves along edges of a mesh enclose.
     ///
     /// By area, crossing a curve leads from one side to the other (the even-odd rule): a ring
     /// around a hole, or two rings, are one region. On each part of the surface that curves are on

@@ -1,4 +1,4 @@
-//! Regions of a mesh: sets of its faces, as curves enclose them, and what is made of them.
+//! Regions of a mesh: sets of its faces, such as curves enclose, and operations on them.
 
 mod enclosed;
 #[cfg(test)]
@@ -25,27 +25,27 @@ pub struct Region {
 }
 
 impl Region {
-    /// The faces whose entry is true.
+    /// Creates the region of the faces whose entry is true.
     pub fn new(inside: Vec<bool>) -> Self {
         Self { inside }
     }
 
-    /// For each face of the mesh whether it is inside.
+    /// Returns for each face of the mesh whether it is inside.
     pub fn mask(&self) -> &[bool] {
         &self.inside
     }
 
-    /// The faces inside, ascending.
+    /// Returns the faces inside, ascending.
     pub fn faces(&self) -> Vec<u32> {
         (0..).zip(&self.inside).filter(|(_, inside)| **inside).map(|(f, _)| f).collect()
     }
 
-    /// Whether no face is inside.
+    /// Returns whether no face is inside.
     pub fn is_empty(&self) -> bool {
         !self.inside.contains(&true)
     }
 
-    /// The faces that are in one of two regions or both.
+    /// Returns the faces that are in one of two regions or both.
     ///
     /// # Errors
     /// [`Error::Shape`] for regions of meshes with different numbers of faces; also of the other
@@ -54,7 +54,7 @@ impl Region {
         self.combined(other, |a, b| a | b)
     }
 
-    /// The faces that are in both of two regions.
+    /// Returns the faces that are in both of two regions.
     ///
     /// # Errors
     /// As [`Region::union`].
@@ -62,7 +62,7 @@ impl Region {
         self.combined(other, |a, b| a & b)
     }
 
-    /// The faces of this region that are not in the other.
+    /// Returns the faces of this region that are not in the other.
     ///
     /// # Errors
     /// As [`Region::union`].
@@ -70,7 +70,17 @@ impl Region {
         self.combined(other, |a, b| a & !b)
     }
 
-    /// The faces that are in one of two regions but not in both.
+    /// Returns the faces that are in one of two regions but not in both.
+    ///
+    /// ```
+    /// use catamaran::curve::Region;
+    ///
+    /// let one = Region::new(vec![true, true, false]);
+    /// let two = Region::new(vec![false, true, true]);
+    /// assert_eq!(one.symmetric_difference(&two)?.faces(), [0, 2]);
+    /// assert_eq!(one.intersection(&two)?.faces(), [1]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Region::union`].
@@ -78,7 +88,7 @@ impl Region {
         self.combined(other, |a, b| a ^ b)
     }
 
-    /// All other faces.
+    /// Returns the faces that are not in the region.
     #[must_use]
     pub fn complement(&self) -> Self {
         Self { inside: self.inside.iter().map(|inside| !inside).collect() }
@@ -90,7 +100,15 @@ impl Region {
         Ok(Self { inside: both.map(|(&a, &b)| of(a, b)).collect() })
     }
 
-    /// The area of the faces inside.
+    /// Returns the area of the faces inside.
+    ///
+    /// ```
+    /// use catamaran::{curve::Region, mesh::families};
+    ///
+    /// let square = families::grid(1, 1)?;
+    /// assert_eq!(Region::new(vec![true, false]).area(&square)?, 0.5);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] for a mesh with another number of faces; also of what follows.
@@ -100,7 +118,15 @@ impl Region {
         Ok(areas.filter(|(_, inside)| **inside).fold(0.0, |sum, (area, _)| sum + area))
     }
 
-    /// The edges with faces both inside and outside, ascending.
+    /// Returns the edges with faces both inside and outside, ascending.
+    ///
+    /// ```
+    /// use catamaran::{curve::Region, mesh::families};
+    ///
+    /// let square = families::grid(1, 1)?;
+    /// assert_eq!(Region::new(vec![true, false]).boundary(&square)?.len(), 1);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Region::area`].
@@ -115,7 +141,15 @@ impl Region {
         Ok((0..edges.len()).filter(|&e| mixed(e)).map(|e| edges.ends()[e]).collect())
     }
 
-    /// The faces inside as a mesh, with the numbers that its vertices and faces had.
+    /// Returns the faces inside as a mesh, with the numbers that its vertices and faces had.
+    ///
+    /// ```
+    /// use catamaran::{curve::Region, mesh::families};
+    ///
+    /// let part = Region::new(vec![false, true]).part(&families::grid(1, 1)?)?;
+    /// assert_eq!((part.mesh.vertices().len(), part.faces), (3, vec![1]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Region::area`].

@@ -34,18 +34,18 @@ pub(super) struct Intrinsic {
     open: Vec<bool>,
 }
 
-/// The slot after this one in its face.
+/// Returns the slot after this one in its face.
 pub(super) fn next(slot: u32) -> u32 {
     if slot % 3 == 2 { slot - 2 } else { slot + 1 }
 }
 
-/// The slot before this one in its face.
+/// Returns the slot before this one in its face.
 pub(super) fn previous(slot: u32) -> u32 {
     next(next(slot))
 }
 
 impl Intrinsic {
-    /// That of the faces themselves, which are manifold and oriented.
+    /// Creates the triangulation of the faces themselves, which are manifold and oriented.
     pub fn new(mesh: &TriMesh, edges: &Edges) -> Self {
         let tails = mesh.faces().as_flattened().to_vec();
         let p = mesh.vertices();
@@ -99,54 +99,59 @@ impl Intrinsic {
         }
     }
 
-    /// The angle at the tail of a slot in its face.
+    /// Returns the angle at the tail of a slot in its face.
     pub fn corner(&self, s: u32) -> f64 {
         let [a, b, c] = [s, next(s), previous(s)].map(|s| self.lengths[s as usize]);
         angle(a, c, b)
     }
 
+    /// Returns the directions of all slots at their tails.
     pub fn directions(&self) -> &[f64] {
         &self.directions
     }
 
+    /// Returns the opposite slots of all slots.
     pub fn twins(&self) -> &[u32] {
         &self.twins
     }
 
+    /// Returns the direction of a slot at its tail.
     pub fn direction(&self, slot: u32) -> f64 {
         self.directions[slot as usize]
     }
 
+    /// Returns the length of a slot.
     pub fn length(&self, slot: u32) -> f64 {
         self.lengths[slot as usize]
     }
 
-    /// The angle around a vertex.
+    /// Returns the angle around a vertex.
     pub fn total(&self, vertex: u32) -> f64 {
         self.totals[vertex as usize]
     }
 
-    /// Whether an edge is one of the mesh.
+    /// Returns whether an edge is one of the mesh.
     pub fn is_original(&self, edge: u32) -> bool {
         !self.flipped[edge as usize]
     }
 
-    /// The slot of an edge that starts at a vertex; a slot of the face beside it when there is none
-    /// at the boundary.
+    /// Returns the slot of an edge that starts at a vertex; a slot of the face beside it when there
+    /// is none at the boundary.
     pub fn slot(&self, edge: u32, tail: u32) -> u32 {
         let slot = self.slots[edge as usize];
         let twin = self.twins[slot as usize];
         if self.tails[slot as usize] != tail && twin != NONE { twin } else { slot }
     }
 
+    /// Returns the other end of an edge.
     pub fn other_end(&self, edge: u32, vertex: u32) -> u32 {
         let slot = self.slots[edge as usize];
         let [a, b] = [slot, next(slot)].map(|s| self.tails[s as usize]);
         if a == vertex { b } else { a }
     }
 
-    /// The side on which two slots from one vertex enclose less than pi, if they do; none at the
-    /// boundary, where paths stay.
+    /// Returns the side on which two slots from one vertex enclose less than pi, if they do; `None`
+    /// at the boundary, where paths stay.
     pub fn wedge(&self, first: u32, second: u32, straight: f64) -> Option<Side> {
         let v = self.tails[first as usize];
         if v != self.tails[second as usize] || self.open[v as usize] {
@@ -164,7 +169,7 @@ impl Intrinsic {
     }
 
     /// Flips edges at v between two of its edges, counter-clockwise, as long as the outer angle of
-    /// one is less than pi, and gives the edges of the outer arc, from the end of the first on;
+    /// one is less than pi, and returns the edges of the outer arc, from the end of the first on;
     /// nothing when something is in the way.
     pub fn flip_out(&mut self, v: u32, from: u32, to: u32, straight: f64) -> Option<Vec<u32>> {
         // Every flip takes one edge from the wedge, and none comes.

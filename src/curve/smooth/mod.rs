@@ -25,7 +25,7 @@ const STRAIGHT: f64 = 1e-6;
 /// Joints that are shortened for each vertex of the curves, at most.
 const STEPS: usize = 1000;
 
-/// Curves that are smooth.
+/// Curves after [`smooth()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
     /// For each curve its points, on the surface: vertices, and where it crosses edges; the first
@@ -42,9 +42,10 @@ pub struct Smoothed {
 }
 
 impl Reconstruction {
-    /// Shortens the curves to geodesics between their samples, as [`smooth()`] does: points and
-    /// lengths are those of the geodesics from then on, while [`Curve::path`] stays. Returns
-    /// whether they are straight but at samples; else 1,000 steps for each vertex were not enough.
+    /// Shortens the curves to geodesics between their samples, as [`smooth()`] does. Points and
+    /// lengths become those of the geodesics, while [`Curve::path`] stays. Returns whether the
+    /// curves are straight except at samples; otherwise 1,000 steps for each vertex were not
+    /// enough.
     ///
     /// - `mesh`, `samples`: those of the reconstruction.
     ///
@@ -66,7 +67,8 @@ impl Reconstruction {
     }
 }
 
-/// Makes curves along edges of `mesh` geodesics between samples; whether the steps sufficed.
+/// Makes curves along edges of `mesh` geodesics between samples, and returns whether the steps
+/// sufficed.
 pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> Result<bool> {
     let vertices: usize = curves.iter().map(|curve| curve.path.len()).sum();
     let smoothed = smooth(mesh, curves, samples, STEPS * vertices)?;
@@ -77,9 +79,9 @@ pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> 
     Ok(smoothed.converged)
 }
 
-/// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, which they
-/// go on running through. At most `most_steps` joints are shortened. O(V + F), and then what the
-/// curves pass.
+/// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, through
+/// which the curves keep running. At most `most_steps` joints are shortened. O(V + F), plus the
+/// faces that the curves pass.
 ///
 /// ```
 /// use catamaran::curve::{CurveOptions, CurveSolver, smooth};

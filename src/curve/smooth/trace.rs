@@ -28,7 +28,7 @@ pub(super) struct Tracer<'m> {
 }
 
 impl<'m> Tracer<'m> {
-    /// Of a triangulation that nothing was flipped in.
+    /// Creates a tracer of a triangulation in which no edge was flipped.
     pub fn new(mesh: &'m TriMesh, intrinsic: &Intrinsic) -> Self {
         let count = 3 * mesh.faces().len() as u32;
         let mut starts = vec![u32::MAX; mesh.vertices().len()];
@@ -55,8 +55,8 @@ impl<'m> Tracer<'m> {
         self.mesh.vertices()[vertex as usize]
     }
 
-    /// The line from a vertex in a direction, as long as it is said to be, which ends at `target`;
-    /// `None` when it does not.
+    /// Traces the line of this length from a vertex in a direction, which ends at `target`; `None`
+    /// when it does not.
     pub fn trace(&self, from: u32, direction: f64, length: f64, target: u32) -> Option<Vec<Chord>> {
         let mut s = self.starts[from as usize];
         let total = self.totals[from as usize];

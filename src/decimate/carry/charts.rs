@@ -45,24 +45,26 @@ pub(super) struct Side {
 }
 
 impl<'a> Charts<'a> {
+    /// Finds the charts of a texture.
     pub fn of(mesh: &'a TriMesh, uv: &'a Attribute<2>) -> Self {
         let faces = mesh.faces().len();
         let across = across(mesh, uv);
         Self { mesh, uv, across, met: vec![(0, 0); faces], search: 0, queue: VecDeque::new() }
     }
 
-    /// The texture at a place.
+    /// Returns the texture at a place.
     pub fn at(&self, place: &Place) -> Option<Uv> {
         Some(place.mix(self.uv.of_face(self.mesh, place.face as usize)?))
     }
 
-    /// The frame of a face.
+    /// Returns the frame of a face.
     pub fn frame(&self, face: u32) -> Option<Frame> {
         let corners = self.mesh.faces()[face as usize].map(|v| self.mesh.vertices()[v as usize]);
         Frame::of(corners, self.uv.of_face(self.mesh, face as usize)?)
     }
 
-    /// The frame of a face, or where it has none that of one nearby in the texture.
+    /// Returns the frame of a face, or, where the face has none, that of a face nearby in the
+    /// texture.
     pub fn frame_near(&mut self, face: u32) -> Option<Frame> {
         if let Some(frame) = self.frame(face) {
             return Some(frame);
@@ -79,8 +81,8 @@ impl<'a> Charts<'a> {
         None
     }
 
-    /// The sides of seams that these faces are on within `radius` around p, whose own place is in
-    /// `own`: the sides, and for each face the number of its one.
+    /// Returns the sides of seams that these faces are on within `radius` around p, whose own place
+    /// is in `own`: the sides, and for each face the number of its side.
     pub fn sides(
         &mut self,
         p: Vector,

@@ -19,8 +19,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// That of the face with these corners; `None` where it has no area on the surface or in the
-    /// texture.
+    /// Creates the frame of the face with these corners; `None` where the face has no area on the
+    /// surface or in the texture.
     pub fn of([a, b, c]: [Vector; 3], uv: [Uv; 3]) -> Option<Self> {
         let (ab, ac) = (sub(b, a), sub(c, a));
         let normal = cross(ab, ac);
@@ -36,13 +36,13 @@ impl Frame {
         usable.then(|| Self { normal: unit(normal), gradients })
     }
 
-    /// The texture at `step` from where it is `from`.
+    /// Returns the texture at `step` from a place whose texture is `from`.
     pub fn continued(&self, from: Uv, step: Vector) -> Uv {
         [0, 1].map(|k| from[k] + dot(self.gradients[k], step))
     }
 
-    /// The texture of a face that is turned about `hinge` into this plane, where it is `from` at
-    /// `hinge`. With `flipped`, the back of this plane is what faces out.
+    /// Returns the texture of a face that is turned about `hinge` into this plane, where the
+    /// texture is `from` at `hinge`. With `flipped`, the back of this plane faces out.
     pub fn unfolded(
         &self,
         from: Uv,
@@ -73,13 +73,13 @@ fn turned(step: Vector, from: Vector, to: Vector) -> Vector {
     std::array::from_fn(|k| 2.0 * dot(axis, step) * axis[k] - step[k])
 }
 
-/// Twice the area, negative where corners go round clockwise.
+/// Returns twice the area, negative where corners run clockwise.
 pub(super) fn area([a, b, c]: [Uv; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Whether the affine map of a triangle to another one neither turns it over nor stretches or
-/// compresses it by more than [`STRETCH`].
+/// Returns whether the affine map of a triangle to another one neither turns it over nor stretches
+/// or compresses it by more than [`STRETCH`].
 pub(super) fn is_fair(from: [Uv; 3], to: [Uv; 3]) -> bool {
     let whole = area(from);
     let part = |k: usize, c: usize| {

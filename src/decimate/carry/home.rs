@@ -18,8 +18,8 @@ pub(super) struct Home {
     pub flipped: bool,
 }
 
-/// The homes of all new faces: on the sheet of the surface that faces the same way, where one is
-/// near.
+/// Returns the homes of all new faces: on the sheet of the surface that faces the same way, where
+/// one is near.
 pub(super) fn homes(found: &Decimation, input: &Surface<'_>) -> Vec<Home> {
     // Faces of the input may have been flipped before it was decimated.
     let either_way = found.repairs.oriented || !matches!(found.before.genus, Genus::Orientable(_));

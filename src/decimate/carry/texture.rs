@@ -21,7 +21,8 @@ struct Choice {
     continued: Uv,
 }
 
-/// The texture of the new mesh: that of the input at the homes of its faces, continued from there.
+/// Returns the texture of the new mesh: that of the input at the homes of its faces, continued from
+/// there.
 pub(super) fn carried(
     found: &Decimation,
     input: &TriMesh,

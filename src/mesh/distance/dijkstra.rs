@@ -7,7 +7,17 @@ use crate::base::{Error, Result};
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
-/// Where a search of [`Dijkstra`] may stop; the default is nowhere.
+/// Limits at which a search of [`Dijkstra`] stops; by default it has none.
+///
+/// ```
+/// use catamaran::mesh::{Dijkstra, Graph, SearchLimits};
+///
+/// let graph = Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)])?;
+/// let mut search = Dijkstra::new(&graph);
+/// search.search(&[(0, 0.0)], &SearchLimits { targets: &[1], ..SearchLimits::default() })?;
+/// assert_eq!(search.distances(), [0.0, 1.0, f64::INFINITY]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchLimits<'a> {
     /// Vertices farther than this are not reached; in units of length, default infinite.
@@ -55,7 +65,7 @@ pub struct Dijkstra<'g> {
 }
 
 impl<'g> Dijkstra<'g> {
-    /// A solver for a graph. Takes 17 bytes for each vertex.
+    /// Creates a solver for a graph. The solver takes 17 bytes for each vertex.
     pub fn new(graph: &'g Graph) -> Self {
         let n = graph.len();
         Self {
@@ -70,8 +80,8 @@ impl<'g> Dijkstra<'g> {
         }
     }
 
-    /// Forgets the search before and starts from these vertices, each at a distance of its own (0
-    /// usually).
+    /// Forgets the previous search and starts from `sources`: vertices, each with an initial
+    /// distance (usually 0).
     ///
     /// # Errors
     /// [`Error::Argument`] names a source or target out of range, a distance that is negative or
@@ -103,9 +113,21 @@ impl<'g> Dijkstra<'g> {
         Ok(())
     }
 
-    /// Adds sources to the ones before, which must have had neither cut-off nor targets, and looks
-    /// only at the vertices that are nearer to the new ones, as farthest point sampling wants it.
-    /// Afterwards [`Dijkstra::reached`] are those vertices, the nearest first.
+    /// Adds sources to those of the previous search, which must have had neither cut-off nor
+    /// targets, and visits only the vertices that are nearer to the new sources, as farthest point
+    /// sampling needs. Afterwards [`Dijkstra::reached`] returns those vertices, the nearest first.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Dijkstra, Graph, SearchLimits};
+    ///
+    /// let graph = Graph::new(4, &[(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0)])?;
+    /// let mut search = Dijkstra::new(&graph);
+    /// search.search(&[(0, 0.0)], &SearchLimits::default())?;
+    /// search.insert(&[(3, 0.0)])?;
+    /// assert_eq!(search.distances(), [0.0, 1.0, 1.0, 0.0]);
+    /// assert_eq!(search.reached(), [3, 2]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] as in [`Dijkstra::search`]; nothing is changed then.
@@ -118,32 +140,35 @@ impl<'g> Dijkstra<'g> {
         Ok(())
     }
 
-    /// The distance of a vertex, infinite if it was not reached (or is not there).
+    /// Returns the distance of a vertex, infinite if the search did not reach it (or the graph does
+    /// not have it).
     pub fn distance(&self, vertex: u32) -> f64 {
         self.distances.get(vertex as usize).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Distances of all vertices, infinite where none was reached.
+    /// Returns the distances of all vertices, infinite for vertices that the search did not reach.
     pub fn distances(&self) -> &[f64] {
         &self.distances
     }
 
-    /// The vertex before this one on its path; `None` at sources and where none was reached.
+    /// Returns the vertex before this one on its shortest path; `None` for sources and for vertices
+    /// that the search did not reach.
     pub fn predecessor(&self, vertex: u32) -> Option<u32> {
         self.predecessors.get(vertex as usize).copied().filter(|&v| v != NONE)
     }
 
-    /// The nearest source of a vertex, if it was reached.
+    /// Returns the nearest source of a vertex, `None` if the search did not reach the vertex.
     pub fn origin(&self, vertex: u32) -> Option<u32> {
         self.origins.get(vertex as usize).copied().filter(|&v| v != NONE)
     }
 
-    /// The vertices that the last search reached, the nearest first.
+    /// Returns the vertices that the last search reached, the nearest first.
     pub fn reached(&self) -> &[u32] {
         &self.reached
     }
 
-    /// The path to a vertex from its source, both included; empty if it was not reached.
+    /// Returns the shortest path to a vertex from its source, both included; empty if the search
+    /// did not reach the vertex.
     pub fn path(&self, vertex: u32) -> Vec<u32> {
         let mut path = Vec::new();
         let mut at = self.origin(vertex).map(|_| vertex);

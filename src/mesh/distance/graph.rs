@@ -20,7 +20,16 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// The edges of a mesh with their Euclidean lengths. O(V + F).
+    /// Creates the graph of the edges of a mesh with their Euclidean lengths, in O(V + F).
+    ///
+    /// ```
+    /// use catamaran::mesh::{Graph, families};
+    ///
+    /// let graph = Graph::of_mesh(&families::grid(2, 2)?);
+    /// assert_eq!(graph.len(), 9);
+    /// assert!(graph.neighbours(0).any(|(vertex, length)| vertex == 1 && length == 0.5));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn of_mesh(mesh: &TriMesh) -> Self {
         let p = mesh.vertices();
         let edges = Edges::new(mesh);
@@ -29,8 +38,7 @@ impl Graph {
         })
     }
 
-    /// A graph of n vertices with these edges: two ends and a length each, at most 2^32 - 1
-    /// vertices.
+    /// Creates a graph of n vertices, at most 2^32 - 1, from edges: two vertices and a length each.
     ///
     /// # Errors
     /// [`Error::Argument`] names an edge whose end is out of range, or whose length is negative or
@@ -74,17 +82,18 @@ impl Graph {
         Self { starts, neighbours, lengths }
     }
 
-    /// The number of vertices.
+    /// Returns the number of vertices.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Whether it has no vertices.
+    /// Returns whether the graph has no vertices.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The neighbours of a vertex, which must exist, and the lengths of the edges that lead there.
+    /// Returns the neighbours of a vertex and the lengths of the edges that lead there. Panics when
+    /// the graph does not have the vertex.
     pub fn neighbours(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
         let range = self.starts[vertex as usize]..self.starts[vertex as usize + 1];
         range.map(|e| (self.neighbours[e], self.lengths[e]))

@@ -65,7 +65,7 @@ pub struct HeatMethod {
 }
 
 impl HeatMethod {
-    /// A solver for a mesh.
+    /// Creates a solver for a mesh.
     ///
     /// # Errors
     /// [`Error::Argument`] for a time that is not positive and finite, or when the Laplacian is not
@@ -129,8 +129,21 @@ impl HeatMethod {
         Ok(Self { faces, elements, heat, poisson, components, par: options.par })
     }
 
-    /// The distance of every vertex from the nearest of the sources: 0 at sources, infinite in
-    /// components without any.
+    /// Returns the distance of every vertex from the nearest of the sources: 0 at sources, infinite
+    /// in components without a source.
+    ///
+    /// ```
+    /// use catamaran::mesh::{HeatMethod, HeatOptions, families};
+    ///
+    /// let cylinder = families::cylinder(24, 8, 1.0, 2.0)?;
+    /// let bottom: Vec<u32> = (0..cylinder.vertices().len() as u32)
+    ///     .filter(|&v| cylinder.vertices()[v as usize][2] == 0.0)
+    ///     .collect();
+    /// let distances = HeatMethod::new(&cylinder, &HeatOptions::new())?.distances(&bottom)?;
+    /// let farthest = distances.iter().copied().fold(0.0, f64::max);
+    /// assert!((farthest - 2.0).abs() < 0.1);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] names a source that is not there. [`Error::Mesh`] names a vertex which

@@ -4,9 +4,9 @@ use super::super::TriMesh;
 use super::draft::positive;
 use crate::base::{Error, Result};
 
-/// A bend: space behind `at` stays, a slab of width `length` beyond it is bent around a circle, and
-/// what is behind that is turned with it. The middle plane through `at` keeps its lengths; at a
-/// height h in direction `towards`, they change by the factor 1 - h angle / length.
+/// A bend: space behind `at` stays, a slab of width `length` beyond `at` is bent around a circle,
+/// and space behind the slab is turned with it. The middle plane through `at` keeps its lengths; at
+/// a height h in direction `towards`, lengths change by the factor 1 - h angle / length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
     /// Where it begins.
@@ -22,7 +22,7 @@ pub struct Bend {
 }
 
 impl Bend {
-    /// Where the point p goes.
+    /// Returns the position to which the bend moves the point p.
     pub fn apply(&self, p: [f64; 3]) -> [f64; 3] {
         let dot = |a: [f64; 3]| (0..3).map(|k| a[k] * (p[k] - self.at[k])).sum::<f64>();
         let (s, h) = (dot(self.along), dot(self.towards));
@@ -55,7 +55,7 @@ impl Bend {
     }
 }
 
-/// The mesh with every vertex moved by the bend; the same faces.
+/// Returns the mesh with every vertex moved by the bend and with the same faces.
 ///
 /// ```
 /// use catamaran::mesh::families::{Bend, bent, grid};

@@ -1,12 +1,12 @@
-//! Meshes that make algorithms stumble.
+//! Meshes with defects that algorithms must handle.
 
 use super::super::TriMesh;
 use super::draft::{Draft, Seam, at_least, positive, sheet};
 use crate::base::Result;
 
-/// A strip of needles: [`grid`](super::grid) squeezed to the height `thinness` (rows stay `rows`),
-/// so that with columns = rows its right triangles have legs in the ratio `thinness`, and qualities
-/// of about 1.7 `thinness`.
+/// Generates a strip of needles: [`grid`](super::grid) squeezed to the height `thinness` (rows stay
+/// `rows`). With columns = rows, its right triangles have legs in the ratio `thinness` and
+/// qualities of about 1.7 `thinness`.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -26,8 +26,8 @@ pub fn slivers(columns: usize, rows: usize, thinness: f64) -> Result<TriMesh> {
     })
 }
 
-/// `count` triangles on one edge, 0 to 1, as pages of a book: V = 2 + count, F = count. The edge is
-/// non-manifold from three pages on.
+/// Generates `count` triangles on one edge, 0 to 1, like the pages of a book: V = 2 + count, F =
+/// count. The edge is non-manifold from three pages on.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -51,8 +51,8 @@ pub fn pages(count: usize) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// Two closed tetrahedra that share vertex 0 and nothing else: V = 7, F = 8, Euler characteristic
-/// 3; a non-manifold vertex.
+/// Generates two closed tetrahedra that share vertex 0 and nothing else: V = 7, F = 8, Euler
+/// characteristic 3; a non-manifold vertex.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -77,8 +77,8 @@ pub fn bow_tie() -> Result<TriMesh> {
     draft.finish()
 }
 
-/// The triangles of a mesh, each with three vertices of its own: V = 3 F. This is what STL files
-/// hold.
+/// Returns the triangles of a mesh, each with three vertices of its own: V = 3 F. This is what STL
+/// files hold.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -99,10 +99,10 @@ pub fn soup(mesh: &TriMesh) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// The unit sphere as programs export it that keep one texture coordinate for each vertex: cut open
-/// along a meridian, with a vertex at each pole for each of the `columns`. `rows` go from the south
-/// pole to the north pole. V = (columns + 1) (rows - 1) + 2 columns, F = 2 columns (rows - 1); with
-/// equal positions welded, a sphere.
+/// Generates the unit sphere as programs export it that keep one texture coordinate for each
+/// vertex: cut open along a meridian, with a vertex at each pole for each of the `columns`. `rows`
+/// count from the south pole to the north pole. V = (columns + 1) (rows - 1) + 2 columns, F = 2
+/// columns (rows - 1). With vertices of equal positions welded, the mesh is a sphere.
 ///
 /// ```
 /// use catamaran::mesh::families;

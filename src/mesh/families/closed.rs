@@ -19,8 +19,8 @@ const ICOSAHEDRON: [[u32; 3]; 20] = [
     [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
 ];
 
-/// The unit sphere, an icosahedron with every face cut into four `subdivisions` times: F = 20 4^s,
-/// V = 10 4^s + 2, genus 0.
+/// Generates the unit sphere: an icosahedron whose faces are cut into four `subdivisions` times. F
+/// = 20 4^s, V = 10 4^s + 2, genus 0.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -66,8 +66,8 @@ fn on_sphere(p: [f64; 3]) -> [f64; 3] {
     p.map(|x| x / length)
 }
 
-/// `count` separate unit spheres ([`icosphere`]) in a row along x, 3 apart: components that differ
-/// in nothing but place.
+/// Generates `count` separate unit spheres ([`icosphere`]) in a row along x, 3 apart: components
+/// that differ only in position.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -95,8 +95,8 @@ pub fn spheres(count: usize, subdivisions: u32) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// A torus around the z axis with a circle of radius `major` in its middle and a tube of radius
-/// `minor`: V = around tube, F = 2 V, genus 1.
+/// Generates a torus around the z axis whose middle is a circle of radius `major` and whose tube
+/// has radius `minor`: V = around tube, F = 2 V, genus 1.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -124,9 +124,9 @@ pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMe
     })
 }
 
-/// A tube of radius `radius` around the (p, q) torus knot on the torus of radii 2 and 1, p times
-/// around its axis and q times around its tube (trefoil: 2, 3): V = along tube, F = 2 V, genus 1. A
-/// tube thinner than about 1 / (p + q) does not meet itself.
+/// Generates a tube of radius `radius` around the (p, q) torus knot on the torus of radii 2 and 1,
+/// p times around its axis and q times around its tube (trefoil: 2, 3): V = along tube, F = 2 V,
+/// genus 1. A tube thinner than about 1 / (p + q) does not intersect itself.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -170,8 +170,8 @@ fn common_divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
-/// A rounded slab with `genus` holes in a row, made of cubes with `cells` x `cells` cells a side:
-/// F = 2 cells^2 (18 genus + 14), V = F / 2 + 2 - 2 genus.
+/// Generates a rounded slab with `genus` holes in a row, made of cubes with `cells` x `cells` cells
+/// a side: F = 2 cells^2 (18 genus + 14), V = F / 2 + 2 - 2 genus.
 ///
 /// ```
 /// use catamaran::mesh::families;

@@ -8,7 +8,8 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// Room for that many; `None`, a count that overflowed, can't be had.
+    /// Creates a draft with room for that many vertices and faces; `None`, a count that overflowed,
+    /// is an error.
     pub fn with_counts(vertices: Option<usize>, faces: Option<usize>) -> Result<Self> {
         // What overflows or can't be numbered would be refused by `TriMesh::new`, but only after it
         // was made.
@@ -22,6 +23,7 @@ impl Draft {
         Ok(Self { vertices: reserved(vertices)?, faces: reserved(faces)? })
     }
 
+    /// Returns the mesh.
     pub fn finish(self) -> Result<TriMesh> {
         TriMesh::new(self.vertices, self.faces)
     }
@@ -45,8 +47,8 @@ pub(super) enum Seam {
     Twisted,
 }
 
-/// A sheet of `columns` x `rows` cells, each cut into two triangles; `position(i, j)` is that of
-/// the vertex in column i and row j. With joined rows the last row is the first one.
+/// Generates a sheet of `columns` x `rows` cells, each cut into two triangles; `position(i, j)` is
+/// that of the vertex in column i and row j. With joined rows the last row is the first one.
 pub(super) fn sheet(
     columns: usize,
     rows: usize,
@@ -92,7 +94,7 @@ pub(super) fn at_least(what: &'static str, value: usize, least: usize) -> Result
     Err(Error::Argument { what, why: format!("{value}, where at least {least} is needed") })
 }
 
-/// `Ok` when `value` is finite and above 0.
+/// Returns an error unless `value` is finite and above 0.
 pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
@@ -100,7 +102,7 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
     Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
 }
 
-/// The angle of step `i` of `count` around a circle.
+/// Returns the angle of step `i` of `count` around a circle.
 pub(super) fn turn(i: usize, count: usize) -> f64 {
     std::f64::consts::TAU * i as f64 / count as f64
 }

@@ -29,8 +29,8 @@ const fn joint(
     Joint { bend: Bend { at, along, towards, angle, length: 1.2 }, one_sided }
 }
 
-/// A figure of a human, 13 tall along z, facing y, its arms 13 wide along x; with `pose` from 0 to
-/// 1 it bends elbows, lowers its arms, bends its knees and lifts a leg. All poses have the same
+/// Generates a human figure, 13 tall along z, facing y, its arms 13 wide along x. `pose` from 0 to
+/// 1 bends the elbows, lowers the arms, bends the knees and lifts a leg. All poses have the same
 /// faces, and are nearly isometric to each other. F = 300 cells^2, V = F / 2 + 2, genus 0.
 ///
 /// ```

@@ -4,8 +4,8 @@ use super::super::TriMesh;
 use super::draft::{Draft, Seam, at_least, positive, sheet, turn};
 use crate::base::{Result, Rng};
 
-/// The unit square in the plane z = 0, `columns` x `rows` cells: V = (columns + 1) (rows + 1), F =
-/// 2 columns rows, one boundary loop.
+/// Generates the unit square in the plane z = 0, `columns` x `rows` cells: V = (columns + 1) (rows
+/// + 1), F = 2 columns rows, one boundary loop.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -24,8 +24,8 @@ pub fn grid(columns: usize, rows: usize) -> Result<TriMesh> {
     })
 }
 
-/// The unit disk in the plane z = 0, a fan of `sectors` (at least 3) with `rings` (at least 1)
-/// equally wide: V = 1 + rings sectors, F = sectors (2 rings - 1), one boundary loop.
+/// Generates the unit disk in the plane z = 0, a fan of `sectors` (at least 3) with `rings` (at
+/// least 1) of equal width: V = 1 + rings sectors, F = sectors (2 rings - 1), one boundary loop.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -64,8 +64,8 @@ pub fn disk(rings: usize, sectors: usize) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// An open cylinder around the z axis from z = 0 to `height`: V = around (along + 1), F = 2 around
-/// along, two boundary loops, Euler characteristic 0.
+/// Generates an open cylinder around the z axis from z = 0 to `height`: V = around (along + 1), F =
+/// 2 around along, two boundary loops, Euler characteristic 0.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -88,8 +88,8 @@ pub fn cylinder(around: usize, along: usize, radius: f64, height: f64) -> Result
     })
 }
 
-/// A Moebius strip, a band of width 1 with a half-twist around a circle of radius 1: V = around
-/// (across + 1), F = 2 around across, one boundary loop, not orientable (genus 1), Euler
+/// Generates a Moebius strip, a band of width 1 with a half-twist around a circle of radius 1: V =
+/// around (across + 1), F = 2 around across, one boundary loop, not orientable (genus 1), Euler
 /// characteristic 0.
 ///
 /// ```
@@ -115,8 +115,8 @@ pub fn moebius(around: usize, across: usize) -> Result<TriMesh> {
 /// Noise of finer and finer scale is added up to this many times.
 const OCTAVES: u32 = 6;
 
-/// Hills over the unit square, between z = -0.2 and 0.2: [`grid`] with heights from value noise of
-/// 6 octaves.
+/// Generates hills over the unit square, between z = -0.2 and 0.2: [`grid`] with heights from value
+/// noise of 6 octaves.
 ///
 /// ```
 /// use catamaran::mesh::families;

@@ -6,8 +6,8 @@ use super::super::TriMesh;
 use super::draft::Draft;
 use crate::base::Result;
 
-/// The surface of unit `cubes` (lower corners; cubes that meet must share a face), each side cut
-/// into `cells` x `cells` cells of two triangles, then smoothed a little.
+/// Generates the surface of unit `cubes` (lower corners; cubes that meet must share a face), each
+/// side cut into `cells` x `cells` cells of two triangles, then smoothed a little.
 pub(super) fn surface(cubes: &[[i32; 3]], cells: i32, mut draft: Draft) -> Result<TriMesh> {
     let set: HashSet<_> = cubes.iter().collect();
     let mut numbers = HashMap::new();

@@ -13,7 +13,7 @@ pub(crate) struct Bounds {
 impl Bounds {
     const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
-    /// The box around these points.
+    /// Returns the box around these points.
     pub fn of(points: &[Vector]) -> Self {
         points.iter().fold(Self::EMPTY, |bounds, p| bounds.join(&Self { low: *p, high: *p }))
     }
@@ -25,6 +25,7 @@ impl Bounds {
         }
     }
 
+    /// Returns whether two boxes meet.
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
@@ -50,7 +51,7 @@ pub(crate) struct BoxTree {
 }
 
 impl BoxTree {
-    /// A tree of `items` items; those without a box are never found.
+    /// Creates a tree of `items` items; items without a box are never found.
     pub fn new(items: usize, bounds: impl Fn(usize) -> Option<Bounds>) -> Self {
         let boxes: Vec<Bounds> = (0..items).map(|i| bounds(i).unwrap_or(Bounds::EMPTY)).collect();
         let all = boxes.iter().fold(Bounds::EMPTY, |all, one| all.join(one));
@@ -73,8 +74,8 @@ impl BoxTree {
         tree
     }
 
-    /// The pairs of items whose boxes meet and that `wanted` holds for, in an order that does not
-    /// depend on `par`.
+    /// Returns the pairs of items whose boxes meet and for which `wanted` holds, in an order that
+    /// does not depend on `par`.
     pub fn pairs(&self, par: Par, wanted: impl Fn(u32, u32) -> bool + Sync) -> Vec<[u32; 2]> {
         let leaves = self.order.len().div_ceil(LEAF);
         let pairs = par.map_blocks(leaves, BLOCK, |range| {
@@ -107,7 +108,7 @@ impl BoxTree {
         });
     }
 
-    /// Items that the tree has room for.
+    /// Returns the number of items that the tree has room for.
     pub fn len(&self) -> usize {
         self.order.len()
     }

@@ -10,11 +10,11 @@ use super::TriMesh;
 use crate::base::Par;
 
 impl TriMesh {
-    /// The faces that intersect another face, ascending: they share a point that is not a common
-    /// corner or on a common edge, or they have the same corners. Corners are the same when their
-    /// positions are equal, whatever their numbers. The decision is exact (Shewchuk, Adaptive
-    /// Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997). A face
-    /// without area counts where it meets a face that has one.
+    /// Returns the faces that intersect another face, ascending. Two faces intersect when they
+    /// share a point that is not a common corner or on a common edge, or when they have the same
+    /// corners. Corners are the same when their positions are equal, whatever their numbers. The
+    /// decision is exact (Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust
+    /// Geometric Predicates, 1997). A face without area counts where it meets a face that has one.
     ///
     /// O(F log F) where faces are spread evenly.
     ///

@@ -7,8 +7,8 @@ use crate::mesh::vector::{Vector, cross, dot, sub};
 /// The corners of a triangle.
 pub(crate) type Corners = [Vector; 3];
 
-/// Whether two triangles share a point beyond their common corners and edges: equal positions are a
-/// common corner. Two with all corners in common do.
+/// Returns whether two triangles share a point beyond their common corners and edges, where equal
+/// positions are a common corner. Two triangles with all corners in common do.
 pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
     let mut common = 0;
     let (mut in_first, mut in_second) = (0, 0);

@@ -2,7 +2,17 @@ use super::super::{Part, TriMesh};
 use super::labels::{Labels, check_name};
 use crate::base::{Error, Result};
 
-/// What a mesh file holds.
+/// The content of a mesh file: a mesh with colours, texture coordinates, normals, materials and
+/// names of groups.
+///
+/// ```
+/// use catamaran::mesh::{families, io::MeshFile};
+///
+/// let mut file = MeshFile::from(families::grid(1, 1)?);
+/// file.colors = Some(vec![[0.0, 0.5, 1.0, 1.0]; 4]);
+/// assert!(file.uv.is_none());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct MeshFile {
@@ -47,7 +57,19 @@ impl From<TriMesh> for MeshFile {
 }
 
 impl MeshFile {
-    /// A part of the mesh of this file, with the attributes of its vertices, corners and faces.
+    /// Returns a part of the mesh of this file, with the attributes of the part's vertices, corners
+    /// and faces.
+    ///
+    /// ```
+    /// use catamaran::mesh::{families, io::MeshFile};
+    ///
+    /// let mesh = families::grid(1, 2)?;
+    /// let mut file = MeshFile::from(mesh.clone());
+    /// file.colors = Some(vec![[1.0, 0.0, 0.0, 1.0]; mesh.vertices().len()]);
+    /// let half = file.part(mesh.submesh(&[2, 3])?)?;
+    /// assert_eq!(half.colors.unwrap().len(), 4);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh,
@@ -75,7 +97,7 @@ impl MeshFile {
         })
     }
 
-    /// `Ok` when attributes fit the mesh.
+    /// Returns an error unless the attributes fit the mesh.
     pub(crate) fn check(&self) -> Result<()> {
         let vertices = self.mesh.vertices().len();
         if let Some(colors) = &self.colors {
@@ -113,14 +135,14 @@ impl<const N: usize> Attribute<N> {
     /// The number of a value that is not there.
     pub const ABSENT: u32 = u32::MAX;
 
-    /// The values of the corners of face f of `mesh`; `None` when it has none.
+    /// Returns the values of the corners of face f of `mesh`; `None` when the face has none.
     pub fn of_face(&self, mesh: &TriMesh, f: usize) -> Option<[[f64; N]; 3]> {
         let numbers = self.corners.as_deref().unwrap_or(mesh.faces()).get(f)?;
         let [a, b, c] = numbers.map(|i| self.values.get(i as usize).copied());
         Some([a?, b?, c?])
     }
 
-    /// The values of the vertices, if that is what they are.
+    /// Returns the values of the vertices; `None` when the values belong to corners.
     pub fn of_vertices(&self) -> Option<&[[f64; N]]> {
         if self.corners.is_none() { Some(&self.values) } else { None }
     }
@@ -147,7 +169,7 @@ impl<const N: usize> Attribute<N> {
         Self::simplified(values, corners, &part.mesh)
     }
 
-    /// Values of corners, as values of vertices when they are that.
+    /// Returns values of corners as values of vertices where each vertex has only one.
     pub(in super::super) fn simplified(
         values: Vec<[f64; N]>,
         corners: Vec<[u32; 3]>,

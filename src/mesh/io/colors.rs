@@ -3,7 +3,8 @@
 /// The note about colours that are no attribute of all vertices.
 pub(super) const SOME_COLORS: &str = "left out colours, which only some of the vertices have";
 
-/// The colours of a file, whose numbers are from 0 to 255 if one of them is above 1.
+/// Returns the colours of a file scaled to 0 to 1: colours with a number above 1 are taken to be
+/// from 0 to 255.
 pub(super) fn scaled_colors(mut colors: Vec<[f64; 4]>, explicit_opacity: bool) -> Vec<[f64; 4]> {
     let given = if explicit_opacity { 4 } else { 3 };
     if colors.iter().any(|color| color[..given].iter().any(|&x| x > 1.0)) {
@@ -14,7 +15,7 @@ pub(super) fn scaled_colors(mut colors: Vec<[f64; 4]>, explicit_opacity: bool) -
     colors
 }
 
-/// The byte that a colour is a 255th of.
+/// Returns the byte that is 255 times a colour; `None` where that is not a whole number.
 pub(super) fn byte(x: f64) -> Option<u8> {
     let scaled = (x * 255.0).round();
     ((0.0..=255.0).contains(&scaled) && scaled / 255.0 == x).then_some(scaled as u8)

@@ -17,7 +17,7 @@ const LEAST_KNOWN: usize = 8;
 const GZIP: &[u8] = b"\x1f\x8b";
 const XZ: &[u8] = b"\xfd7zXZ\0";
 
-/// How a file is packed that begins so, where its name says `named`.
+/// Returns how a file that begins with `head` is packed, where its name says `named`.
 pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
     if head.starts_with(GZIP) {
         Packing::Gzip
@@ -30,8 +30,8 @@ pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
     }
 }
 
-/// The format of a file that begins so, and has `size` bytes if that is known; `None` if the
-/// beginning is that of no format or of several.
+/// Returns the format of a file that begins with `head`, and has `size` bytes if that is known;
+/// `None` if the beginning is that of no format or of several.
 pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let head = &head[..head.len().min(LOOK)];

@@ -34,7 +34,7 @@ impl From<Error> for Fault {
 pub(super) type Checked<T> = std::result::Result<T, Fault>;
 
 impl Fault {
-    /// The error, at the last line of the source if it is about that.
+    /// Returns the error, at the last line of the source if the error is about that line.
     pub fn at(self, source: &Source<'_>) -> Error {
         match self {
             Self::What(what) => source.fail(what),
@@ -42,7 +42,7 @@ impl Fault {
         }
     }
 
-    /// The same, of an element.
+    /// Returns the same failure, of an element.
     pub fn of(self, element: impl FnOnce() -> String) -> Self {
         match self {
             Self::What(what) => Self::What(format!("{}: {what}", element())),
@@ -51,7 +51,7 @@ impl Fault {
     }
 }
 
-/// Adds to a list; memory that can't be had is an error.
+/// Adds an item to a list, or returns [`Error::OutOfMemory`].
 pub(super) fn push<T>(list: &mut Vec<T>, item: T) -> Result<()> {
     if list.len() == list.capacity() {
         let bytes = list.capacity().saturating_mul(2 * size_of::<T>());
@@ -61,7 +61,8 @@ pub(super) fn push<T>(list: &mut Vec<T>, item: T) -> Result<()> {
     Ok(())
 }
 
-/// A list with room for `count` items, or for as many as may be believed before they are there.
+/// Returns a list with room for `count` items, or for as many as may be believed before they are
+/// read.
 pub(super) fn roomy<T>(count: usize) -> Vec<T> {
     Vec::with_capacity(count.min(1 << 16))
 }
@@ -83,6 +84,7 @@ pub(super) struct Draft {
 }
 
 impl Draft {
+    /// Adds a vertex.
     pub fn push_vertex(&mut self, position: [f64; 3]) -> Checked<()> {
         if position.iter().any(|x| !x.is_finite()) {
             return Err(format!("position {position:?} is not finite").into());
@@ -90,8 +92,8 @@ impl Draft {
         Ok(push(&mut self.vertices, position)?)
     }
 
-    /// Adds a face of any number of corners, which is at `place` in the file. Returns whether there
-    /// is one: less than three corners are none.
+    /// Adds a face of any number of corners, which is at `place` in the file. Returns whether a
+    /// face was added: fewer than three corners are none.
     pub fn push_polygon(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<bool> {
         if corners.len() < 3 {
             self.notes.add("left out faces of less than three corners", place);
@@ -111,12 +113,12 @@ impl Draft {
         Ok(true)
     }
 
-    /// Remembers that a triangle at `place` has a vertex twice.
+    /// Records that a triangle at `place` has a vertex twice.
     pub fn collapse(&mut self, place: impl FnOnce() -> String) {
         self.collapsed_at.get_or_insert_with(place);
     }
 
-    /// These numbers, with 0 for those that are not finite, which are counted.
+    /// Returns these numbers, with 0 for those that are not finite, which are counted.
     pub fn finite<const N: usize>(
         &mut self,
         values: [f64; N],
@@ -129,9 +131,9 @@ impl Draft {
         values.map(|x| if x.is_finite() { x } else { 0.0 })
     }
 
-    /// The mesh: polygons that are not convex are cut into triangles that cover them, and triangles
-    /// that have a vertex twice are left out. So are the entries of the other lists, each of which
-    /// is empty or has an entry for each face.
+    /// Returns the mesh. Polygons that are not convex are cut into triangles that cover them, and
+    /// triangles that have a vertex twice are left out. So are the entries of the other lists, each
+    /// of which is empty or has an entry for each face.
     ///
     /// # Errors
     /// [`Error::Mesh`] for what is no mesh.

@@ -23,8 +23,8 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// What the name of a file says, and how it is packed: `.obj`, `.ply` (binary, little endian),
-    /// `.off`, `.stl` (binary), `.glb`, `.gltf`.
+    /// Returns the format that the name of a file says, and how the file is packed: `.obj`, `.ply`
+    /// (binary, little endian), `.off`, `.stl` (binary), `.glb`, `.gltf`.
     pub(super) fn named(path: &Path) -> (Option<Self>, Packing) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let (stem, packing) = Packing::of(&name);
@@ -40,7 +40,8 @@ impl MeshFormat {
         (format, packing)
     }
 
-    /// The format that the name of a file to be written says; it may be packed.
+    /// Returns the format that the name of a file to be written says; the name may end in a packing
+    /// (`.gz`).
     ///
     /// ```
     /// use catamaran::mesh::io::MeshFormat;
@@ -68,8 +69,8 @@ impl MeshFormat {
         }
     }
 
-    /// What of a file has no place in this format and is left out when it is written: names of
-    /// attributes in plain words, none where all is kept.
+    /// Returns what of a file this format has no place for and [`write()`](super::write()) leaves
+    /// out: names of attributes in plain words, none where all is kept.
     ///
     /// ```
     /// use catamaran::mesh::{families, io::{MeshFile, MeshFormat}};

@@ -23,13 +23,13 @@ impl Labels {
     /// The number of a name that is not there.
     pub const ABSENT: u32 = u32::MAX;
 
-    /// The name of face f; `None` when it has none.
+    /// Returns the name of face f; `None` when it has none.
     pub fn of_face(&self, f: usize) -> Option<&str> {
         let number = *self.of_faces.get(f)?;
         self.names.get(number as usize).map(String::as_str)
     }
 
-    /// Those of a part of the mesh that has these; all names stay.
+    /// Returns the labels of a part of the mesh that has these labels; all names stay.
     pub(super) fn part(&self, part: &Part) -> Self {
         let of_faces = part.faces.iter().map(|&f| self.of_faces[f as usize]).collect();
         Self { names: self.names.clone(), of_faces }
@@ -50,7 +50,7 @@ impl Labels {
     }
 }
 
-/// `Ok` when a name can be told from what is around it in a file.
+/// Returns an error unless a name can be told from what is around it in a file.
 pub(super) fn check_name(what: &'static str, name: &str) -> Result<()> {
     let ends = name.is_empty() || name.trim() != name || name.ends_with('\\');
     if ends || name.contains(char::is_control) {
@@ -63,7 +63,8 @@ pub(super) fn check_name(what: &'static str, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// The name in these words of a file, as it can be written to another; may be empty.
+/// Returns the name in these words of a file in a form that can be written to another file; may be
+/// empty.
 pub(super) fn clean_name(given: &str) -> String {
     let name = given.replace(char::is_control, " ");
     name.trim().trim_end_matches(|c: char| c == '\\' || c.is_whitespace()).into()

@@ -36,8 +36,8 @@ pub use stl::StlEncoding;
 use crate::base::{Error, Result};
 use crate::io::{Output, Packing, Source, SourceOptions};
 
-/// Reads the mesh in the file at `path`, of the format its name says, or its content where that is
-/// another one.
+/// Reads the mesh in the file at `path`, in the format that its name says, or in that of its
+/// content where the two differ.
 ///
 /// - Polygons are cut into triangles: between their first corner and each of their other edges
 ///   where that covers them, as it does if they are convex, and else by ears. Triangles that have a
@@ -73,8 +73,8 @@ pub fn read(path: &Path) -> Result<MeshFile> {
     read_with(path, &SourceOptions::new())
 }
 
-/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file
-/// read and may cancel.
+/// Reads as [`read()`] does, within a limit of memory, and with a callback that is told the
+/// fraction of the file read and may cancel.
 ///
 /// ```
 /// use catamaran::{Error, mesh::{families, io}};
@@ -169,8 +169,8 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
     })
 }
 
-/// Writes `file` into `output`, in the format its name says, and lets it appear. What the format
-/// has no place for is left out; [`MeshFormat::left_out`] names it.
+/// Writes `file` into `output` in the format that its name says; the file appears when it is
+/// complete. What the format has no place for is left out; [`MeshFormat::left_out`] names it.
 ///
 /// ```
 /// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
@@ -190,8 +190,8 @@ pub fn write(output: Output, file: &MeshFile) -> Result<()> {
     write_as(output, file, format)
 }
 
-/// [`write()`] in another format or encoding than that of the name; packed by `.gz` in the name all
-/// the same.
+/// Writes as [`write()`] does, in another format or encoding than that of the name; a name that
+/// ends in `.gz` is packed all the same.
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};
@@ -229,7 +229,8 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};
-/// use catamaran::mesh::{families, io::{Attribute, Material, MeshFile, Picture, write_with_material}};
+/// use catamaran::mesh::families;
+/// use catamaran::mesh::io::{Attribute, Material, MeshFile, Picture, write_with_material};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("chequered.glb");
@@ -275,7 +276,7 @@ fn write_packed(
     output.commit()
 }
 
-/// Whether [`write()`] knows what the name of this file says.
+/// Returns an error unless [`write()`] knows the format that the name of this file says.
 ///
 /// ```
 /// use catamaran::mesh::io::check_name;

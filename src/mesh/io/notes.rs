@@ -11,12 +11,12 @@ struct Kind {
 }
 
 impl Notes {
-    /// Counts one thing more; `place` is asked for at the first of its kind.
+    /// Counts one more note of a kind; `place` is called for the first of its kind only.
     pub fn add(&mut self, what: &'static str, place: impl FnOnce() -> String) {
         self.add_many(what, 1, place);
     }
 
-    /// Counts some things more, which may be none.
+    /// Counts some more notes of a kind, which may be none.
     pub fn add_many(&mut self, what: &'static str, count: usize, place: impl FnOnce() -> String) {
         if count == 0 {
             return;
@@ -27,7 +27,7 @@ impl Notes {
         }
     }
 
-    /// One line for each kind.
+    /// Returns one line for each kind of note.
     pub fn lines(self) -> Vec<String> {
         let line =
             |kind: Kind| format!("{}: {}, the first at {}", kind.what, kind.count, kind.first);

@@ -88,7 +88,7 @@ fn header(word: &[u8]) -> Checked<Kind> {
     kind_of(word).ok_or_else(not_ours)
 }
 
-/// What the first word of a file announces, if the file is OFF.
+/// Returns what the first word of a file announces, if the file is OFF.
 pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
     let mut prefix = word.strip_suffix(b"OFF")?;
     let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {

@@ -10,23 +10,23 @@ const MOST_CORNERS: usize = 1 << 16;
 /// A triangle of a fan is turned over if its area is below minus this part of that of the polygon.
 const TOLERANCE: f64 = 1e-9;
 
-/// The triangles between the first corner of a polygon and each of its other edges.
+/// Returns the triangles between the first corner of a polygon and each of its other edges.
 pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
     let first = corners.first().copied();
     let edges = corners.get(1..).unwrap_or_default().windows(2);
     edges.filter_map(move |edge| Some([first?, edge[0], edge[1]]))
 }
 
-/// The corners of the polygon that became this fan; none where there is no triangle.
+/// Returns the corners of the polygon that became this fan; none where there is no triangle.
 pub(super) fn corners_of<T: Copy>(fan: &[[T; 3]]) -> Vec<T> {
     let start = fan.first().map(|triangle| triangle[0]);
     let end = fan.last().map(|triangle| triangle[2]);
     start.into_iter().chain(fan.iter().map(|triangle| triangle[1])).chain(end).collect()
 }
 
-/// The triangles of a polygon of these corners that its fan is not right for: numbers of corners,
-/// two less than there are corners. `None` where the fan is right, as it is for a convex polygon,
-/// or where the polygon crosses itself so that nothing is.
+/// Returns the triangles of a polygon of these corners where its fan is not right: numbers of
+/// corners, in two triangles less than there are corners. `None` where the fan is right, as it is
+/// for a convex polygon, or where the polygon crosses itself so that no triangulation is.
 ///
 /// The polygon is cut in the plane of Newell's normal (Sutherland, Sproull and Schumacker 1974).
 pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {

@@ -8,9 +8,20 @@ use crate::base::{Error, Result};
 use crate::mesh::Refined;
 
 impl MeshFile {
-    /// The file of a finer mesh: colours, texture coordinates and normals of new vertices lie
-    /// between those of the vertices around them, and a piece of a face has its material, group and
-    /// object.
+    /// Returns the file of a finer mesh: colours, texture coordinates and normals of new vertices
+    /// are interpolated between those of the vertices around them, and a piece of a face has its
+    /// material, group and object.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Refined, families, io::MeshFile};
+    ///
+    /// let mesh = families::grid(1, 1)?;
+    /// let mut file = MeshFile::from(mesh.clone());
+    /// file.colors = Some(vec![[1.0; 4]; 4]);
+    /// let same = file.refined(&Refined::new(mesh))?;
+    /// assert_eq!(same.colors, file.colors);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh,

@@ -2,13 +2,13 @@
 
 use super::draft::Checked;
 
-/// The words of a line.
+/// Returns the words of a line.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
-/// A floating-point number; what C libraries print for those that are none is one too, such as
-/// `-nan(ind)` and `1.#QNAN`.
+/// Parses a floating-point number; what C libraries print for those that are none is one too, such
+/// as `-nan(ind)` and `1.#QNAN`.
 pub(super) fn number(word: &[u8]) -> Checked<f64> {
     let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
     parsed
@@ -23,7 +23,7 @@ fn not_a_number(word: &[u8]) -> Option<f64> {
     is_one.then_some(f64::NAN)
 }
 
-/// A whole number.
+/// Parses a whole number.
 pub(super) fn integer(word: &[u8]) -> Checked<i64> {
     let (negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -40,13 +40,13 @@ pub(super) fn integer(word: &[u8]) -> Checked<i64> {
     }
 }
 
-/// A count, from 0.
+/// Parses a count, from 0.
 pub(super) fn count(word: &[u8]) -> Checked<usize> {
     let value = integer(word)?;
     usize::try_from(value).map_err(|_| format!("a count of {value}").into())
 }
 
-/// The next `N` numbers.
+/// Parses the next `N` numbers.
 pub(super) fn numbers<'a, const N: usize>(
     words: &mut impl Iterator<Item = &'a [u8]>,
 ) -> Checked<[f64; N]> {
@@ -58,7 +58,7 @@ pub(super) fn numbers<'a, const N: usize>(
     Ok(values)
 }
 
-/// The beginning of a word, for a message.
+/// Returns the beginning of a word, for a message.
 pub(super) fn quoted(word: &[u8]) -> String {
     const SHOWN: usize = 30;
     let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);

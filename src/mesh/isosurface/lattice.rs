@@ -2,9 +2,17 @@
 
 use crate::base::{Error, Result};
 
-/// Points in rows, columns and layers. Point (i, j, k) is `origin` + (i `step[0]`, j `step[1]`,
-/// k `step[2]`) and has the number i + `counts[0]` (j + `counts[1]` k). It stands for the box of
-/// this size around it.
+/// Points in rows, columns and layers. Point (i, j, k) is `origin` + (i `step[0]`, j `step[1]`, k
+/// `step[2]`) and has the number i + `counts[0]` (j + `counts[1]` k). Each point stands for the box
+/// of one step around it.
+///
+/// ```
+/// use catamaran::mesh::Lattice;
+///
+/// let lattice = Lattice { counts: [3, 2, 2], origin: [0.0; 3], step: [0.5, 1.0, 1.0] };
+/// assert_eq!(lattice.points()[2], [1.0, 0.0, 0.0]);
+/// assert_eq!(lattice.points().len(), 12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
     /// Points along x, y and z.
@@ -35,7 +43,7 @@ impl Lattice {
         rows.flat_map(|(j, k)| (0..nx).map(move |i| at(i, j, k))).collect()
     }
 
-    /// The point at these coordinates, in steps from the origin.
+    /// Returns the point at these coordinates, in steps from the origin.
     pub(super) fn at(&self, place: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|c| self.origin[c] + place[c] * self.step[c])
     }

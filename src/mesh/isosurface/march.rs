@@ -48,6 +48,7 @@ pub struct March<'a> {
 }
 
 impl<'a> March<'a> {
+    /// Finds the edges of the lattice that the surface crosses.
     pub fn new(
         lattice: &'a Lattice,
         rim: Rim,
@@ -155,7 +156,7 @@ impl<'a> March<'a> {
         Ok(())
     }
 
-    /// The edges that are crossed, each of which is a vertex, in their order.
+    /// Returns the edges that are crossed, each of which is a vertex, in their order.
     pub fn crossings(&self) -> Crossings<'_> {
         Crossings { march: self, point: 0, left: self.edges[0], rest: self.vertices }
     }
@@ -179,13 +180,13 @@ impl<'a> March<'a> {
         Crossing { points, capped, place, way: way.map(|x| x as f64) }
     }
 
-    /// The point of an edge at a share of the way along it.
+    /// Returns the point of an edge at this share of the way along it.
     pub fn between(&self, crossing: &Crossing, share: f64) -> [f64; 3] {
         let place = std::array::from_fn(|c| crossing.place[c] + share * crossing.way[c]);
         self.lattice.at(place)
     }
 
-    /// The surface whose vertices are at these shares of their edges.
+    /// Returns the surface whose vertices are at these shares of their edges.
     pub fn mesh(&self, shares: &[f64], progress: Progress<'_>) -> Result<TriMesh> {
         let mut vertices = reserved(self.vertices)?;
         let places = self.crossings().zip(shares);

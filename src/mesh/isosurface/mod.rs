@@ -105,9 +105,9 @@ pub fn label_surface(
 /// Halvings of an edge: its crossing is known to 1/512 of it.
 const HALVINGS: u32 = 8;
 
-/// [`label_surface`] with vertices on the border itself, to 1/512 of the distance of points:
-/// `label_at` is asked for the labels of points in space, many at a time, and edges of the lattice
-/// are halved eight times.
+/// Returns the same surface as [`label_surface`], with vertices on the border itself, to 1/512 of
+/// the distance of points: `label_at` is called for the labels of points in space, many at a time,
+/// and edges of the lattice are halved eight times.
 ///
 /// ```
 /// use catamaran::mesh::{Lattice, Rim, label_surface_by};

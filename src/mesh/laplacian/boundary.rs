@@ -6,7 +6,7 @@ use super::options::Boundary;
 use crate::base::{Error, Result};
 use crate::sparse::{Mass, select};
 
-/// Which vertices have no row: those set to zero, and those in no face.
+/// Returns which vertices have no row: those set to zero, and those in no face.
 pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
     let n = mesh.vertices().len();
     let mut removed = vec![false; n];
@@ -33,7 +33,7 @@ pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> 
     Ok(removed)
 }
 
-/// The rows and columns of the vertices that are not removed.
+/// Returns the matrices without the rows and columns of the vertices that are removed.
 pub(super) fn restrict(stiffness: CsMat<f64>, mass: Mass, removed: &[bool]) -> Result<Laplacian> {
     let vertices = removed.len();
     let kept: Vec<usize> = (0..vertices).filter(|&v| !removed[v]).collect();

@@ -26,7 +26,7 @@ pub(crate) struct Complex {
 }
 
 impl Complex {
-    /// The triangles of a mesh as they are, not glued.
+    /// Creates the complex of the triangles of a mesh as they are, not glued.
     ///
     /// # Errors
     /// [`Error::Mesh`] when its edges are longer than `f64` can say.
@@ -43,8 +43,8 @@ impl Complex {
         }
     }
 
-    /// The intrinsic Delaunay triangulation of a mesh or, for [`LaplacianKind::Tufted`], of its
-    /// tufted cover.
+    /// Computes the intrinsic Delaunay triangulation of a mesh or, for [`LaplacianKind::Tufted`],
+    /// of its tufted cover.
     ///
     /// # Errors
     /// As [`laplacian`](fn@super::laplacian).
@@ -127,7 +127,7 @@ impl Complex {
         }
     }
 
-    /// What each triangle gives to the matrices.
+    /// Returns the contribution of each triangle to the matrices.
     ///
     /// # Errors
     /// [`Error::Mesh`] when a triangle has no area even now.
@@ -143,7 +143,7 @@ impl Complex {
         Ok(elements)
     }
 
-    /// The vertices of its triangles.
+    /// Returns the vertices of the triangles.
     pub fn into_faces(self) -> Vec<[u32; 3]> {
         self.faces
     }

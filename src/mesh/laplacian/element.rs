@@ -32,7 +32,7 @@ impl Element {
         Some(Self { weights, area: 0.5 * double })
     }
 
-    /// Of the lengths of its edges.
+    /// Computes the element of a triangle from the lengths of its edges.
     pub fn of_lengths(l: [f64; 3]) -> Self {
         let area = area(l);
         let square = l.map(|x| x * x);
@@ -42,18 +42,18 @@ impl Element {
         Self { weights, area }
     }
 
-    /// Whether its area is positive and everything finite.
+    /// Returns whether the area is positive and everything is finite.
     pub fn is_sound(&self) -> bool {
         self.area > 0.0 && self.area.is_finite() && self.weights.iter().all(|w| w.is_finite())
     }
 
-    /// This share of it.
+    /// Returns the element times a share.
     pub fn scaled(self, share: f64) -> Self {
         Self { weights: self.weights.map(|w| w * share), area: self.area * share }
     }
 
-    /// The area nearest to corner k, or in place of it the share that Meyer et al. give in obtuse
-    /// triangles.
+    /// Returns the area nearest to corner k, or in obtuse triangles the share that Meyer et al.
+    /// give instead.
     pub fn mixed_voronoi(&self, k: usize) -> f64 {
         // The angle at corner k faces edge k + 1.
         let obtuse = |k: usize| self.weights[(k + 1) % 3] < 0.0;
@@ -73,15 +73,15 @@ impl Element {
     }
 }
 
-/// The area of a triangle with these edges: Kahan, Miscalculating Area and Angles of a Needle-like
-/// Triangle (2014). NaN if there is no such triangle.
+/// Returns the area of a triangle with these edges: Kahan, Miscalculating Area and Angles of a
+/// Needle-like Triangle (2014). NaN if there is no such triangle.
 pub(super) fn area(mut l: [f64; 3]) -> f64 {
     l.sort_unstable_by(|x, y| y.total_cmp(x));
     let [a, b, c] = l;
     0.25 * ((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))).sqrt()
 }
 
-/// Those of the faces of a mesh.
+/// Computes the elements of the faces of a mesh.
 pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
     let (vertices, faces) = (mesh.vertices(), mesh.faces());
     let blocks = par.map_blocks(faces.len(), BLOCK, |range| {
@@ -99,7 +99,7 @@ pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
     Ok(elements)
 }
 
-/// The error for a face that has no area, or none that `f64` can hold.
+/// Returns the error for a face that has no area, or none that `f64` can hold.
 pub(super) fn no_area(face: usize) -> Error {
     Error::Mesh {
         what: "no area, or lengths out of range (the tufted Laplacian bears faces without area)"

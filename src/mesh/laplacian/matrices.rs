@@ -6,8 +6,8 @@ use sprs::CsMat;
 use crate::base::{Error, Result};
 use crate::sparse::{Mass, select};
 
-/// The matrices of the eigenproblem `W phi = lambda M phi`. Rows stand for the vertices in
-/// [`Laplacian::kept`].
+/// The matrices of the eigenproblem `W phi = lambda M phi`: the stiffness W and the mass M. Rows
+/// stand for the vertices in [`Laplacian::kept`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laplacian {
     /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every
@@ -24,8 +24,21 @@ pub struct Laplacian {
 }
 
 impl Laplacian {
-    /// Functions on the mesh (one row a vertex, one column a function) from functions on the rows:
-    /// zero at vertices that have none.
+    /// Returns functions on the mesh (one row a vertex, one column a function) from functions on
+    /// the rows of the matrices: zero at vertices without a row.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Boundary, LaplacianOptions, families, laplacian};
+    /// use faer::Mat;
+    ///
+    /// let square = families::grid(4, 4)?;
+    /// let clamped = laplacian(&square, &LaplacianOptions::new().boundary(Boundary::Dirichlet))?;
+    /// let inside = Mat::from_fn(clamped.kept.len(), 1, |_, _| 1.0);
+    /// let all = clamped.extend(inside.as_ref())?;
+    /// assert_eq!((all.nrows(), all[(0, 0)], all[(12, 0)]), (25, 0.0, 1.0));
+    /// assert_eq!(clamped.restrict(all.as_ref())?, inside);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] unless it has one row for each vertex kept.
@@ -42,8 +55,8 @@ impl Laplacian {
         Ok(extended)
     }
 
-    /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their
-    /// rows and columns are kept, as far as they were there.
+    /// Returns the Laplacian with Dirichlet conditions at all vertices outside the mask: only the
+    /// rows and columns of vertices in the mask are kept, as far as they were there.
     ///
     /// ```
     /// use catamaran::{mesh::families, prelude::*};
@@ -81,7 +94,8 @@ impl Laplacian {
         })
     }
 
-    /// The rows, of functions on the mesh, of the vertices kept.
+    /// Returns the rows that belong to kept vertices, from functions on the mesh (one row a
+    /// vertex). The inverse of [`Laplacian::extend`], whose example shows both.
     ///
     /// # Errors
     /// [`Error::Shape`] unless it has one row for each vertex of the mesh.

@@ -29,7 +29,7 @@ pub(crate) use element::{Element, of_mesh};
 pub use matrices::Laplacian;
 pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 
-/// The Laplacian of a mesh, with nothing but finite numbers.
+/// Computes the Laplacian of a mesh, with nothing but finite numbers.
 ///
 /// With V vertices and F faces this takes O(V + F) time and memory, and for the kinds other than
 /// [`LaplacianKind::Cotangent`] also O(1) for each flip of an edge.
@@ -51,7 +51,7 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// the kind is [`LaplacianKind::Cotangent`] or all vertices of the face coincide; an edge that an
 /// intrinsic Delaunay triangulation can't have; a vertex of [`Boundary::Mixed`] that is not there;
 /// whatever has a weight or mass out of the range of `f64`. [`Error::Argument`] for 7e8 faces or
-/// more; [`Error::NotConverged`] when flips go on without end.
+/// more; [`Error::NotConverged`] when flips do not end.
 pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian> {
     if u32::try_from(mesh.faces().len().saturating_mul(6)).is_err() {
         let why = format!("{} of them, where at most 7e8 can be numbered", mesh.faces().len());

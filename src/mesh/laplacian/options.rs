@@ -2,7 +2,7 @@
 
 use crate::base::{Par, builder};
 
-/// Which triangles the functions are linear on.
+/// The triangles on which the functions are linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LaplacianKind {
     /// Those of the mesh: the cotangent Laplacian. Any set of triangles, as long as each has an
@@ -19,7 +19,7 @@ pub enum LaplacianKind {
     Tufted,
 }
 
-/// How the mass of a triangle goes to its vertices.
+/// How the mass of a triangle is distributed to its vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MassKind {
     /// A third to each, a diagonal.
@@ -33,10 +33,10 @@ pub enum MassKind {
     Consistent,
 }
 
-/// What holds at the boundary: the edges with one face.
+/// The condition at the boundary: the edges with one face.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Boundary {
-    /// The normal derivative is zero, which takes no doing.
+    /// The normal derivative is zero, the natural condition.
     #[default]
     Neumann,
     /// Functions are zero at the vertices of the boundary; these are left out of the matrices.
@@ -46,6 +46,15 @@ pub enum Boundary {
 }
 
 /// Options of [`laplacian()`](super::laplacian()).
+///
+/// ```
+/// use catamaran::mesh::{LaplacianKind, LaplacianOptions, MassKind, families, laplacian};
+///
+/// let options = LaplacianOptions::new().kind(LaplacianKind::Tufted).mass(MassKind::MixedVoronoi);
+/// let matrices = laplacian(&families::icosphere(1)?, &options)?;
+/// assert_eq!(matrices.kept.len(), 42);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LaplacianOptions {

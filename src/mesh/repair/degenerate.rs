@@ -13,8 +13,8 @@ use super::report::RepairStep;
 /// apart: then it has no area, whatever the third one is.
 const ONE_PLACE: f64 = 16.0 * f64::EPSILON;
 
-/// The mesh without faces that have no area; `None` when there are none. Faces that can be neither
-/// joined nor flipped away are left out, or, unless `may_open`, stay.
+/// Returns the mesh without faces that have no area; `None` when there are none. Faces that can be
+/// neither joined nor flipped away are left out, or, unless `may_open`, stay.
 pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, RepairStep) {
     let flat = mesh.faces_without_area();
     let first = flat.first().copied();

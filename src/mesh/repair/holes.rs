@@ -21,8 +21,8 @@ const DIAGONAL: f64 = 1e-3;
 /// than the area that would span a slit.
 const FLAT: f64 = 1e-2;
 
-/// The mesh with its boundary loops of at most `most` edges filled; `None` when there are none. New
-/// faces agree with their neighbours, and have the values of the neighbouring corners.
+/// Returns the mesh with its boundary loops of at most `most` edges filled; `None` when there are
+/// none. New faces agree with their neighbours, and have the values of the neighbouring corners.
 ///
 /// # Errors
 /// [`Error::Mesh`](crate::Error::Mesh) that names an edge of more than two faces.

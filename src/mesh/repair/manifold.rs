@@ -7,7 +7,7 @@ use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 use crate::base::Result;
 
-/// What was done to the input to make it a manifold whose faces agree on what is outside.
+/// The changes that made the input a manifold whose faces agree on what is outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Repairs {
@@ -44,10 +44,10 @@ impl fmt::Display for Repairs {
     }
 }
 
-/// The mesh as a manifold: repeated faces and vertices without a face left out, then every fan of
-/// faces at a vertex a vertex of its own, where fans do not go over edges of more than two faces
-/// (Gueziec et al., 2001). Vertices of the part may come from one of the mesh. Faces are not
-/// flipped.
+/// Returns the mesh as a manifold: repeated faces and vertices without a face are left out, then
+/// every fan of faces at a vertex becomes a vertex of its own, where fans do not go over edges of
+/// more than two faces (Gueziec et al., 2001). Vertices of the part may come from one of the mesh.
+/// Faces are not flipped.
 pub(crate) fn manifold(mesh: &TriMesh) -> Result<(Part, Repairs)> {
     let mut repeated = vec![false; mesh.faces().len()];
     for [face, _] in mesh.repeated_faces() {
@@ -69,7 +69,7 @@ pub(crate) fn manifold(mesh: &TriMesh) -> Result<(Part, Repairs)> {
     Ok((Part { mesh, vertices, faces: kept }, repairs))
 }
 
-/// The mesh cut where it is not a manifold; `None` when it is one.
+/// Returns the mesh cut where it is not a manifold; `None` when it is one.
 pub(super) fn cut(mesh: &TriMesh) -> (Option<Rebuild>, RepairStep) {
     let Fans { faces, origins, cut_edges, split_vertices } = Fans::of(mesh);
     let step = RepairStep::Cut { edges: cut_edges, vertices: split_vertices };

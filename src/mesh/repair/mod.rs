@@ -238,8 +238,8 @@ impl State {
     }
 }
 
-/// What of a mesh [`RepairOptions::unambiguous`] would repair, as text that names the first
-/// culprit; `None` when there is nothing.
+/// Returns what of a mesh [`RepairOptions::unambiguous`] would repair, as text that names the first
+/// element concerned; `None` when there is nothing.
 ///
 /// ```
 /// use catamaran::mesh::{TriMesh, families, needs_repair};

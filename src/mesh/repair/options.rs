@@ -1,6 +1,6 @@
 use crate::base::builder;
 
-/// Which vertices become one.
+/// Which vertices [`repair`](super::repair()) makes one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Weld {
     /// None.
@@ -39,7 +39,7 @@ pub struct RepairOptions {
     /// Components with less than this share of the area of the mesh are left out, from 0 to 1. None
     /// by default.
     pub drop_specks: Option<f64>,
-    /// Holes of at most so many edges are filled. None by default.
+    /// Fills holes of at most this many edges. Default: no holes.
     pub fill_holes: Option<usize>,
     /// Whether faces are flipped to agree with their neighbours, and in closed components so that
     /// they are counter-clockwise as seen from outside. A closed component that is inside an odd
@@ -60,8 +60,8 @@ builder! { RepairOptions {
 }}
 
 impl RepairOptions {
-    /// Returns all steps that need no number: [`Weld::Seams`], and neither components left out nor
-    /// holes filled.
+    /// Returns options with all steps that need no number: [`Weld::Seams`], and neither components
+    /// left out nor holes filled.
     pub fn everything() -> Self {
         Self::new()
             .weld(Weld::Seams)
@@ -72,8 +72,8 @@ impl RepairOptions {
             .orient(true)
     }
 
-    /// Returns the steps that have one sensible outcome: [`Weld::Seams`], repeated faces and
-    /// faces without area.
+    /// Returns options with the steps that have one sensible outcome: [`Weld::Seams`], repeated
+    /// faces and faces without area.
     pub fn unambiguous() -> Self {
         Self::new().weld(Weld::Seams).drop_duplicates(true).drop_degenerate(true)
     }

@@ -33,13 +33,13 @@ pub(super) struct Insertion {
     pub at: f64,
 }
 
-/// The three corners of face f.
+/// Returns the three corners of face f.
 pub(super) fn corners_of(f: u32) -> [u32; 3] {
     [3 * f, 3 * f + 1, 3 * f + 2]
 }
 
 impl Rebuild {
-    /// The faces that are kept; all vertices.
+    /// Returns a rebuild that keeps some faces and all vertices.
     pub fn of_faces(mesh: &TriMesh, kept: &[bool]) -> Self {
         let own = (0..).zip(mesh.faces().iter().zip(kept)).filter(|(_, (_, kept))| **kept);
         let (corners, faces) = own.map(|(f, (face, _))| (corners_of(f), *face)).unzip();
@@ -47,21 +47,21 @@ impl Rebuild {
         Self { vertices, faces, corners, insertions: Vec::new(), joined: None }
     }
 
-    /// A part of the mesh.
+    /// Returns a rebuild to a part of the mesh.
     pub fn of_part(part: Part) -> Self {
         let (_, faces) = part.mesh.into_parts();
         let corners = part.faces.iter().map(|&f| corners_of(f)).collect();
         Self { vertices: part.vertices, faces, corners, insertions: Vec::new(), joined: None }
     }
 
-    /// The mesh whose vertex v becomes `to[v]`, which stays where it is; faces that lose a corner
-    /// are left out.
+    /// Returns a rebuild to the mesh whose vertex v becomes `to[v]`, which stays where it is; faces
+    /// that lose a corner are left out.
     pub fn joining(mesh: &TriMesh, to: Vec<u32>) -> Self {
         let all = (0..mesh.faces().len() as u32).map(corners_of).collect();
         Self::joined(mesh.faces().to_vec(), all, Vec::new(), to)
     }
 
-    /// The same of these faces, which have these corners.
+    /// Returns the same rebuild for these faces, which have these corners.
     pub fn joined(
         faces: Vec<[u32; 3]>,
         corners: Vec<[u32; 3]>,
@@ -87,7 +87,8 @@ impl Rebuild {
         new
     }
 
-    /// For each of `count` old vertices the new one; `None` when they are the same.
+    /// Returns the new vertex of each of `count` old vertices; `None` when the numbers are the
+    /// same.
     pub fn renumbering(&self, count: usize) -> Option<Vec<u32>> {
         if self.vertices.len() == count && self.vertices.iter().zip(0..).all(|(&v, new)| v == new) {
             return None;
@@ -104,7 +105,7 @@ impl Rebuild {
         Some(numbers)
     }
 
-    /// How many vertices that joined another one have another colour than it.
+    /// Returns how many vertices that joined another one have another colour.
     pub fn lost_colors(&self, file: &MeshFile) -> usize {
         let (Some(colors), Some(joined)) = (&file.colors, &self.joined) else { return 0 };
         let stays = |new: u32| colors[self.vertices[new as usize] as usize];

@@ -91,7 +91,7 @@ pub enum RepairStep {
 }
 
 impl RepairStep {
-    /// Whether the step changed the mesh.
+    /// Returns whether the step changed the mesh.
     pub fn changed(&self) -> bool {
         match *self {
             Self::Welded { vertices, .. }
@@ -184,7 +184,7 @@ pub struct RepairReport {
 }
 
 impl RepairReport {
-    /// Whether any step changed the mesh.
+    /// Returns whether any step changed the mesh.
     pub fn changed(&self) -> bool {
         self.steps.iter().any(RepairStep::changed)
     }

@@ -6,8 +6,8 @@ use super::super::vector::{Vector, distance};
 use super::super::{Edges, TriMesh};
 use crate::base::{Error, Result, Sets};
 
-/// For each point the lowest one, itself or an earlier one, that is at most `tolerance` away and is
-/// its own representative. O(n) for points that are spread out.
+/// Returns for each point the lowest one, itself or an earlier one, that is at most `tolerance`
+/// away and is its own representative. O(n) for points that are spread out.
 ///
 /// # Errors
 /// [`Error::Argument`] for a tolerance that is negative or not finite.
@@ -59,8 +59,8 @@ pub(super) struct Seams {
 }
 
 impl Seams {
-    /// Those where exactly two boundary edges are in one place. Vertices in one place that no chain
-    /// of such edges joins stay apart.
+    /// Finds the seams: places where exactly two boundary edges coincide. Vertices in one place
+    /// that no chain of such edges joins stay apart.
     pub fn of(mesh: &TriMesh) -> Self {
         let place = equal(mesh.vertices());
         let apart = || (0..place.len() as u32).collect();

@@ -8,7 +8,8 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// Each `(row, item)` of `pairs`, which is walked twice, in its order. Fewer than 2^32 of them.
+    /// Creates the rows from the `(row, item)` of `pairs`, which is walked twice, in its order.
+    /// Fewer than 2^32 of them.
     pub(in super::super) fn from_pairs<I: Iterator<Item = (u32, u32)>>(
         rows: usize,
         pairs: impl Fn() -> I,
@@ -30,22 +31,22 @@ impl Adjacency {
         Self { starts, items }
     }
 
-    /// Of rows that are already together.
+    /// Creates the lists from rows that are already together.
     pub(super) fn from_parts(starts: Vec<u32>, items: Vec<u32>) -> Self {
         Self { starts, items }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Whether there are no rows.
+    /// Returns whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Row i; empty when there is none.
+    /// Returns row i; empty when there is none.
     pub fn row(&self, i: usize) -> &[u32] {
         match self.starts.get(i..i + 2) {
             Some(&[start, end]) => &self.items[start as usize..end as usize],
@@ -53,17 +54,17 @@ impl Adjacency {
         }
     }
 
-    /// All rows, in order.
+    /// Returns all rows, in order.
     pub fn rows(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|w| &self.items[w[0] as usize..w[1] as usize])
     }
 
-    /// Where each row starts, and where the last one ends: one more than rows.
+    /// Returns where each row starts, and where the last one ends: one more than there are rows.
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
 
-    /// The items of all rows, one row after the other.
+    /// Returns the items of all rows, one row after the other.
     pub fn items(&self) -> &[u32] {
         &self.items
     }
@@ -90,13 +91,21 @@ impl Adjacency {
     }
 }
 
-/// The corners of a mesh, each with its vertex.
+/// Returns the corners of a mesh, each with its vertex.
 pub(super) fn corners(faces: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
     faces.as_flattened().iter().zip(0..).map(|(&vertex, corner)| (vertex, corner))
 }
 
 impl TriMesh {
-    /// For each vertex the vertices that an edge joins to it, ascending.
+    /// Returns for each vertex the vertices that an edge joins to it, ascending.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// let neighbors = families::icosphere(0)?.vertex_neighbors();
+    /// assert!(neighbors.rows().all(|row| row.len() == 5));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn vertex_neighbors(&self) -> Adjacency {
         let pairs = || {
             let faces = self.faces().iter();
@@ -105,20 +114,35 @@ impl TriMesh {
         Adjacency::from_pairs(self.vertices().len(), pairs).sorted()
     }
 
-    /// For each vertex its faces, ascending.
+    /// Returns for each vertex its faces, ascending.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// assert_eq!(families::grid(1, 1)?.vertex_faces().row(0), [0, 1]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn vertex_faces(&self) -> Adjacency {
         Adjacency::from_pairs(self.vertices().len(), || {
             corners(self.faces()).map(|(vertex, corner)| (vertex, corner / 3))
         })
     }
 
-    /// The vertices that no face has, ascending.
+    /// Returns the vertices that no face has, ascending.
+    ///
+    /// ```
+    /// use catamaran::mesh::TriMesh;
+    ///
+    /// let mesh = TriMesh::new(vec![[0.0; 3]; 4], vec![[0, 1, 3]])?;
+    /// assert_eq!(mesh.unreferenced_vertices(), [2]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn unreferenced_vertices(&self) -> Vec<u32> {
         let used = self.referenced();
         (0..self.vertices().len() as u32).filter(|&v| !used[v as usize]).collect()
     }
 
-    /// For each vertex whether a face has it.
+    /// Returns for each vertex whether a face has it.
     pub(crate) fn referenced(&self) -> Vec<bool> {
         let mut used = vec![false; self.vertices().len()];
         for &v in self.faces().as_flattened() {

@@ -3,10 +3,18 @@ use super::Edges;
 use crate::base::Result;
 
 impl TriMesh {
-    /// The boundary loops: the vertices of each in the order in which one walks along them, the
-    /// first not repeated, the mesh on the left where it is oriented. Where the boundary meets
-    /// itself at a vertex, the walk stays with its fan of faces. Ordered by their lowest boundary
-    /// edge.
+    /// Returns the boundary loops: the vertices of each in the order in which one walks along them,
+    /// the first not repeated, the mesh on the left where it is oriented. Where the boundary meets
+    /// itself at a vertex, the walk stays with its fan of faces. Loops are ordered by their lowest
+    /// boundary edge.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Edges, families};
+    ///
+    /// let square = families::grid(1, 1)?;
+    /// assert_eq!(square.boundary_loops(&Edges::new(&square))?, [[1, 0, 2, 3]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`](crate::Error::Mesh) when there is a boundary and an edge with three faces or

@@ -24,7 +24,7 @@ impl Components {
     /// The component of a vertex without a face.
     pub const NONE: u32 = u32::MAX;
 
-    /// The components of `mesh`.
+    /// Finds the components of `mesh`.
     pub fn new(mesh: &TriMesh) -> Self {
         let mut sets = Sets::new(mesh.vertices().len());
         for &[a, b, c] in mesh.faces() {
@@ -55,45 +55,55 @@ impl Components {
         Self { of_vertex, of_face, faces, vertices }
     }
 
-    /// Number of components.
+    /// Returns the number of components.
     pub fn len(&self) -> usize {
         self.faces.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no components.
     pub fn is_empty(&self) -> bool {
         self.faces.is_empty()
     }
 
-    /// The component of each vertex, or [`Components::NONE`].
+    /// Returns the component of each vertex, or [`Components::NONE`].
     pub fn of_vertices(&self) -> &[u32] {
         &self.of_vertex
     }
 
-    /// The component of each face.
+    /// Returns the component of each face.
     pub fn of_faces(&self) -> &[u32] {
         &self.of_face
     }
 
-    /// The number of faces of each component.
+    /// Returns the number of faces of each component.
     pub fn face_counts(&self) -> &[usize] {
         &self.faces
     }
 
-    /// The number of vertices of each component.
+    /// Returns the number of vertices of each component.
     pub fn vertex_counts(&self) -> &[usize] {
         &self.vertices
     }
 
-    /// The component with the most faces, the first of them; `None` when there is none.
+    /// Returns the component with the most faces, the first of them where several have as many;
+    /// `None` when there is none.
     pub fn largest(&self) -> Option<usize> {
         (0..self.len()).rev().max_by_key(|&c| self.faces[c])
     }
 }
 
 impl TriMesh {
-    /// The number of fans of each vertex: groups of its faces that hang together over edges at this
-    /// vertex. A vertex of more than one is non-manifold (a bow tie), one of none is in no face.
+    /// Returns the number of fans of each vertex: groups of its faces that are connected over edges
+    /// at this vertex. A vertex of more than one fan is non-manifold (a bow tie); a vertex of none
+    /// is in no face.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Edges, families};
+    ///
+    /// let tie = families::bow_tie()?;
+    /// assert_eq!(tie.fans(&Edges::new(&tie)), [2, 1, 1, 1, 1, 1, 1]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn fans(&self, edges: &super::Edges) -> Vec<u32> {
         let edges = &*edges.of(self);
         let faces = self.faces();

@@ -25,7 +25,7 @@ pub struct Edges {
 }
 
 impl Edges {
-    /// The edges of `mesh`.
+    /// Finds the edges of `mesh`.
     pub fn new(mesh: &TriMesh) -> Self {
         let faces = mesh.faces();
         let end = |corner: u32| {
@@ -68,7 +68,7 @@ impl Edges {
         }
     }
 
-    /// These, when they are those of `mesh`; else those of `mesh`.
+    /// Returns these edges when they are those of `mesh`; else finds the edges of `mesh`.
     pub(super) fn of<'a>(&'a self, mesh: &TriMesh) -> Cow<'a, Self> {
         if self.mesh_faces == mesh.faces() {
             Cow::Borrowed(self)
@@ -77,37 +77,37 @@ impl Edges {
         }
     }
 
-    /// Number of edges.
+    /// Returns the number of edges.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no edges.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// The vertices of each edge, the lower number first.
+    /// Returns the vertices of each edge, the lower number first.
     pub fn ends(&self) -> &[[u32; 2]] {
         &self.ends
     }
 
-    /// For each edge the corners (3 f + i, ascending) at which it starts in its faces.
+    /// Returns for each edge the corners (3 f + i, ascending) at which it starts in its faces.
     pub fn corners(&self) -> &Adjacency {
         &self.corners
     }
 
-    /// The faces of edge e, ascending.
+    /// Returns the faces of edge e, ascending.
     pub fn faces(&self, e: usize) -> impl ExactSizeIterator<Item = u32> + '_ {
         self.corners.row(e).iter().map(|corner| corner / 3)
     }
 
-    /// For each corner 3 f + i the edge from corner i of face f to the next one.
+    /// Returns for each corner 3 f + i the edge from corner i of face f to the next one.
     pub fn of_corners(&self) -> &[u32] {
         &self.of_corner
     }
 
-    /// For each face the faces across its edges, ascending by corner, then by face.
+    /// Returns for each face the faces across its edges, ascending by corner, then by face.
     pub fn face_neighbors(&self) -> Adjacency {
         let pairs = || {
             (0..).zip(&self.of_corner).flat_map(|(corner, &e)| {
@@ -118,12 +118,12 @@ impl Edges {
         Adjacency::from_pairs(self.of_corner.len() / 3, pairs)
     }
 
-    /// Edges with one face.
+    /// Returns the edges with one face.
     pub fn boundary(&self) -> impl Iterator<Item = u32> + '_ {
         self.with(|faces| faces == 1)
     }
 
-    /// Edges with three faces or more.
+    /// Returns the edges with three faces or more.
     pub fn non_manifold(&self) -> impl Iterator<Item = u32> + '_ {
         self.with(|faces| faces > 2)
     }
@@ -132,7 +132,7 @@ impl Edges {
         (0..).zip(self.corners.rows()).filter(move |(_, row)| wanted(row.len())).map(|(e, _)| e)
     }
 
-    /// The edge as it is named in errors and reports.
+    /// Returns the name of the edge in errors and reports.
     pub fn name(&self, e: usize) -> String {
         match self.ends.get(e) {
             Some([a, b]) => format!("edge {a}-{b}"),
@@ -140,7 +140,7 @@ impl Edges {
         }
     }
 
-    /// `Ok` when every edge has one or two faces.
+    /// Returns an error unless every edge has one or two faces.
     ///
     /// # Errors
     /// [`Error::Mesh`] that names the first other edge and its faces.
@@ -155,7 +155,7 @@ impl Edges {
     }
 }
 
-/// "3 faces (1, 5, 7)", cut when long.
+/// Returns a text such as "3 faces (1, 5, 7)", cut when long.
 pub(in super::super) fn face_list(faces: impl ExactSizeIterator<Item = u32>) -> String {
     const SHOWN: usize = 6;
     let count = faces.len();

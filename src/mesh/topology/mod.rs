@@ -1,4 +1,4 @@
-//! How the faces of a mesh hang together: adjacency, edges, components, boundary, genus,
+//! How the faces of a mesh are connected: adjacency, edges, components, boundary, genus,
 //! orientation.
 //!
 //! A corner of a mesh is the number 3 f + i of corner i of face f; as an edge of that face it goes

@@ -3,8 +3,21 @@ use super::Edges;
 use crate::base::{Error, Result};
 
 impl TriMesh {
-    /// The edges over which two faces do not agree on what is outside: their faces run along them
-    /// in the same direction. Edges with one face, or with more than two, are not among them.
+    /// Returns the edges over which two faces do not agree on what is outside: their faces run
+    /// along them in the same direction. Edges with one face, or with more than two, are not among
+    /// them.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Edges, TriMesh};
+    ///
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    /// let mesh = TriMesh::new(corners, vec![[0, 1, 2], [1, 2, 3]])?;
+    /// let edges = Edges::new(&mesh);
+    /// let found = mesh.inconsistent_edges(&edges);
+    /// assert_eq!(edges.ends()[found[0] as usize], [1, 2]);
+    /// assert!(mesh.oriented()?.inconsistent_edges(&edges).is_empty());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn inconsistent_edges(&self, edges: &Edges) -> Vec<u32> {
         let edges = &*edges.of(self);
         let both = |row: &[u32]| matches!(row, &[a, b] if self.same_direction(a, b));
@@ -17,8 +30,17 @@ impl TriMesh {
         self.faces()[a as usize / 3][a as usize % 3] == self.faces()[b as usize / 3][b as usize % 3]
     }
 
-    /// Which faces must be flipped so that all agree over every edge of two faces; of each group of
-    /// faces that hang together over such edges, the lowest stays.
+    /// Returns which faces must be flipped so that all agree over every edge of two faces; of each
+    /// group of faces that are connected over such edges, the lowest stays.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Edges, TriMesh};
+    ///
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    /// let mesh = TriMesh::new(corners, vec![[0, 1, 2], [1, 2, 3]])?;
+    /// assert_eq!(mesh.flips(&Edges::new(&mesh))?, [false, true]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] that names an edge over which no flipping makes its faces agree: the mesh is
@@ -38,8 +60,8 @@ impl TriMesh {
         }
     }
 
-    /// The groups of faces that hang together over edges of two faces, and which of them must be
-    /// flipped so that the faces of each agree with its lowest one.
+    /// Returns the groups of faces that hang together over edges of two faces, and which of them
+    /// must be flipped so that the faces of each agree with its lowest one.
     pub(in super::super) fn sides(&self, edges: &Edges) -> Sides {
         let mut group = vec![u32::MAX; self.faces().len()];
         let mut flip = vec![false; self.faces().len()];
@@ -74,8 +96,17 @@ impl TriMesh {
         Sides { group, flip, conflicts }
     }
 
-    /// The mesh with faces flipped so that all agree; of each group of faces that hang together
-    /// over edges of two faces, the lowest stays as it is.
+    /// Returns the mesh with faces flipped so that all agree; of each group of faces that hang
+    /// together over edges of two faces, the lowest stays as it is.
+    ///
+    /// ```
+    /// use catamaran::mesh::TriMesh;
+    ///
+    /// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    /// let mesh = TriMesh::new(corners, vec![[0, 1, 2], [1, 2, 3]])?.oriented()?;
+    /// assert_eq!(mesh.face_normals(), [[0.0, 0.0, 1.0]; 2]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] that names an edge with more than two faces, or one over which the mesh is

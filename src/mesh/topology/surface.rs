@@ -24,15 +24,33 @@ impl fmt::Display for Genus {
 }
 
 impl TriMesh {
-    /// The Euler characteristic V - E + F, V without vertices that no face has.
+    /// Returns the Euler characteristic V - E + F, V without vertices that no face has.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Edges, families};
+    ///
+    /// let torus = families::torus(12, 6, 2.0, 0.5)?;
+    /// assert_eq!(torus.euler_characteristic(&Edges::new(&torus)), 0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn euler_characteristic(&self, edges: &Edges) -> i64 {
         let edges = &*edges.of(self);
         let used = self.referenced().into_iter().filter(|&used| used).count();
         used as i64 - edges.len() as i64 + self.faces().len() as i64
     }
 
-    /// The genus g, from the Euler characteristic: V - E + F = sum over components of 2 - 2 g -
-    /// (boundary loops), or of 2 - g - (boundary loops) when not orientable.
+    /// Returns the genus g, from the Euler characteristic: V - E + F = sum over components of 2 - 2
+    /// g - (boundary loops), or of 2 - g - (boundary loops) when not orientable.
+    ///
+    /// ```
+    /// use catamaran::mesh::{Edges, Genus, families};
+    ///
+    /// let torus = families::torus(12, 6, 2.0, 0.5)?;
+    /// assert_eq!(torus.genus(&Edges::new(&torus))?, Genus::Orientable(1));
+    /// let strip = families::moebius(12, 2)?;
+    /// assert_eq!(strip.genus(&Edges::new(&strip))?, Genus::NonOrientable(1));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] that names an edge of more than two faces, or a vertex at which the surface
@@ -49,8 +67,16 @@ impl TriMesh {
         Ok(genus_of(self.euler_characteristic(edges), components, loops, orientable))
     }
 
-    /// `Ok` when the mesh is a manifold, with or without boundary: every edge has one or two faces,
-    /// and the faces at every vertex hang together over edges.
+    /// Returns an error unless the mesh is a manifold, with or without boundary: every edge has one
+    /// or two faces, and the faces at every vertex are connected over edges.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// assert!(families::grid(2, 2)?.require_manifold().is_ok());
+    /// assert!(families::bow_tie()?.require_manifold().is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] that names the first edge or vertex that is not so.
@@ -63,7 +89,15 @@ impl TriMesh {
         }
     }
 
-    /// `Ok` when every edge has two faces.
+    /// Returns an error unless every edge has two faces.
+    ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// assert!(families::icosphere(0)?.require_closed().is_ok());
+    /// assert!(families::grid(1, 1)?.require_closed().is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] that names the first other edge.
@@ -90,7 +124,7 @@ fn meets_itself(vertex: usize) -> Error {
     }
 }
 
-/// The genus of a manifold with these.
+/// Returns the genus of a manifold with these counts.
 pub(in super::super) fn genus_of(
     euler: i64,
     components: usize,

@@ -20,7 +20,7 @@ pub(super) struct Agents {
 }
 
 impl Agents {
-    /// Those of a state.
+    /// Copies the agents of a state.
     pub(super) fn of(device: &Device, state: &State) -> Result<Self> {
         Ok(Self {
             len: state.ids.len(),
@@ -42,11 +42,12 @@ impl Agents {
         })
     }
 
+    /// Returns the number of agents.
     pub(super) fn len(&self) -> usize {
         self.len
     }
 
-    /// Gives the next four arguments to a call.
+    /// Sets the next four arguments of a call.
     ///
     /// # Safety
     /// The kernel declares them: numbers and triangles of 32 bits, pairs of positions and headings.
@@ -58,7 +59,7 @@ impl Agents {
         }
     }
 
-    /// A state of them, each in the place of its number, without a texture.
+    /// Returns a state of the agents, each in the place of its number, without a texture.
     pub(super) fn read(&self, device: &Device) -> Result<State> {
         let ids = device.values(&self.ids, self.len)?;
         let triangles = device.values(&self.triangles, self.len)?;
@@ -90,7 +91,7 @@ pub(super) struct Ordering {
 }
 
 impl Ordering {
-    /// With kernels by their names, for a texture of `size` x `size` texels.
+    /// Creates the sorter with kernels by their names, for a texture of `size` x `size` texels.
     pub(super) fn new(
         device: &Device,
         kernel: impl Fn(&'static str) -> Result<Kernel>,
@@ -110,7 +111,7 @@ impl Ordering {
         })
     }
 
-    /// Puts them in order; the few numbers of tiles are summed here.
+    /// Orders the agents; the few numbers of tiles are summed here.
     pub(super) fn order(
         &mut self,
         launcher: &Launcher,

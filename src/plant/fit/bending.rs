@@ -18,7 +18,7 @@ pub(super) struct Bending<'a> {
 }
 
 impl Bending<'_> {
-    /// Of the highest point, if it was measured, and of each mark, in metres.
+    /// Computes the heights of the highest point, if it was measured, and of each mark, in metres.
     pub fn heights(&self, steepness: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>)> {
         let Measurements { heights: highest, marks, .. } = self.measured;
         let tissue = self.options.elasticity.with_steepness(steepness);
@@ -40,7 +40,7 @@ impl Bending<'_> {
         Ok(found)
     }
 
-    /// The number of heights that were measured.
+    /// Returns the number of heights that were measured.
     pub fn count(&self) -> usize {
         let Measurements { heights, marks, .. } = self.measured;
         heights.len() + marks.iter().map(|mark| mark.heights.len()).sum::<usize>()
@@ -57,7 +57,7 @@ impl Bending<'_> {
         Ok(residuals)
     }
 
-    /// The minima that descents from several steepnesses reach.
+    /// Returns the minima that descents from several steepnesses reach.
     pub fn minima(&self, progress: Progress<'_>) -> Result<Vec<Minimum>> {
         let classes = self.options.elasticity.classes();
         let given: Vec<f64> = classes.iter().map(Elasticity::steepness).collect();

@@ -1,6 +1,6 @@
 use super::super::levenberg::Minimum;
 
-/// A constant that was found.
+/// The estimate of a constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Its value.
@@ -10,7 +10,7 @@ pub struct Estimate {
     pub error: f64,
 }
 
-/// What [`fit`](super::fit()) found.
+/// The result of [`fit`](super::fit()).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Fit {
@@ -62,7 +62,7 @@ pub struct OtherSteepness {
     pub deviation: f64,
 }
 
-/// A constant that was fitted by its logarithm.
+/// Returns a constant that was fitted by its logarithm.
 pub(super) fn logarithmic(minimum: &Minimum, i: usize) -> Estimate {
     let value = minimum.parameters[i].exp();
     Estimate { value, error: value * minimum.errors[i] }

@@ -10,7 +10,7 @@ const AS_GOOD: f64 = 5.99;
 /// Minima are the same if each parameter differs by no more than this, or by three standard errors.
 const SAME: f64 = 1e-3;
 
-/// The minima that descents from several starts reach; an error only if none reaches one.
+/// Returns the minima that descents from several starts reach; an error only if none reaches one.
 pub(super) fn from_starts<S: AsRef<[f64]>>(
     starts: impl ExactSizeIterator<Item = Result<S>>,
     residuals: &dyn Fn(&[f64]) -> Result<Vec<f64>>,
@@ -33,8 +33,8 @@ pub(super) fn from_starts<S: AsRef<[f64]>>(
     }
 }
 
-/// The best of some minima, and those away from it that fit as well, the better ones first, each
-/// once; the first `compared` parameters tell minima apart. `None` of none.
+/// Returns the best of some minima, and those away from it that fit as well, the better ones first,
+/// each once; the first `compared` parameters tell minima apart. `None` without minima.
 pub(super) fn told_apart(
     mut minima: Vec<Minimum>,
     residuals: usize,

@@ -5,7 +5,7 @@ use super::super::tissue::Tissue;
 use super::super::water::{WaterOptions, grams_per_hour};
 use crate::base::{Error, Par, Progress, Result, builder};
 
-/// A plant that dries, as it was measured from full cells on.
+/// The measurements of a plant that dries, from full cells on.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measurements {
     /// When, in seconds, ascending from 0 on.
@@ -28,7 +28,7 @@ pub struct Mark {
 }
 
 impl Measurements {
-    /// Whether there is anything that depends on stiffness.
+    /// Returns whether there are heights, which depend on stiffness.
     pub(super) fn has_heights(&self) -> bool {
         !self.heights.is_empty() || !self.marks.is_empty()
     }
@@ -87,7 +87,7 @@ builder! { FitOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Names what is out of range.
+/// Returns an error that names what is out of range.
 pub(super) fn check(
     plant: &Plant,
     measured: &Measurements,

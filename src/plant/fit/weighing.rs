@@ -17,7 +17,8 @@ pub(super) struct Weighing<'a> {
 }
 
 impl<'a> Weighing<'a> {
-    /// Refuses weights that are all the same, and plants that lose nothing.
+    /// Creates the problem of the weights; weights that are all the same, and plants that lose
+    /// nothing, are errors.
     pub fn new(
         plant: &'a Plant,
         measured: &'a Measurements,
@@ -38,7 +39,7 @@ impl<'a> Weighing<'a> {
         Ok(Self { plant, measured, options, span })
     }
 
-    /// The minima that descents from several values of chi reach.
+    /// Returns the minima that descents from several values of chi reach.
     pub fn minima(&self, progress: Progress<'_>) -> Result<Vec<Minimum>> {
         /// Values of chi to begin with; far from the right one, weights hardly depend on it.
         const STARTS: usize = 12;
@@ -68,22 +69,25 @@ impl<'a> Weighing<'a> {
         from_starts(starts, &|x| self.residuals(x), &bounds, progress)
     }
 
+    /// Creates the model with this loss and this scale of the conductance.
     pub fn model(&self, loss: f64, scale: f64) -> Result<WaterModel> {
         let conductivity = Conductivity::Pipe { scale };
         WaterModel::new(self.plant, &self.options.water.loss(loss).conductivity(conductivity))
     }
 
+    /// Computes the water at the times of the measurements.
     pub fn curve(&self, model: &WaterModel, loss: f64) -> Result<Vec<Vec<f64>>> {
         let cycle = if self.options.nights { Interval::day_and_night(loss) } else { vec![] };
         let options = CurveOptions::new().cycle(cycle).par(self.options.par);
         water_curve(model, &model.full(), &self.measured.seconds, &options)
     }
 
-    /// The weight at time 0.
+    /// Returns the weight at time 0.
     pub fn weight(&self, x: &[f64]) -> f64 {
         self.measured.weights[0] + self.span * x[2]
     }
 
+    /// Computes the weights at the times of the measurements.
     pub fn weights(&self, x: &[f64]) -> Result<Vec<f64>> {
         let loss = x[0].exp();
         let model = self.model(loss, x[1].exp())?;

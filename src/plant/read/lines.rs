@@ -5,11 +5,12 @@ use crate::io::Source;
 pub(super) struct Lines<'a>(Source<'a>);
 
 impl<'a> Lines<'a> {
+    /// Creates a reader of the lines of a source.
     pub fn new(source: Source<'a>) -> Self {
         Self(source)
     }
 
-    /// The next line that is not blank, trimmed, or `None` at the end.
+    /// Returns the next line that is not blank, trimmed, or `None` at the end.
     pub fn next(&mut self) -> Result<Option<String>> {
         loop {
             let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };
@@ -22,8 +23,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line that has more than a comment, with the tabs it begins with, less what follows
-    /// a `#`.
+    /// Returns the next line that has more than a comment, with the tabs it begins with, without
+    /// what follows a `#`.
     pub fn next_row(&mut self) -> Result<Option<String>> {
         loop {
             let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };
@@ -36,7 +37,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line, which must be there.
+    /// Returns the next line, which must be there.
     pub fn expect(&mut self, what: &str) -> Result<String> {
         match self.next()? {
             Some(line) => Ok(line),
@@ -44,18 +45,19 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// Returns the error `what` at this line.
     pub fn fail(&self, what: impl Into<String>) -> Error {
         self.0.fail(what)
     }
 
-    /// A finite number.
+    /// Parses a finite number.
     pub fn number(&self, what: &str, word: Option<&str>) -> Result<f64> {
         let word = word.unwrap_or_default().trim();
         let number = word.parse().ok().filter(|x: &f64| x.is_finite());
         number.ok_or_else(|| self.fail(format!("{what}: {word:?} is not a finite number")))
     }
 
-    /// A whole number from 0, which may be written as 3.0 too.
+    /// Parses a whole number from 0, which may be written as 3.0 too.
     pub fn count(&self, what: &str, word: Option<&str>) -> Result<usize> {
         let value = self.number(what, word)?;
         if value >= 0.0 && value < f64::from(u32::MAX) && value.fract() == 0.0 {

@@ -28,8 +28,8 @@ pub enum PlantFormat {
     /// Class `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
     Mtg,
     /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it
-    /// is 1 mm. The root is the first vertex of the first line. End points of lines that nothing
-    /// goes on from are on leaves.
+    /// is 1 mm. The root is the first vertex of the first line. End points of lines from
+    /// which no line continues are on leaves.
     Obj,
 }
 
@@ -53,8 +53,8 @@ impl PlantFormat {
     }
 }
 
-/// Reads the plant in the file at `path`, of the format its name says; packed files (`.gz`, `.xz`)
-/// too.
+/// Reads the plant in the file at `path`, in the format that its name says; packed files (`.gz`,
+/// `.xz`) too.
 ///
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
@@ -71,8 +71,8 @@ pub fn read(path: &Path) -> Result<Plant> {
     read_with(path, &SourceOptions::new())
 }
 
-/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file
-/// read and may cancel.
+/// Reads as [`read()`] does, within a limit of memory, and with a callback that is told the
+/// fraction of the file read and may cancel.
 ///
 /// ```
 /// use catamaran::{io::SourceOptions, plant};

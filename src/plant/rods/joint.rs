@@ -12,7 +12,7 @@ use super::small::{
 };
 use crate::mesh::vector::{Vector, dot, scale};
 
-/// `K = bend (I - t t^T) + twist t t^T` of the direction t of the child, in N m.
+/// Returns `K = bend (I - t t^T) + twist t t^T` of the direction t of the child, in N m.
 pub(super) fn stiffness(bend: f64, twist: f64, direction: Vector) -> Matrix<3> {
     let mut k = identity();
     for i in 0..3 {
@@ -23,19 +23,19 @@ pub(super) fn stiffness(bend: f64, twist: f64, direction: Vector) -> Matrix<3> {
     k
 }
 
-/// d of two rotations, with a scalar part that is not negative.
+/// Returns d of two rotations, with a scalar part that is not negative.
 pub(super) fn difference(parent: Quaternion, child: Quaternion) -> Quaternion {
     let d = product(inverse(parent), child);
     if d[0] < 0.0 { d.map(|x| -x) } else { d }
 }
 
-/// The strain of d.
+/// Returns the strain of d.
 pub(super) fn strain(d: Quaternion) -> Vector {
     [2.0 * d[1], 2.0 * d[2], 2.0 * d[3]]
 }
 
-/// The derivative of the strain of d by a small rotation of the child, in the coordinates of the
-/// parent.
+/// Returns the derivative of the strain of d by a small rotation of the child, in the coordinates
+/// of the parent.
 pub(super) fn strain_derivative(d: Quaternion) -> Matrix<3> {
     let mut j = identity();
     (0..3).for_each(|i| j[i][i] = d[0]);

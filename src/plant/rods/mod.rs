@@ -42,7 +42,7 @@ builder! { RodOptions {
     dry_density: f64,
 }}
 
-/// Where the segments are.
+/// The positions and rotations of the segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
     /// Where each segment begins, in metres.
@@ -92,7 +92,7 @@ pub struct Rods {
 }
 
 impl Rods {
-    /// The rods of a plant. They have no weight and the stiffness of E = 1 Pa until
+    /// Creates the rods of a plant. They have no weight and the stiffness of E = 1 Pa until
     /// [`Rods::set_state`].
     ///
     /// # Errors
@@ -128,7 +128,7 @@ impl Rods {
         Ok(rods)
     }
 
-    /// The number of segments.
+    /// Returns the number of segments.
     #[allow(clippy::len_without_is_empty)] // there is no empty plant
     pub fn len(&self) -> usize {
         self.parents.len()
@@ -177,7 +177,7 @@ impl Rods {
         Ok(())
     }
 
-    /// The pose in which the plant was given.
+    /// Returns the pose in which the plant was given.
     pub fn rest_pose(&self) -> Pose {
         let mut pose = Pose {
             heads: vec![[0.0; 3]; self.len()],
@@ -188,8 +188,18 @@ impl Rods {
         pose
     }
 
-    /// The pose in which each segment has turned by its rotation, a quaternion (w, x, y, z) of any
-    /// length but 0.
+    /// Returns the pose in which each segment has turned by its rotation, a quaternion (w, x, y, z)
+    /// of any length but 0.
+    ///
+    /// ```
+    /// use catamaran::plant::{RodOptions, Rods, families};
+    ///
+    /// let rods = Rods::new(&families::chain(2, 0.2, 1e-3)?, &RodOptions::new())?;
+    /// let half = 0.5_f64.sqrt(); // by 90 degrees around the y axis
+    /// let pose = rods.pose(&[[half, 0.0, half, 0.0]; 2])?;
+    /// assert!((pose.tails[1][0] - 0.2).abs() < 1e-12);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] for rotations of another plant, [`Error::NonFinite`], [`Error::Argument`]

@@ -102,7 +102,7 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// All of it.
+    /// Returns the sum of all parts of the energy, in J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.weight
     }
@@ -177,7 +177,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Goes on with other weights and stiffnesses of the same plant.
+    /// Continues with other weights and stiffnesses of the same plant.
     ///
     /// # Errors
     /// [`Error::Shape`] for rods of another plant; [`Error::Argument`] names a segment without
@@ -193,11 +193,26 @@ impl Motion {
         Ok(())
     }
 
-    /// Goes on in air of this velocity, in m / s. It drags a segment of radius r, length l and leaf
-    /// area A by `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air past the
-    /// segment, u_n its part across the segment (cross-flow principle, Hoerner 1965), C
+    /// Sets the velocity of the air, in m / s. The air drags a segment of radius r, length l and
+    /// leaf area A by `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air past
+    /// the segment, u_n its part across the segment (cross-flow principle, Hoerner 1965), C
     /// [`MotionOptions::drag`]. The factors |u| are those at the beginning of a step, the rest is
-    /// implicit, so that air only ever takes energy from what moves faster.
+    /// implicit, so that air only takes energy from what moves faster.
+    ///
+    /// ```
+    /// use catamaran::plant::{Elasticity, Motion, MotionOptions, RodOptions, Rods};
+    /// use catamaran::plant::{WaterModel, WaterOptions, families};
+    ///
+    /// let plant = families::chain(5, 0.3, 2e-3)?;
+    /// let full = WaterModel::new(&plant, &WaterOptions::new())?.full();
+    /// let mut rods = Rods::new(&plant, &RodOptions::new())?;
+    /// rods.set_state(&Elasticity::default().moduli(&full, &full)?, &full)?;
+    /// let mut motion = Motion::new(&rods, &rods.rest_pose(), &MotionOptions::new())?;
+    /// motion.set_wind([3.0, 0.0, 0.0])?;
+    /// motion.step()?;
+    /// assert!(motion.pose().tails[4][0] > 0.0); // it leans with the wind
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] for a velocity that is not finite.
@@ -210,7 +225,7 @@ impl Motion {
         Ok(())
     }
 
-    /// The present pose.
+    /// Returns the present pose.
     pub fn pose(&self) -> Pose {
         let half = |v: usize| scale(self.along(v), 0.5);
         let n = self.rods.len();
@@ -221,13 +236,13 @@ impl Motion {
         }
     }
 
-    /// The largest gap between a segment and what it grows on, in metres: what is left of zero
-    /// stretch.
+    /// Returns the largest gap between a segment and its parent, in metres, which is 0 for an exact
+    /// solution.
     pub fn largest_gap(&self) -> f64 {
         (0..self.rods.len()).map(|v| norm(self.gap(v))).fold(0.0, f64::max)
     }
 
-    /// The energy of the present pose and velocities.
+    /// Returns the energy of the present pose and velocities.
     pub fn energy(&self) -> Energy {
         let mut energy = Energy::default();
         for v in 0..self.rods.len() {
@@ -246,9 +261,9 @@ impl Motion {
         energy
     }
 
-    /// Goes one step ahead. Where Newton's method does not converge, as when a gust turns twigs by
-    /// more than a radian, it goes there in two half steps, and so on: steps of any length stay
-    /// stable.
+    /// Advances by one step. Where Newton's method does not converge, as when a gust turns twigs by
+    /// more than a radian, the step is divided into two half steps, and so on: steps of any length
+    /// stay stable.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the equations are singular to rounding.
@@ -310,7 +325,7 @@ impl Motion {
         Ok(turn)
     }
 
-    /// Goes `count` steps ahead.
+    /// Advances by `count` steps.
     ///
     /// # Errors
     /// As those of [`Motion::step`]; [`Error::Cancelled`]: the steps before are done then, and it

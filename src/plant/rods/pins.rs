@@ -20,13 +20,13 @@ pub(super) struct Pin {
 }
 
 impl Pin {
-    /// How far the end is from where it must be.
+    /// Returns the vector from where the end must be to where it is.
     pub fn gap(&self, tails: &[Vector]) -> Vector {
         sub(tails[self.last], self.target)
     }
 }
 
-/// The pins of a plant.
+/// Returns the pins of a plant.
 pub(super) fn pins(rods: &Rods) -> Vec<Pin> {
     let entered = |v: &usize| rods.pinned[*v] && rods.parent(*v).is_some_and(|p| !rods.pinned[p]);
     (0..rods.len())
@@ -53,7 +53,7 @@ pub(super) struct Group {
     pub nodes: Vec<u32>,
 }
 
-/// The pins by what hangs together.
+/// Returns the pins in groups that depend on each other.
 pub(super) fn groups(rods: &Rods, pins: &[Pin]) -> Vec<Group> {
     let n = rods.len();
     // The group of the first segment of each free part, and then of all.
@@ -82,14 +82,15 @@ pub(super) fn groups(rods: &Rods, pins: &[Pin]) -> Vec<Group> {
     groups
 }
 
-/// The sum of all gaps.
+/// Returns the sum of all gaps.
 pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
     pins.iter().map(|pin| norm(pin.gap(tails))).sum()
 }
 
 /// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they
-/// shall be positive definite, else by elimination. Where paths leave a force no say (one segment
-/// can't change its length) a little of the diagonal decides. Whether it could.
+/// shall be positive definite, else by elimination. Where paths do not determine a force (one
+/// segment can't change its length) a small part of the diagonal decides. Returns whether the
+/// solution succeeded.
 pub(super) fn solve_forces(
     mut matrix: Mat<f64>,
     right: &mut Mat<f64>,

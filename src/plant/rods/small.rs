@@ -39,7 +39,7 @@ pub(super) fn image<const N: usize>(a: &Matrix<N>, x: &[f64; N]) -> [f64; N] {
     y
 }
 
-/// `a += s b`.
+/// Computes `a += s b`.
 pub(super) fn add<const N: usize>(a: &mut Matrix<N>, s: f64, b: &Matrix<N>) {
     for i in 0..N {
         for j in 0..N {
@@ -48,7 +48,8 @@ pub(super) fn add<const N: usize>(a: &mut Matrix<N>, s: f64, b: &Matrix<N>) {
     }
 }
 
-/// L of a positive definite matrix, of which the lower triangle is read; `None` if it is not.
+/// Returns L of a positive definite matrix, of which the lower triangle is read; `None` if the
+/// matrix is not positive definite.
 pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
     let mut l = [[0.0; N]; N];
     for i in 0..N {
@@ -66,7 +67,7 @@ pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
     Some(l)
 }
 
-/// `(L L^T)^-1 b`.
+/// Returns `(L L^T)^-1 b`.
 pub(super) fn solve<const N: usize>(l: &Matrix<N>, b: &[f64; N]) -> [f64; N] {
     let mut x = *b;
     for i in 0..N {
@@ -84,13 +85,13 @@ pub(super) fn solve<const N: usize>(l: &Matrix<N>, b: &[f64; N]) -> [f64; N] {
     x
 }
 
-/// `(L L^T)^-1 B`.
+/// Returns `(L L^T)^-1 B`.
 pub(super) fn solve_matrix<const N: usize>(l: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let columns = transposed(b);
     transposed(&columns.map(|column| solve(l, &column)))
 }
 
-/// The inverse of a matrix; `None` of a singular one.
+/// Returns the inverse of a matrix; `None` for a singular one.
 pub(super) fn reciprocal(a: &Matrix<3>) -> Option<Matrix<3>> {
     let rows = [cross(a[1], a[2]), cross(a[2], a[0]), cross(a[0], a[1])];
     let determinant = dot(a[0], rows[0]);
@@ -98,7 +99,7 @@ pub(super) fn reciprocal(a: &Matrix<3>) -> Option<Matrix<3>> {
     inverse.iter().flatten().all(|x| x.is_finite()).then_some(inverse)
 }
 
-/// The matrix of `a -> v x a`.
+/// Returns the matrix of `a -> v x a`.
 pub(super) fn cross_matrix(v: Vector) -> Matrix<3> {
     [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]]
 }
@@ -121,7 +122,7 @@ pub(super) fn inverse(q: Quaternion) -> Quaternion {
     [q[0], -q[1], -q[2], -q[3]]
 }
 
-/// The rotation by the vector `a`: its length is the angle.
+/// Returns the rotation by the vector `a`: its length is the angle.
 pub(super) fn exponential(a: Vector) -> Quaternion {
     let angle = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
     // sin(x / 2) / x, whose limit is 1 / 2.
@@ -129,7 +130,7 @@ pub(super) fn exponential(a: Vector) -> Quaternion {
     [(0.5 * angle).cos(), scale * a[0], scale * a[1], scale * a[2]]
 }
 
-/// The vector of a rotation, of length at most pi.
+/// Returns the vector of a rotation, of length at most pi.
 pub(super) fn logarithm(q: Quaternion) -> Vector {
     let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
     let sine = (q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
@@ -137,7 +138,7 @@ pub(super) fn logarithm(q: Quaternion) -> Vector {
     [1, 2, 3].map(|i| sign * scale * q[i])
 }
 
-/// `q` turned by the vector `a`, of length 1 again.
+/// Returns `q` turned by the vector `a`, of length 1 again.
 pub(super) fn turned(q: Quaternion, a: Vector) -> Quaternion {
     let p = product(exponential(a), q);
     let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();

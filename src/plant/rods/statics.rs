@@ -44,7 +44,7 @@ builder! { RelaxOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// What [`Rods::relax`] did.
+/// The report of [`Rods::relax`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relaxation {
     /// Newton iterations.
@@ -107,7 +107,7 @@ struct Nearer {
 }
 
 impl Rods {
-    /// Turns `pose` into one of equilibrium near it: the energy falls in every step.
+    /// Turns `pose` into one of equilibrium near it: the energy decreases in every step.
     ///
     /// # Errors
     /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`] with the pose as far

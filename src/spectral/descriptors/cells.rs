@@ -13,7 +13,7 @@ pub(super) struct Cells<'p> {
 }
 
 impl<'p> Cells<'p> {
-    /// For searches within `radius`, which is positive, around finite points.
+    /// Creates an index of finite points for searches within `radius`, which is positive.
     pub fn new(points: &'p [Vector], radius: f64) -> Self {
         let extreme = |pick: fn(f64, f64) -> f64| {
             let first = points.first().copied().unwrap_or_default();

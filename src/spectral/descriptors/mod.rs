@@ -3,8 +3,8 @@
 //!
 //! From eigenpairs of the Laplacian: heat and wave kernel signatures and their relatives, the same
 //! for isometric shapes. From the mesh: [`shot()`], the same for rigid motions, and
-//! [`geodesic_rings`], intrinsic and local, which stands where the thesis has the anisotropic
-//! windowed Fourier transform.
+//! [`geodesic_rings`], intrinsic and local, which replaces the anisotropic windowed Fourier
+//! transform of the thesis.
 
 mod cells;
 mod rings;

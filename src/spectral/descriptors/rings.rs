@@ -38,10 +38,10 @@ builder! { setters only RingOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Means of functions over rings around every vertex: an intrinsic local descriptor of our own, in
-/// place of the anisotropic windowed Fourier transform (Melzi, Rodola, Castellani and
-/// Bronstein 2018) that the thesis uses. Like it, it looks at functions (heat kernel signatures,
-/// say) through windows on the surface.
+/// Computes means of functions over rings around every vertex: an intrinsic local descriptor of our
+/// own, in place of the anisotropic windowed Fourier transform (Melzi, Rodola, Castellani and
+/// Bronstein 2018) that the thesis uses. Like that transform, it looks at functions (heat kernel
+/// signatures, say) through windows on the surface.
 ///
 /// `functions` are c values for each vertex (n x c). The patch of a vertex are the vertices at most
 /// the radius away along edges; each belongs to the two rings whose middles are next to it, by how

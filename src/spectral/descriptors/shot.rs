@@ -50,10 +50,10 @@ struct Neighbour {
     normal: Vector,
 }
 
-/// The signatures of histograms of orientations of Tombari, Salti and Di Stefano, Unique Signatures
-/// of Histograms for Local Surface Description (2010): for every vertex (row) the normals of the
-/// vertices within a ball, as cosines to the axis of a local frame, in a histogram for each of 32
-/// parts of the ball; [`SHOT_BINS`] columns, of norm 1. Column
+/// Computes the signatures of histograms of orientations of Tombari, Salti and Di Stefano, Unique
+/// Signatures of Histograms for Local Surface Description (2010): for every vertex (row) the
+/// normals of the vertices within a ball, as cosines to the axis of a local frame, in a histogram
+/// for each of 32 parts of the ball; [`SHOT_BINS`] columns, of norm 1. Column
 /// `((sector * 2 + half) * 2 + shell) * 11 + cosine`.
 ///
 /// Follows rigid motions and scale (with the radius), not mirrors. A vertex with fewer than five
@@ -165,8 +165,8 @@ fn count(neighbour: &Neighbour, [x, y, z]: &[Vector; 3], radius: f64, bins: &mut
     }
 }
 
-/// The two of `parts` equal bins of [0, 1] whose middles are next to `fraction`, and their shares
-/// of it. At the ends there is one, unless the last is followed by the first.
+/// Returns the two of `parts` equal bins of [0, 1] whose middles are next to `fraction`, and their
+/// shares of it. At the ends there is one bin, unless the last is followed by the first.
 pub(super) fn nearest_two(fraction: f64, parts: usize, cyclic: bool) -> [(usize, f64); 2] {
     let place = fraction * parts as f64 - 0.5;
     let below = place.floor();

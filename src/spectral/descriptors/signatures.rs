@@ -10,9 +10,9 @@ const BLOCK: usize = 1 << 10;
 /// Eigenvalues up to this share of the largest are those of constants, and rounding.
 const ZERO: f64 = 1e-9;
 
-/// The heat kernel signature of Sun, Ovsjanikov and Guibas, A Concise and Provably Informative
-/// Multi-Scale Signature Based on Heat Diffusion (2009): `sum_i exp(-lambda_i t) phi_i(x)^2`, one
-/// row for each vertex x and one column for each time t.
+/// Computes the heat kernel signature of Sun, Ovsjanikov and Guibas, A Concise and Provably
+/// Informative Multi-Scale Signature Based on Heat Diffusion (2009):
+/// `sum_i exp(-lambda_i t) phi_i(x)^2`, one row for each vertex x and one column for each time t.
 ///
 /// `values` are k eigenvalues (1 / length^2) and `vectors` (n x k) their M-orthonormal
 /// eigenfunctions, constants included; times (length^2) are at least 0. Its unit is 1 / area.
@@ -44,7 +44,7 @@ pub fn heat_kernel_signature(
     squares_times(vectors, weights.as_ref(), par)
 }
 
-/// The heat trace `sum_i exp(-lambda_i t)` of a time (length^2).
+/// Computes the heat trace `sum_i exp(-lambda_i t)` of a time (length^2).
 ///
 /// ```
 /// use catamaran::spectral::descriptors::heat_trace;
@@ -55,8 +55,8 @@ pub fn heat_trace(values: &[f64], time: f64) -> f64 {
     values.iter().map(|lambda| (-lambda * time).exp()).sum()
 }
 
-/// Times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, with the largest and
-/// the smallest eigenvalue that is not zero: those of Sun et al. (2009), section 5.
+/// Returns times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, with the
+/// largest and the smallest eigenvalue that is not zero: those of Sun et al. (2009), section 5.
 ///
 /// ```
 /// use catamaran::spectral::descriptors::heat_times;
@@ -74,7 +74,7 @@ pub fn heat_times(values: &[f64], count: usize) -> Result<Vec<f64>> {
     Ok(between((scale / high).ln(), (scale / low).ln(), count).into_iter().map(f64::exp).collect())
 }
 
-/// The heat that flows from one vertex to every other in a time (length^2), per area:
+/// Computes the heat that flows from one vertex to every other in a time (length^2), per area:
 /// `sum_i exp(-lambda_i t) phi_i(source) phi_i(x)`. Arguments as in [`heat_kernel_signature`].
 ///
 /// ```
@@ -113,8 +113,8 @@ pub fn heat_kernel(
     Ok(heat)
 }
 
-/// Energies of a wave kernel signature, logarithms of eigenvalues (1 / length^2), and how far each
-/// reaches.
+/// Energies of a wave kernel signature, logarithms of eigenvalues (1 / length^2), and the width
+/// sigma of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveScales {
     /// Logarithms of energies, ascending.
@@ -123,9 +123,9 @@ pub struct WaveScales {
     pub sigma: f64,
 }
 
-/// Equally spaced logarithms of energies as in Aubry, Schlickewei and Cremers, The Wave Kernel
-/// Signature (2011), section 5: sigma is seven times their distance, and both ends lie 2 sigma
-/// within the logarithms of the smallest and largest eigenvalue that are not zero. With D the
+/// Returns equally spaced logarithms of energies as in Aubry, Schlickewei and Cremers, The Wave
+/// Kernel Signature (2011), section 5: sigma is seven times their distance, and both ends lie 2
+/// sigma within the logarithms of the smallest and largest eigenvalue that are not zero. With D the
 /// distance of these, sigma is thus `7 D / (count + 27)`.
 ///
 /// ```
@@ -150,7 +150,7 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
     Ok(WaveScales { energies: between(low + 2.0 * sigma, high - 2.0 * sigma, count), sigma })
 }
 
-/// The wave kernel signature of Aubry et al. (2011): the mean of `phi_i(x)^2` with weights
+/// Computes the wave kernel signature of Aubry et al. (2011): the mean of `phi_i(x)^2` with weights
 /// `exp(-(e - ln lambda_i)^2 / 2 sigma^2)`, one row for each vertex x and one column for each
 /// energy e. Eigenvalues that are zero take no part. Arguments and unit as in
 /// [`heat_kernel_signature`].
@@ -206,7 +206,7 @@ pub fn wave_kernel_signature(
     squares_times(vectors, weights.as_ref(), par)
 }
 
-/// The global point signature of Rustamov, Laplace-Beltrami Eigenfunctions for Deformation
+/// Computes the global point signature of Rustamov, Laplace-Beltrami Eigenfunctions for Deformation
 /// Invariant Shape Representation (2007): `phi_i(x) / sqrt(lambda_i)`, one column for each
 /// eigenvalue that is not zero. Signs are those of the vectors.
 ///

@@ -33,16 +33,22 @@ const ROWS_SHARE: f64 = 0.1;
 /// [`MapFit::operators`] adds a term that couples the rows, and then conjugate gradients solve for
 /// all of them.
 ///
-/// ```no_run
-/// # use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
-/// # use catamaran::{Par, faer::Mat};
-/// # fn fit(source: &Eigenbasis, target: &Eigenbasis, hks: Mat<f64>, target_hks: Mat<f64>) -> catamaran::Result<()> {
-/// let mut fit = MapFit::new(source, target, Par::all());
-/// fit.functions(hks.as_ref(), target_hks.as_ref())?;
-/// fit.landmarks(&[(12, 7), (150, 311)])?;
+/// ```
+/// use catamaran::spectral::{Eigenbasis, functional_map::MapFit, test_functions::coordinates};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // From a sphere to itself, by functions and landmarks that are the same on both.
+/// let f = coordinates(&mesh);
+/// let mut fit = MapFit::new(&basis, &basis, Par::Seq);
+/// fit.functions(f.as_ref(), f.as_ref())?;
+/// fit.landmarks(&[(12, 12), (150, 150)])?;
 /// let c = fit.solve(MapFit::COMMUTATIVITY)?;
-/// # Ok(())
-/// # }
+/// assert!((c - Mat::<f64>::identity(4, 4)).norm_max() < 1e-3);
+/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub struct MapFit<'a> {
     source: &'a Eigenbasis,
@@ -68,12 +74,13 @@ impl<'a> MapFit<'a> {
     /// A usual weight of the commutativity with multiplications by functions.
     pub const MULTIPLICATIONS: f64 = 0.1;
 
-    /// A fit of maps from `source` to `target`, without functions yet.
+    /// Creates a fit of maps from `source` to `target`, without functions yet.
     pub fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Self {
         Self::resumed(source, target, par, Correspondences::default())
     }
 
-    /// A fit that goes on with what one between the same bases, borrowed since, was told.
+    /// Creates a fit that continues with the correspondences of an earlier fit between the same
+    /// bases, which were borrowed in the meantime.
     pub(crate) fn resumed(
         source: &'a Eigenbasis,
         target: &'a Eigenbasis,
@@ -83,13 +90,13 @@ impl<'a> MapFit<'a> {
         Self { source, target, par, progress: Progress::none(), known }
     }
 
-    /// What it was told.
+    /// Returns the correspondences that were added.
     #[cfg(feature = "capi")]
     pub(crate) fn into_known(self) -> Correspondences {
         self.known
     }
 
-    /// Tells of the progress of [`MapFit::solve`]; may cancel.
+    /// Sets a callback that is told of the progress of [`MapFit::solve`] and may cancel.
     pub fn progress(self, progress: impl Into<Progress<'a>>) -> Self {
         Self { progress: progress.into(), ..self }
     }
@@ -109,11 +116,11 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds that C commutes with multiplications by functions that correspond, as
+    /// Adds the condition that C commutes with multiplications by corresponding functions, as
     /// [`MapFit::functions`] takes them (Nogneng and Ovsjanikov 2017): `weight` times the mean of
     /// `|C D - D' C|^2`, D and D' multiplication by a pair of functions, scaled to mean square 1. A
-    /// function says far more of the map that way than by its coefficients alone, so that few of
-    /// them determine a large one.
+    /// function determines the map far better that way than by its coefficients alone, so that a
+    /// few functions suffice for a large map.
     ///
     /// # Errors
     /// As [`MapFit::functions`]; [`Error::Argument`] for a weight that is not finite or below 0, or
@@ -185,8 +192,26 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds segments that correspond: vertices of the same label on both meshes. Every label is
-    /// used, 0 too.
+    /// Adds segments that correspond: vertices of the same label on both meshes. Every label
+    /// counts, 0 too.
+    ///
+    /// ```
+    /// use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
+    /// use catamaran::{mesh::families, prelude::*};
+    ///
+    /// # let mesh = families::icosphere(2)?;
+    /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+    /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+    /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+    /// // The eight octants of a sphere.
+    /// let octant = |p: &[f64; 3]| (0..3).map(|k| u32::from(p[k] > 0.0) << k).sum();
+    /// let labels: Vec<u32> = mesh.vertices().iter().map(octant).collect();
+    /// let mut fit = MapFit::new(&basis, &basis, Par::Seq);
+    /// fit.segments(&labels, &labels)?;
+    /// let c = fit.solve(MapFit::COMMUTATIVITY)?;
+    /// assert!((c - Mat::<f64>::identity(4, 4)).norm_max() < 1e-3);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the
@@ -224,7 +249,8 @@ impl<'a> MapFit<'a> {
         }
     }
 
-    /// The map, r_target x r_source; `commutativity` is the weight of the second term, at least 0.
+    /// Computes the map, r_target x r_source; `commutativity` is the weight of the second term, at
+    /// least 0.
     ///
     /// # Errors
     /// [`Error::Argument`] for the weight, or when no function on the source is other than zero;

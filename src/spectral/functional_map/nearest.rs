@@ -18,8 +18,8 @@ const CANDIDATES: usize = 512;
 /// Candidates that may be nearest, of one query, before they are told apart exactly.
 const OPEN: usize = 32;
 
-/// The row of `candidates` (m x d) that is nearest to each row of `queries` (n x d), in the
-/// Euclidean norm; the first one of equals.
+/// Returns the row of `candidates` (m x d) that is nearest to each row of `queries` (n x d), in the
+/// Euclidean norm; the first one of equally near rows.
 ///
 /// The distances that decide are sums of squared differences from the first coordinate to the last,
 /// so the result is exactly that of a search by the definition, for every `par`. It takes `2 n m d`

@@ -20,7 +20,7 @@ pub(super) struct Operators {
     pub weight: f64,
 }
 
-/// Multiplication by f, in coefficients: `Phi^T M diag(f) Phi`.
+/// Returns the matrix of multiplication by f, in coefficients: `Phi^T M diag(f) Phi`.
 pub(super) fn multiplication(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let phi = basis.functions();
     let products = Mat::from_fn(phi.nrows(), phi.ncols(), |i, j| f[(i, 0)] * phi[(i, j)]);
@@ -42,6 +42,7 @@ pub(super) struct Equations<'a> {
 }
 
 impl Equations<'_> {
+    /// Solves the coupled equations by conjugate gradients, from a guess.
     pub fn solve(&self, guess: Mat<f64>, progress: Progress<'_>) -> Result<Mat<f64>> {
         let free = |mut x: Mat<f64>| {
             x.as_mut().subcols_mut(0, self.known).fill(0.0);

@@ -11,9 +11,9 @@ use crate::spectral::dense;
 /// Functions whose pull-backs are computed at once, to save memory.
 const PANEL: usize = 256;
 
-/// The point-to-point map of a functional map `c` (r_target x r_source) of two bases: to each
-/// vertex of the target, that of the source whose image under `c` is nearest in the basis
-/// (Ovsjanikov et al. 2012; thesis, section 1.3.4, step 1).
+/// Computes the point-to-point map of a functional map `c` (r_target x r_source) of two bases: for
+/// each vertex of the target, the vertex of the source whose image under `c` is nearest in the
+/// basis (Ovsjanikov et al. 2012; thesis, section 1.3.4, step 1).
 ///
 /// With Phi and Psi the functions on source and target, row y of Psi is matched with the rows of
 /// `Phi C^T`: the coefficients of a point mass at y, and of those that `c` makes of point masses on
@@ -52,7 +52,7 @@ pub fn points_from_map(
     nearest_images(c, source.functions(), target.functions(), ratio, par, progress)
 }
 
-/// [`points_from_map`] of columns of the functions, for meshes with this ratio of areas.
+/// Computes [`points_from_map`] from columns of the functions, for meshes with this ratio of areas.
 pub(super) fn nearest_images(
     c: MatRef<'_, f64>,
     source: MatRef<'_, f64>,
@@ -66,9 +66,9 @@ pub(super) fn nearest_images(
     nearest_rows(target, images.as_ref(), par, progress)
 }
 
-/// The functional map, r_target x r_source, of a point-to-point map: the coefficients of the
-/// pulled-back functions `f o points`, nearest in the norm of the target's mass (thesis, section
-/// 1.3.4, step 2).
+/// Computes the functional map, r_target x r_source, of a point-to-point map: the coefficients of
+/// the pulled-back functions `f o points`, nearest in the norm of the target's mass (thesis,
+/// section 1.3.4, step 2).
 ///
 /// `points` holds a vertex of the source for each vertex of the target. Any bases: eigenfunctions
 /// give the functional map C, orthogonalised products the matrix O.
@@ -104,7 +104,7 @@ pub fn map_from_points(
     Ok(c)
 }
 
-/// `f o points`: row y of the result is row `points[y]` of `f`.
+/// Returns `f o points`: row y of the result is row `points[y]` of `f`.
 ///
 /// ```
 /// use catamaran::{faer::mat, spectral::functional_map::pull_back};

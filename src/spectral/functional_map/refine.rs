@@ -7,7 +7,7 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
 
-/// A refined map.
+/// A refined functional map with its point-to-point map.
 #[derive(Debug, Clone)]
 pub struct Refined {
     /// The functional map, r_target x r_source.
@@ -17,9 +17,10 @@ pub struct Refined {
     pub points: Vec<u32>,
 }
 
-/// Iterative closest points in the spectral embedding (Ovsjanikov et al. 2012, section 6.2): in
-/// turns the point-to-point map of `c`, and the orthogonal matrix (Procrustes) that maps functions
-/// best along it, until the points stay the same or `iterations` (at least 1) are done.
+/// Refines a map by iterative closest points in the spectral embedding (Ovsjanikov et al. 2012,
+/// section 6.2): alternates between the point-to-point map of `c` and the orthogonal matrix
+/// (Procrustes) that maps functions best along it, until the points stay the same or `iterations`
+/// (at least 1) are done.
 ///
 /// `c` is r_target x r_source, for orthonormal bases. The matrix is orthogonal up to the factor
 /// that meshes of different areas need.
@@ -75,9 +76,9 @@ pub fn icp(
     Ok(Refined { map, points })
 }
 
-/// ZoomOut (Melzi et al. 2019): in turns the point-to-point map of `c`, and its functional map
-/// between `step` (at least 1) functions more on both sides, until all functions of the two bases
-/// are used.
+/// Refines a map by ZoomOut (Melzi et al. 2019): alternates between the point-to-point map of `c`
+/// and its functional map between `step` (at least 1) functions more on both sides, until all
+/// functions of the two bases are used.
 ///
 /// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one
 /// basis has all of its functions before the other, it waits.

@@ -6,9 +6,10 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::{Lattice, Rim, TriMesh, label_surface_by};
 
 impl Newton {
-    /// Returns the surface of the basin of root number `root`: the region that Newton's method
-    /// takes to it, as far as the voxels of `grid` tell, of which `fractal` is. With
-    /// [`Rim::Closed`] it is closed: the region ends where the outermost voxels do.
+    /// Returns the surface of the basin of root number `root`: the region from which Newton's
+    /// method leads to this root, as far as the voxels of `grid`, on which `fractal` was computed,
+    /// tell. With [`Rim::Closed`] the surface is closed: the region ends where the outermost voxels
+    /// do.
     ///
     /// Vertices are on the border of the basin to 1/512 of a voxel (along edges between the centres
     /// of voxels, halved eight times); details smaller than a voxel are lost. The surface is a

@@ -4,7 +4,7 @@ use super::palette::root_color;
 use crate::base::{Error, Result, builder};
 use crate::texture::material::{Finish, within};
 
-/// What the basins of a surface are made of, and what is between them.
+/// The finishes of the basins of a fractal on a surface, and of the joints between them.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Inlay {
@@ -37,8 +37,14 @@ builder! { setters only Inlay {
 }}
 
 impl Inlay {
-    /// Enamel in the colours of the roots of a polynomial with `roots` roots in C, between raised
-    /// lines of gold (figure 7.1c).
+    /// Returns enamel in the colours of the roots of a polynomial with `roots` roots in C, between
+    /// raised lines of gold (figure 7.1c).
+    ///
+    /// ```
+    /// use catamaran::texture::newton::Inlay;
+    ///
+    /// assert_eq!(Inlay::enamel(3).basins.len(), 9);
+    /// ```
     pub fn enamel(roots: usize) -> Self {
         let enamel = |root: usize| {
             Finish::new().color(root_color(root as u16, roots)).roughness(0.16).height(0.0)
@@ -48,7 +54,8 @@ impl Inlay {
         Self { basins, joint: gold, range: [0.75, 0.95], depth: 0.4 }
     }
 
-    /// Marble, steel, wood, slate, copper and chalk, with dark rough joints between (figure 7.3).
+    /// Returns marble, steel, wood, slate, copper and chalk, with dark rough joints between (figure
+    /// 7.3).
     pub fn stones() -> Self {
         let finish = |color, roughness, metalness, height| {
             Finish::new().color(color).roughness(roughness).metalness(metalness).height(height)
@@ -69,7 +76,7 @@ impl Inlay {
         }
     }
 
-    /// `Ok` when every number is in its range.
+    /// Returns an error unless every number is in its range.
     pub(super) fn check(&self) -> Result<()> {
         for finish in self.basins.iter().chain([&self.joint]) {
             finish.check(0.0)?;

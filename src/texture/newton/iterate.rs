@@ -66,7 +66,8 @@ impl<S: Simd> Complex<S> {
     }
 }
 
-/// The fractal at as many points as `roots` and `convergence` have, from where `cursor` is.
+/// Computes the fractal at as many points as `roots` and `convergence` have, from the position of
+/// `cursor` on.
 pub(super) fn evaluate(
     parameters: &Parameters,
     cursor: Cursor<'_>,

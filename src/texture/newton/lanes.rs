@@ -22,55 +22,61 @@ pub(super) struct Mask<S: Simd> {
 pub(super) const MOST_LANES: usize = 16;
 
 impl<S: Simd> Lanes<S> {
+    /// Returns the number in all lanes.
     #[inline(always)]
     pub fn splat(simd: S, x: f32) -> Self {
         Self { simd, values: simd.splat_f32s(x) }
     }
 
-    /// The first numbers of `x`.
+    /// Loads the first numbers of `x`.
     #[inline(always)]
     pub fn load(simd: S, x: &[f32; MOST_LANES]) -> Self {
         Self { simd, values: simd.partial_load_f32s(&x[..S::F32_LANES]) }
     }
 
-    /// To the beginning of `x`.
+    /// Stores the lanes at the beginning of `x`.
     #[inline(always)]
     pub fn store(self, x: &mut [f32; MOST_LANES]) {
         self.simd.partial_store_f32s(&mut x[..S::F32_LANES], self.values);
     }
 
-    /// The same number in all lanes.
+    /// Returns lanes that all have the same number.
     #[inline(always)]
     pub fn all(self, x: f32) -> Self {
         Self::splat(self.simd, x)
     }
 
+    /// Returns the square root of each lane.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         Self { values: self.simd.sqrt_f32s(self.values), ..self }
     }
 
+    /// Returns the absolute value of each lane.
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self { values: self.simd.abs_f32s(self.values), ..self }
     }
 
+    /// Returns the smaller number of each lane.
     #[inline(always)]
     pub fn min(self, other: Self) -> Self {
         Self { values: self.simd.min_f32s(self.values, other.values), ..self }
     }
 
+    /// Returns the larger number of each lane.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
         Self { values: self.simd.max_f32s(self.values, other.values), ..self }
     }
 
+    /// Returns where a lane is below the other.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, values: self.simd.less_than_f32s(self.values, other.values) }
     }
 
-    /// 2^n for a number that [`to_nearest`] made.
+    /// Returns 2^n for a number that [`to_nearest`] made.
     #[inline(always)]
     pub fn power_of_two(self) -> Self {
         let simd = self.simd;
@@ -85,7 +91,7 @@ impl<S: Simd> Lanes<S> {
 /// 2^23.
 pub(super) const TO_NEAREST: f32 = 12_582_912.0;
 
-/// [`TO_NEAREST`] plus the integer nearest to x.
+/// Returns [`TO_NEAREST`] plus the integer nearest to x.
 #[inline(always)]
 pub(super) fn to_nearest<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     x + x.all(TO_NEAREST)
@@ -109,12 +115,13 @@ operator!(Mul, mul, mul_f32s);
 operator!(Div, div, div_f32s);
 
 impl<S: Simd> Mask<S> {
-    /// `yes` where this says so, `no` elsewhere.
+    /// Returns `yes` where the mask is set, `no` elsewhere.
     #[inline(always)]
     pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         Lanes { values: self.simd.select_f32s(self.values, yes.values, no.values), ..yes }
     }
 
+    /// Returns whether the mask is set in any lane.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.simd.first_true_m32s(self.values) < S::F32_LANES

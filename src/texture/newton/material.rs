@@ -14,8 +14,9 @@ use crate::texture::relief::{normal_colors, normal_map};
 use crate::texture::slime;
 
 impl Newton {
-    /// Returns the material that `inlay` makes of the texels of a mesh, of which `fractal` is:
-    /// colours, roughness and metalness, normals (their relief), and heights as an extra picture.
+    /// Returns the material that `inlay` makes of the texels of a mesh, at which `fractal` was
+    /// computed: colours, roughness and metalness, normals (their relief), and heights as an extra
+    /// picture.
     ///
     /// `texels` are those of [`texels`](super::texels()) with `size` x `size` of them; texels
     /// outside of the surface show the nearest one of it. Colours are mixed as light.

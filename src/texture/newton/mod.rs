@@ -42,7 +42,7 @@ use points::Cursor;
 #[doc = include_str!("../../../docs/guide/newton.md")]
 struct Guide;
 
-/// What points converge to, and how fast.
+/// The values of a fractal at points: the root that each point converges to, and how fast.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Fractal {
     /// The number of the root, `a n + b`.
@@ -51,7 +51,7 @@ pub struct Fractal {
     pub convergence: Vec<f32>,
 }
 
-/// Newton's method, ready for points.
+/// Newton's method for bicomplex polynomials (thesis, chapter 7), ready for points.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress};
@@ -73,7 +73,7 @@ pub struct Newton {
 const BLOCK: usize = 4096;
 
 impl Newton {
-    /// Newton's method with these options.
+    /// Creates Newton's method with these options.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) for what is out of the range that
@@ -82,19 +82,20 @@ impl Newton {
         Ok(Self { parameters: options.parameters()? })
     }
 
-    /// Roots in C, n; the fractal has n^2.
+    /// Returns the number n of roots in C; the fractal has n^2.
     pub fn roots(&self) -> usize {
         self.parameters.degree as usize
     }
 
-    /// t as a part of its range: 0 for a point at its root, 1 for one that goes on for ever.
+    /// Returns t as a part of its range: 0 for a point at its root, 1 for a point that never
+    /// converges.
     pub fn share(&self, t: f32) -> f64 {
         let Parameters { factor, shift, steps, .. } = self.parameters;
         (f64::from((t - shift) / factor) / f64::from(steps)).clamp(0.0, 1.0)
     }
 
-    /// The fractal at these points. Points at the null cone (alpha or beta is 0 to within 1e-15),
-    /// where a step has no length, stay where they are, and count as far from convergence.
+    /// Computes the fractal at these points. Points at the null cone (alpha or beta is 0 to within
+    /// 1e-15), where a step has no length, stay where they are, and count as far from convergence.
     ///
     /// # Errors
     /// [`Error::NonFinite`](crate::Error::NonFinite) names a point that is not finite, or farther
@@ -125,7 +126,7 @@ impl Newton {
 }
 
 impl Fractal {
-    /// That of `len` points, none of them computed.
+    /// Allocates a fractal of `len` points, none of them computed.
     pub(crate) fn with_len(len: usize) -> Result<Self> {
         let mut fractal = Self { roots: reserved(len)?, convergence: reserved(len)? };
         fractal.roots.resize(len, 0);

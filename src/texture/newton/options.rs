@@ -17,7 +17,7 @@ pub enum Gradient {
     Shader,
 }
 
-/// What a fractal is of.
+/// Options of a fractal.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct NewtonOptions {
@@ -91,7 +91,7 @@ pub(super) const FARTHEST: f64 = 1e9;
 const LARGEST: f64 = 1e18;
 
 impl NewtonOptions {
-    /// The numbers for the loops, if all options are in their ranges.
+    /// Returns the numbers for the loops, or an error that names an option out of its range.
     pub(super) fn parameters(&self) -> Result<Parameters> {
         let out = |what: &'static str, why: String| Err(Error::Argument { what, why });
         let n = self.polynomial.roots();

@@ -1,8 +1,8 @@
 //! Colours of roots.
 
-/// The colour (red, green, blue on screens) of root `root` of a polynomial with `roots` roots in C:
-/// the hue tells the first number of the pair, hue and brightness the second. Of the `roots`^2
-/// colours neighbours are told apart up to some 8 roots.
+/// Returns the colour (red, green, blue on screens) of root `root` of a polynomial with `roots`
+/// roots in C: the hue shows the first number of the pair, hue and brightness the second.
+/// Neighbours among the `roots`^2 colours can be distinguished up to some 8 roots.
 ///
 /// ```
 /// use catamaran::texture::newton::root_color;
@@ -26,8 +26,8 @@ pub fn root_color(root: u16, roots: usize) -> [u8; 3] {
     })
 }
 
-/// `color`, darker the larger `share` is: as it is for 0, a fifth of it for 1. With t / P of
-/// [`Gradient`](super::Gradient) it shows how long a point has taken.
+/// Returns `color`, darker the larger `share` is: unchanged for 0, a fifth of it for 1. With t / P
+/// of [`Gradient`](super::Gradient) it shows how long a point has taken.
 ///
 /// ```
 /// use catamaran::texture::newton::darkened;

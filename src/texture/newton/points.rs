@@ -24,8 +24,9 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The centres of the `width` x `height` pixels of the rectangle of the plane z = 0 whose
-    /// middle is `center` and that is `extent` wide; rows from the top (large y) down.
+    /// Returns the grid of the centres of the `width` x `height` pixels of the rectangle of the
+    /// plane z = 0 whose middle is `center` and that is `extent` wide; rows from the top (large y)
+    /// down.
     pub fn plane(width: u32, height: u32, center: [f64; 2], extent: f64) -> Self {
         let step = extent / f64::from(width.max(1));
         let first = |count: u32| (f64::from(count) - 1.0) / 2.0 * step;
@@ -36,8 +37,8 @@ impl Grid {
         }
     }
 
-    /// The centres of the side^3 voxels of the cube whose middle is the origin and whose edges are
-    /// `extent` long; x runs fastest.
+    /// Returns the grid of the centres of the side^3 voxels of the cube whose middle is the origin
+    /// and whose edges are `extent` long; x runs fastest.
     pub fn cube(side: u32, extent: f64) -> Self {
         let step = (extent / f64::from(side.max(1))) as f32;
         let first = -(f64::from(side) - 1.0) / 2.0 * f64::from(step);
@@ -62,7 +63,7 @@ impl Grid {
     }
 }
 
-/// Points.
+/// The points at which a fractal is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Points<'a> {
     /// On a lattice, never stored.
@@ -72,7 +73,8 @@ pub enum Points<'a> {
 }
 
 impl Points<'_> {
-    /// Their number, if all of them are where a fractal can be computed.
+    /// Returns the number of points, or an error unless all of them are where a fractal can be
+    /// computed.
     pub(crate) fn check(&self, parameters: &Parameters) -> Result<usize> {
         let near = |p: [f32; 3]| {
             let scaled = |c: usize| (p[c] + parameters.offset[c]) * parameters.scale;
@@ -122,7 +124,7 @@ pub(super) struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// From point `first` on.
+    /// Creates a cursor from point `first` on.
     pub fn new(points: Points<'a>, first: usize) -> Self {
         let (mut place, mut row) = ([0; 3], [0.0; 3]);
         if let Points::Grid(grid) = points {
@@ -133,7 +135,7 @@ impl<'a> Cursor<'a> {
         Self { points, next: first, place, row }
     }
 
-    /// The next point; the last one of a list again and again after its end.
+    /// Returns the next point; the last one of a list again and again after its end.
     #[inline(always)]
     pub fn advance(&mut self) -> [f32; 3] {
         match &self.points {

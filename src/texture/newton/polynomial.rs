@@ -14,10 +14,10 @@ pub enum Polynomial {
 }
 
 impl Polynomial {
-    /// Roots in C, at most.
+    /// The greatest number of roots in C.
     pub const MOST_ROOTS: usize = 64;
 
-    /// Roots in C, n; there are n^2 bicomplex ones.
+    /// Returns the number n of roots in C; there are n^2 bicomplex ones.
     pub fn roots(&self) -> usize {
         match self {
             Self::Power(n) => *n as usize,
@@ -25,9 +25,9 @@ impl Polynomial {
         }
     }
 
-    /// The polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, each c a real and an imaginary
-    /// part, as numpy orders them: its roots, by real and then by imaginary part. They are the
-    /// eigenvalues of the companion matrix, improved by Newton's method, and have about the
+    /// Creates the polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, each c a real and an
+    /// imaginary part, in the order of numpy: its roots, by real and then by imaginary part. They
+    /// are the eigenvalues of the companion matrix, improved by Newton's method, and have about the
     /// precision of f64 where they are simple; of m equal ones each has about a part in m of its
     /// digits.
     ///

@@ -13,9 +13,9 @@ pub struct Texels {
     pub positions: Vec<[f32; 3]>,
 }
 
-/// The texels of a `width` x `height` texture whose centre is in a face of `mesh` as `uv` lays it
-/// out, u to the right and v up, both from 0 to 1. Where faces overlap the first one counts; faces
-/// without UV, and what is outside of the texture, are left out.
+/// Finds the texels of a `width` x `height` texture whose centre is in a face of `mesh` as `uv`
+/// lays it out, u to the right and v up, both from 0 to 1. Where faces overlap the first one
+/// counts; faces without UV, and what is outside of the texture, are left out.
 ///
 /// ```
 /// use catamaran::{mesh::{families, io::Attribute}, texture::newton::texels};

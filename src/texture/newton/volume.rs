@@ -39,7 +39,7 @@ pub enum VolumeFormat {
 }
 
 impl VolumeFormat {
-    /// Returns the format that the name of a file says, if it is one of a volume.
+    /// Returns the format that the name of a file says, `None` if it is not one of a volume.
     ///
     /// ```
     /// use catamaran::texture::newton::VolumeFormat;
@@ -58,7 +58,7 @@ impl VolumeFormat {
     }
 }
 
-/// Writes numbers of the points of `grid` to a file of a volume, with the places of the points.
+/// Writes numbers of the points of `grid` to a file of a volume, with the positions of the points.
 ///
 /// Points of the grid are points of the volume: in `.vti` its `PointData`, in `.nrrd` samples
 /// centred in their cells. Numbers have their lowest byte first.

@@ -7,7 +7,7 @@ use super::random::{Purpose, draw};
 use super::surface::Surface;
 use super::walk::{Walker, project, unfold};
 
-/// What agents sense.
+/// The texture and the ground that agents sense.
 #[derive(Debug, Clone, Copy)]
 pub struct Field<'a> {
     /// The texture of all species, one after the other.
@@ -16,12 +16,27 @@ pub struct Field<'a> {
     pub ground: &'a [u8],
 }
 
-/// A step of agent number `agent` (algorithm 3.2, lines 11 to 20): returns it, and the texel that
-/// it is in.
+/// Computes a step of agent number `agent` (algorithm 3.2, lines 11 to 20), and returns the agent
+/// and the texel that it is in.
 ///
 /// Departures: it goes straight on where nothing is better than what is ahead; it picks one of
 /// [`Parameters::turns`] to turn by; it turns back instead of a step into an obstacle, or out of an
 /// attractor.
+///
+/// ```
+/// use catamaran::texture::slime::{Field, Options, Surface, Walker, agent_step};
+///
+/// let surface = Surface::tile()?;
+/// let parameters = Options::new().agents(1).size(32).parameters()?;
+/// let field = Field { texture: &vec![0.0; 32 * 32], ground: &[] };
+/// let [a, b, c] = surface.corners()[0];
+/// let position = [0, 1].map(|k| ((a[k] + b[k] + c[k]) / 3.0) as f32);
+/// let walker = Walker { triangle: 0, position, heading: [1.0, 0.0] };
+/// // Without pheromone, agents go straight on.
+/// let (walker, texel) = agent_step(&surface, field, &parameters, walker, 0, 0);
+/// assert!(texel < 32 * 32 && (walker.heading[0] - 1.0).abs() < 1e-6);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn agent_step(
     surface: &Surface,
     field: Field<'_>,

@@ -11,16 +11,25 @@ fn cells(faces: usize) -> usize {
     ((faces.div_ceil(2)) as f64).sqrt().ceil() as usize
 }
 
-/// The smallest texture that [`atlas`] has room in for this many faces: a multiple of 32, in texels
-/// of a side.
+/// Returns the size of the smallest texture that has room for the [`atlas`] of this many faces: a
+/// multiple of 32, in texels of a side.
+///
+/// ```
+/// use catamaran::{mesh::families, texture::slime::{atlas, smallest_size}};
+///
+/// let mesh = families::icosphere(1)?;
+/// let size = smallest_size(mesh.faces().len());
+/// assert!(size % 32 == 0 && atlas(&mesh, size).is_ok());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn smallest_size(faces: usize) -> usize {
     let cell = SHORTEST_LEG + 2.0 * GAP + 1.0;
     ((cells(faces) as f64 * cell) as usize).next_multiple_of(32).max(32)
 }
 
-/// Texture coordinates for a mesh without: every triangle is a chart of its own, half a cell of a
-/// square grid, its longest edge the diagonal. For a texture of `size` x `size` texels: charts are
-/// two texels apart.
+/// Computes texture coordinates for a mesh without: every triangle is a chart of its own, half a
+/// cell of a square grid, its longest edge the diagonal. Charts are two texels apart in a texture
+/// of `size` x `size` texels.
 ///
 /// ```
 /// use catamaran::mesh::families;

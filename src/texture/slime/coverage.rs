@@ -33,12 +33,12 @@ impl From<Sums> for Coverage {
     }
 }
 
-/// Sums of sums.
+/// Returns the sum of sums.
 pub(crate) fn sum_of(parts: impl IntoIterator<Item = Sums>) -> Sums {
     parts.into_iter().fold([0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
 }
 
-/// That of one species.
+/// Computes the coverage of one species.
 pub(super) fn coverage(texels: &Texels, texture: &[f32], par: Par) -> Coverage {
     let parts = par.map_blocks(texture.len(), BLOCK, |range| {
         let both = texture[range.clone()].iter().zip(&texels.areas()[range]);

@@ -9,6 +9,20 @@ use super::texels::Texels;
 /// `texture` and `marks` are those of the species, `row` below the size. With a seam-aware blur,
 /// texels outside of charts become 0, and those at their borders are [`diffuse_border`]'s. `rows`
 /// is scratch of four rows.
+///
+/// ```
+/// use catamaran::texture::slime::{Options, Surface, Texels, diffuse_row};
+///
+/// let parameters = Options::new().agents(1).size(32).parameters()?;
+/// let texels = Texels::new(&Surface::tile()?, 32)?;
+/// // An agent has marked texel 5 of row 3.
+/// let (texture, mut marks) = (vec![0.0; 32 * 32], vec![0; 32]);
+/// marks[3] = 1 << 5;
+/// let (mut rows, mut next) = (vec![0.0; 4 * 32], vec![0.0; 32]);
+/// diffuse_row(&parameters, texels.kinds(), &texture, &marks, 3, &mut rows, &mut next);
+/// assert!(next[5] > next[4] && next[4] > 0.0 && next[20] == 0.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn diffuse_row(
     parameters: &Parameters,
     kinds: &[u8],
@@ -62,8 +76,8 @@ fn sum_along(row: &[f32], out: &mut [f32]) {
     }
 }
 
-/// [`diffuse_row`] for texel number `border` of [`Texels::border`], with the kernel of its links:
-/// `(G p)_i = p_i + sum_j w_ij (p_j - p_i)`, summed in their order.
+/// Computes [`diffuse_row`] for texel number `border` of [`Texels::border`], with the kernel of its
+/// links: `(G p)_i = p_i + sum_j w_ij (p_j - p_i)`, summed in their order.
 pub fn diffuse_border(
     parameters: &Parameters,
     texels: &Texels,

@@ -1,15 +1,15 @@
 //! What a texel is on the surface, and what stands there.
 
-/// Not on the surface.
+/// The kind of a texel that is not on the surface.
 pub const OUTSIDE: u8 = 0;
-/// On the surface, with all texels around it in the same chart.
+/// The kind of a texel on the surface, with all texels around it in the same chart.
 pub const INSIDE: u8 = 1;
-/// On the surface, at a seam or the boundary.
+/// The kind of a texel on the surface, at a seam or the boundary.
 pub const BORDER: u8 = 2;
 
-/// Nothing is there.
+/// Ground without obstacle or attractor.
 pub const FREE: u8 = 0;
-/// Agents do not go there.
+/// An obstacle: agents do not enter it.
 pub const OBSTACLE: u8 = 1;
 /// An attractor: agents do not leave it.
 pub const GOAL: u8 = 2;

@@ -101,8 +101,8 @@ pub(super) fn links(
     Ok(found)
 }
 
-/// Where one comes to from the centre of texel t, or the point of the triangle that is nearest to
-/// it, by a step of so many texels in the texture, taken on the surface.
+/// Returns the place reached from the centre of texel t, or the point of the triangle that is
+/// nearest to it, by a step of so many texels in the texture, taken on the surface.
 pub(super) fn beyond(
     surface: &Surface,
     size: usize,

@@ -3,7 +3,7 @@
 use super::surface::{Surface, UV};
 use super::walk::{Walker, moved_inside};
 
-/// The texel that a walker is in.
+/// Returns the texel that a walker is in.
 #[inline]
 pub(super) fn texel(surface: &Surface, size: u32, walker: &Walker) -> u32 {
     let record = &surface.records()[walker.triangle as usize];
@@ -15,7 +15,7 @@ pub(super) fn texel(surface: &Surface, size: u32, walker: &Walker) -> u32 {
     at(v) * size + at(u)
 }
 
-/// The point of a triangle that is nearest to the centre of a texel, in its frame.
+/// Returns the point of a triangle that is nearest to the centre of a texel, in its frame.
 pub(super) fn anchor(surface: &Surface, size: usize, triangle: u32, texel: usize) -> [f32; 2] {
     let record = &surface.records()[triangle as usize];
     let [u0, a, b, v0, c, d] = [0, 1, 2, 3, 4, 5].map(|i| f64::from(record[UV + i]));

@@ -1,6 +1,6 @@
 use crate::base::{Error, Result, builder};
 
-/// How an agent gets on.
+/// How an agent moves on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TangentStep {
     /// Exactly, by unfolding triangles: [`unfold`](super::unfold).
@@ -25,7 +25,7 @@ pub enum Blur {
     SeamAware,
 }
 
-/// What a simulation is like. Names and units are those of table 3.1 of the thesis, where it has
+/// Options of a simulation. Names and units are those of table 3.1 of the thesis, where it has
 /// them: lengths in hundredths of the square root of the area of the surface, angles in degrees,
 /// times in seconds of the simulation (docs/decisions/0019).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +111,14 @@ const LARGEST: usize = 16384;
 const MOST_SPECIES: usize = 15;
 
 impl Options {
-    /// `Ok` when every value is in its range.
+    /// Returns an error unless every value is in its range.
+    ///
+    /// ```
+    /// use catamaran::texture::slime::Options;
+    ///
+    /// assert!(Options::new().agents(1000).size(128).check().is_ok());
+    /// assert!(Options::new().size(100).check().is_err()); // not a multiple of 32
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] that names the value.
@@ -150,7 +157,7 @@ impl Options {
         }
     }
 
-    /// What the kernels compute with.
+    /// Returns the options as the kernels take them.
     ///
     /// # Errors
     /// As [`Options::check`].
@@ -186,7 +193,7 @@ impl Options {
     }
 }
 
-/// Rotations in [`Parameters::turns`], a power of two.
+/// The number of rotations in [`Parameters::turns`], a power of two.
 pub const TURNS: usize = 64;
 
 /// The options as kernels take them: lengths in the unit of the surface, rotations as (cosine,

@@ -9,7 +9,7 @@ pub(crate) const TILE: usize = 16;
 /// Steps from one ordering to the next: agents hardly leave their tile in between.
 pub(crate) const EVERY: u32 = 16;
 
-/// Turns counts into where each begins when they are put one after the other.
+/// Turns counts into the positions at which each begins when they are put one after the other.
 pub(crate) fn starts_of(counts: &mut [u32]) {
     let mut start = 0;
     for count in counts {
@@ -17,8 +17,8 @@ pub(crate) fn starts_of(counts: &mut [u32]) {
     }
 }
 
-/// Orders agents by the tile of the texture that they are in, those of a tile as they were before:
-/// what one thread reads then is in its cache. Nothing else depends on the order, as agents have
+/// Orders agents by the tile of the texture that they are in, those of a tile as they were before,
+/// so that what one thread reads is in its cache. Nothing else depends on the order, as agents have
 /// numbers.
 pub(super) fn order(state: &mut State, surface: &Surface, size: usize) -> Result<()> {
     let tiles = size / TILE;

@@ -25,7 +25,7 @@ pub struct Pattern {
 const SMALLEST_CELL: usize = 20;
 
 impl Pattern {
-    /// Of a texture of `size` rows of as many values.
+    /// Computes the measures of a texture of `size` rows of as many values.
     ///
     /// ```
     /// use catamaran::texture::slime::Pattern;

@@ -1,4 +1,4 @@
-/// What a random number is for; the same agent and step have others for another purpose.
+/// The purpose of a random number; the same agent and step have other numbers for another purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Purpose {
@@ -10,8 +10,15 @@ pub enum Purpose {
     Heading = 2,
 }
 
-/// Four random numbers for an agent and a step, from a counter alone: PCG4D (Jarzynski and Olano,
-/// "Hash functions for GPU rendering", JCGT 9(3), 2020) of (agent, step, purpose, seed).
+/// Returns four random numbers for an agent and a step, from a counter alone: PCG4D (Jarzynski and
+/// Olano, "Hash functions for GPU rendering", JCGT 9(3), 2020) of (agent, step, purpose, seed).
+///
+/// ```
+/// use catamaran::texture::slime::draw;
+///
+/// assert_eq!(draw(1, 2, 3, 4), draw(1, 2, 3, 4));
+/// assert_ne!(draw(1, 2, 3, 4), draw(1, 2, 4, 4));
+/// ```
 #[inline]
 pub fn draw(seed: u32, agent: u32, step: u32, purpose: u32) -> [u32; 4] {
     let mut v = [agent, step, purpose, seed].map(|x| {

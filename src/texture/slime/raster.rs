@@ -11,8 +11,8 @@ pub(super) struct Raster {
 /// triangle are its own too.
 const SLACK: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Two passes over all triangles: texels belong to the one that their centre is in, the others to
-/// the first that touches them.
+/// Assigns texels to triangles in two passes over all triangles: a texel belongs to the triangle
+/// that its centre is in, or else to the first that touches it.
 pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
     let mut owners = reserved(size * size)?;
     owners.resize(size * size, NO_TRIANGLE);

@@ -22,8 +22,8 @@ impl Simulation {
         [surface as u32, (surface >> 32) as u32, p.seed, p.size, p.species, agents]
     }
 
-    /// Writes the state: with it, and the same surface and options, a simulation goes on as if it
-    /// had never stopped. Little endian: 16 bytes that name the format, 32-bit numbers that name
+    /// Writes the state: from it, with the same surface and options, a simulation continues as if
+    /// it had never stopped. Little endian: 16 bytes that name the format, 32-bit numbers that name
     /// surface, seed, size, species and agents, the step, then the arrays of [`State`] in its
     /// order.
     ///
@@ -61,7 +61,8 @@ impl Simulation {
         put(sink, state.texture.iter().map(|x| x.to_bits()))
     }
 
-    /// Goes on from a state that was saved. `path` is what errors name.
+    /// Reads a state that [`Simulation::save`] wrote, and continues from it. `path` is what errors
+    /// name.
     ///
     /// # Errors
     /// [`Error::Io`] when it can't be read, is no state file, or one of another surface, seed,

@@ -18,7 +18,7 @@ const AGENTS: usize = 4096;
 /// Rows that one thread blurs at a time; divides the size of every texture.
 const ROWS: usize = 32;
 
-/// Where agents start, and what stands in their way: a value for each texel, or none for no such
+/// Where agents start, and which obstacles there are: a value for each texel, or none for no such
 /// mask.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Mask {
@@ -56,7 +56,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Agents at their start, and no pheromone.
+    /// Creates a simulation with agents at their start, and no pheromone.
     ///
     /// # Errors
     /// [`Error::Argument`] names an option or the mask, [`Error::Shape`] a mask that is not of
@@ -95,7 +95,18 @@ impl Simulation {
         })
     }
 
-    /// One step of all agents and of the texture.
+    /// Computes one step of all agents and of the texture.
+    ///
+    /// ```
+    /// use catamaran::{Par, texture::slime::{Mask, Options, Simulation, Surface}};
+    ///
+    /// let options = Options::new().agents(100).size(64);
+    /// let mut simulation = Simulation::new(Surface::tile()?, &options, &Mask::default())?;
+    /// simulation.step(Par::Seq);
+    /// assert_eq!(simulation.state().step, 1);
+    /// assert!(simulation.coverage(Par::Seq)[0].coverage > 0.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn step(&mut self, par: Par) {
         if self.state.step.is_multiple_of(EVERY) {
             // Without memory for it, it goes on more slowly.
@@ -107,10 +118,10 @@ impl Simulation {
         self.state.step = self.state.step.wrapping_add(1);
     }
 
-    /// Steps; `progress` is told after each.
+    /// Computes `steps` steps; `progress` is told after each, and may cancel.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; the steps before are done then, and it can go on.
+    /// [`Error::Cancelled`]: the steps before are done, and a later call can continue.
     pub fn run(&mut self, steps: u32, par: Par, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.step(par);
@@ -177,14 +188,14 @@ impl Simulation {
         std::mem::swap(&mut self.next, &mut self.state.texture);
     }
 
-    /// How much of the surface each species covers.
+    /// Returns how much of the surface each species covers.
     pub fn coverage(&self, par: Par) -> Vec<Coverage> {
         let of = |s| coverage(&self.texels, self.texture(s), par);
         (0..self.species()).map(of).collect()
     }
 
-    /// The texture of a species: [`Texels::size`] rows of as many values in `[0, 1]`, row 0 at
-    /// v = 0.
+    /// Returns the texture of a species: [`Texels::size`] rows of as many values in `[0, 1]`, row 0
+    /// at v = 0.
     ///
     /// # Panics
     /// When there is no such species.
@@ -193,24 +204,36 @@ impl Simulation {
         &self.state.texture[species * plane..(species + 1) * plane]
     }
 
-    /// The memory that it holds, in bytes.
+    /// Returns the memory that the simulation holds, in bytes.
     pub fn bytes(&self) -> usize {
         let textures = 2 * size_of_val(&self.next[..]) + 2 * size_of_val(&self.marked[..]);
         let agents = self.state.ids.len() * (2 * size_of::<u32>() + 4 * size_of::<f32>());
         textures + agents + self.ground.len() + self.texels.bytes() + self.surface.bytes()
     }
 
-    /// Number of species.
+    /// Returns the number of species.
     pub fn species(&self) -> usize {
         self.parameters.species as usize
     }
 
-    /// Agents and textures.
+    /// Returns the agents and textures.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// Goes on from another state.
+    /// Continues from another state.
+    ///
+    /// ```
+    /// use catamaran::{Par, texture::slime::{Mask, Options, Simulation, Surface}};
+    ///
+    /// let options = Options::new().agents(100).size(64);
+    /// let mut simulation = Simulation::new(Surface::tile()?, &options, &Mask::default())?;
+    /// let start = simulation.state().clone();
+    /// simulation.step(Par::Seq);
+    /// simulation.set_state(start)?;
+    /// assert_eq!(simulation.state().step, 0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it
@@ -220,7 +243,8 @@ impl Simulation {
         self.put_state(state)
     }
 
-    /// [`Simulation::set_state`] without a look at each agent: the state is that of its kernels.
+    /// Continues from another state as [`Simulation::set_state`] does, but does not check each
+    /// agent: the state is that of its kernels.
     pub(crate) fn put_state(&mut self, state: State) -> Result<()> {
         let count = |state: &State| (state.triangles.len(), 1);
         Error::check_shape("agents", count(&self.state), count(&state))?;
@@ -229,22 +253,22 @@ impl Simulation {
         Ok(())
     }
 
-    /// The surface.
+    /// Returns the surface.
     pub fn surface(&self) -> &Surface {
         &self.surface
     }
 
-    /// The texels of its texture.
+    /// Returns the texels of the texture.
     pub fn texels(&self) -> &Texels {
         &self.texels
     }
 
-    /// What the kernels compute with.
+    /// Returns the options as the kernels take them.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// [`FREE`], [`OBSTACLE`] or [`GOAL`] for each texel; empty when all are free.
+    /// Returns [`FREE`], [`OBSTACLE`] or [`GOAL`] for each texel; empty when all are free.
     pub fn ground(&self) -> &[u8] {
         &self.ground
     }

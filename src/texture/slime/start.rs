@@ -9,7 +9,7 @@ use crate::base::{Error, Result, reserved};
 /// Headings are drawn until one is found, hardly ever this often.
 const TRIES: u32 = 64;
 
-/// Agents anywhere, with equal probability for equal areas.
+/// Creates agents anywhere on the surface, with equal probability for equal areas.
 pub(super) fn everywhere(surface: &Surface, agents: usize, seed: u32) -> Result<Vec<Walker>> {
     let ends = sums(surface.areas().iter().copied())?;
     let mut walkers = reserved(agents)?;
@@ -30,7 +30,7 @@ pub(super) fn everywhere(surface: &Surface, agents: usize, seed: u32) -> Result<
     Ok(walkers)
 }
 
-/// Agents in the texels where `allowed`, and which are no obstacle.
+/// Creates agents in the texels where `allowed` holds and which are no obstacle.
 pub(super) fn in_texels(
     surface: &Surface,
     texels: &Texels,

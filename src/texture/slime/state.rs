@@ -2,7 +2,7 @@ use super::surface::Surface;
 use super::walk::Walker;
 use crate::base::{Error, Result, reserved};
 
-/// All that changes in a simulation.
+/// The state of a simulation: all that changes in a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// Steps done.
@@ -24,6 +24,7 @@ pub struct State {
 const SLACK: f32 = 1e-4;
 
 impl State {
+    /// Creates the state of agents and a texture.
     pub(super) fn new(walkers: &[Walker], texture: Vec<f32>) -> Result<Self> {
         let mut state = Self { texture, ..Self::filled(walkers.len(), 0)? };
         for (i, walker) in walkers.iter().enumerate() {
@@ -32,7 +33,7 @@ impl State {
         Ok(state)
     }
 
-    /// That many agents and entries of the texture, all zero.
+    /// Allocates a state of that many agents and entries of the texture, all zero.
     pub(crate) fn filled(agents: usize, entries: usize) -> Result<Self> {
         Ok(Self {
             step: 0,
@@ -44,7 +45,7 @@ impl State {
         })
     }
 
-    /// Keeps an agent in place i.
+    /// Stores an agent in place i.
     pub(crate) fn put(&mut self, i: usize, id: u32, walker: Walker) {
         self.ids[i] = id;
         self.triangles[i] = walker.triangle;
@@ -52,7 +53,7 @@ impl State {
         self.headings[i] = walker.heading;
     }
 
-    /// The agent in place i.
+    /// Returns the agent in place i.
     pub fn agent(&self, i: usize) -> Walker {
         Walker {
             triangle: self.triangles[i],
@@ -61,8 +62,8 @@ impl State {
         }
     }
 
-    /// `Ok` when all agents are on their triangles, with a heading of length 1, and all pheromone
-    /// is from 0 to 1.
+    /// Returns an error unless all agents are on their triangles, with a heading of length 1, and
+    /// all pheromone is from 0 to 1.
     ///
     /// # Errors
     /// [`Error::Argument`] names the first agent or entry of the texture that is not so,

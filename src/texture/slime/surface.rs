@@ -3,18 +3,18 @@ use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::mesh::{Edges, TriMesh, families};
 
-/// The triangle across a boundary edge.
+/// The number that stands for no triangle, across a boundary edge.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// In [`Surface::across`]: set where the triangles disagree on what is outside, so that a hop is a
-/// reflection too.
+/// A bit of [`Surface::across`] that is set where the triangles disagree on what is outside, so
+/// that a hop is a reflection too.
 pub const ACROSS_FLIP: u32 = 4;
 
-/// Where the hops are in a record.
+/// The index at which the hops begin in a record.
 pub const HOPS: usize = 9;
-/// Where the map to UV is in a record.
+/// The index at which the map to UV begins in a record.
 pub const UV: usize = 21;
-/// Numbers of a record.
+/// The count of numbers of a record.
 pub const RECORD: usize = 28;
 
 /// Triangles that can be numbered in [`Surface::across`].
@@ -51,7 +51,18 @@ pub struct Surface {
 const TILE_CELLS: usize = 4;
 
 impl Surface {
-    /// A mesh with texture coordinates, in `[0, 1]` (up to 1e-6).
+    /// Creates a surface from a mesh with texture coordinates, in `[0, 1]` (up to 1e-6).
+    ///
+    /// ```
+    /// use catamaran::{mesh::{families, io::Attribute}, texture::slime::Surface};
+    ///
+    /// // A square that is its own texture.
+    /// let square = families::grid(2, 2)?;
+    /// let values = square.vertices().iter().map(|p| [p[0], p[1]]).collect();
+    /// let surface = Surface::new(&square, &Attribute { values, corners: None })?;
+    /// assert_eq!(surface.len(), 8);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Mesh`] names what no agent could walk on or leave a trace in: an edge of three
@@ -76,7 +87,7 @@ impl Surface {
         Self::of_faces(mesh, of_faces)
     }
 
-    /// A mesh with texture coordinates of the corners of its faces.
+    /// Creates a surface from a mesh with texture coordinates of the corners of its faces.
     ///
     /// # Errors
     /// As [`Surface::new`].
@@ -97,9 +108,9 @@ impl Surface {
         Self::joined(mesh.faces(), &edges, &places, areas, uv)
     }
 
-    /// The unit square whose opposite sides are joined, in its own texture: a texture that grows on
-    /// it is a tile, and goes on without a seam where it is repeated. Its faces are those of
-    /// [`Surface::tile_mesh`].
+    /// Creates the unit square whose opposite sides are joined, in its own texture: a texture that
+    /// grows on it is a tile, and continues without a seam where it is repeated. Its faces are
+    /// those of [`Surface::tile_mesh`].
     ///
     /// It is flat, so that a walk is a straight line; [`project`](super::project) is not for it, as
     /// there is no such surface in space.
@@ -130,7 +141,7 @@ impl Surface {
         Ok(Self { tile: true, ..Self::joined(&joined, &edges, &places, areas, uv)? })
     }
 
-    /// The square that a tile is shown on; x and y are its texture coordinates.
+    /// Creates the square that a tile is shown on; x and y are its texture coordinates.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -138,7 +149,7 @@ impl Surface {
         families::grid(TILE_CELLS, TILE_CELLS)
     }
 
-    /// Whether it is that of [`Surface::tile`].
+    /// Returns whether the surface is that of [`Surface::tile`].
     pub fn is_tile(&self) -> bool {
         self.tile
     }
@@ -190,17 +201,17 @@ impl Surface {
         })
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn len(&self) -> usize {
         self.records.len()
     }
 
-    /// Whether there are none; there always are.
+    /// Returns false: a surface always has triangles.
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
     }
 
-    /// A record of 28 numbers a triangle:
+    /// Returns a record of 28 numbers for each triangle:
     /// - 3 k + (0, 1, 2), k = 0, 1, 2: (a, b, c) of edge k, from corner k to the next one;
     ///   `a x + b y + c` is how far inside of it (x, y) is, (a, b) its unit normal to the inside.
     /// - 9 + 4 k + (0, 1, 2, 3): (p, q, x0, y0) of the hop over edge k: (x, y) is
@@ -212,45 +223,46 @@ impl Surface {
         &self.records
     }
 
-    /// For each triangle and edge k what is across: 8 g + j, g the triangle and j its edge there,
-    /// plus [`ACROSS_FLIP`]; [`NO_TRIANGLE`] on the boundary.
+    /// Returns for each triangle and edge k what is across: 8 g + j, g the triangle and j its
+    /// edge there, plus [`ACROSS_FLIP`]; [`NO_TRIANGLE`] on the boundary.
     pub fn across(&self) -> &[[u32; 3]] {
         &self.across
     }
 
-    /// The frame of each triangle in space: its origin, the x axis, the y axis, the normal, of unit
-    /// length. Only [`project`](super::project) needs them.
+    /// Returns the frame of each triangle in space: its origin, the x axis, the y axis, the normal,
+    /// of unit length. Only [`project`](super::project) needs them.
     pub fn frames(&self) -> &[[f32; 12]] {
         &self.frames
     }
 
-    /// The corners of each triangle in its frame.
+    /// Returns the corners of each triangle in its frame.
     pub fn corners(&self) -> &[[[f64; 2]; 3]] {
         &self.corners
     }
 
-    /// The texture coordinates of the corners of each triangle.
+    /// Returns the texture coordinates of the corners of each triangle.
     pub fn uv(&self) -> &[[[f64; 2]; 3]] {
         &self.uv
     }
 
-    /// Areas of the triangles; their sum is 1.
+    /// Returns the areas of the triangles; their sum is 1.
     pub fn areas(&self) -> &[f64] {
         &self.areas
     }
 
-    /// For each triangle the lowest triangle of its chart: those that hang together in the texture.
+    /// Returns for each triangle the lowest triangle of its chart: triangles that are connected
+    /// in the texture are of one chart.
     pub fn charts(&self) -> &[u32] {
         &self.charts
     }
 
-    /// Triangles that are mirrored in the texture while most of their chart is not: the texture is
-    /// folded there, and shows what is on several triangles.
+    /// Returns the triangles that are mirrored in the texture while most of their chart is not: the
+    /// texture is folded there, and shows what is on several triangles.
     pub fn flipped(&self) -> &[u32] {
         &self.flipped
     }
 
-    /// The memory of all of it.
+    /// Returns the memory of the surface, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&self.records[..])
             + size_of_val(&self.across[..])
@@ -261,7 +273,7 @@ impl Surface {
             + size_of_val(&self.charts[..])
     }
 
-    /// A number that other surfaces do not share but by chance, for files.
+    /// Returns a number that other surfaces share only by chance, for files.
     pub(super) fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut add = |x: u32| {
@@ -293,8 +305,9 @@ fn checked(mesh: &TriMesh) -> Result<Edges> {
     Ok(edges)
 }
 
-/// Texture coordinates moved, and made smaller alike in both directions, so that they are in
-/// `[0, 1]`; as they are when they already are (up to 1e-6). Textures that repeat have such.
+/// Returns texture coordinates moved, and reduced alike in both directions, so that they are in
+/// `[0, 1]`; unchanged when they already are (up to 1e-6). Textures that repeat have coordinates
+/// beyond.
 ///
 /// ```
 /// use catamaran::{mesh::io::Attribute, texture::slime::fitted};
@@ -338,7 +351,7 @@ fn check_uv(f: usize, corners: &mut [[f64; 2]; 3]) -> Result<()> {
     Ok(())
 }
 
-/// Twice the area of a triangle of the plane, negative when it is clockwise.
+/// Returns twice the area of a triangle of the plane, negative when it is clockwise.
 pub(super) fn doubled_area(&[a, b, c]: &[[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

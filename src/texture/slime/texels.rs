@@ -19,7 +19,15 @@ pub struct Texels {
 }
 
 impl Texels {
-    /// Those of a texture of `size` x `size` texels, at least 2.
+    /// Finds the texels of a texture of `size` x `size` texels, at least 2, on a surface.
+    ///
+    /// ```
+    /// use catamaran::texture::slime::{Surface, Texels};
+    ///
+    /// let texels = Texels::new(&Surface::tile()?, 32)?;
+    /// assert!((texels.areas().iter().sum::<f32>() - 1.0).abs() < 1e-3);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
@@ -30,50 +38,51 @@ impl Texels {
         Ok(Self { size, owners, areas, kinds, links })
     }
 
-    /// Texels of a side.
+    /// Returns the number of texels of a side.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// The triangle of each texel: the one that its centre is in, else the lowest that it touches;
-    /// [`NO_TRIANGLE`] outside.
+    /// Returns the triangle of each texel: the one that the centre of the texel is in, else the
+    /// lowest that the texel touches; [`NO_TRIANGLE`] outside.
     pub fn owners(&self) -> &[u32] {
         &self.owners
     }
 
-    /// What each texel covers of the surface; the sum is 1.
+    /// Returns the part of the surface that each texel covers; the sum is 1.
     pub fn areas(&self) -> &[f32] {
         &self.areas
     }
 
-    /// [`OUTSIDE`], [`INSIDE`](super::INSIDE) or [`BORDER`](super::BORDER).
+    /// Returns [`OUTSIDE`], [`INSIDE`](super::INSIDE) or [`BORDER`](super::BORDER) for each texel.
     pub fn kinds(&self) -> &[u8] {
         &self.kinds
     }
 
-    /// The texels of kind [`BORDER`](super::BORDER), ascending.
+    /// Returns the texels of kind [`BORDER`](super::BORDER), ascending.
     pub fn border(&self) -> &[u32] {
         &self.links.texels
     }
 
-    /// For each of [`Texels::border`] where its links begin; one more for the end of the last.
+    /// Returns for each of [`Texels::border`] where its links begin; one more for the end of the
+    /// last.
     pub fn link_starts(&self) -> &[u32] {
         &self.links.starts
     }
 
-    /// The texels that a border texel exchanges pheromone with.
+    /// Returns the texels with which border texels exchange pheromone, link by link.
     pub fn links(&self) -> &[u32] {
         &self.links.links
     }
 
-    /// How much of it; the same in both directions.
+    /// Returns the weight of each link, the same in both directions.
     pub fn link_weights(&self) -> &[f32] {
         &self.links.weights
     }
 
-    /// Where a step of so many texels along u and v leads from the centre of a texel (or the point
-    /// of its triangle that is nearest to it) when it is taken on the surface, over seams where
-    /// there are any; `None` for a texel outside. Boundary edges reflect.
+    /// Returns the place to which a step of `step` texels along u and v leads from the centre of a
+    /// texel (or the point of its triangle that is nearest to it) when the step is taken on the
+    /// surface, over seams where there are any; `None` for a texel outside. Boundary edges reflect.
     ///
     /// # Panics
     /// When there is no such texel.
@@ -82,14 +91,14 @@ impl Texels {
         (owner != NO_TRIANGLE).then(|| beyond(surface, self.size, owner, texel, step))
     }
 
-    /// The memory of all of it.
+    /// Returns the memory of the texels, in bytes.
     pub(super) fn bytes(&self) -> usize {
         let links = &self.links;
         self.size * self.size * (size_of::<u32>() + size_of::<f32>() + size_of::<u8>())
             + 4 * (links.texels.len() + links.starts.len() + 2 * links.links.len())
     }
 
-    /// Whether a texel is on the surface.
+    /// Returns whether a texel is on the surface.
     pub(super) fn is_owned(&self, texel: usize) -> bool {
         self.owners[texel] != NO_TRIANGLE
     }

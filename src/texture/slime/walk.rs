@@ -1,10 +1,10 @@
 use super::surface::{ACROSS_FLIP, HOPS, NO_TRIANGLE, Surface, UV};
 
-/// A walk ends after this many edges: none on a mesh whose steps are of a sensible length gets
+/// The number of edges after which a walk ends. No mesh whose steps are of a sensible length gets
 /// there.
 pub const MOST_HOPS: usize = 4096;
 
-/// A place on a surface and a direction: of an agent, or of what it senses with.
+/// A position on a surface and a direction: of an agent, or of its sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walker {
     /// The triangle.
@@ -15,9 +15,22 @@ pub struct Walker {
     pub heading: [f32; 2],
 }
 
-/// Straight ahead by `length`: across an edge the next triangle is unfolded into the plane of this
-/// one, which is what a geodesic does; at a boundary edge the walker is reflected. Without
+/// Moves a walker straight ahead by `length`: across an edge the next triangle is unfolded into the
+/// plane of this one, as for a geodesic; at a boundary edge the walker is reflected. Without
 /// `rescale`, `length` is one in the texture, whose side is 1 (thesis, figure 3.5).
+///
+/// ```
+/// use catamaran::texture::slime::{Surface, Walker, unfold};
+///
+/// // Once around a tile, whose sides are joined: back at the start.
+/// let tile = Surface::tile()?;
+/// let [a, b, c] = tile.corners()[0];
+/// let position = [0, 1].map(|k| ((a[k] + b[k] + c[k]) / 3.0) as f32);
+/// let end = unfold(&tile, Walker { triangle: 0, position, heading: [1.0, 0.0] }, 1.0, true);
+/// assert_eq!(end.triangle, 0);
+/// assert!((end.position[0] - position[0]).abs() < 1e-5);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[inline]
 pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool) -> Walker {
     let mut remaining = length;
@@ -94,13 +107,26 @@ fn stretch(surface: &Surface, walker: &Walker) -> f32 {
     (u * u + v * v).sqrt()
 }
 
-/// Algorithm 3.1 of the thesis: `count` sub-steps of `step` each, on the plane of the triangle; one
-/// that ends beyond edges is projected onto the nearest plane of the triangles across them, and
-/// direction with it; reflected at boundary edges.
+/// Moves a walker by algorithm 3.1 of the thesis: `count` sub-steps of `step` each, on the plane of
+/// the triangle. A sub-step that ends beyond edges is projected onto the nearest plane of the
+/// triangles across them, and its direction with it; boundary edges reflect.
 ///
 /// Departures: positions are in the frame of the triangle instead of the texture and the basis of
 /// space that its corners are, so that no matrix is singular; a point that projects beside the
 /// triangle is moved to its edge.
+///
+/// ```
+/// use catamaran::{mesh::families, texture::slime::{Surface, Walker, atlas, project}};
+///
+/// let sphere = families::icosphere(1)?;
+/// let surface = Surface::of_faces(&sphere, atlas(&sphere, 128)?)?;
+/// let [a, b, c] = surface.corners()[0];
+/// let position = [0, 1].map(|k| ((a[k] + b[k] + c[k]) / 3.0) as f32);
+/// let walker = Walker { triangle: 0, position, heading: [1.0, 0.0] };
+/// let end = project(&surface, walker, 0.02, 20, true);
+/// assert_ne!(end.triangle, 0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn project(
     surface: &Surface,
     mut walker: Walker,
@@ -212,7 +238,7 @@ fn project_across(surface: &Surface, walker: &mut Walker, ahead: [f32; 2], exit:
     walker.position = [along(local, &frame[3..6]), along(local, &frame[6..9])];
 }
 
-/// A point moved to the edges that it is beyond, or to the corner between them.
+/// Returns a point moved to the edges that it is beyond, or to the corner between them.
 #[inline]
 pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]) -> [f32; 2] {
     let record = &surface.records()[triangle as usize];

@@ -1,7 +1,7 @@
 use super::kernel::{Number, gemm, normalize};
 use super::{Architecture, FEATURES, INPUTS, K, LayerLayout, OCTAVES, Parameter, ParameterLayout};
 
-/// What a layer computed, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with
+/// The results of a layer, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with
 /// `(a, g) = up(normalised x)`.
 #[derive(Debug, Clone, Default)]
 pub struct LayerTape<T> {
@@ -51,7 +51,7 @@ impl<T: Number> LayerTape<T> {
     }
 }
 
-/// `1 / (1 + e^-x)`.
+/// Returns `1 / (1 + e^-x)`.
 pub fn sigmoid<T: Number>(x: T) -> T {
     T::ONE / (T::ONE + (-x).exp())
 }
@@ -135,7 +135,7 @@ pub struct Tape<T> {
 }
 
 impl<T: Number> Tape<T> {
-    /// For this number of unions, each of `parts` parts.
+    /// Allocates the tape of this number of unions, each of `parts` parts.
     pub fn new(sizes: &Architecture, unions: usize, parts: usize) -> Self {
         let layers = |count: usize, rows: usize| -> Vec<LayerTape<T>> {
             (0..count).map(|_| LayerTape::new(sizes, rows)).collect()
@@ -160,9 +160,9 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// From `tape.features` to `tape.output`, the regions and the out-of-distribution logit. What the
-/// encoder gives for the parts of a union is added, part by part: the order of two parts does not
-/// matter, bit for bit.
+/// Computes `tape.output`, the regions and the out-of-distribution logit from `tape.features`. What
+/// the encoder returns for the parts of a union is added, part by part: the order of two parts does
+/// not matter, bit for bit.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.

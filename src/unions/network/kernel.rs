@@ -10,13 +10,13 @@ use crate::base::Real;
 
 /// A scalar with what a network needs.
 pub trait Number: Real + Lanes {
-    /// The square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
-    /// `self * factor + term`, rounded once.
+    /// Returns `self * factor + term`, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
-    /// The exponential function.
+    /// Returns the exponential function.
     fn exp(self) -> Self;
-    /// Sine and cosine.
+    /// Returns sine and cosine.
     fn sin_cos(self) -> (Self, Self);
 }
 
@@ -50,15 +50,15 @@ pub trait Lanes: Sized {
     /// Scalars side by side.
     type Vector<S: Simd>: Copy;
 
-    /// Scalars of a vector.
+    /// Returns the number of scalars of a vector.
     fn lanes<S: Simd>() -> usize;
-    /// `x` in all lanes.
+    /// Returns `x` in all lanes.
     fn splat<S: Simd>(simd: S, x: Self) -> Self::Vector<S>;
-    /// The first vectors of `x`.
+    /// Loads the first vectors of `x`.
     fn load<S: Simd, const N: usize>(x: &[Self]) -> [Self::Vector<S>; N];
-    /// To the beginning of `x`.
+    /// Stores vectors at the beginning of `x`.
     fn store<S: Simd, const N: usize>(x: &mut [Self], vectors: [Self::Vector<S>; N]);
-    /// `a * b + c`, rounded once.
+    /// Returns `a * b + c`, rounded once.
     fn fused<S: Simd>(
         simd: S,
         a: Self::Vector<S>,
@@ -103,8 +103,16 @@ macro_rules! lanes {
 lanes!(f32: f32s, F32_LANES, splat_f32s, as_simd_f32s, as_mut_simd_f32s, mul_add_f32s);
 lanes!(f64: f64s, F64_LANES, splat_f64s, as_simd_f64s, as_mut_simd_f64s, mul_add_f64s);
 
-/// `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a is
-/// `a[i * strides.0 + k * strides.1]`.
+/// Computes `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a
+/// is `a[i * strides.0 + k * strides.1]`.
+///
+/// ```
+/// use catamaran::unions::network::gemm;
+///
+/// let mut c = [1.0_f32, 0.0];
+/// gemm((1, 2, 2), &[2.0, 3.0], (2, 1), &[1.0, 0.0, 0.0, 1.0], &mut c);
+/// assert_eq!(c, [3.0, 3.0]);
+/// ```
 ///
 /// # Panics
 /// When a slice is too short.
@@ -264,7 +272,7 @@ fn tile<T: Number, S: Simd, const TALL: usize, const WIDE: usize>(
     }
 }
 
-/// The sum of `f(0..n)` by eight partial sums.
+/// Returns the sum of `f(0..n)` by eight partial sums.
 #[inline(always)]
 pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
     let mut parts = [T::ZERO; 8];
@@ -281,7 +289,7 @@ pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
         + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
 }
 
-/// Layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its
+/// Applies layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its
 /// standard deviation, goes to `unit`; that times `scale` plus `shift` to `y`; one over the
 /// deviations, regularised, to `inverse`.
 ///

@@ -37,7 +37,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Its elements.
+    /// Returns the range of the elements of the parameter.
     pub fn range(&self) -> Range<usize> {
         self.start..self.start + self.rows * self.columns
     }
@@ -82,7 +82,7 @@ pub struct ParameterLayout {
 }
 
 impl Architecture {
-    /// Refuses sizes that are no network.
+    /// Returns an error for sizes that make no network.
     ///
     /// # Errors
     /// [`Error::Argument`] names the size.
@@ -103,7 +103,7 @@ impl Architecture {
         Ok(())
     }
 
-    /// Where the parameters are.
+    /// Returns the positions of the parameters.
     pub fn layout(&self) -> ParameterLayout {
         let Self { width, hidden, .. } = *self;
         let mut list = List::default();

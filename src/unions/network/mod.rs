@@ -18,10 +18,10 @@ pub use layout::{Architecture, LayerLayout, Parameter, ParameterLayout};
 pub use quantize::quantize;
 pub(super) use quantize::{column_units, from_integers, is_quantized, to_integers};
 
-/// Eigenvalues of a spectrum.
+/// The number of eigenvalues of a spectrum.
 pub const K: usize = 20;
 
-/// Numbers for each eigenvalue of a part that the network is given: see
+/// The count of numbers for each eigenvalue of a part that the network is given: see
 /// [`PartFeatures`](super::PartFeatures).
 pub const FEATURES: usize = 2;
 
@@ -29,6 +29,6 @@ pub const FEATURES: usize = 2;
 /// of eigenvalues can be told apart.
 const OCTAVES: usize = 3;
 
-/// Numbers for each eigenvalue that the first layer reads: the features, and sines and cosines of
-/// the logarithm among them and of its doublings.
+/// The count of numbers for each eigenvalue that the first layer reads: the features, and sines and
+/// cosines of the logarithm among them and of its doublings.
 pub const INPUTS: usize = FEATURES + 2 * OCTAVES;

@@ -5,7 +5,8 @@ const LARGEST: f32 = 127.0;
 /// From here on to twice as much, numbers of single precision are whole.
 const ROUNDING: f32 = 1.5 * (1 << 23) as f32;
 
-/// The numbers of each column of these weights that one is worth: the largest one is 127.
+/// Returns for each column of these weights the number that one unit is worth: the largest weight
+/// is 127 units.
 pub fn column_units(weights: &[f32], columns: usize) -> Vec<f32> {
     let mut units = vec![0.0f32; columns];
     for row in weights.chunks_exact(columns) {
@@ -16,7 +17,7 @@ pub fn column_units(weights: &[f32], columns: usize) -> Vec<f32> {
     units
 }
 
-/// The nearest whole numbers of units, from -127 to 127.
+/// Returns the nearest whole numbers of units, from -127 to 127.
 pub fn to_integers(weights: &[f32], units: &[f32]) -> Vec<f32> {
     let mut whole = weights.to_vec();
     for row in whole.chunks_exact_mut(units.len()) {
@@ -29,20 +30,21 @@ pub fn to_integers(weights: &[f32], units: &[f32]) -> Vec<f32> {
     whole
 }
 
-/// Back from whole numbers.
+/// Converts whole numbers of units back to weights.
 pub fn from_integers(whole: &mut [f32], units: &[f32]) {
     for row in whole.chunks_exact_mut(units.len()) {
         row.iter_mut().zip(units).for_each(|(x, unit)| *x *= unit);
     }
 }
 
-/// Whether these parameters are kept as whole numbers: the matrices, which are nearly all there is.
+/// Returns whether these parameters are stored as whole numbers: the matrices, which are nearly all
+/// parameters.
 pub fn is_quantized(parameter: &Parameter) -> bool {
     parameter.rows > 1
 }
 
-/// A parameter as a file keeps it: weights rounded to one of 255 numbers for each
-/// column, others as they are.
+/// Rounds a parameter as a file stores it: weights to one of 255 numbers for each column, others
+/// unchanged.
 pub fn quantize(parameter: &Parameter, part: &mut [f32]) {
     if is_quantized(parameter) {
         let units = column_units(part, parameter.columns);

@@ -5,12 +5,13 @@ use super::container::Content;
 use super::document::{Accessor, View, code};
 
 impl Content {
+    /// Returns the accessor of this number.
     pub fn accessor(&self, index: usize) -> Checked<&Accessor> {
         let found = self.document.accessors.get(index);
         Ok(found.ok_or_else(|| format!("accessor {index} of {}", self.document.accessors.len()))?)
     }
 
-    /// The elements of an accessor, of `N` numbers each.
+    /// Returns the elements of an accessor, of `N` numbers each.
     pub fn values<const N: usize>(&self, index: usize) -> Checked<Vec<[f64; N]>> {
         let accessor = self.accessor(index)?;
         let read = || -> Checked<Vec<[f64; N]>> {
@@ -91,7 +92,8 @@ impl Content {
     }
 }
 
-/// Numbers of an element of this type; `None` of matrices, which meshes have none of.
+/// Returns the count of numbers of an element of this type; `None` for matrices, which meshes do
+/// not have.
 pub(super) fn width(kind: &str) -> Option<usize> {
     Some(match kind {
         "SCALAR" => 1,

@@ -35,15 +35,17 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    /// Vertices from now on are of another mesh.
+    /// Starts another mesh, to which the vertices from now on belong.
     pub fn begin_mesh(&mut self) {
         self.meshes.push(self.vertices.len());
     }
 
+    /// Adds a vertex.
     pub fn push_vertex(&mut self, vertex: Vertex) -> Result<()> {
         push(&mut self.vertices, vertex)
     }
 
+    /// Adds a face.
     pub fn push_face(
         &mut self,
         face: [u32; 3],
@@ -61,7 +63,7 @@ impl Assembly {
         Ok(())
     }
 
-    /// The mesh. Vertices of a mesh that are at the same position and have the same colour are one:
+    /// Returns the mesh. Vertices of a mesh that have the same position and colour become one:
     /// where a texture is cut, or a normal is not continuous, glTF has copies.
     pub fn finish(mut self, document: &Document) -> Checked<MeshFile> {
         let colored = self.vertices.iter().any(|vertex| vertex.color.is_some());

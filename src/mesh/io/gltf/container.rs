@@ -29,6 +29,7 @@ pub(super) struct Content {
 }
 
 impl Content {
+    /// Reads the container and its document.
     pub fn read(source: &mut Source<'_>) -> Checked<Self> {
         let bytes = source.read_all()?;
         let (json, binary, is_text) = if bytes.starts_with(MAGIC) {

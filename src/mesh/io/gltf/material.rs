@@ -82,7 +82,8 @@ builder! { Material {
 }}
 
 impl Material {
-    /// Roughness and metalness, 255 for 1, in one picture of rows of `width` as glTF wants them.
+    /// Sets roughness and metalness, 255 for 1, in one picture of rows of `width` as glTF wants
+    /// them.
     ///
     /// # Errors
     /// As [`Picture::rgb`]; [`Error::Shape`] for different numbers of both.
@@ -94,8 +95,8 @@ impl Material {
         Picture::rgb(width, &pixels)
     }
 
-    /// `Ok` when every number is in its range, and every face of the mesh has coordinates for the
-    /// pictures, if there are any.
+    /// Returns an error unless every number is in its range, and every face of the mesh has
+    /// coordinates for the pictures, if there are any.
     pub(in super::super) fn check(&self, file: &MeshFile) -> Result<()> {
         for (what, value) in [("roughness", self.roughness), ("metalness", self.metalness)] {
             if !(0.0..=1.0).contains(&value) {
@@ -124,8 +125,8 @@ impl Material {
         }
     }
 
-    /// The JSON of it; `add` takes a picture and its name, and returns the number of its image and
-    /// of its texture, which are the same.
+    /// Returns the JSON of the material; `add` takes a picture and its name, and returns the number
+    /// of its image and of its texture, which are the same.
     pub(super) fn json(
         &self,
         add: &mut dyn FnMut(&str, &Picture) -> io::Result<usize>,

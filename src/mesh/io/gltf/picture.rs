@@ -4,7 +4,7 @@ use png::{BitDepth, ColorType};
 
 use crate::base::{Error, Result, reserved};
 
-/// A rectangle of pixels, rows from the top (for texture coordinates: v = 1) down.
+/// A rectangle of pixels. Rows go from the top (for texture coordinates: v = 1) down.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     width: u32,
@@ -15,7 +15,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Red, green and blue.
+    /// Creates a picture from red, green and blue, 8 bits each, `width` pixels a row.
     ///
     /// ```
     /// use catamaran::mesh::io::Picture;
@@ -33,7 +33,15 @@ impl Picture {
         Self::new(width, pixels.len(), ColorType::Rgb, BitDepth::Eight, pixels.as_flattened())
     }
 
-    /// Red, green, blue and opacity.
+    /// Creates a picture from red, green, blue and opacity, 8 bits each, `width` pixels a row.
+    ///
+    /// ```
+    /// use catamaran::mesh::io::Picture;
+    ///
+    /// let picture = Picture::rgba(1, &[[255, 0, 0, 128], [0, 255, 0, 255]])?;
+    /// assert_eq!((picture.width(), picture.height()), (1, 2));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Picture::rgb`].
@@ -41,7 +49,14 @@ impl Picture {
         Self::new(width, pixels.len(), ColorType::Rgba, BitDepth::Eight, pixels.as_flattened())
     }
 
-    /// Grey.
+    /// Creates a picture from grey values of 8 bits, `width` pixels a row.
+    ///
+    /// ```
+    /// use catamaran::mesh::io::Picture;
+    ///
+    /// assert_eq!(Picture::gray(2, &[0, 85, 170, 255])?.height(), 2);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Picture::rgb`].
@@ -49,7 +64,15 @@ impl Picture {
         Self::new(width, pixels.len(), ColorType::Grayscale, BitDepth::Eight, pixels)
     }
 
-    /// Grey, of 16 bits.
+    /// Creates a picture from grey values of 16 bits, `width` pixels a row.
+    ///
+    /// ```
+    /// use catamaran::mesh::io::Picture;
+    ///
+    /// let ramp: Vec<u16> = (0..256).map(|i| 257 * i).collect();
+    /// assert_eq!(Picture::gray16(16, &ramp)?.height(), 16);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Picture::rgb`].
@@ -82,7 +105,16 @@ impl Picture {
         Ok(Self { width: side(width)?, height: side(height)?, color, depth, bytes: own })
     }
 
-    /// The same with rows in the other order: of textures, whose first row is at v = 0.
+    /// Returns the picture with its rows in reverse order, for textures, whose first row is at v =
+    /// 0.
+    ///
+    /// ```
+    /// use catamaran::mesh::io::Picture;
+    ///
+    /// let picture = Picture::gray(1, &[0, 255])?;
+    /// assert_eq!(picture.flipped(), Picture::gray(1, &[255, 0])?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn flipped(mut self) -> Self {
         let row = self.bytes.len() / self.height as usize;
         let half = self.height as usize / 2;
@@ -93,22 +125,31 @@ impl Picture {
         self
     }
 
-    /// Whether it has opacity.
+    /// Returns whether the picture has an opacity.
     pub(super) fn has_opacity(&self) -> bool {
         self.color == ColorType::Rgba
     }
 
-    /// Pixels of a row.
+    /// Returns the number of pixels of a row.
     pub fn width(&self) -> usize {
         self.width as usize
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height as usize
     }
 
-    /// Writes it as PNG.
+    /// Writes the picture as PNG.
+    ///
+    /// ```
+    /// use catamaran::mesh::io::Picture;
+    ///
+    /// let mut bytes = Vec::new();
+    /// Picture::gray(1, &[7])?.write_png(&mut bytes).unwrap();
+    /// assert_eq!(bytes[1..4], *b"PNG");
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// Those of the sink.
@@ -128,7 +169,7 @@ impl Picture {
         })
     }
 
-    /// The bytes of it as PNG.
+    /// Returns the bytes of the picture as PNG.
     ///
     /// # Errors
     /// [`Error::Argument`] for what PNG can't hold.

@@ -14,7 +14,7 @@ impl Transform {
     pub const IDENTITY: Self =
         Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
 
-    /// That of a node in its parent.
+    /// Returns the transformation of a node in its parent.
     pub fn of(node: &Node) -> Self {
         if let Some(m) = node.matrix {
             let column = |i: usize| [m[4 * i], m[4 * i + 1], m[4 * i + 2]];
@@ -31,11 +31,12 @@ impl Transform {
         Self { axes, origin: node.translation.unwrap_or([0.0; 3]) }
     }
 
-    /// This after `inner`.
+    /// Returns the composition of `inner`, then this transformation.
     pub fn after(&self, inner: &Self) -> Self {
         Self { axes: inner.axes.map(|axis| self.direction(axis)), origin: self.point(inner.origin) }
     }
 
+    /// Returns the transformed point.
     pub fn point(&self, p: Vector) -> Vector {
         let moved = self.direction(p);
         std::array::from_fn(|k| moved[k] + self.origin[k])
@@ -45,7 +46,7 @@ impl Transform {
         std::array::from_fn(|k| (0..3).map(|i| d[i] * self.axes[i][k]).sum())
     }
 
-    /// A normal by the cofactors, of length 1 unless there is none.
+    /// Returns the normal transformed by the cofactors, of length 1 unless it is zero.
     pub fn normal(&self, n: Vector) -> Vector {
         let [a, b, c] = self.axes;
         let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
@@ -56,7 +57,7 @@ impl Transform {
         if length > 0.0 { moved.map(|x| x / length) } else { moved }
     }
 
-    /// Whether it turns faces over.
+    /// Returns whether the transformation turns faces over.
     pub fn is_mirrored(&self) -> bool {
         let [a, b, c] = self.axes;
         dot(cross(a, b), c) < 0.0

@@ -27,7 +27,7 @@ pub(in super::super) fn write(
     write_all(sink, file, encoding, None)
 }
 
-/// [`write()`] with this material on all faces.
+/// Writes as [`write()`] does, with this material on all faces.
 pub(in super::super) fn write_with_material(
     sink: &mut dyn Write,
     file: &MeshFile,

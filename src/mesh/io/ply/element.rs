@@ -17,6 +17,7 @@ pub(super) enum Type {
 }
 
 impl Type {
+    /// Parses the name of a type.
     pub fn parse(word: &[u8]) -> Checked<Self> {
         Ok(match word {
             b"char" | b"int8" => Self::I8,
@@ -31,7 +32,7 @@ impl Type {
         })
     }
 
-    /// Its bytes in a binary file.
+    /// Returns the bytes that a number of this type has in a binary file.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -75,6 +76,7 @@ pub(super) enum Name {
 }
 
 impl Name {
+    /// Parses the name of a property.
     pub fn parse(word: &[u8]) -> Option<Self> {
         Some(match word {
             b"x" => Self::X,
@@ -114,23 +116,23 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The place of a scalar among the scalars.
+    /// Returns the place of a scalar among the scalars.
     pub fn scalar(&self, name: Name) -> Option<usize> {
         self.properties.iter().filter(|p| p.counted_by.is_none()).position(|p| p.name == Some(name))
     }
 
-    /// The places of scalars, when all are there.
+    /// Returns the places of scalars, when all are there.
     pub fn scalars<const N: usize>(&self, names: [Name; N]) -> Option<[usize; N]> {
         let places = names.map(|name| self.scalar(name));
         places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
     }
 
-    /// The place of a list among the lists.
+    /// Returns the place of a list among the lists.
     pub fn list(&self, name: Name) -> Option<usize> {
         self.properties.iter().filter(|p| p.counted_by.is_some()).position(|p| p.name == Some(name))
     }
 
-    /// What scalar number i has for 1, as a colour.
+    /// Returns the value of scalar number i that means 1 where it is a colour.
     pub fn full_scale(&self, i: usize) -> f64 {
         let mut scalars = self.properties.iter().filter(|p| p.counted_by.is_none());
         scalars.nth(i).map_or(1.0, |p| p.item.full_scale())

@@ -14,6 +14,7 @@ pub(super) struct Header {
 }
 
 impl Header {
+    /// Reads the header.
     pub fn read(source: &mut Source<'_>) -> Result<Self> {
         if source.next_bytes()?.unwrap_or_default() != b"ply" {
             return Err(source.fail("not a PLY file: its first line must be 'ply'"));
@@ -36,7 +37,7 @@ impl Header {
         Ok(Self { encoding, elements })
     }
 
-    /// That the file ends here.
+    /// Returns an error unless the file ends here.
     pub fn nothing_more(&self, source: &mut Source<'_>) -> Result<()> {
         if self.encoding == PlyEncoding::Ascii {
             while let Some(line) = source.next_bytes()? {

@@ -27,6 +27,7 @@ pub(super) struct Rows<'s, 'a> {
 }
 
 impl<'s, 'a> Rows<'s, 'a> {
+    /// Creates a reader of the rows of an element.
     pub fn new(source: &'s mut Source<'a>, encoding: PlyEncoding, element: &'s Element) -> Self {
         let (mut scalars, mut lists, mut bytes) = (0, 0, 0);
         for property in &element.properties {
@@ -43,7 +44,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         Self { source, encoding, element, fixed, done: 0, row, bytes: Vec::new() }
     }
 
-    /// The next row; `None` after the last one.
+    /// Reads the next row; `None` after the last one.
     pub fn next(&mut self) -> Checked<Option<&Row>> {
         // A row of nothing takes no bytes, so a count of them proves nothing.
         if self.done == self.element.count || self.element.properties.is_empty() {
@@ -62,7 +63,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         Ok(Some(&self.row))
     }
 
-    /// All rows, for what is in no mesh.
+    /// Reads over all rows, for elements that meshes do not have.
     pub fn skip(&mut self) -> Checked<()> {
         while self.next()?.is_some() {}
         Ok(())
