@@ -191,7 +191,7 @@ impl AtaOptions<'_> {
 }
 
 impl<'a> AtaOptions<'a> {
-    /// The defaults.
+    /// Creates the default options.
     pub fn new() -> Self {
         Self::default()
     }
@@ -251,9 +251,9 @@ impl<'a> AtaOptions<'a> {
             || self.accuracy == Accuracy::Max && self.scheme == SchemeChoice::Auto
     }
 
-    /// Asks for the same bytes on every machine, for any number of threads: [`SchemeChoice::Exact`]
-    /// everywhere, so that no other scheme may be asked for. It is slower than the classical way on
-    /// CPUs without AMX. False by default.
+    /// Sets whether results are the same bytes on every machine, for any number of threads; false by
+    /// default. Every product then takes [`SchemeChoice::Exact`], and no other scheme may be set.
+    /// On CPUs without AMX it is slower than the classical algorithm.
     pub fn reproducible(self, reproducible: bool) -> Self {
         Self { reproducible, ..self }
     }

@@ -143,7 +143,8 @@ pub struct PrincipalComponents {
 }
 
 impl PrincipalComponents {
-    /// Computes them. The result is the same, bit for bit, for every `options.par`.
+    /// Computes the principal components. The result is the same, bit for bit, for every
+    /// `options.par`.
     ///
     /// # Errors
     /// [`Error::Argument`] when the matrix is not about the mean, has a weight of 1 or less, or for

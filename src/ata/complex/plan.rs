@@ -59,7 +59,7 @@ pub struct ComplexPlan {
 }
 
 impl ComplexPlan {
-    /// The plan of `A^H A` for A m x n.
+    /// Plans `A^H A` for A m x n.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -75,7 +75,7 @@ impl ComplexPlan {
         Self::new::<T>(Kind::Aha, [m, n, n], terms, options)
     }
 
-    /// The plan of `A^H B` for A m x n and B m x k.
+    /// Plans `A^H B` for A m x n and B m x k.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -89,7 +89,7 @@ impl ComplexPlan {
         Self::new::<T>(Kind::Ahb, [m, n, k], [term(0..2), term(1..3)], options)
     }
 
-    /// The plan of `A^T B`, without a conjugate, for A m x n and B m x k.
+    /// Plans `A^T B`, without a conjugate, for A m x n and B m x k.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -104,7 +104,8 @@ impl ComplexPlan {
         Self::new::<T>(Kind::Atb, [m, n, k], [term(1..3), term(0..2)], options)
     }
 
-    /// The plan of the conjugate of the product: `A^T conj(A)`, `A^T conj(B)`, `A^H conj(B)`.
+    /// Returns the plan of the conjugate of the product: `A^T conj(A)`, `A^T conj(B)`,
+    /// `A^H conj(B)`.
     #[must_use]
     pub fn conjugated(mut self) -> Self {
         self.conjugated = !self.conjugated;
@@ -176,12 +177,12 @@ impl ComplexPlan {
         self.plans.iter().flatten().map(Plan::expected_ratio).fold(0.0, f64::max)
     }
 
-    /// The instruction set of the real products; `None` when a back end computes them.
+    /// Returns the instruction set of the real products; `None` when a back end computes them.
     pub fn isa(&self) -> Option<&'static str> {
         self.plans[0][0].isa()
     }
 
-    /// Whether all real products take the exact path.
+    /// Returns whether all real products take the exact path.
     pub fn is_exact(&self) -> bool {
         self.plans.iter().flatten().all(Plan::is_exact)
     }

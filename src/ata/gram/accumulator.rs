@@ -61,7 +61,8 @@ pub(super) enum Sums<T> {
 }
 
 impl<T: BlasReal> Accumulator<T> {
-    /// Of no rows, for all of C, in floating point; about the mean when `centered`.
+    /// Creates an empty accumulator for all of C, in floating point; C is about the mean when
+    /// `centered`.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -69,7 +70,7 @@ impl<T: BlasReal> Accumulator<T> {
         Self::of_strip(ncols, 0..ncols, centered)
     }
 
-    /// As [`Accumulator::new`], for these rows of C.
+    /// Creates an accumulator as [`Accumulator::new`] does, for these rows of C.
     ///
     /// # Errors
     /// [`Error::Argument`] when the rows are not in `0..ncols`, [`Error::OutOfMemory`].
@@ -78,8 +79,8 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self::of(ncols, Sums::Float(FloatSums::new(ncols, rows, centered)?)))
     }
 
-    /// Of no rows, for all of C, in integers; about the mean when `centered`. Rows must keep the
-    /// bounds.
+    /// Creates an empty accumulator for all of C, in integers; C is about the mean when `centered`.
+    /// All rows must be within the bounds.
     ///
     /// Entries are rounded once, relative to the bounds of their column, products of entries with
     /// weights once more, and C once at the end: `|C_ij - exact| <= 4 m u |x_i| |x_j|` for m rows
@@ -91,7 +92,7 @@ impl<T: BlasReal> Accumulator<T> {
         Self::exact_strip(bounds, 0..bounds.ncols(), centered)
     }
 
-    /// As [`Accumulator::exact`], for these rows of C.
+    /// Creates an accumulator as [`Accumulator::exact`] does, for these rows of C.
     ///
     /// # Errors
     /// As [`Accumulator::exact`] and [`Accumulator::of_strip`].
@@ -101,9 +102,9 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self::of(bounds.ncols(), Sums::Exact(ExactSums::new(bounds, rows, shift)?)))
     }
 
-    /// Of no rows, for all of C, in integers of 256 bits; about the mean when `centered`. Rows must
-    /// keep the bounds. [`Accumulator::finish_extended`] gives C in extended precision; otherwise
-    /// it is as [`Accumulator::exact`].
+    /// Creates an empty accumulator for all of C, in integers of 256 bits; C is about the mean when
+    /// `centered`. All rows must be within the bounds. [`Accumulator::finish_extended`] returns C
+    /// in extended precision; all else is as for [`Accumulator::exact`].
     ///
     /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves those
     /// of most data as they are; where [`RowBounds::of`] has found that all entries of the columns
@@ -153,7 +154,7 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(())
     }
 
-    /// A copy, bit for bit.
+    /// Returns a copy, bit for bit.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -166,12 +167,12 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self { sums, labels: self.labels.clone(), ..*self })
     }
 
-    /// Columns n of the rows.
+    /// Returns the number of columns n of the rows.
     pub fn ncols(&self) -> usize {
         self.ncols
     }
 
-    /// The rows of C that it is of.
+    /// Returns the rows of C that the accumulator sums.
     pub fn strip(&self) -> Range<usize> {
         match &self.sums {
             Sums::Float(sums) => sums.c.rows(),
@@ -180,7 +181,7 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Rows so far.
+    /// Returns the number of rows so far.
     pub fn rows(&self) -> u64 {
         match &self.sums {
             Sums::Float(sums) => sums.moments.rows,
@@ -189,13 +190,13 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Rows of all sources that were streamed into it; more than [`Accumulator::rows`] while one is
-    /// on its way.
+    /// Returns the number of rows of all sources that were streamed into the accumulator. It is
+    /// larger than [`Accumulator::rows`] until the last source is complete.
     pub fn expected_rows(&self) -> u64 {
         self.expected_rows.max(self.rows())
     }
 
-    /// Sum of the weights of the rows so far; their number without weights.
+    /// Returns the sum of the weights of the rows so far; without weights, their number.
     pub fn weight(&self) -> f64 {
         match &self.sums {
             Sums::Float(sums) => sums.moments.weight,
@@ -204,7 +205,7 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Whether C is to be about the mean.
+    /// Returns whether C is about the mean.
     pub fn is_centered(&self) -> bool {
         match &self.sums {
             Sums::Float(sums) => sums.moments.centered,
@@ -213,17 +214,17 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Whether it adds integers, in any order the same.
+    /// Returns whether the sums are integers, which are the same for any order of the rows.
     pub fn is_exact(&self) -> bool {
         !matches!(self.sums, Sums::Float(_))
     }
 
-    /// Whether C can be had in extended precision.
+    /// Returns whether [`Accumulator::finish_extended`] can return C in extended precision.
     pub fn is_extended(&self) -> bool {
         matches!(self.sums, Sums::Extended(_))
     }
 
-    /// The (weighted) mean row so far; empty without centring.
+    /// Returns the (weighted) mean row so far; empty without centring.
     pub fn mean(&self) -> Vec<f64> {
         match &self.sums {
             Sums::Float(sums) => sums.moments.mean(),
@@ -232,7 +233,7 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Names and values that are kept with it, for the caller's use.
+    /// Returns the labels, names and values that the accumulator keeps for the caller.
     pub fn labels(&self) -> &[(String, String)] {
         &self.labels
     }
@@ -242,7 +243,7 @@ impl<T: BlasReal> Accumulator<T> {
         self.labels = labels;
     }
 
-    /// Whether the labels are these.
+    /// Checks that the labels are equal to `wanted`.
     ///
     /// # Errors
     /// [`Error::Argument`] that names the first one that differs, and both values.
@@ -455,9 +456,10 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// `alpha C`, about the mean when centred. Of all of C the triangle or triangles of `uplo`, the
-    /// other one zero. A strip has its part of the lower triangle and zeros above the diagonal,
-    /// whatever `uplo` says. It is in the memory of the accumulator, unless that is exact.
+    /// Returns `alpha C`, about the mean when centred. An accumulator for all of C returns the
+    /// triangle or triangles of `uplo`, and zeros in the other one. A strip has its part of the
+    /// lower triangle and zeros above the diagonal, whatever `uplo` is. The result takes over the
+    /// memory of the accumulator, unless that is exact.
     ///
     /// # Errors
     /// [`Error::Argument`] when the weights of a mean sum to zero; of an exact accumulator
@@ -486,8 +488,8 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(c)
     }
 
-    /// C in extended precision, about the mean when centred; the same, bit for bit, for every
-    /// `par`.
+    /// Returns C in extended precision, about the mean when centred. The result is the same, bit
+    /// for bit, for every `par`.
     ///
     /// # Errors
     /// [`Error::Argument`] when the accumulator is not one of [`Accumulator::extended`], or when

@@ -52,7 +52,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of [`ata`](super::ata) for A m x n.
+    /// Plans [`ata`](super::ata) for A m x n.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) for options out of range,
@@ -61,7 +61,7 @@ impl Plan {
         Self::new::<T>(Op::Syrk, m, n, n, options)
     }
 
-    /// The plan of [`atb`](super::atb) for A m x n and B m x k.
+    /// Plans [`atb`](super::atb) for A m x n and B m x k.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -74,8 +74,8 @@ impl Plan {
         Self::new::<T>(Op::Gemm, m, n, k, options)
     }
 
-    /// The plan of [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are
-    /// m x n.
+    /// Plans [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are m x
+    /// n.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -117,13 +117,14 @@ impl Plan {
         if self.classical_seconds > 0.0 { self.seconds / self.classical_seconds } else { 1.0 }
     }
 
-    /// Whether it takes the exact path, which gives the same bytes on every machine.
+    /// Returns whether the plan takes the exact path, which returns the same bytes on every
+    /// machine.
     pub fn is_exact(&self) -> bool {
         matches!(self.strategy, Strategy::Exact(_))
     }
 
-    /// Whether any product is computed with fewer multiplications than the classical count, unless
-    /// the norms of the columns forbid it.
+    /// Returns whether some product is computed with fewer multiplications than the classical
+    /// count. At run time the norms of the columns may still forbid that.
     pub fn is_fast(&self) -> bool {
         match &self.strategy {
             Strategy::Fused(fused) => fused.is_fast(),
