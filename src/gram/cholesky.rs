@@ -102,6 +102,18 @@ pub(super) fn check(gram: &ExtendedGram) -> Result<()> {
 impl PivotedCholesky {
     /// Factors a Gram matrix.
     ///
+    /// ```
+    /// use catamaran::ata::ExtendedGram;
+    /// use catamaran::gram::{PivotedCholesky, Pivoting};
+    /// use catamaran::{Par, faer::mat};
+    ///
+    /// let gram = ExtendedGram::from_f64(mat![[1.0, 0.0], [0.0, 9.0]].as_ref(), 2, &[])?;
+    /// let natural = PivotedCholesky::from_gram(&gram, Pivoting::Natural, Par::Seq)?;
+    /// let largest = PivotedCholesky::from_gram(&gram, Pivoting::Largest, Par::Seq)?;
+    /// assert_eq!((natural.order(), largest.order()), (&[0, 1][..], &[1, 0][..]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::NonFinite`] and [`Error::Argument`] for a matrix that is none,
     /// [`Error::OutOfMemory`].

@@ -90,8 +90,8 @@ impl Columns<2> {
         PairsMut { hi: &mut hi[range.clone()], lo: &mut lo[range] }
     }
 
-    /// Returns column `read`, and column `write` for writing, from row `from` on, for `read !=
-    /// write`.
+    /// Returns column `read`, and column `write` for writing, from row `from` on;
+    /// `read` and `write` must differ.
     #[inline(always)]
     pub fn two(&mut self, read: usize, write: usize, from: usize) -> (Pairs<'_>, PairsMut<'_>) {
         let (stride, middle) = (self.stride, read.max(write) * self.stride);

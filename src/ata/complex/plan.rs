@@ -61,6 +61,14 @@ pub struct ComplexPlan {
 impl ComplexPlan {
     /// Plans `A^H A` for A m x n.
     ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::ComplexPlan};
+    ///
+    /// let plan = ComplexPlan::aha::<f64>(1000, 100, &AtaOptions::new().reproducible(true))?;
+    /// assert!(plan.is_exact());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Plan::ata`].
     pub fn aha<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
@@ -106,6 +114,19 @@ impl ComplexPlan {
 
     /// Returns the plan of the conjugate of the product: `A^T conj(A)`, `A^T conj(B)`,
     /// `A^H conj(B)`.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::{ComplexPlan, ahb_planned}, faer::{Mat, c64}};
+    ///
+    /// // A^T conj(B) of one entry each: i times 1.
+    /// let options = AtaOptions::new();
+    /// let plan = ComplexPlan::ahb::<f64>(1, 1, 1, &options)?.conjugated();
+    /// let (i, one, zero) = (c64::new(0.0, 1.0), c64::new(1.0, 0.0), c64::new(0.0, 0.0));
+    /// let (a, b, mut c) = (Mat::full(1, 1, i), Mat::full(1, 1, one), Mat::zeros(1, 1));
+    /// ahb_planned(&plan, one, a.as_ref(), b.as_ref(), zero, c.as_mut(), &options)?;
+    /// assert_eq!(c[(0, 0)], i);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     #[must_use]
     pub fn conjugated(mut self) -> Self {
         self.conjugated = !self.conjugated;

@@ -13,6 +13,17 @@ use super::cover::difference_cover;
 use super::segment::{Segment, packed_len};
 
 /// The lower triangle of C as blocks of the products of column blocks.
+///
+/// ```
+/// use catamaran::ata::distributed::{Blocks, packed_len};
+///
+/// let blocks = Blocks::new(&[4, 3, 3]);
+/// assert_eq!(blocks.columns(1), 4..7);
+/// // Every entry of the lower triangle is on one rank.
+/// assert_eq!((0..3).map(|rank| blocks.len(rank)).sum::<usize>(), packed_len(10));
+/// // The first product of a rank is the triangle of its own columns.
+/// assert!(blocks.products(2).next().is_some_and(|first| (first.left, first.right) == (2, 2)));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Blocks {
     /// Where each rank's columns of A begin, and the end: from 0 to n.
@@ -76,6 +87,16 @@ impl Blocks {
 
     /// Returns the ranks to which the columns of `rank` must be sent, without `rank` itself: the
     /// opposite direction of [`Blocks::sources`].
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::Blocks;
+    ///
+    /// let blocks = Blocks::new(&[2; 7]);
+    /// assert_eq!(blocks.sources(0).count(), 2);
+    /// for source in blocks.sources(0) {
+    ///     assert!(blocks.destinations(source).any(|rank| rank == 0));
+    /// }
+    /// ```
     pub fn destinations(&self, rank: usize) -> impl Iterator<Item = usize> + '_ {
         let ranks = self.ranks();
         self.cover[1..].iter().map(move |c| (rank + ranks - c) % ranks).filter(move |&r| r != rank)

@@ -12,6 +12,15 @@ use super::segment::{Segment, packed_len};
 use crate::ata::plan::block_start;
 
 /// The lower triangle of C as chunks of rows; each chunk is shared evenly among all ranks.
+///
+/// ```
+/// use catamaran::ata::distributed::{Chunks, packed_len};
+///
+/// let chunks = Chunks::with_count(100, 4, 5);
+/// assert_eq!((chunks.count(), chunks.rows(4).end), (5, 100));
+/// // Every rank holds a quarter of every chunk.
+/// assert!((chunks.len(0) as f64 / packed_len(100) as f64 - 0.25).abs() < 0.01);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chunks {
     ranks: usize,
@@ -29,6 +38,14 @@ impl Chunks {
     /// Creates chunks of about the same number of entries for A m x n on `ranks >= 1` ranks. Long
     /// products are faster, so there are as few chunks as possible while a rank needs no more extra
     /// memory than its share of A and C takes.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::Chunks;
+    ///
+    /// // A small C is one chunk; several chunks of a large C overlap with its computation.
+    /// assert_eq!(Chunks::new(1000, 100, 4).count(), 1);
+    /// assert!(Chunks::new(4096, 4096, 2).count() > 1);
+    /// ```
     pub fn new(m: usize, n: usize, ranks: usize) -> Self {
         let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
         let most = (n / (2 * SHORTEST)).max(1);

@@ -20,6 +20,19 @@ use crate::base::{Error, Result};
 const DENSE: i32 = 1;
 
 /// Indices `0..len` dealt out in blocks: block k goes to part `(first + k) mod parts`.
+///
+/// ```
+/// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+///
+/// // 10 rows in blocks of 3, dealt out to the two rows of a grid.
+/// let grid = Grid::new(2, 1, GridOrder::Rows)?;
+/// let a = BlockCyclic::new("A", (10, 4), (3, 4), (0, 0), grid)?;
+/// let rows = a.rows();
+/// assert!(rows.runs(1, 0..10).eq([3..6, 9..10]));
+/// assert_eq!((rows.count(0), rows.count(1)), (6, 4));
+/// assert_eq!((rows.owner(7), rows.local(7), rows.global(0, 4)), (0, 4, 7));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dealing {
     len: usize,
@@ -115,6 +128,15 @@ pub struct Grid {
 
 impl Grid {
     /// Creates a grid of the ranks from 0 to `rows * cols - 1`.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::{Grid, GridOrder};
+    ///
+    /// let grid = Grid::new(2, 3, GridOrder::Columns)?;
+    /// assert_eq!((grid.rank(1, 0), grid.place(1)), (1, Some((1, 0))));
+    /// assert_eq!(grid.place(6), None);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when there is no row, no column, or more than 2^31 - 1 ranks.
@@ -231,6 +253,16 @@ impl BlockCyclic {
     /// The nine numbers are DTYPE_ (1), CTXT_ (ignored: `grid` says it), M_, N_, MB_, NB_, RSRC_,
     /// CSRC_ and LLD_, which is at least 1 and the rows of the part, and ignored on ranks outside
     /// of the grid. `what` names the descriptor in errors.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+    ///
+    /// let grid = Grid::new(2, 2, GridOrder::Rows)?;
+    /// let descriptor = [1, -1, 10, 6, 3, 2, 1, 0, 6];
+    /// let (matrix, leading) = BlockCyclic::from_descriptor("desc", &descriptor, grid, 3)?;
+    /// assert_eq!((matrix.shape(), matrix.local_shape(3), leading), ((10, 6), (6, 2), 6));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`], which names the field.
@@ -420,6 +452,17 @@ impl Parts {
 
     /// Returns the piece of the part of rank `to` that rank `from` holds; `None` when it is empty
     /// or `from` is outside of the grid.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::{BlockCyclic, Cut, Grid, GridOrder, Parts, Piece};
+    ///
+    /// let grid = Grid::new(1, 2, GridOrder::Rows)?;
+    /// let a = BlockCyclic::new("A", (8, 4), (8, 2), (0, 0), grid)?;
+    /// // Rank 0 holds the first two columns; the part of rank 1 is the last four rows.
+    /// let parts = Parts::with_cut(a, 2, Cut::Rows);
+    /// assert_eq!(parts.piece(0, 1), Some(Piece { rows: 4..8, cols: 0..2, first_row: 0 }));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn piece(&self, from: usize, to: usize) -> Option<Piece> {
         let (row, col) = self.matrix.grid.place(from)?;
         let (rows, cols) = (self.rows(to), self.cols(to));
@@ -448,6 +491,19 @@ fn share(len: usize, parts: usize, i: usize) -> Range<usize> {
 }
 
 /// A symmetric result on its way into a block-cyclic C.
+///
+/// ```
+/// use catamaran::Uplo;
+/// use catamaran::ata::distributed::{BlockCyclic, Chunks, Delivery, Grid, GridOrder, Layout};
+///
+/// // Two ranks hold the lower triangle; both triangles of C go to rank 0.
+/// let result = Layout::Chunks(Chunks::with_count(3, 2, 1));
+/// let grid = Grid::new(1, 1, GridOrder::Rows)?;
+/// let target = BlockCyclic::new("C", (3, 3), (3, 3), (0, 0), grid)?;
+/// let delivery = Delivery { result: &result, target, uplo: Uplo::Both };
+/// assert_eq!(delivery.len(0, 0) + delivery.len(1, 0), 9);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Delivery<'l> {
     /// Who holds which entries of the result.

@@ -91,6 +91,14 @@ pub(crate) const RESULTS_IN_FLIGHT: usize = 2;
 impl TaskTree {
     /// Creates the tree for A m x n on `processes >= 1` processes. Process 0 owns the root. Some
     /// processes own nothing where the matrix is too small for all.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::TaskTree;
+    ///
+    /// // The root and six children: four triangles, and twice the block below the diagonal.
+    /// let tree = TaskTree::new(400, 200, 6);
+    /// assert_eq!((tree.depth(), tree.nodes().len()), (1, 7));
+    /// ```
     pub fn new(m: usize, n: usize, processes: usize) -> Self {
         let task = Task { process: 0, triangle: true, rows: 0..n, cols: 0..n };
         let root = TreeNode { task, sums: 0..m, parent: None, children: 0..0, is_first: true };
@@ -149,6 +157,15 @@ impl TaskTree {
 
     /// Returns the messages that the owner of `node` sends to its children, in order: the first
     /// strips of all children before the second ones, so that every child begins early.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::TaskTree;
+    ///
+    /// let tree = TaskTree::new(400, 200, 2);
+    /// let sends: Vec<_> = tree.planned_sends(&tree.nodes()[0]).collect();
+    /// assert_eq!(sends.len(), 2);
+    /// assert!(sends.iter().all(|send| send.rows == (0..400)));
+    /// ```
     pub fn planned_sends(&self, node: &TreeNode) -> impl Iterator<Item = PlannedSend> {
         let children = node.children.clone();
         (0..STRIPS).flat_map(move |strip| {

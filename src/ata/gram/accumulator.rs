@@ -64,6 +64,16 @@ impl<T: BlasReal> Accumulator<T> {
     /// Creates an empty accumulator for all of C, in floating point; C is about the mean when
     /// `centered`.
     ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(2, true)?;
+    /// sum.add_block(2, &mut [1.0, 1.0, 3.0, 5.0], None, &AtaOptions::new())?;
+    /// assert_eq!(sum.mean(), [2.0, 3.0]);
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 4.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn new(ncols: usize, centered: bool) -> Result<Self> {
@@ -71,6 +81,17 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Creates an accumulator as [`Accumulator::new`] does, for these rows of C.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::of_strip(3, 1..3, false)?;
+    /// sum.add_block(1, &mut [1.0, 2.0, 3.0], None, &AtaOptions::new())?;
+    /// let strip = sum.finish(1.0, Uplo::Lower)?;
+    /// // Row 2 of C is row 1 of the strip.
+    /// assert_eq!((strip.rows(), strip.as_ref()[(1, 1)]), (1..3, 6.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when the rows are not in `0..ncols`, [`Error::OutOfMemory`].
@@ -155,6 +176,16 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Returns a copy, bit for bit.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(1, false)?;
+    /// let copy = sum.try_clone()?;
+    /// sum.add_block(1, &mut [2.0], None, &AtaOptions::new())?;
+    /// assert_eq!((copy.rows(), sum.rows()), (0, 1));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -245,6 +276,18 @@ impl<T: BlasReal> Accumulator<T> {
 
     /// Checks that the labels are equal to `wanted`.
     ///
+    /// ```
+    /// use catamaran::ata::Accumulator;
+    ///
+    /// let label = |file: &str| vec![("file".to_owned(), file.to_owned())];
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// sum.set_labels(label("a.npy"));
+    /// sum.check_labels(&label("a.npy"))?;
+    /// let error = sum.check_labels(&label("b.npy")).unwrap_err();
+    /// assert!(error.to_string().ends_with("file was a.npy, and is b.npy now"));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] that names the first one that differs, and both values.
     pub fn check_labels(&self, wanted: &[(String, String)]) -> Result<()> {
@@ -265,6 +308,16 @@ impl<T: BlasReal> Accumulator<T> {
     /// Adds a block of `count` rows, one after another, with their weights if they have any. Their
     /// entries are overwritten. `options.uplo` does not matter. [`stream`](super::stream()) plans
     /// once for all blocks of a source.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(1, false)?;
+    /// sum.add_block(2, &mut [1.0, 2.0], Some(&[10.0, 1.0]), &AtaOptions::new())?;
+    /// assert_eq!((sum.rows(), sum.weight()), (2, 11.0));
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(0, 0)], 14.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight;
@@ -330,6 +383,21 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Removes the rows of a source, as [`Accumulator::remove_block`] does.
+    ///
+    /// ```
+    /// use catamaran::ata::{Accumulator, DenseRows, RowBounds};
+    /// use catamaran::{AtaOptions, Uplo, faer::Mat};
+    ///
+    /// let a = Mat::<f64>::from_fn(10, 2, |i, j| (i + j) as f64);
+    /// let options = AtaOptions::new();
+    /// let bounds = RowBounds::<f64>::of(&mut DenseRows(a.as_ref()), None, 64, &options)?;
+    /// let mut sum = Accumulator::exact(&bounds, false)?;
+    /// sum.add_rows(&mut DenseRows(a.as_ref()), None, &options)?;
+    /// sum.remove_rows(&mut DenseRows(a.subrows(0, 4)), None, &options)?;
+    /// let kept = a.subrows(4, 6);
+    /// assert_eq!(sum.finish(1.0, Uplo::Both)?.as_ref(), kept.transpose() * kept);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Accumulator::add_rows`] and [`Accumulator::remove_block`].
@@ -460,6 +528,15 @@ impl<T: BlasReal> Accumulator<T> {
     /// triangle or triangles of `uplo`, and zeros in the other one. A strip has its part of the
     /// lower triangle and zeros above the diagonal, whatever `uplo` is. The result takes over the
     /// memory of the accumulator, unless that is exact.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator, faer::mat};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+    /// assert_eq!(sum.finish(10.0, Uplo::Upper)?.as_ref(), mat![[10.0, 20.0], [0.0, 40.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when the weights of a mean sum to zero; of an exact accumulator

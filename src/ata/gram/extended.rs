@@ -9,6 +9,19 @@ use crate::kernel::int8::I256;
 ///
 /// The first two parts are C in double-double, about 106 bits; all three hold 159 bits.
 /// `Accumulator::extended` computes C from rows.
+///
+/// ```
+/// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
+/// use catamaran::{AtaOptions, faer::mat};
+///
+/// // 1 + 2^-60 has more bits than an f64.
+/// let a = mat![[1.0], [2f64.powi(-30)]];
+/// let (plain, options) = (RowOptions::<f64>::new(), AtaOptions::new());
+/// let gram = ata_extended(&mut DenseRows(a.as_ref()), &plain, &options)?;
+/// assert_eq!(gram.entry(0, 0), [1.0, 2f64.powi(-60), 0.0]);
+/// assert!(gram.is_exact());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ExtendedGram {
     n: usize,

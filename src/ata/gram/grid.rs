@@ -66,6 +66,15 @@ impl<T: Real> RowBounds<T> {
     /// Declares bounds for at most `rows` rows, whose entries in column j are between `lower[j]`
     /// and `upper[j]`.
     ///
+    /// ```
+    /// use catamaran::ata::RowBounds;
+    ///
+    /// let bounds = RowBounds::new(vec![0.0, -1.0], vec![9.0, 1.0], 100)?.with_weights(2.0)?;
+    /// assert_eq!((bounds.ncols(), bounds.rows(), bounds.weight()), (2, 100, Some(2.0)));
+    /// assert!(RowBounds::new(vec![1.0], vec![0.0], 100).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`], and [`Error::Argument`] when a lower bound is above
     /// the upper one.
@@ -110,6 +119,16 @@ impl<T: Real> RowBounds<T> {
     /// Reads all rows once, in blocks of `block_rows`, and takes the bounds of the finite entries,
     /// of the weights, and the number of rows. `options.progress` is told the fraction that is
     /// read.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::{DenseRows, RowBounds}, faer::mat};
+    ///
+    /// let a = mat![[1.0, f64::NAN], [-3.0, 0.5]];
+    /// let options = AtaOptions::new();
+    /// let bounds = RowBounds::<f64>::of(&mut DenseRows(a.as_ref()), None, 64, &options)?;
+    /// assert_eq!((bounds.lower(), bounds.upper()), (&[-3.0, 0.5][..], &[1.0, 0.5][..]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// Those of the source, [`Error::OutOfMemory`], [`Error::Cancelled`].

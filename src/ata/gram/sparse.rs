@@ -97,6 +97,14 @@ pub fn sparse_is_faster<S: Real>(a: CsMatView<'_, S>) -> bool {
 
 /// Returns the multiplications of [`ata_sparse`] for one triangle: r (r + 1) / 2 for a row of r
 /// entries.
+///
+/// ```
+/// use catamaran::{ata::sparse_multiplications, sparse::CsMat};
+///
+/// // Rows of one, two and no entries.
+/// let a = CsMat::new((3, 2), vec![0, 1, 3, 3], vec![0, 0, 1], vec![2.0, 1.0, 3.0]);
+/// assert_eq!(sparse_multiplications(a.view()), 1 + 3);
+/// ```
 pub fn sparse_multiplications<S: Real>(a: CsMatView<'_, S>) -> usize {
     a.outer_iterator().map(|row| row.nnz() * (row.nnz() + 1) / 2).sum()
 }

@@ -54,6 +54,15 @@ pub struct Plan {
 impl Plan {
     /// Plans [`ata`](super::ata) for A m x n.
     ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan};
+    ///
+    /// // The plan does not depend on the number of threads.
+    /// let plan = |threads| Plan::ata::<f64>(5000, 1000, &AtaOptions::new().threads(threads));
+    /// assert_eq!(plan(1)?, plan(8)?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) for options out of range,
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory) for matrices that no memory holds.
@@ -62,6 +71,17 @@ impl Plan {
     }
 
     /// Plans [`atb`](super::atb) for A m x n and B m x k.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan, ata::atb_planned, faer::mat};
+    ///
+    /// let options = AtaOptions::new();
+    /// let plan = Plan::atb::<f64>(2, 2, 1, &options)?;
+    /// let (a, b, mut c) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]], mat![[0.0], [0.0]]);
+    /// atb_planned(&plan, 1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options)?;
+    /// assert_eq!(c, mat![[31.0], [42.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -74,8 +94,8 @@ impl Plan {
         Self::new::<T>(Op::Gemm, m, n, k, options)
     }
 
-    /// Plans [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are m x
-    /// n.
+    /// Plans [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are
+    /// m x n.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -125,6 +145,17 @@ impl Plan {
 
     /// Returns whether some product is computed with fewer multiplications than the classical
     /// count. At run time the norms of the columns may still forbid that.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan, SchemeChoice};
+    ///
+    /// let is_fast = |scheme| {
+    ///     let options = AtaOptions::new().scheme(scheme).leaf(64);
+    ///     Ok::<_, catamaran::Error>(Plan::ata::<f64>(1000, 1000, &options)?.is_fast())
+    /// };
+    /// assert!(is_fast(SchemeChoice::Winograd)? && !is_fast(SchemeChoice::Classical)?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn is_fast(&self) -> bool {
         match &self.strategy {
             Strategy::Fused(fused) => fused.is_fast(),

@@ -48,6 +48,13 @@ impl Node {
     }
 
     /// Creates the tree for an n x k matrix on `processes >= 1` processes.
+    ///
+    /// ```
+    /// use catamaran::ata::Node;
+    ///
+    /// let tasks = Node::general(100, 60, 4).tasks();
+    /// assert_eq!(tasks.iter().map(|task| task.rows.len() * task.cols.len()).sum::<usize>(), 6000);
+    /// ```
     pub fn general(n: usize, k: usize, processes: usize) -> Self {
         rectangle(0..n, 0..k, 0..processes, rectangle_levels(processes))
     }
@@ -85,6 +92,12 @@ impl Task {
 
 /// Returns the number of parallel levels of AtA-S on `p` processes: equation 8.6, `P / 2` rounded
 /// down.
+///
+/// ```
+/// use catamaran::ata::levels;
+///
+/// assert_eq!([1, 2, 4].map(levels), [0, 1, 2]);
+/// ```
 pub fn levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,
