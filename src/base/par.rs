@@ -24,12 +24,12 @@ impl Par {
     /// Threads for each core, at most.
     pub const MOST_PER_CORE: usize = 4;
 
-    /// All cores in the affinity mask of this process.
+    /// Returns one thread for each core in the affinity mask of this process.
     pub fn all() -> Self {
         Self::Threads(available_cores())
     }
 
-    /// The number of threads that are used.
+    /// Returns the number of threads that are used.
     pub fn threads(self) -> usize {
         match self {
             Self::Seq => 1,
@@ -154,8 +154,8 @@ fn enough_threads(wanted: usize) -> bool {
     std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= wanted)
 }
 
-/// The number of cores in the affinity mask of this process when it was first asked for, at
-/// least 1.
+/// Returns the number of cores in the affinity mask of this process, at least 1. The mask is read
+/// on the first call.
 ///
 /// ```
 /// use catamaran::{Par, base::available_cores};
@@ -168,7 +168,7 @@ pub fn available_cores() -> usize {
     *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
 }
 
-/// Something that is over when it has been counted down: threads wait for it.
+/// A counter that threads wait for: it is over once it has been counted down to zero.
 #[derive(Debug)]
 pub(crate) struct Latch {
     left: AtomicUsize,
@@ -178,12 +178,12 @@ pub(crate) struct Latch {
 }
 
 impl Latch {
-    /// Over after `count` calls of [`Latch::count_down`].
+    /// Creates a latch that is over after `count` calls of [`Latch::count_down`].
     pub fn new(count: usize) -> Self {
         Self { left: AtomicUsize::new(count), asleep: Mutex::new(0), over: Condvar::new() }
     }
 
-    /// One of the pieces is done; what its thread wrote is visible to those that wait.
+    /// Counts one piece as done. What its thread wrote is visible to the threads that wait.
     pub fn count_down(&self) {
         if self.left.fetch_sub(1, Ordering::AcqRel) == 1 {
             // Under the lock: who has seen a piece left is asleep by now, and hears it.
@@ -271,7 +271,7 @@ pub struct ThreadPool {
 }
 
 impl ThreadPool {
-    /// A pool of `threads` threads (at least 1).
+    /// Creates a pool of `threads` threads (at least 1).
     ///
     /// # Errors
     /// [`Error::Argument`] when the operating system gives no more threads.

@@ -14,7 +14,7 @@ pub struct VersionNumber {
     pub patch: u32,
 }
 
-/// The parts of [`VERSION`].
+/// Returns the parts of [`VERSION`].
 ///
 /// ```
 /// use catamaran::base::{VERSION, version};
@@ -28,7 +28,8 @@ pub fn version() -> VersionNumber {
     VersionNumber { major: next(), minor: next(), patch: next() }
 }
 
-/// The instruction sets of this CPU that matter here, as found at run time.
+/// Returns the names of the instruction sets of this CPU that the kernels can use, as detected at
+/// run time.
 pub fn cpu_features() -> Vec<&'static str> {
     #[allow(unused_mut)]
     let mut found = Vec::new();

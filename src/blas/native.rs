@@ -10,8 +10,8 @@ use crate::kernel::packed::{
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling
 /// thread.
 ///
-/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses all they can: threads
-/// that share packed operands, and additions fused into packing and writing.
+/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses more of their features:
+/// threads that share packed operands, and additions fused into packing and writing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Native {
     isa: Isa,
@@ -25,18 +25,19 @@ const BLOCK: usize = 2048;
 const BUDGET: usize = 1 << 20;
 
 impl Native {
-    /// For `isa`, or the portable one where this machine refuses that, with rates as measured.
+    /// Creates the kernels for `isa`, or the portable kernels if this machine does not support it.
+    /// The planner assumes `rates`.
     pub fn new(isa: Isa, rates: packed::Rates) -> Self {
         let usable = isa.refusal().is_none();
         Self { isa: if usable { isa } else { Isa::Portable }, rates }
     }
 
-    /// The instruction set.
+    /// Returns the instruction set.
     pub fn isa(&self) -> Isa {
         self.isa
     }
 
-    /// Their speed, as assumed.
+    /// Returns the speed that the planner assumes.
     pub fn rates(&self) -> packed::Rates {
         self.rates
     }

@@ -58,7 +58,7 @@ pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
     read.map_err(|e| error_at(path, None, e))
 }
 
-/// The scalar of the accumulator in the file at `path`, `"f32"` or `"f64"`.
+/// Returns the scalar of the accumulator in the file at `path`: `"f32"` or `"f64"`.
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io): no such file, or not an accumulator.

@@ -6,7 +6,7 @@ use sprs::CsMat;
 use crate::ata::RowBlocks;
 use crate::base::{Real, Result};
 
-/// A matrix out of a file.
+/// A matrix read from a file.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Matrix {
@@ -19,7 +19,7 @@ pub enum Matrix {
 }
 
 impl Matrix {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         match self {
             Self::F32(dense) => dense.nrows,
@@ -28,7 +28,7 @@ impl Matrix {
         }
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         match self {
             Self::F32(dense) => dense.columns.len(),
@@ -60,7 +60,7 @@ impl<T> Dense<T> {
         Self { values, nrows, ncols, row_major, columns }
     }
 
-    /// The matrix, without a copy.
+    /// Returns a view of the matrix, without a copy.
     pub fn as_ref(&self) -> MatRef<'_, T> {
         let all = if self.row_major {
             MatRef::from_row_major_slice(&self.values, self.nrows, self.ncols)

@@ -231,7 +231,7 @@ fn write_with(
     output.commit()
 }
 
-/// Whether [`read`] and [`write()`] know what the name of this file says.
+/// Checks that [`read`] and [`write()`] know the format that this file name stands for.
 ///
 /// ```
 /// use catamaran::io::check_name;

@@ -30,12 +30,12 @@ impl<T: Real> Symmetric<T> {
         self.layout.n()
     }
 
-    /// Who holds what.
+    /// Returns the layout: which rank holds which entries.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The entries of this rank, in the order of its segments.
+    /// Returns the entries of this rank, in the order of its segments.
     pub fn entries(&self) -> &[T] {
         &self.entries
     }

@@ -16,12 +16,12 @@ pub enum Mass {
 }
 
 impl Mass {
-    /// The identity of n rows: the Euclidean inner product.
+    /// Creates the identity of n rows: the Euclidean inner product.
     pub fn identity(n: usize) -> Self {
         Self::Lumped(vec![1.0; n])
     }
 
-    /// Its number of rows.
+    /// Returns the number of rows.
     pub fn len(&self) -> usize {
         match self {
             Self::Lumped(diagonal) => diagonal.len(),
@@ -29,13 +29,13 @@ impl Mass {
         }
     }
 
-    /// Whether it has no rows.
+    /// Returns whether the matrix has no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether it is an inner product for vectors of n entries, as far as can be seen without a
-    /// factorisation: n rows, finite, symmetric, the diagonal positive.
+    /// Checks that the matrix is an inner product for vectors of n entries, as far as possible
+    /// without a factorisation: n rows, finite, symmetric, the diagonal positive.
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`], all of "mass" and naming an
@@ -62,7 +62,7 @@ impl Mass {
         }
     }
 
-    /// The i-th diagonal entry, `i < self.len()`.
+    /// Returns the i-th diagonal entry, `i < self.len()`.
     pub fn diagonal(&self, i: usize) -> f64 {
         match self {
             Self::Lumped(diagonal) => diagonal[i],
@@ -70,7 +70,8 @@ impl Mass {
         }
     }
 
-    /// `Y := M X`; X and Y are n x c, any strides. The same for every `par`, bit for bit.
+    /// Computes `Y := M X`; X and Y are n x c, any strides. The result is the same for every `par`,
+    /// bit for bit.
     ///
     /// # Errors
     /// [`Error::Shape`].

@@ -10,20 +10,20 @@ use crate::base::{Error, Result};
 use crate::kernel::packed::isa::Isa;
 
 impl Rates {
-    /// The rates that [`Rates::save`] left for this isa on this machine; `None` when there are
-    /// none, or when [`Rates::load`] refuses the file.
+    /// Returns the rates that [`Rates::save`] stored for this isa on this machine; `None` when
+    /// there are none, or when [`Rates::load`] refuses the file.
     pub fn cached(isa: Isa) -> Option<Self> {
         Self::load(&Self::path(isa)?, isa).ok()
     }
 
-    /// Where they are kept: `catamaran/rates-<isa>.txt` in `$XDG_CACHE_HOME` or `~/.cache`
-    /// (macOS: `~/Library/Caches`, Windows: `%LOCALAPPDATA%`); `None` when the environment names no
-    /// such directory. The file need not be there.
+    /// Returns the path of the cache file: `catamaran/rates-<isa>.txt` in `$XDG_CACHE_HOME` or
+    /// `~/.cache` (macOS: `~/Library/Caches`, Windows: `%LOCALAPPDATA%`); `None` when the
+    /// environment names no such directory. The file need not exist.
     pub fn path(isa: Isa) -> Option<PathBuf> {
         Some(file_in(&directory()?, isa))
     }
 
-    /// The rates in a file.
+    /// Reads rates from a file.
     ///
     /// # Errors
     /// [`Error::Io`] with the file, and the line where one is at fault, when it can't be read, is

@@ -10,9 +10,9 @@ pub(super) type Fault = (Option<usize>, String);
 const KEYS: [&str; 4] = ["flops", "read_bytes", "pack_bytes", "update_bytes"];
 
 impl Rates {
-    /// The rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the isa, the
-    /// CPU and the kind of build (debug or not), then a line `key = value` for each field, in units
-    /// per second.
+    /// Returns the rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the
+    /// isa, the CPU and the kind of build (debug or not), then a line `key = value` for each field,
+    /// in units per second.
     pub fn to_text(&self, isa: Isa) -> String {
         self.to_text_of(isa, &cpu::name())
     }
