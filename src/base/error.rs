@@ -167,6 +167,12 @@ impl PartialEq for Cause {
 
 impl Error {
     /// Creates an [`Error::Io`] that concerns a file as a whole.
+    ///
+    /// ```
+    /// use catamaran::Error;
+    ///
+    /// assert_eq!(Error::file("a.npy", "is empty").to_string(), "a.npy: is empty");
+    /// ```
     pub fn file(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
         Self::Io { path: path.into(), line: None, what: what.into(), cause: None }
     }

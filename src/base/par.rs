@@ -10,6 +10,18 @@ use core_affinity::CoreId;
 use super::{Error, Result};
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
+///
+/// ```
+/// use catamaran::{AtaOptions, Par, ata, faer::Mat};
+///
+/// let a = Mat::<f64>::from_fn(300, 50, |i, j| (i * j % 17) as f64 / 16.0);
+/// let product = |par| {
+///     let mut c = Mat::zeros(50, 50);
+///     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().par(par)).map(|()| c)
+/// };
+/// assert_eq!(product(Par::Seq)?, product(Par::Threads(4))?);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Par {
     /// The calling thread only.
@@ -30,6 +42,12 @@ impl Par {
     }
 
     /// Returns the number of threads that are used.
+    ///
+    /// ```
+    /// use catamaran::Par;
+    ///
+    /// assert_eq!((Par::Seq.threads(), Par::Threads(0).threads()), (1, 1));
+    /// ```
     pub fn threads(self) -> usize {
         match self {
             Self::Seq => 1,
@@ -291,6 +309,14 @@ impl ThreadPool {
     }
 
     /// Calls `work` on a thread of the pool.
+    ///
+    /// ```
+    /// use catamaran::base::{Pin, ThreadPool};
+    ///
+    /// let pool = ThreadPool::new(2, Pin::No)?;
+    /// assert_eq!(pool.run(|| (1..=4).product::<u32>()), 24);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
     }

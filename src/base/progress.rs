@@ -60,12 +60,40 @@ impl<'a> Progress<'a> {
     }
 
     /// Reports to `callback`.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use catamaran::{Error, base::Progress};
+    ///
+    /// // Stops the work when half of it is done.
+    /// let callback = |fraction: f64| match fraction < 0.5 {
+    ///     true => ControlFlow::Continue(()),
+    ///     false => ControlFlow::Break(()),
+    /// };
+    /// let progress = Progress::new(&callback);
+    /// assert_eq!(progress.report(0.2), Ok(()));
+    /// assert_eq!(progress.report(0.5), Err(Error::Cancelled));
+    /// ```
     pub const fn new(callback: Callback<'a>) -> Self {
         Self { callback: Some(callback), start: 0.0, length: 1.0 }
     }
 
     /// Returns the progress of a part of the work, whose fractions 0 and 1 are `range.start` and
     /// `range.end` of this progress.
+    ///
+    /// ```
+    /// use std::{ops::ControlFlow, sync::Mutex};
+    /// use catamaran::base::Progress;
+    ///
+    /// let last = Mutex::new(0.0);
+    /// let callback = |fraction: f64| {
+    ///     *last.lock().unwrap() = fraction;
+    ///     ControlFlow::Continue(())
+    /// };
+    /// Progress::new(&callback).part(0.5..1.0).report(0.5)?;
+    /// assert_eq!(*last.lock().unwrap(), 0.75);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn part(self, range: Range<f64>) -> Self {
         let start = self.start + range.start * self.length;
         Self { start, length: (range.end - range.start) * self.length, ..self }

@@ -33,6 +33,14 @@ impl Rng {
     }
 
     /// Returns a number from the standard normal distribution (Box and Muller 1958).
+    ///
+    /// ```
+    /// use catamaran::base::Rng;
+    ///
+    /// let mut rng = Rng::new(0);
+    /// let mean = (0..10_000).map(|_| rng.normal()).sum::<f64>() / 1e4;
+    /// assert!(mean.abs() < 0.05);
+    /// ```
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.uniform()).cos()

@@ -30,6 +30,13 @@ pub fn version() -> VersionNumber {
 
 /// Returns the names of the instruction sets of this CPU that the kernels can use, as detected at
 /// run time.
+///
+/// ```
+/// use catamaran::base::cpu_features;
+///
+/// let found = cpu_features();
+/// assert!(found.contains(&"avx2") || !found.contains(&"avx512f"));
+/// ```
 pub fn cpu_features() -> Vec<&'static str> {
     #[allow(unused_mut)]
     let mut found = Vec::new();

@@ -8,6 +8,16 @@ use super::{Error, Real, Result};
 ///
 /// Large blocks begin on a huge page, and the system is asked for such pages: without them, the
 /// first access to fresh memory takes a visible part of the time of every call.
+///
+/// ```
+/// use catamaran::base::Workspace;
+///
+/// let mut workspace = Workspace::<f64>::new(10)?;
+/// assert_eq!(workspace.as_slice(), [0.0; 10]);
+/// workspace.reserve(1000)?;
+/// assert!(workspace.as_mut_slice().len() >= 1000);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct Workspace<T> {
     buffer: Vec<T>,
@@ -222,6 +232,17 @@ pub fn release_memory() {
 
 /// A bump allocator over a borrowed block: [`Arena::take`] hands out pieces until it is empty,
 /// and a nested scope ([`Arena::nested`]) gives its pieces back when it ends.
+///
+/// ```
+/// use catamaran::base::Arena;
+///
+/// let mut block = [0.0_f64; 10];
+/// let mut arena = Arena::new(&mut block);
+/// let first = arena.take(4);
+/// arena.nested().take(6).fill(1.0); // these six return to `arena`
+/// let second = arena.take(6);
+/// assert_eq!((first.len(), second[5]), (4, 1.0));
+/// ```
 #[derive(Debug)]
 pub struct Arena<'a, T> {
     rest: &'a mut [T],

@@ -61,6 +61,14 @@ pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
 
 /// Returns the kernels of this crate for one instruction set, as [`native_on`] does, with the given
 /// rates for the planner.
+///
+/// ```
+/// use catamaran::{blas, kernel::packed::{Isa, Rates}};
+///
+/// let isa = Isa::best();
+/// let backend = blas::native_with(isa, Rates { flops: 1e11, ..Rates::of(isa) });
+/// assert_eq!(backend.rates().gemm_flops, 1e11);
+/// ```
 pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
     Arc::new(Native::new(isa, rates))
 }

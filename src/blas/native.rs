@@ -12,6 +12,16 @@ use crate::kernel::packed::{
 ///
 /// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses more of their features:
 /// threads that share packed operands, and additions fused into packing and writing.
+///
+/// ```
+/// use catamaran::blas::{Kernels, Native};
+/// use catamaran::{faer::Mat, kernel::packed::{Isa, Rates}};
+///
+/// let native = Native::new(Isa::Portable, Rates::of(Isa::Portable));
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// native.syrk(1.0, a.as_ref(), 0.0, c.as_mut());
+/// assert_eq!((c[(2, 1)], c[(1, 2)]), (5.0, 0.0)); // the lower triangle
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Native {
     isa: Isa,

@@ -7,6 +7,18 @@ use crate::ata::RowBlocks;
 use crate::base::{Real, Result};
 
 /// A matrix read from a file.
+///
+/// ```
+/// use catamaran::io::{Matrix, ReadOptions, read};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.mtx");
+/// let text = "%%MatrixMarket matrix coordinate real general\n2 2 1\n2 1 5.0\n";
+/// std::fs::write(path, text).unwrap();
+/// let Matrix::Sparse(a) = read(path, &ReadOptions::new())? else { panic!("dense") };
+/// assert_eq!(a.get(1, 0), Some(&5.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Matrix {
@@ -72,6 +84,15 @@ impl<T> Dense<T> {
 }
 
 /// The rows of a sparse matrix (CSR), filled up with zeros block by block.
+///
+/// ```
+/// use catamaran::{ata::RowBlocks, faer::{Mat, mat}, io::{CsMat, SparseRows}};
+///
+/// let mut block = Mat::<f64>::zeros(2, 3);
+/// SparseRows(&CsMat::eye(3)).read(1, block.as_mut())?;
+/// assert_eq!(block, mat![[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct SparseRows<'a>(pub &'a CsMat<f64>);
 

@@ -70,6 +70,18 @@ impl Drop for Listed {
 /// committing and dropping an [`Output`] wait for ever. Call it only immediately before the program
 /// exits without destructors, for example after a signal: no file stays behind, and none is
 /// committed in part.
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite, discard_unfinished};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let folder = folder.path();
+/// let output = Output::create(&folder.join("a.txt"), Overwrite::Never)?;
+/// discard_unfinished();
+/// assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0);
+/// std::mem::forget(output); // its destructor would wait for ever
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn discard_unfinished() {
     discard(unfinished());
 }
@@ -77,6 +89,19 @@ pub fn discard_unfinished() {
 /// Works as [`discard_unfinished`], for a program that aborts: the calling thread may be creating
 /// or committing an [`Output`] itself, and the function waits for other threads no longer than
 /// `patience`. Returns whether the files were removed.
+///
+/// ```
+/// use std::time::Duration;
+/// use catamaran::io::{Output, Overwrite, try_discard_unfinished};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let folder = folder.path();
+/// let output = Output::create(&folder.join("a.txt"), Overwrite::Never)?;
+/// assert!(try_discard_unfinished(Duration::from_secs(1)));
+/// assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0);
+/// std::mem::forget(output); // its destructor would wait for ever
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn try_discard_unfinished(patience: Duration) -> bool {
     let start = Instant::now();
     loop {

@@ -57,6 +57,21 @@ pub fn gram_schmidt(
 /// Computes [`gram_schmidt`] in the memory of the own rows of A. Afterwards the first `kept.len()`
 /// columns are those of Q, and the other columns are unspecified.
 ///
+/// ```no_run
+/// use catamaran::mpi::{World, gram_schmidt_in_place};
+/// use catamaran::{faer::Mat, ortho::GramSchmidtOptions, sparse::Mass};
+///
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
+/// // Every rank has 5 rows; the second column is twice the first.
+/// let mut own = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let options = GramSchmidtOptions::new();
+/// let found = gram_schmidt_in_place(&world, own.as_mut(), &Mass::identity(5), &options)?;
+/// assert_eq!(found.kept, [0, 2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`gram_schmidt`]; A is unspecified after all but errors of arguments.
 pub fn gram_schmidt_in_place(

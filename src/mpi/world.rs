@@ -25,6 +25,20 @@ impl MpiReal for f64 {}
 
 /// What a rank has sent and received: words are matrix entries. The few numbers by which ranks
 /// agree on shapes and errors are not counted.
+///
+/// ```no_run
+/// use catamaran::mpi::{Traffic, World, sum_symmetric};
+/// use catamaran::faer::Mat;
+///
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
+/// sum_symmetric(&world, Mat::<f64>::identity(8, 8).as_ref())?;
+/// let traffic = world.take_traffic();
+/// assert!(world.size() == 1 || traffic.words_sent > 0);
+/// assert_eq!(world.traffic(), Traffic::default());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Entries sent.

@@ -13,6 +13,19 @@ use crate::sparse::{InnerSpace, Mass};
 const PANEL: usize = 256;
 
 /// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalised`] by default.
+///
+/// ```
+/// use catamaran::{faer::mat, prelude::*, sparse::Mass};
+///
+/// // The second column is the first but for a thousandth.
+/// let a = mat![[1.0, 1.0], [0.0, 1e-3]];
+/// let rank = |options| {
+///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())
+/// };
+/// assert_eq!(rank(GramSchmidtOptions::single_pass())?, 1);
+/// assert_eq!(rank(GramSchmidtOptions::reorthogonalised())?, 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct GramSchmidtOptions<'a> {

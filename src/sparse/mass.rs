@@ -7,6 +7,16 @@ use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks};
 
 /// The matrix M of an inner product `<u, v> = u^T M v`: symmetric, positive definite.
+///
+/// ```
+/// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass};
+///
+/// let mass = Mass::Lumped(vec![2.0, 3.0]);
+/// let (x, mut y) = (mat![[1.0], [1.0]], Mat::zeros(2, 1));
+/// mass.multiply(x.as_ref(), y.as_mut(), Par::Seq)?;
+/// assert_eq!(y, mat![[2.0], [3.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mass {
     /// A diagonal: lumped masses, one for each row, all positive.
@@ -36,6 +46,13 @@ impl Mass {
 
     /// Checks that the matrix is an inner product for vectors of n entries, as far as possible
     /// without a factorisation: n rows, finite, symmetric, the diagonal positive.
+    ///
+    /// ```
+    /// use catamaran::sparse::Mass;
+    ///
+    /// assert!(Mass::identity(2).check(2).is_ok());
+    /// assert!(Mass::Lumped(vec![1.0, -1.0]).check(2).is_err());
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`], all of "mass" and naming an

@@ -84,6 +84,17 @@ impl RowFile {
 
     /// Keeps only these columns of the file, from 0, half open.
     ///
+    /// ```
+    /// use catamaran::{faer::Mat, io::{self, Output, Overwrite, RowFile}};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("a.npy");
+    /// io::write(Output::create(path, Overwrite::Never)?, Mat::<f64>::ones(7, 3).as_ref())?;
+    /// let rows = RowFile::open(path)?.with_columns(1..3)?;
+    /// assert_eq!((rows.nrows(), rows.ncols()), (7, 2));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] when they are not inside the matrix of the file.
     pub fn with_columns(mut self, columns: Range<usize>) -> Result<Self> {
@@ -128,6 +139,18 @@ impl RowFile {
     /// Returns a line of text that identifies these rows and their version: canonical path,
     /// dataset, shape, type, columns, size and time of modification of the file. Equal lines mean
     /// the same rows, as far as the file system can tell.
+    ///
+    /// ```
+    /// use catamaran::{faer::Mat, io::{self, Output, Overwrite, RowFile}};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("a.npy");
+    /// io::write(Output::create(path, Overwrite::Never)?, Mat::<f64>::ones(7, 3).as_ref())?;
+    /// let rows = RowFile::open(path)?;
+    /// assert_eq!(rows.identity(), rows.try_clone()?.identity());
+    /// assert_ne!(rows.identity(), rows.try_clone()?.with_columns(0..2)?.identity());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn identity(&self) -> String {
         let (m, n) = self.content.shape();
         let Range { start, end } = self.columns;

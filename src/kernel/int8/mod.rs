@@ -36,6 +36,14 @@ pub(crate) use tile::{
 use crate::base::Real;
 
 /// An instruction set that the kernels are written for.
+///
+/// ```
+/// use catamaran::kernel::int8::Isa;
+///
+/// let usable: Vec<_> = Isa::ALL.into_iter().filter(|isa| isa.refusal().is_none()).collect();
+/// assert_eq!(usable.first(), Some(&Isa::best()));
+/// assert_eq!(usable.last(), Some(&Isa::Portable));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Isa {
     /// Intel's matrix tiles (AMX-INT8) for the products, AVX-512 for the rest.

@@ -4,6 +4,14 @@
 use super::x86::{Avx2, Avx512};
 
 /// An instruction set that the kernels are written for.
+///
+/// ```
+/// use catamaran::kernel::packed::Isa;
+///
+/// let usable: Vec<_> = Isa::ALL.into_iter().filter(|isa| isa.refusal().is_none()).collect();
+/// assert_eq!(usable.first(), Some(&Isa::best()));
+/// assert_eq!(usable.last(), Some(&Isa::Portable));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Isa {
     /// AVX-512.

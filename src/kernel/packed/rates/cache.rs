@@ -25,6 +25,17 @@ impl Rates {
 
     /// Reads rates from a file.
     ///
+    /// ```
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("rates.txt");
+    /// let rates = Rates::of(Isa::Portable);
+    /// std::fs::write(path, rates.to_text(Isa::Portable)).unwrap();
+    /// assert_eq!(Rates::load(path, Isa::Portable)?, rates);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Io`] with the file, and the line where one is at fault, when it can't be read, is
     /// broken, or is of another CPU or isa ([`Rates::parse`]).
@@ -39,6 +50,15 @@ impl Rates {
     }
 
     /// Writes them to [`Rates::path`], in one step, and says where that is.
+    ///
+    /// ```no_run
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// let rates = Rates::measure(Isa::best())?;
+    /// let path = rates.save(Isa::best())?;
+    /// assert_eq!(Rates::load(&path, Isa::best())?, rates);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when there is no such directory to be had, [`Error::Io`] when it can't

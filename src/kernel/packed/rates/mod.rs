@@ -28,6 +28,12 @@ pub struct Rates {
 
 impl Rates {
     /// Returns the built-in rates, which apply where nothing was measured.
+    ///
+    /// ```
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// assert!(Rates::of(Isa::Avx2).flops > Rates::of(Isa::Portable).flops);
+    /// ```
     pub fn of(isa: Isa) -> Self {
         let flops = match isa {
             Isa::Avx512 => 85e9,

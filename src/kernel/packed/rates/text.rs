@@ -25,6 +25,14 @@ impl Rates {
 
     /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
     ///
+    /// ```
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// let rates = Rates { flops: 6e10, ..Rates::of(Isa::Avx2) };
+    /// assert_eq!(Rates::parse(&rates.to_text(Isa::Avx2), Isa::Avx2), Ok(rates));
+    /// assert!(Rates::parse(&rates.to_text(Isa::Avx2), Isa::Portable).is_err());
+    /// ```
+    ///
     /// # Errors
     /// The line at fault (from 1; `None` for a key that is not there) and what is wrong with it:
     /// another CPU, isa or kind of build, a key that is unknown, missing or there twice, a value
