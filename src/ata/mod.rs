@@ -115,6 +115,16 @@ pub fn ata_with_scratch<T: BlasReal>(
 
 /// Returns the elements of scratch that [`ata_with_scratch`] needs for A m x n.
 ///
+/// ```
+/// use catamaran::{AtaOptions, Plan, ata::planned_scratch_len, ata_scratch_len};
+///
+/// let options = AtaOptions::new();
+/// let plan = Plan::ata::<f64>(200, 100, &options)?;
+/// let len = planned_scratch_len::<f64>(&plan, options.par);
+/// assert_eq!(ata_scratch_len::<f64>(200, 100, &options)?, len);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
 pub fn ata_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
@@ -171,6 +181,15 @@ pub fn aat_with_scratch<T: BlasReal>(
 }
 
 /// Returns the elements of scratch that [`aat_with_scratch`] needs for A m x n.
+///
+/// ```
+/// use catamaran::{AtaOptions, aat_scratch_len, ata_scratch_len};
+///
+/// let options = AtaOptions::new();
+/// let transposed = ata_scratch_len::<f64>(100, 200, &options)?;
+/// assert_eq!(aat_scratch_len::<f64>(200, 100, &options)?, transposed);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
@@ -240,6 +259,16 @@ pub fn atb_with_scratch<T: BlasReal>(
 }
 
 /// Returns the elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
+///
+/// ```
+/// use catamaran::{AtaOptions, Plan, ata::planned_scratch_len, atb_scratch_len};
+///
+/// let options = AtaOptions::new();
+/// let plan = Plan::atb::<f64>(200, 100, 50, &options)?;
+/// let len = planned_scratch_len::<f64>(&plan, options.par);
+/// assert_eq!(atb_scratch_len::<f64>(200, 100, 50, &options)?, len);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.

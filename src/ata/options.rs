@@ -191,12 +191,22 @@ impl AtaOptions<'_> {
 }
 
 impl<'a> AtaOptions<'a> {
-    /// The defaults.
+    /// Creates the default options.
     pub fn new() -> Self {
         Self::default()
     }
 
     /// Sets which triangle of the result is wanted; [`Uplo::Lower`] by default.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata, faer::mat};
+    ///
+    /// // The strict lower triangle is not written.
+    /// let (a, mut c) = (mat![[1.0, 2.0]], mat![[0.0, 0.0], [7.0, 0.0]]);
+    /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Upper))?;
+    /// assert_eq!(c, mat![[1.0, 2.0], [7.0, 4.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn uplo(self, uplo: Uplo) -> Self {
         Self { uplo, ..self }
     }
@@ -234,11 +244,27 @@ impl<'a> AtaOptions<'a> {
     }
 
     /// Sets which recursion runs; [`SchemeChoice::Auto`] by default.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan, SchemeChoice};
+    ///
+    /// let options = AtaOptions::new().scheme(SchemeChoice::Exact);
+    /// assert!(Plan::ata::<f64>(100, 50, &options)?.is_exact());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn scheme(self, scheme: SchemeChoice) -> Self {
         Self { scheme, ..self }
     }
 
     /// Sets the error that fast products may cause; [`Accuracy::Default`] by default.
+    ///
+    /// ```
+    /// use catamaran::{Accuracy, AtaOptions, Plan};
+    ///
+    /// let options = AtaOptions::new().accuracy(Accuracy::Classical);
+    /// assert!(!Plan::ata::<f64>(8000, 8000, &options)?.is_fast());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn accuracy(self, accuracy: Accuracy) -> Self {
         Self { accuracy, ..self }
     }
@@ -251,9 +277,18 @@ impl<'a> AtaOptions<'a> {
             || self.accuracy == Accuracy::Max && self.scheme == SchemeChoice::Auto
     }
 
-    /// Asks for the same bytes on every machine, for any number of threads: [`SchemeChoice::Exact`]
-    /// everywhere, so that no other scheme may be asked for. It is slower than the classical way on
-    /// CPUs without AMX. False by default.
+    /// Sets whether results are the same bytes on every machine, for any number of threads; false
+    /// by default. Every product then takes [`SchemeChoice::Exact`], and no other scheme may be
+    /// set. On CPUs without AMX it is slower than the classical algorithm.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan, SchemeChoice};
+    ///
+    /// let options = AtaOptions::new().reproducible(true);
+    /// assert!(Plan::ata::<f64>(100, 50, &options)?.is_exact());
+    /// assert!(Plan::ata::<f64>(100, 50, &options.scheme(SchemeChoice::Rxtx)).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn reproducible(self, reproducible: bool) -> Self {
         Self { reproducible, ..self }
     }
@@ -286,6 +321,18 @@ impl<'a> AtaOptions<'a> {
     }
 
     /// Sets what is told of progress and may cancel; nobody by default.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use catamaran::base::Progress;
+    /// use catamaran::{AtaOptions, Error, ata, faer::Mat};
+    ///
+    /// let stop = |_: f64| ControlFlow::Break(());
+    /// let options = AtaOptions::new().progress(Progress::new(&stop));
+    /// let (a, mut c) = (Mat::<f64>::ones(500, 400), Mat::zeros(400, 400));
+    /// let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
+    /// assert!(matches!(result, Err(Error::Cancelled)));
+    /// ```
     pub fn progress<'b>(self, progress: impl Into<Progress<'b>>) -> AtaOptions<'b>
     where
         'a: 'b,

@@ -109,7 +109,7 @@ impl SchemeId {
         Self::Winograd,
     ];
 
-    /// Its table.
+    /// Returns the table of the scheme.
     pub fn scheme(self) -> &'static Scheme {
         static PARSED: [LazyLock<Scheme>; 8] = [
             LazyLock::new(|| SPLIT.parse()),
@@ -132,12 +132,26 @@ impl fmt::Display for SchemeId {
 }
 
 impl Scheme {
-    /// Whether it trades products for additions, and so adds to the rounding error.
+    /// Returns whether the scheme replaces products by additions, which adds to the rounding error.
+    ///
+    /// ```
+    /// use catamaran::ata::scheme::SchemeId;
+    ///
+    /// let fast = SchemeId::ALL.into_iter().filter(|id| id.scheme().is_fast()).count();
+    /// assert!(!SchemeId::Classical2.scheme().is_fast() && fast == 5);
+    /// ```
     pub fn is_fast(&self) -> bool {
         self.products.iter().any(|p| p.left.len() > 1 || p.right.len() > 1 || p.outputs.len() > 1)
     }
 
-    /// Multiplications of one level relative to the classical count, a half product counting half.
+    /// Returns the multiplications of one level over the classical count, where a half product
+    /// counts half.
+    ///
+    /// ```
+    /// use catamaran::ata::scheme::SchemeId;
+    ///
+    /// assert_eq!(SchemeId::Strassen.scheme().flop_ratio(), 7.0 / 8.0);
+    /// ```
     pub fn flop_ratio(&self) -> f64 {
         let cost = |p: &Product| if p.kind == Gemm { 2.0 } else { 1.0 };
         let ours: f64 = self.products.iter().map(cost).sum();

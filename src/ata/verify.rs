@@ -61,7 +61,7 @@ pub fn verify<T: Real>(
     verify_rows(alpha, &mut DenseRows(a), &RowOptions::new(), c, uplo, rounds, seed)
 }
 
-/// As [`verify`], for `C = alpha X^T W X` of [`ata_rows`](super::ata_rows).
+/// Checks `C = alpha X^T W X` of [`ata_rows`](super::ata_rows) in the way of [`verify`].
 ///
 /// ```
 /// use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify_rows};

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use faer::MatMut;
 
-/// A pointer that threads may share. Using it is unsafe, and who uses it keeps their parts
-/// disjoint.
+/// A pointer that threads may share. Using the pointer is unsafe: the caller keeps the parts of
+/// different threads disjoint.
 #[derive(Debug)]
 pub(crate) struct SharedPtr<T>(*mut T);
 
@@ -25,11 +25,12 @@ unsafe impl<T: Send> Send for SharedPtr<T> {}
 unsafe impl<T: Send> Sync for SharedPtr<T> {}
 
 impl<T> SharedPtr<T> {
+    /// Creates a pointer that threads may share.
     pub fn new(start: *mut T) -> Self {
         Self(start)
     }
 
-    /// The address `offset` elements further on, which need not be one of the memory.
+    /// Returns the address `offset` elements after this one, which need not lie inside the memory.
     #[inline(always)]
     pub fn at(self, offset: isize) -> *mut T {
         self.0.wrapping_offset(offset)
@@ -39,8 +40,9 @@ impl<T> SharedPtr<T> {
 /// A matrix (or a slice, which is one column) whose disjoint parts are written from several
 /// threads.
 ///
-/// The borrow of the matrix lasts as long as this. Each access is unsafe: the caller promises that
-/// no two parts that are alive at a time overlap, usually because tickets hand out each part once.
+/// The borrow of the matrix lasts as long as this view. Each access is unsafe: the caller promises
+/// that no two parts that are alive at a time overlap, usually because tickets hand out each part
+/// once.
 pub(crate) struct Disjoint<'a, T> {
     start: SharedPtr<T>,
     rows: usize,
@@ -51,6 +53,7 @@ pub(crate) struct Disjoint<'a, T> {
 }
 
 impl<'a, T> Disjoint<'a, T> {
+    /// Creates a view of a matrix that threads may share.
     pub fn new(matrix: MatMut<'a, T>) -> Self {
         Self {
             start: SharedPtr::new(matrix.as_ptr_mut()),
@@ -62,23 +65,28 @@ impl<'a, T> Disjoint<'a, T> {
         }
     }
 
+    /// Creates a view of a slice as one column.
     pub fn of_slice(slice: &'a mut [T]) -> Self {
         let len = slice.len();
         Self::new(MatMut::from_column_major_slice_mut(slice, len, 1))
     }
 
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         self.rows
     }
 
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.cols
     }
 
+    /// Returns the distance between rows, in elements.
     pub fn row_stride(&self) -> isize {
         self.row_stride
     }
 
+    /// Returns the distance between columns, in elements.
     pub fn col_stride(&self) -> isize {
         self.col_stride
     }
@@ -91,12 +99,13 @@ impl<'a, T> Disjoint<'a, T> {
         self.start.at(row * self.row_stride + col * self.col_stride)
     }
 
-    /// The start of the block of these rows and columns, for kernels that compute addresses.
+    /// Returns the address of the block of these rows and columns, for kernels that compute
+    /// addresses.
     pub fn pointer(&self, rows: &Range<usize>, cols: &Range<usize>) -> SharedPtr<T> {
         SharedPtr::new(self.corner(rows, cols))
     }
 
-    /// The block of these rows and columns.
+    /// Returns the block of these rows and columns.
     ///
     /// # Safety
     /// No other part that is alive meanwhile overlaps it.
@@ -110,7 +119,7 @@ impl<'a, T> Disjoint<'a, T> {
         }
     }
 
-    /// Entry `i` of the first column: element `i` of a slice.
+    /// Returns entry `i` of the first column: element `i` of a slice.
     ///
     /// # Safety
     /// No other part that is alive meanwhile overlaps it.
@@ -133,7 +142,7 @@ impl<'a, T> Disjoint<'a, T> {
         unsafe { std::slice::from_raw_parts_mut(start, count) }
     }
 
-    /// Entry `i` of the first column, to read.
+    /// Returns entry `i` of the first column for reading.
     ///
     /// # Safety
     /// Nobody writes it meanwhile.

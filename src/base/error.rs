@@ -166,12 +166,18 @@ impl PartialEq for Cause {
 }
 
 impl Error {
-    /// An [`Error::Io`] of a file as a whole, with its path.
+    /// Creates an [`Error::Io`] that concerns a file as a whole.
+    ///
+    /// ```
+    /// use catamaran::Error;
+    ///
+    /// assert_eq!(Error::file("a.npy", "is empty").to_string(), "a.npy: is empty");
+    /// ```
     pub fn file(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
         Self::Io { path: path.into(), line: None, what: what.into(), cause: None }
     }
 
-    /// An [`Error::Io`] of what the operating system refused, which becomes its source.
+    /// Creates an [`Error::Io`] from an error of the operating system, which becomes its source.
     pub fn io(path: impl Into<PathBuf>, e: io::Error) -> Self {
         Self::Io { path: path.into(), line: None, what: e.to_string(), cause: Some(e.into()) }
     }

@@ -10,6 +10,18 @@ use core_affinity::CoreId;
 use super::{Error, Result};
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
+///
+/// ```
+/// use catamaran::{AtaOptions, Par, ata, faer::Mat};
+///
+/// let a = Mat::<f64>::from_fn(300, 50, |i, j| (i * j % 17) as f64 / 16.0);
+/// let product = |par| {
+///     let mut c = Mat::zeros(50, 50);
+///     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().par(par)).map(|()| c)
+/// };
+/// assert_eq!(product(Par::Seq)?, product(Par::Threads(4))?);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Par {
     /// The calling thread only.
@@ -24,12 +36,18 @@ impl Par {
     /// Threads for each core, at most.
     pub const MOST_PER_CORE: usize = 4;
 
-    /// All cores in the affinity mask of this process.
+    /// Returns one thread for each core in the affinity mask of this process.
     pub fn all() -> Self {
         Self::Threads(available_cores())
     }
 
-    /// The number of threads that are used.
+    /// Returns the number of threads that are used.
+    ///
+    /// ```
+    /// use catamaran::Par;
+    ///
+    /// assert_eq!((Par::Seq.threads(), Par::Threads(0).threads()), (1, 1));
+    /// ```
     pub fn threads(self) -> usize {
         match self {
             Self::Seq => 1,
@@ -154,8 +172,8 @@ fn enough_threads(wanted: usize) -> bool {
     std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= wanted)
 }
 
-/// The number of cores in the affinity mask of this process when it was first asked for, at
-/// least 1.
+/// Returns the number of cores in the affinity mask of this process, at least 1. The mask is read
+/// on the first call.
 ///
 /// ```
 /// use catamaran::{Par, base::available_cores};
@@ -168,7 +186,7 @@ pub fn available_cores() -> usize {
     *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
 }
 
-/// Something that is over when it has been counted down: threads wait for it.
+/// A counter that threads wait for: it is over once it has been counted down to zero.
 #[derive(Debug)]
 pub(crate) struct Latch {
     left: AtomicUsize,
@@ -178,12 +196,12 @@ pub(crate) struct Latch {
 }
 
 impl Latch {
-    /// Over after `count` calls of [`Latch::count_down`].
+    /// Creates a latch that is over after `count` calls of [`Latch::count_down`].
     pub fn new(count: usize) -> Self {
         Self { left: AtomicUsize::new(count), asleep: Mutex::new(0), over: Condvar::new() }
     }
 
-    /// One of the pieces is done; what its thread wrote is visible to those that wait.
+    /// Counts one piece as done. What its thread wrote is visible to the threads that wait.
     pub fn count_down(&self) {
         if self.left.fetch_sub(1, Ordering::AcqRel) == 1 {
             // Under the lock: who has seen a piece left is asleep by now, and hears it.
@@ -271,7 +289,7 @@ pub struct ThreadPool {
 }
 
 impl ThreadPool {
-    /// A pool of `threads` threads (at least 1).
+    /// Creates a pool of `threads` threads (at least 1).
     ///
     /// # Errors
     /// [`Error::Argument`] when the operating system gives no more threads.
@@ -291,6 +309,14 @@ impl ThreadPool {
     }
 
     /// Calls `work` on a thread of the pool.
+    ///
+    /// ```
+    /// use catamaran::base::{Pin, ThreadPool};
+    ///
+    /// let pool = ThreadPool::new(2, Pin::No)?;
+    /// assert_eq!(pool.run(|| (1..=4).product::<u32>()), 24);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
     }

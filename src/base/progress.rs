@@ -9,8 +9,8 @@ use super::{Error, Result};
 /// A function that is told the fraction of the work that is done.
 type Callback<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
 
-/// Reports the fraction of the work that is done to a callback, or to nobody ([`Progress::none`],
-/// the default).
+/// Reports the fraction of the work that is done to a callback, or does nothing
+/// ([`Progress::none`], the default).
 ///
 /// The callback gets a fraction in `[0, 1]` that never decreases, and stops the work soon by
 /// returning [`ControlFlow::Break`]; the call then returns [`Error::Cancelled`]. It is called from
@@ -60,18 +60,46 @@ impl<'a> Progress<'a> {
     }
 
     /// Reports to `callback`.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use catamaran::{Error, base::Progress};
+    ///
+    /// // Stops the work when half of it is done.
+    /// let callback = |fraction: f64| match fraction < 0.5 {
+    ///     true => ControlFlow::Continue(()),
+    ///     false => ControlFlow::Break(()),
+    /// };
+    /// let progress = Progress::new(&callback);
+    /// assert_eq!(progress.report(0.2), Ok(()));
+    /// assert_eq!(progress.report(0.5), Err(Error::Cancelled));
+    /// ```
     pub const fn new(callback: Callback<'a>) -> Self {
         Self { callback: Some(callback), start: 0.0, length: 1.0 }
     }
 
-    /// The progress of a part of the work: its fractions 0 and 1 are `range.start` and `range.end`
-    /// of this one.
+    /// Returns the progress of a part of the work, whose fractions 0 and 1 are `range.start` and
+    /// `range.end` of this progress.
+    ///
+    /// ```
+    /// use std::{ops::ControlFlow, sync::Mutex};
+    /// use catamaran::base::Progress;
+    ///
+    /// let last = Mutex::new(0.0);
+    /// let callback = |fraction: f64| {
+    ///     *last.lock().unwrap() = fraction;
+    ///     ControlFlow::Continue(())
+    /// };
+    /// Progress::new(&callback).part(0.5..1.0).report(0.5)?;
+    /// assert_eq!(*last.lock().unwrap(), 0.75);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn part(self, range: Range<f64>) -> Self {
         let start = self.start + range.start * self.length;
         Self { start, length: (range.end - range.start) * self.length, ..self }
     }
 
-    /// Whether anybody listens.
+    /// Returns whether there is a callback.
     pub const fn is_watched(self) -> bool {
         self.callback.is_some()
     }
@@ -87,7 +115,8 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// [`Progress::report`] for callbacks that hand a report on.
+    /// Reports as [`Progress::report`] does, for callbacks that forward a report: returns what the
+    /// callback returns.
     pub fn tell(self, fraction: f64) -> ControlFlow<()> {
         let Some(callback) = self.callback else { return ControlFlow::Continue(()) };
         callback((self.start + fraction.clamp(0.0, 1.0) * self.length).clamp(0.0, 1.0))
@@ -96,8 +125,8 @@ impl<'a> Progress<'a> {
 
 /// Adds up what several threads have done and reports it, one call at a time.
 ///
-/// A thread that finds another one in the callback goes on at once: what it has done is in the next
-/// report. [`Tracker::add`] must be called when no thread waits for what the caller is at: the
+/// A thread that finds another thread in the callback continues at once: the next report includes
+/// its work. [`Tracker::add`] must be called when no thread waits for the work of the caller: the
 /// callback may run other work on this thread.
 pub(crate) struct Tracker<'a> {
     progress: Progress<'a>,
@@ -110,7 +139,7 @@ pub(crate) struct Tracker<'a> {
 }
 
 impl<'a> Tracker<'a> {
-    /// Nothing of `total` is done.
+    /// Creates a tracker of `total` units of work, none of which is done.
     pub fn new(progress: Progress<'a>, total: f64) -> Self {
         Self {
             progress,
@@ -121,7 +150,8 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// More is done; whether to go on.
+    /// Adds `work` to what is done, reports the sum unless another thread is reporting, and returns
+    /// whether to continue.
     pub fn add(&self, work: f64) -> ControlFlow<()> {
         if !self.progress.is_watched() {
             return ControlFlow::Continue(());
@@ -145,7 +175,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Whether to go on.
+    /// Returns whether to continue.
     pub fn state(&self) -> ControlFlow<()> {
         match self.cancelled.load(Ordering::Relaxed) {
             true => ControlFlow::Break(()),
@@ -153,7 +183,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// The end of the work, when no thread is at it any more; reports what has not been reported.
+    /// Ends the work once no thread works on it any more, and reports what has not been reported.
     ///
     /// # Errors
     /// [`Error::Cancelled`] when the callback asked to stop.

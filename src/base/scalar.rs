@@ -10,6 +10,16 @@ mod sealed {
 }
 
 /// A real scalar: `f32` or `f64`. Sealed.
+///
+/// ```
+/// use catamaran::Real;
+///
+/// fn sum<T: Real>(values: &[T]) -> T {
+///     values.iter().fold(T::ZERO, |sum, &x| sum + x)
+/// }
+/// assert_eq!(sum(&[0.5_f32, 1.0]), 1.5);
+/// assert_eq!((sum(&[0.5_f64, 1.0]), f64::NAME), (1.5, "f64"));
+/// ```
 pub trait Real:
     sealed::Sealed
     + Plain

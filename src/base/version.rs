@@ -14,7 +14,7 @@ pub struct VersionNumber {
     pub patch: u32,
 }
 
-/// The parts of [`VERSION`].
+/// Returns the parts of [`VERSION`].
 ///
 /// ```
 /// use catamaran::base::{VERSION, version};
@@ -28,7 +28,15 @@ pub fn version() -> VersionNumber {
     VersionNumber { major: next(), minor: next(), patch: next() }
 }
 
-/// The instruction sets of this CPU that matter here, as found at run time.
+/// Returns the names of the instruction sets of this CPU that the kernels can use, as detected at
+/// run time.
+///
+/// ```
+/// use catamaran::base::cpu_features;
+///
+/// let found = cpu_features();
+/// assert!(found.contains(&"avx2") || !found.contains(&"avx512f"));
+/// ```
 pub fn cpu_features() -> Vec<&'static str> {
     #[allow(unused_mut)]
     let mut found = Vec::new();

@@ -6,8 +6,18 @@ use super::{Error, Real, Result};
 
 /// An owned, zeroed, reusable block of `T`; a failed allocation is an error, not an abort.
 ///
-/// Large blocks begin on a huge page, and the system is asked for such pages: memory that is
-/// touched for the first time in every call costs a visible part of the time otherwise.
+/// Large blocks begin on a huge page, and the system is asked for such pages: without them, the
+/// first access to fresh memory takes a visible part of the time of every call.
+///
+/// ```
+/// use catamaran::base::Workspace;
+///
+/// let mut workspace = Workspace::<f64>::new(10)?;
+/// assert_eq!(workspace.as_slice(), [0.0; 10]);
+/// workspace.reserve(1000)?;
+/// assert!(workspace.as_mut_slice().len() >= 1000);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct Workspace<T> {
     buffer: Vec<T>,
@@ -19,7 +29,7 @@ pub struct Workspace<T> {
 const HUGE_PAGE: usize = 2 << 20;
 
 impl<T: Real> Workspace<T> {
-    /// A workspace of `len` elements.
+    /// Creates a workspace of `len` elements, all zero.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -57,12 +67,12 @@ impl<T: Real> Workspace<T> {
         Ok(())
     }
 
-    /// All of it.
+    /// Returns all elements.
     pub fn as_slice(&self) -> &[T] {
         &self.buffer[self.skipped..]
     }
 
-    /// All of it.
+    /// Returns all elements for writing.
     pub fn as_mut_slice(&mut self) -> &mut [T] {
         &mut self.buffer[self.skipped..]
     }
@@ -132,7 +142,7 @@ static SPARE: Mutex<Vec<Workspace<f64>>> = Mutex::new(Vec::new());
 const KEPT: std::ops::RangeInclusive<usize> = 4 << 20..=1 << 30;
 
 impl Scratch {
-    /// At least `len` elements of T.
+    /// Creates a block of at least `len` elements of T.
     pub fn new<T: Real>(len: usize) -> Result<Self> {
         let mut scratch = Self::default();
         scratch.reserve::<T>(len)?;
@@ -150,7 +160,7 @@ impl Scratch {
         Ok(())
     }
 
-    /// All of it.
+    /// Returns all elements for writing.
     pub fn as_mut_slice<T: Real>(&mut self) -> &mut [T] {
         let block = self.0.as_mut_slice();
         let len = size_of_val(block) / size_of::<T>();
@@ -222,18 +232,29 @@ pub fn release_memory() {
 
 /// A bump allocator over a borrowed block: [`Arena::take`] hands out pieces until it is empty,
 /// and a nested scope ([`Arena::nested`]) gives its pieces back when it ends.
+///
+/// ```
+/// use catamaran::base::Arena;
+///
+/// let mut block = [0.0_f64; 10];
+/// let mut arena = Arena::new(&mut block);
+/// let first = arena.take(4);
+/// arena.nested().take(6).fill(1.0); // these six return to `arena`
+/// let second = arena.take(6);
+/// assert_eq!((first.len(), second[5]), (4, 1.0));
+/// ```
 #[derive(Debug)]
 pub struct Arena<'a, T> {
     rest: &'a mut [T],
 }
 
 impl<'a, T: Real> Arena<'a, T> {
-    /// An arena over `block`; its contents may be anything.
+    /// Creates an arena over `block`, which may have any contents.
     pub fn new(block: &'a mut [T]) -> Self {
         Self { rest: block }
     }
 
-    /// The next `len` elements, with whatever they hold.
+    /// Takes the next `len` elements, whose contents are unspecified.
     ///
     /// # Panics
     /// When fewer are left: the scratch query and the code disagree, which is a bug here.
@@ -266,7 +287,7 @@ impl<'a, T: Real> Arena<'a, T> {
         (len.saturating_mul(size_of::<U>()).saturating_add(CACHE_LINE)).div_ceil(size_of::<T>())
     }
 
-    /// An arena over what is left; dropping it gives everything back.
+    /// Creates an arena over the rest. Its pieces return to this arena when it is dropped.
     pub fn nested(&mut self) -> Arena<'_, T> {
         Arena { rest: &mut *self.rest }
     }

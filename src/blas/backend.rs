@@ -57,6 +57,15 @@ impl Drop for ThreadGuard {
 }
 
 /// A scalar whose kernels a [`Backend`] has: picks them out of the trait object.
+///
+/// ```
+/// use catamaran::{blas::{self, BlasReal}, faer::Mat};
+///
+/// let backend = blas::native();
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// f64::kernels(&*backend).gemm(1.0, a.as_ref(), a.as_ref(), 0.0, c.as_mut());
+/// assert_eq!(c[(0, 2)], 5.0);
+/// ```
 pub trait BlasReal: Real + int8::Operand + packed::Operand {
     /// The kernels of this precision.
     fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;

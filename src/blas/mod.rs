@@ -25,7 +25,8 @@ pub use backend::{Backend, BlasReal, Rates, ThreadGuard};
 pub use kernels::Kernels;
 pub use native::Native;
 
-/// The default back end: our own kernels for the best instruction set of this machine.
+/// Returns the default back end: the kernels of this crate for the best instruction set of this
+/// machine.
 ///
 /// ```
 /// use catamaran::{AtaOptions, Uplo, ata, blas, faer::Mat};
@@ -42,7 +43,8 @@ pub fn native() -> Arc<dyn Backend> {
     NATIVE.clone()
 }
 
-/// Our own kernels for one instruction set; the portable ones where the machine refuses it.
+/// Returns the kernels of this crate for one instruction set; the portable kernels if this machine
+/// does not support it.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata, blas, faer::Mat, kernel::packed::Isa};
@@ -57,16 +59,25 @@ pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
     native_with(isa, packed::Rates::of(isa))
 }
 
-/// The native kernels for one instruction set, as [`native_on`], with these rates for the planner.
+/// Returns the kernels of this crate for one instruction set, as [`native_on`] does, with the given
+/// rates for the planner.
+///
+/// ```
+/// use catamaran::{blas, kernel::packed::{Isa, Rates}};
+///
+/// let isa = Isa::best();
+/// let backend = blas::native_with(isa, Rates { flops: 1e11, ..Rates::of(isa) });
+/// assert_eq!(backend.rates().gemm_flops, 1e11);
+/// ```
 pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
     Arc::new(Native::new(isa, rates))
 }
 
-/// The native kernels with the rates that were measured on this machine (`catamaran tune`),
-/// built-in ones where there are none.
+/// Returns the kernels of this crate with the rates that were measured on this machine
+/// (`catamaran tune`), or the built-in rates if there are none.
 ///
-/// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
-/// may depend on it: [`native()`] does neither.
+/// This function reads a file in the user's cache directory. Plans, and therefore the rounding of
+/// results, depend on that file. [`native()`] reads no file.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata, blas, faer::Mat};
@@ -83,7 +94,7 @@ pub fn tuned() -> Arc<dyn Backend> {
     native_with(isa, rates)
 }
 
-/// OpenBLAS, as linked at build time.
+/// Returns OpenBLAS, as linked at build time.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata, blas, faer::Mat};

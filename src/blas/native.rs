@@ -10,8 +10,18 @@ use crate::kernel::packed::{
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling
 /// thread.
 ///
-/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses all they can: threads
-/// that share packed operands, and additions fused into packing and writing.
+/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses more of their features:
+/// threads that share packed operands, and additions fused into packing and writing.
+///
+/// ```
+/// use catamaran::blas::{Kernels, Native};
+/// use catamaran::{faer::Mat, kernel::packed::{Isa, Rates}};
+///
+/// let native = Native::new(Isa::Portable, Rates::of(Isa::Portable));
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// native.syrk(1.0, a.as_ref(), 0.0, c.as_mut());
+/// assert_eq!((c[(2, 1)], c[(1, 2)]), (5.0, 0.0)); // the lower triangle
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Native {
     isa: Isa,
@@ -25,18 +35,19 @@ const BLOCK: usize = 2048;
 const BUDGET: usize = 1 << 20;
 
 impl Native {
-    /// For `isa`, or the portable one where this machine refuses that, with rates as measured.
+    /// Creates the kernels for `isa`, or the portable kernels if this machine does not support it.
+    /// The planner assumes `rates`.
     pub fn new(isa: Isa, rates: packed::Rates) -> Self {
         let usable = isa.refusal().is_none();
         Self { isa: if usable { isa } else { Isa::Portable }, rates }
     }
 
-    /// The instruction set.
+    /// Returns the instruction set.
     pub fn isa(&self) -> Isa {
         self.isa
     }
 
-    /// Their speed, as assumed.
+    /// Returns the speed that the planner assumes.
     pub fn rates(&self) -> packed::Rates {
         self.rates
     }

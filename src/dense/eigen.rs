@@ -15,8 +15,8 @@ pub struct SymmetricEigen {
     pub vectors: Mat<f64>,
 }
 
-/// All eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the calling
-/// thread.
+/// Computes all eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the
+/// calling thread.
 ///
 /// ```
 /// use catamaran::{dense::symmetric_eigen, faer::mat};

@@ -102,6 +102,18 @@ pub(super) fn check(gram: &ExtendedGram) -> Result<()> {
 impl PivotedCholesky {
     /// Factors a Gram matrix.
     ///
+    /// ```
+    /// use catamaran::ata::ExtendedGram;
+    /// use catamaran::gram::{PivotedCholesky, Pivoting};
+    /// use catamaran::{Par, faer::mat};
+    ///
+    /// let gram = ExtendedGram::from_f64(mat![[1.0, 0.0], [0.0, 9.0]].as_ref(), 2, &[])?;
+    /// let natural = PivotedCholesky::from_gram(&gram, Pivoting::Natural, Par::Seq)?;
+    /// let largest = PivotedCholesky::from_gram(&gram, Pivoting::Largest, Par::Seq)?;
+    /// assert_eq!((natural.order(), largest.order()), (&[0, 1][..], &[1, 0][..]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::NonFinite`] and [`Error::Argument`] for a matrix that is none,
     /// [`Error::OutOfMemory`].
@@ -237,33 +249,34 @@ impl PivotedCholesky {
         Ok(())
     }
 
-    /// Side n of the matrix.
+    /// Returns the number n of rows, and of columns, of the matrix.
     pub fn n(&self) -> usize {
         self.lower.rows
     }
 
-    /// Columns of A that do not depend on others, as far as the precision can tell.
+    /// Returns the number of columns of A that do not depend on others, as far as the precision can
+    /// tell.
     pub fn rank(&self) -> usize {
         self.rank
     }
 
-    /// The columns of A in their order in A P.
+    /// Returns the columns of A in their order in A P.
     pub fn order(&self) -> &[usize] {
         &self.order
     }
 
-    /// The columns of A that depend on those before them in the order.
+    /// Returns the columns of A that depend on those before them in the order.
     pub fn dependent(&self) -> &[usize] {
         &self.order[self.rank..]
     }
 
-    /// What is left at most of the square of a column that depends on others, relative to it: n
-    /// 2^-102, or n 2^-79 where the entries of A were rounded.
+    /// Returns the share of the square of a column that elimination may leave when the column
+    /// depends on others: n 2^-102, or n 2^-79 where the entries of A were rounded.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Entry (i, j) of R, zero below its diagonal.
+    /// Returns entry (i, j) of R, which is zero below the diagonal.
     ///
     /// # Panics
     /// When R, which is rank x n, has no such entry.
@@ -272,7 +285,7 @@ impl PivotedCholesky {
         self.lower.double(j, i).scaled(self.exponents[self.order[j]])
     }
 
-    /// R (rank x n), rounded to f64.
+    /// Returns R (rank x n), rounded to f64.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].

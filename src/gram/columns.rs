@@ -36,11 +36,13 @@ impl<const PARTS: usize> Columns<PARTS> {
         Ok(Self { rows, cols, stride, parts })
     }
 
+    /// Returns the parts of entry (i, j).
     pub fn get(&self, i: usize, j: usize) -> [f64; PARTS] {
         let at = j * self.stride + i;
         std::array::from_fn(|part| self.parts[part][at])
     }
 
+    /// Sets the parts of entry (i, j).
     pub fn set(&mut self, i: usize, j: usize, value: [f64; PARTS]) {
         let at = j * self.stride + i;
         self.parts.iter_mut().zip(value).for_each(|(part, value)| part[at] = value);
@@ -52,7 +54,7 @@ impl<const PARTS: usize> Columns<PARTS> {
         self.parts.iter_mut().for_each(|part| part.swap(a, b));
     }
 
-    /// The parts of a column from row `from` on.
+    /// Returns the parts of a column from row `from` on.
     #[inline(always)]
     pub fn col(&self, j: usize, from: usize) -> [&[f64]; PARTS] {
         let at = j * self.stride;
@@ -61,23 +63,25 @@ impl<const PARTS: usize> Columns<PARTS> {
 }
 
 impl Columns<2> {
+    /// Returns entry (i, j).
     pub fn double(&self, i: usize, j: usize) -> DoubleDouble {
         let [hi, lo] = self.get(i, j);
         DoubleDouble { hi, lo }
     }
 
+    /// Sets entry (i, j).
     pub fn set_double(&mut self, i: usize, j: usize, value: DoubleDouble) {
         self.set(i, j, [value.hi, value.lo]);
     }
 
-    /// A column from row `from` on.
+    /// Returns a column from row `from` on.
     #[inline(always)]
     pub fn pairs(&self, j: usize, from: usize) -> Pairs<'_> {
         let [hi, lo] = self.col(j, from);
         Pairs { hi, lo }
     }
 
-    /// The same, to write.
+    /// Returns a column from row `from` on, for writing.
     #[inline(always)]
     pub fn pairs_mut(&mut self, j: usize, from: usize) -> PairsMut<'_> {
         let at = j * self.stride;
@@ -86,7 +90,8 @@ impl Columns<2> {
         PairsMut { hi: &mut hi[range.clone()], lo: &mut lo[range] }
     }
 
-    /// Column `read` and column `write`, from row `from` on, for `read != write`.
+    /// Returns column `read`, and column `write` for writing, from row `from` on;
+    /// `read` and `write` must differ.
     #[inline(always)]
     pub fn two(&mut self, read: usize, write: usize, from: usize) -> (Pairs<'_>, PairsMut<'_>) {
         let (stride, middle) = (self.stride, read.max(write) * self.stride);

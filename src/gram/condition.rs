@@ -17,6 +17,19 @@ impl PivotedCholesky {
     /// Both norms come from 16 steps of the power method with `R^T R` and its inverse in f64, from
     /// a seeded random vector: they are lower bounds, too small by a few percent as a rule.
     ///
+    /// ```
+    /// use catamaran::ata::ExtendedGram;
+    /// use catamaran::gram::{PivotedCholesky, Pivoting};
+    /// use catamaran::{Par, faer::mat};
+    ///
+    /// // Orthogonal columns of norms 1 and 1/1000.
+    /// let gram = ExtendedGram::from_f64(mat![[1.0, 0.0], [0.0, 1e-6]].as_ref(), 2, &[])?;
+    /// let factor = PivotedCholesky::from_gram(&gram, Pivoting::Scaled, Par::Seq)?;
+    /// assert!((factor.condition()? / 1000.0 - 1.0).abs() < 0.05);
+    /// assert!(factor.scaled_condition()? < 1.1);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
     pub fn condition(&self) -> Result<f64> {

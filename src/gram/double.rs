@@ -59,6 +59,14 @@ impl DoubleDouble {
     }
 
     /// Returns the square root; that of a negative number is NaN.
+    ///
+    /// ```
+    /// use catamaran::gram::DoubleDouble;
+    ///
+    /// let two = DoubleDouble::from(2.0);
+    /// let error = two.sqrt() * two.sqrt() - two;
+    /// assert!(error.hi.abs() < 1e-30);
+    /// ```
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         let root = self.hi.sqrt();
@@ -78,6 +86,14 @@ impl DoubleDouble {
     }
 
     /// Returns `x y`, without an error.
+    ///
+    /// ```
+    /// use catamaran::gram::DoubleDouble;
+    ///
+    /// let e = f64::EPSILON;
+    /// let square = DoubleDouble::product(1.0 + e, 1.0 + e);
+    /// assert_eq!((square.hi, square.lo), (1.0 + 2.0 * e, e * e));
+    /// ```
     #[inline(always)]
     pub fn product(x: f64, y: f64) -> Self {
         let (hi, lo) = two_product(x, y);

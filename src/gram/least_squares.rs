@@ -193,6 +193,23 @@ impl LeastSquares {
     /// Solves for the last `targets` columns of the rows as B, and the others as A. The result is
     /// the same, bit for bit, for every `options.par`.
     ///
+    /// ```
+    /// use catamaran::ata::ExtendedGram;
+    /// use catamaran::faer::mat;
+    /// use catamaran::gram::{LeastSquares, LeastSquaresOptions, RankDeficiency};
+    ///
+    /// // Both columns of A are equal: the solution of least norm is (1, 1).
+    /// let rows = mat![[1.0, 1.0, 2.0], [2.0, 2.0, 4.0]];
+    /// let c = rows.transpose() * &rows;
+    /// let gram = ExtendedGram::from_f64(c.as_ref(), 2, &[])?;
+    /// let options = LeastSquaresOptions::new();
+    /// let found = LeastSquares::from_gram(&gram, 1, &options)?;
+    /// assert!(found.rank == 1 && (found.coefficients[(0, 0)] - 1.0).abs() < 1e-15);
+    /// let refuse = options.rank_deficiency(RankDeficiency::Refuse);
+    /// assert!(LeastSquares::from_gram(&gram, 1, &refuse).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] when `targets` is 0 or more than the columns, for options out of range,
     /// for an intercept of a matrix that is not about the mean, and for columns that depend on

@@ -143,7 +143,8 @@ pub struct PrincipalComponents {
 }
 
 impl PrincipalComponents {
-    /// Computes them. The result is the same, bit for bit, for every `options.par`.
+    /// Computes the principal components. The result is the same, bit for bit, for every
+    /// `options.par`.
     ///
     /// # Errors
     /// [`Error::Argument`] when the matrix is not about the mean, has a weight of 1 or less, or for
@@ -202,6 +203,20 @@ impl PrincipalComponents {
 
     /// Returns the scores (m x count) of rows (m x n): their coordinates along the components, of
     /// variance 1 with `whiten`.
+    ///
+    /// ```
+    /// use catamaran::ata::ExtendedGram;
+    /// use catamaran::faer::mat;
+    /// use catamaran::gram::{PrincipalComponents, PrincipalComponentsOptions};
+    ///
+    /// // Rows (1, 1), (3, 3) and (5, 5): scores -1, 0 and 1 have variance 1.
+    /// let gram = ExtendedGram::from_f64(mat![[8.0, 0.0], [8.0, 8.0]].as_ref(), 3, &[3.0, 3.0])?;
+    /// let options = PrincipalComponentsOptions::new().whiten(true);
+    /// let scores = PrincipalComponents::from_gram(&gram, &options)?
+    ///     .scores(mat![[1.0, 1.0], [3.0, 3.0], [5.0, 5.0]].as_ref())?;
+    /// assert!(scores[(1, 0)].abs() < 1e-14 && (scores[(2, 0)] - 1.0).abs() < 1e-14);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] when the rows do not have n columns, [`Error::OutOfMemory`].

@@ -84,14 +84,14 @@ impl GramQr {
         Ok(Self { r, inverse, exponents: factor.exponents })
     }
 
-    /// R (n x n), upper triangular with a positive diagonal, rounded to f64.
+    /// Returns R (n x n), upper triangular with a positive diagonal, rounded to f64.
     pub fn r(&self) -> &Mat<f64> {
         &self.r
     }
 
-    /// `X := X R^-1` for a block of rows of A (any number x n): rows of Q, computed in
-    /// double-double and rounded once. Substitution in f64 would cost as many digits as the
-    /// condition number of A has. The result is the same, bit for bit, for every `par` and any
+    /// Computes `X := X R^-1` for a block of rows of A (any number x n). The results are rows of Q,
+    /// computed in double-double and rounded once: substitution in f64 would lose as many digits as
+    /// the condition number of A has. The result is the same, bit for bit, for every `par` and any
     /// blocks.
     ///
     /// # Errors

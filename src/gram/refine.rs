@@ -30,7 +30,7 @@ pub(super) enum Outcome {
 }
 
 impl<'a> Refined<'a> {
-    /// The matrix with these entries, which `factor` is the factor of.
+    /// Creates the matrix with these entries, of which `factor` is the factor.
     pub fn new(
         factor: &'a PivotedCholesky,
         par: Par,

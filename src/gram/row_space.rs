@@ -16,7 +16,7 @@ pub(super) struct RowSpace {
 }
 
 impl RowSpace {
-    /// For a matrix with these entries and its factor.
+    /// Computes the row space of a matrix with these entries and this factor.
     pub fn new(
         factor: &PivotedCholesky,
         refined: &Refined<'_>,

@@ -61,8 +61,8 @@ impl<T> RowBlocks<T> for JoinedRows<'_, T> {
 }
 
 /// Solves `min |W^(1/2) (A X - B)|^2 + ridge |X|^2` for A (m x n), B (m x k) and W a diagonal of m
-/// weights, none of them negative; without weights all are 1. For rows that are in files, or come
-/// in blocks, there are [`ata_extended`] of [`JoinedRows`] and [`LeastSquares::from_gram`].
+/// weights, none of them negative; without weights all are 1. For rows in files or in
+/// blocks use [`ata_extended`] of [`JoinedRows`], and [`LeastSquares::from_gram`].
 ///
 /// ```
 /// use catamaran::faer::mat;

@@ -35,7 +35,8 @@ pub struct SingularValues {
 }
 
 impl SingularValues {
-    /// Computes them. The result is the same, bit for bit, for every `par`.
+    /// Computes the singular values and vectors. The result is the same, bit for bit, for every
+    /// `par`.
     ///
     /// # Errors
     /// As [`PivotedCholesky::from_gram`]; [`Error::NotConverged`](crate::Error::NotConverged).

@@ -45,6 +45,19 @@ pub fn write_accumulator<T: BlasReal>(
 
 /// Reads the accumulator of scalars T in the file at `path`.
 ///
+/// ```
+/// use catamaran::ata::Accumulator;
+/// use catamaran::io::{Output, Overwrite, read_accumulator, write_accumulator};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sum.acc");
+/// let sum = Accumulator::<f64>::new(3, false)?;
+/// write_accumulator(Output::create(path, Overwrite::Never)?, &sum)?;
+/// assert_eq!(read_accumulator::<f64>(path)?.ncols(), 3);
+/// assert!(read_accumulator::<f32>(path).is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T;
 /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
@@ -58,7 +71,19 @@ pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
     read.map_err(|e| error_at(path, None, e))
 }
 
-/// The scalar of the accumulator in the file at `path`, `"f32"` or `"f64"`.
+/// Returns the scalar of the accumulator in the file at `path`: `"f32"` or `"f64"`.
+///
+/// ```
+/// use catamaran::ata::Accumulator;
+/// use catamaran::io::{Output, Overwrite, accumulator_scalar, write_accumulator};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sum.acc");
+/// let sum = Accumulator::<f32>::new(3, false)?;
+/// write_accumulator(Output::create(path, Overwrite::Never)?, &sum)?;
+/// assert_eq!(accumulator_scalar(path)?, "f32");
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io): no such file, or not an accumulator.

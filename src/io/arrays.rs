@@ -32,7 +32,7 @@ pub(super) fn format_of(path: &Path) -> Result<Format> {
     Err(error(path, None, "HDF5 is not part of this program: build it with --features hdf5"))
 }
 
-/// Whether [`write_arrays`] can write a file of this name.
+/// Checks that [`write_arrays`] can write a file of this name.
 ///
 /// ```
 /// use catamaran::io::check_arrays_name;
@@ -103,7 +103,7 @@ enum Writer {
 }
 
 impl ArraysWriter {
-    /// A file without arrays yet.
+    /// Creates a file without arrays.
     ///
     /// # Errors
     /// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io).
@@ -140,7 +140,7 @@ impl ArraysWriter {
         }
     }
 
-    /// The next columns of the matrix that was begun.
+    /// Writes the next columns of the matrix begun by [`ArraysWriter::matrix_by_columns`].
     ///
     /// # Errors
     /// [`Error::Shape`](crate::Error::Shape) when they have other rows, or are more than were
@@ -165,7 +165,7 @@ impl ArraysWriter {
         }
     }
 
-    /// The next rows of the matrix that was begun.
+    /// Writes the next rows of the matrix begun by [`ArraysWriter::matrix_by_rows`].
     ///
     /// # Errors
     /// [`Error::Shape`](crate::Error::Shape) when they have other columns, or are more than were

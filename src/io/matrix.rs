@@ -6,7 +6,19 @@ use sprs::CsMat;
 use crate::ata::RowBlocks;
 use crate::base::{Real, Result};
 
-/// A matrix out of a file.
+/// A matrix read from a file.
+///
+/// ```
+/// use catamaran::io::{Matrix, ReadOptions, read};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.mtx");
+/// let text = "%%MatrixMarket matrix coordinate real general\n2 2 1\n2 1 5.0\n";
+/// std::fs::write(path, text).unwrap();
+/// let Matrix::Sparse(a) = read(path, &ReadOptions::new())? else { panic!("dense") };
+/// assert_eq!(a.get(1, 0), Some(&5.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Matrix {
@@ -19,7 +31,7 @@ pub enum Matrix {
 }
 
 impl Matrix {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         match self {
             Self::F32(dense) => dense.nrows,
@@ -28,7 +40,7 @@ impl Matrix {
         }
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         match self {
             Self::F32(dense) => dense.columns.len(),
@@ -60,7 +72,7 @@ impl<T> Dense<T> {
         Self { values, nrows, ncols, row_major, columns }
     }
 
-    /// The matrix, without a copy.
+    /// Returns a view of the matrix, without a copy.
     pub fn as_ref(&self) -> MatRef<'_, T> {
         let all = if self.row_major {
             MatRef::from_row_major_slice(&self.values, self.nrows, self.ncols)
@@ -72,6 +84,15 @@ impl<T> Dense<T> {
 }
 
 /// The rows of a sparse matrix (CSR), filled up with zeros block by block.
+///
+/// ```
+/// use catamaran::{ata::RowBlocks, faer::{Mat, mat}, io::{CsMat, SparseRows}};
+///
+/// let mut block = Mat::<f64>::zeros(2, 3);
+/// SparseRows(&CsMat::eye(3)).read(1, block.as_mut())?;
+/// assert_eq!(block, mat![[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct SparseRows<'a>(pub &'a CsMat<f64>);
 

@@ -48,6 +48,17 @@ use crate::base::{Error, Progress, Real, Result, builder};
 pub(crate) use source::{Packing, Source};
 
 /// How [`read`] reads. The default reads everything.
+///
+/// ```
+/// use catamaran::io::{ReadOptions, read};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.csv");
+/// std::fs::write(path, "1,2,text\n3,4,text\n").unwrap();
+/// let a = read(path, &ReadOptions::new().columns(0..2).max_memory(1_000_000))?;
+/// assert_eq!((a.nrows(), a.ncols()), (2, 2));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct ReadOptions<'a> {
@@ -231,7 +242,7 @@ fn write_with(
     output.commit()
 }
 
-/// Whether [`read`] and [`write()`] know what the name of this file says.
+/// Checks that [`read`] and [`write()`] know the format that this file name stands for.
 ///
 /// ```
 /// use catamaran::io::check_name;

@@ -13,7 +13,7 @@ use super::output::write_error;
 use super::{Output, npy};
 use crate::base::{Error, Result};
 
-/// An array of a file of several.
+/// An array in a file of several arrays.
 #[derive(Debug, Clone, Copy)]
 pub enum Array<'a> {
     /// One dimension, f8.
@@ -162,7 +162,7 @@ impl Seek for Sink {
 }
 
 impl NpzWriter {
-    /// A file without arrays yet.
+    /// Creates a file without arrays.
     pub fn new(output: Output) -> Self {
         let path = output.path().to_path_buf();
         let begun = Begun { order: Order::Fortran, length: 0, left: 0 };
@@ -187,7 +187,7 @@ impl NpzWriter {
         self.begin_matrix(name, Order::Fortran, rows, columns)
     }
 
-    /// The next columns of the matrix that was begun.
+    /// Writes the next columns of the matrix begun by [`NpzWriter::matrix_by_columns`].
     ///
     /// # Errors
     /// [`Error::Shape`] when they have other rows, or are more than were announced; [`Error::Io`].
@@ -204,7 +204,7 @@ impl NpzWriter {
         self.begin_matrix(name, Order::C, rows, columns)
     }
 
-    /// The next rows of the matrix that was begun.
+    /// Writes the next rows of the matrix begun by [`NpzWriter::matrix_by_rows`].
     ///
     /// # Errors
     /// [`Error::Shape`] when they have other columns, or are more than were announced;

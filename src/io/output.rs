@@ -21,9 +21,9 @@ pub enum Overwrite {
 /// A file that appears whole or not at all: it is written under another name in the same folder,
 /// flushed to the disk, and renamed by [`Output::commit`]. Dropped before that, it leaves nothing.
 ///
-/// A new file gets the permissions of any new file, less what the umask forbids. One that replaces
-/// another gets the permissions of that one, and its owner and group where the system allows it. A
-/// symbolic link stays one: what it leads to is replaced, or made.
+/// A new file gets the default permissions, less what the umask forbids. A file that replaces
+/// another file gets the permissions of that file, and its owner and group where the system allows
+/// it. A symbolic link stays a link: the file that it leads to is replaced or created.
 ///
 /// ```
 /// use std::io::Write;
@@ -66,16 +66,42 @@ impl Drop for Listed {
     }
 }
 
-/// Removes the temporary file of every [`Output`] that is not committed; from now on creating,
-/// committing and dropping one wait for ever. For a program whose next act is to exit without
-/// destructors, such as after a signal: no file stays behind, and none is committed in part.
+/// Removes the temporary file of every [`Output`] that is not committed. Afterwards, creating,
+/// committing and dropping an [`Output`] wait for ever. Call it only immediately before the program
+/// exits without destructors, for example after a signal: no file stays behind, and none is
+/// committed in part.
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite, discard_unfinished};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let folder = folder.path();
+/// let output = Output::create(&folder.join("a.txt"), Overwrite::Never)?;
+/// discard_unfinished();
+/// assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0);
+/// std::mem::forget(output); // its destructor would wait for ever
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn discard_unfinished() {
     discard(unfinished());
 }
 
-/// [`discard_unfinished`] for a program that aborts: the calling thread may be amid creating or
-/// committing an [`Output`] itself, and waits for other threads no longer than `patience`. Returns
-/// whether the files were removed.
+/// Works as [`discard_unfinished`], for a program that aborts: the calling thread may be creating
+/// or committing an [`Output`] itself, and the function waits for other threads no longer than
+/// `patience`. Returns whether the files were removed.
+///
+/// ```
+/// use std::time::Duration;
+/// use catamaran::io::{Output, Overwrite, try_discard_unfinished};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let folder = folder.path();
+/// let output = Output::create(&folder.join("a.txt"), Overwrite::Never)?;
+/// assert!(try_discard_unfinished(Duration::from_secs(1)));
+/// assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0);
+/// std::mem::forget(output); // its destructor would wait for ever
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn try_discard_unfinished(patience: Duration) -> bool {
     let start = Instant::now();
     loop {
@@ -144,7 +170,7 @@ impl Output {
         Ok(Self { path: path.into(), target, file, overwrite, _listed: listed })
     }
 
-    /// The name it will have.
+    /// Returns the path of the file once it is committed.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -185,7 +211,7 @@ impl Output {
         self.file.get_ref().as_file().set_len(bytes)
     }
 
-    /// A failed write, as an error that names the file.
+    /// Returns the error of a failed write, with the path of the file.
     pub fn error(&self, e: io::Error) -> Error {
         write_error(&self.path, e)
     }

@@ -45,8 +45,8 @@ pub fn read_arrays(path: &Path) -> Result<Arrays> {
     read_arrays_with(path, &SourceOptions::new())
 }
 
-/// [`read_arrays`] within a limit of memory, and with a callback that is told the fraction of the
-/// arrays read and may cancel.
+/// Reads as [`read_arrays`] does, within a limit of memory, and reports the fraction of the arrays
+/// read to a callback that may cancel.
 ///
 /// ```
 /// use catamaran::io::{Array, Output, Overwrite, SourceOptions, read_arrays_with, write_arrays};
@@ -78,12 +78,12 @@ pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arra
 }
 
 impl Arrays {
-    /// The names, sorted.
+    /// Returns the names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.arrays.keys().map(String::as_str)
     }
 
-    /// The array of one dimension of numbers with this name.
+    /// Returns the one-dimensional array of numbers with this name.
     ///
     /// # Errors
     /// [`Error::Io`] when there is none.
@@ -96,7 +96,7 @@ impl Arrays {
         }
     }
 
-    /// The array of one dimension of unsigned integers with this name.
+    /// Returns the one-dimensional array of unsigned integers with this name.
     ///
     /// # Errors
     /// [`Error::Io`] when there is none, or a number in it is too large for this machine.
@@ -111,7 +111,7 @@ impl Arrays {
         }
     }
 
-    /// The array of two dimensions of numbers with this name.
+    /// Returns the two-dimensional array of numbers with this name.
     ///
     /// # Errors
     /// [`Error::Io`] when there is none.

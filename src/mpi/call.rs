@@ -41,7 +41,7 @@ impl<'w> Call<'w> {
         met
     }
 
-    /// The sum over the ranks of their matrices, on every rank.
+    /// Computes the sum over the ranks of their matrices, on every rank.
     pub fn sum(&self, mut partial: MatMut<'_, f64>) -> Result<()> {
         let mut values = self.meet(entries(partial.as_ref()))?;
         // MPI promises the same result on every rank, bit for bit: what is decided by it is decided

@@ -16,16 +16,16 @@ use crate::base::{Result, reserved, zeros};
 /// Tags of the rows that travel; those of two pieces under way at the same time differ.
 const FIRST_TAG: i32 = 32;
 
-/// `C = alpha A^T A` where every rank has some `columns` of A, in the order of the ranks, 0
-/// included.
+/// Computes `C = alpha A^T A` where every rank has some `columns` of A, possibly none, in the order
+/// of the ranks.
 ///
-/// The two-dimensional distribution for matrices that are not much longer than wide: with about
-/// equal numbers of columns each rank receives `m n / sqrt(P)` words (at most 1.5 times that, see
-/// [`difference_cover`](crate::ata::distributed::difference_cover)), piece by piece of rows, while
-/// it multiplies the piece before. Columns are m x n_r with any strides; beside them and its part
-/// of C a rank holds two pieces of the columns it sees, not more than its share of A and C
-/// together. `options.uplo` does not matter. The result depends, by rounding, on the number of
-/// ranks and the widths.
+/// This is the two-dimensional distribution, for matrices that are not much longer than wide. With
+/// about equal numbers of columns, each rank receives `m n / sqrt(P)` words (at most 1.5 times
+/// that, see [`difference_cover`](crate::ata::distributed::difference_cover)), piece by piece of
+/// rows, while it multiplies the piece before. The columns of a rank are m x n_r with any strides.
+/// Beside them and its part of C, a rank holds two pieces of the columns that it multiplies, not
+/// more than its share of A and C together. `options.uplo` does not matter. The result depends, by
+/// rounding, on the number of ranks and the widths.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_columns};

@@ -24,7 +24,7 @@ pub struct CyclicRef<'a, T> {
 }
 
 impl<T> CyclicRef<'_, T> {
-    /// The transposed matrix, on the transposed grid.
+    /// Returns the transposed matrix, on the transposed grid.
     pub fn transpose(self) -> Self {
         Self { matrix: self.matrix.transpose(), entries: self.entries.transpose() }
     }
@@ -39,8 +39,8 @@ pub struct CyclicMut<'a, T> {
     pub entries: MatMut<'a, T>,
 }
 
-/// `C := alpha A^T A + beta C` for block-cyclic A, m x n, and C, n x n, the triangle or triangles
-/// of `options.uplo`; PDSYRK with TRANS = 'T', of whole matrices.
+/// Computes `C := alpha A^T A + beta C` for block-cyclic A, m x n, and C, n x n, the triangle or
+/// triangles of `options.uplo`. This is PDSYRK with TRANS = 'T', of whole matrices.
 ///
 /// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a
 /// grid hold nothing, but take part in the product. A goes to parts of rows or columns, whichever
@@ -91,8 +91,8 @@ pub fn ata_cyclic<T: MpiReal>(
     product(world, alpha, a, false, beta, c, options)
 }
 
-/// `C := alpha A A^T + beta C` for block-cyclic A, n x m, and C, n x n; PDSYRK with TRANS = 'N', of
-/// whole matrices. It is [`ata_cyclic`] of the transposed A.
+/// Computes `C := alpha A A^T + beta C` for block-cyclic A, n x m, and C, n x n. This is PDSYRK
+/// with TRANS = 'N', of whole matrices, and equals [`ata_cyclic`] of the transposed A.
 ///
 /// ```no_run
 /// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};

@@ -12,9 +12,9 @@ pub(super) struct Domains {
 const SLACK: f64 = 0.05;
 
 impl Domains {
-    /// `count` domains of about equally many rows, of the graph of symmetric matrices (n x n each):
-    /// by halves along breadth-first levels, again and again (George and Liu 1981, chapters 4 and
-    /// 8).
+    /// Divides the graph of symmetric matrices (n x n each) into `count` domains of about equally
+    /// many rows, by recursive bisection along breadth-first levels (George and Liu 1981, chapters
+    /// 4 and 8).
     pub fn new(matrices: &[CsMatView<'_, f64>], count: usize) -> Self {
         let n = matrices.first().map_or(0, |matrix| matrix.rows());
         let mut graph = Graph { matrices, set: vec![0; n], mark: vec![0; n], marks: 0 };

@@ -17,17 +17,17 @@ use crate::sparse::{
     multiply_by_differences, multiply_magnitudes, one_window, without_iteration,
 };
 
-/// [`sparse::eigs`](crate::sparse::eigs()) of matrices of which every rank has some rows, in the
-/// order of the ranks, 0 included: `stiffness` is own rows x n, stored by rows; `mass` is the
-/// lumped masses of the own rows, or own rows x n of a full mass matrix. Every rank gets all
+/// Computes [`sparse::eigs`](crate::sparse::eigs()) of matrices of which every rank has some rows,
+/// possibly none, in the order of the ranks. `stiffness` is own rows x n, stored by rows; `mass` is
+/// the lumped masses of the own rows, or own rows x n of a full mass matrix. Every rank gets all
 /// eigenvalues and residuals, and its rows of the eigenvectors.
 ///
-/// The basis, `2 k + 80` vectors, is spread, and so are all work with it and the factorisation of
-/// `W - sigma M`: each rank eliminates a domain of about n / P rows, and every rank the Schur
-/// complement of the interface between them. At the beginning every rank reads both matrices to
-/// choose the domains. The start does not depend on the number of ranks, the rounding does. Small
-/// matrices, and the interface, are treated by every rank, and must come out the same everywhere,
-/// so that all need the same instruction set.
+/// The basis, `2 k + 80` vectors, all work with it, and the factorisation of `W - sigma M` are
+/// distributed: each rank eliminates a domain of about n / P rows, and every rank eliminates the
+/// Schur complement of the interface between the domains. At the beginning every rank reads both
+/// matrices to choose the domains. The start does not depend on the number of ranks, the rounding
+/// does. Small matrices, and the interface, are treated by every rank, and must come out the same
+/// everywhere, so that all need the same instruction set.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, eigs};

@@ -83,33 +83,34 @@ impl Rows {
         Ok(Self { rank: call.world.rank(), starts })
     }
 
-    /// How many there are.
+    /// Returns the number of rows of the matrix.
     pub fn count(&self) -> usize {
         self.starts[self.ranks()]
     }
 
+    /// Returns the number of ranks.
     pub fn ranks(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Those of a rank.
+    /// Returns the rows of a rank.
     pub fn of(&self, rank: usize) -> Range<usize> {
         self.starts[rank]..self.starts[rank + 1]
     }
 
-    /// Those of this rank.
+    /// Returns the rows of this rank.
     pub fn own(&self) -> Range<usize> {
         self.of(self.rank)
     }
 
-    /// Who has row i.
+    /// Returns the rank that has row i.
     pub fn holder(&self, i: usize) -> usize {
         self.starts.partition_point(|&start| start <= i) - 1
     }
 }
 
-/// The matrix whose `rows` are spread over the ranks, in their order, on rank `root`; `None` on the
-/// others.
+/// Gathers a matrix whose `rows` are spread over the ranks, in their order, on rank `root`; returns
+/// `None` on the other ranks.
 ///
 /// ```no_run
 /// use catamaran::{faer::Mat, mpi::{World, gather_rows}};

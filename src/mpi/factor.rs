@@ -70,7 +70,7 @@ impl Coupling {
 }
 
 impl<'c> SpreadShifts<'c> {
-    /// Of the pencil with all rows, of which the ranks have `rows`.
+    /// Distributes the pencil, given with all rows, for factorisations by ranks that have `rows`.
     pub fn new(
         call: &'c Call<'c>,
         rows: &Rows,

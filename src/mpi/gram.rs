@@ -12,12 +12,12 @@ use crate::base::{Error, Progress, Result};
 use crate::dense::zeros;
 use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, named_by_matrix};
 
-/// [`gram::lstsq`](crate::gram::lstsq()) of A (m x n) and B (m x k) of which every rank has some
-/// rows, in any order and number, 0 included, and the weights of these rows, if there are any.
-/// Every rank gets the whole solution: the same bits for any number of ranks, wherever the rows
-/// are.
+/// Computes [`gram::lstsq`](crate::gram::lstsq()) of A (m x n) and B (m x k) of which every rank
+/// has some rows, in any order and number, possibly none, and the weights of these rows, if there
+/// are any. Every rank gets the whole solution: the same bits for any number of ranks and any
+/// distribution of the rows.
 ///
-/// Rank 0 solves. Standard errors are computed if any rank asks for them. `progress` is told of the
+/// Rank 0 solves. Standard errors are computed if any rank asks for them. `progress` reports the
 /// sums of the own rows, which are computed after the bounds of all rows are known.
 ///
 /// ```no_run

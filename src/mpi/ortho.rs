@@ -12,15 +12,15 @@ use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, Orthonormal, cholesky_qr_of, gram_schmidt_of};
 use crate::sparse::Mass;
 
-/// [`ortho::gram_schmidt`](crate::ortho::gram_schmidt()) of a matrix A (n x c) and an inner product
-/// of which every rank has some rows, in the order of the ranks, 0 included: `a` has the own rows
-/// of A, `mass` is the lumped masses of these rows or own rows x n of a full mass matrix, stored by
-/// rows. Every rank gets its rows of Q, and all of R and the kept columns.
+/// Computes [`ortho::gram_schmidt`](crate::ortho::gram_schmidt()) of a matrix A (n x c) and an
+/// inner product of which every rank has some rows, possibly none, in the order of the ranks: `a`
+/// has the own rows of A, `mass` is the lumped masses of these rows or own rows x n of a full mass
+/// matrix, stored by rows. Every rank gets its rows of Q, and all of R and the kept columns.
 ///
-/// The result depends, by rounding, on the number of ranks and on who has which rows, but not on
-/// threads. R and the small matrices are computed by every rank, and must be the same everywhere,
-/// so that all need the same instruction set. A full mass costs messages for every product with it:
-/// rows that are next to own ones.
+/// The result depends, by rounding, on the number of ranks and on which rank has which rows, but
+/// not on threads. R and the small matrices are computed by every rank, and must be the same
+/// everywhere, so that all need the same instruction set. A full mass costs messages for every
+/// product with it: rows that are next to own ones.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, gram_schmidt};
@@ -54,8 +54,23 @@ pub fn gram_schmidt(
     Ok(Orthonormal { q, r, kept })
 }
 
-/// [`gram_schmidt`] in the memory of the own rows of A, whose first `kept.len()` columns are those
-/// of Q afterwards, and the others unspecified.
+/// Computes [`gram_schmidt`] in the memory of the own rows of A. Afterwards the first `kept.len()`
+/// columns are those of Q, and the other columns are unspecified.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, gram_schmidt_in_place};
+/// use catamaran::{faer::Mat, ortho::GramSchmidtOptions, sparse::Mass};
+///
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
+/// // Every rank has 5 rows; the second column is twice the first.
+/// let mut own = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let options = GramSchmidtOptions::new();
+/// let found = gram_schmidt_in_place(&world, own.as_mut(), &Mass::identity(5), &options)?;
+/// assert_eq!(found.kept, [0, 2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`gram_schmidt`]; A is unspecified after all but errors of arguments.
@@ -80,10 +95,10 @@ pub fn gram_schmidt_in_place(
     })
 }
 
-/// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product that are
-/// spread as for [`gram_schmidt`]: the own rows of A become those of Q, and every rank gets R. For
-/// each of the two to five passes, a rank sends and receives the packed triangle of a c x c matrix
-/// at most twice.
+/// Computes [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product
+/// that are spread as for [`gram_schmidt`]: the own rows of A become those of Q, and every rank
+/// gets R. For each of the two to five passes, a rank sends and receives the packed triangle of a c
+/// x c matrix at most twice.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, cholesky_qr};

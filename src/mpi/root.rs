@@ -10,12 +10,12 @@ use crate::ata::distributed::{Machine, Mode, Place, choose};
 use crate::ata::{AtaOptions, Uplo, mirror_lower};
 use crate::base::{Error, Result};
 
-/// `C := alpha A^T A + beta C` where rank `root` has A, m x n, and C, n x n, the triangles of
-/// `options.uplo`; what other ranks give for A, beta and C is not read.
+/// Computes `C := alpha A^T A + beta C` where rank `root` has A, m x n, and C, n x n, the triangles
+/// of `options.uplo`. The values of A, beta and C on other ranks are not read.
 ///
-/// [`ata_tree`] or [`ata_deal`], whichever [`choose`] expects to be faster for this shape and
-/// number of ranks on the default [`Machine`]. The result depends on the shape and the number of
-/// ranks and on nothing else.
+/// It calls [`ata_tree`] or [`ata_deal`], whichever [`choose`] expects to be faster for this shape
+/// and number of ranks on the default [`Machine`]. The result depends on the shape and the number
+/// of ranks and on nothing else.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_root};
@@ -51,13 +51,14 @@ pub fn ata_root<T: MpiReal>(
     from_root(world, root, alpha, a, beta, c, options, best)
 }
 
-/// [`ata_root`] by AtA-D (thesis, algorithm 8.4).
+/// Computes [`ata_root`] by the algorithm AtA-D (thesis, algorithm 8.4).
 ///
-/// Parts of A go down a [`TaskTree`](crate::ata::distributed::TaskTree), parts of C come up and are
-/// added in its order. The root sends its matrices from where they are. Beside them it holds two
-/// results of others, of at most `n^2 / 4` entries each. Another rank holds the part of A that it
-/// and the ranks below it read, at most `m n / 2` entries from six ranks on (with less, up to all
-/// of A), its block of C, at most `n^2 / 4`, and two results of others, at most half of that each.
+/// Parts of A go down a [`TaskTree`](crate::ata::distributed::TaskTree); parts of C come up and are
+/// added in the order of the tree. The root sends its matrices without a copy. Beside them it holds
+/// two results of other ranks, of at most `n^2 / 4` entries each. Another rank holds the part of A
+/// that it and the ranks below it read, at most `m n / 2` entries from six ranks on (with less, up
+/// to all of A), its block of C, at most `n^2 / 4`, and two results of other ranks, at most half of
+/// that each.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_tree};
@@ -89,13 +90,13 @@ pub fn ata_tree<T: MpiReal>(
     from_root(world, root, alpha, a, beta, c, options, |_| Mode::Tree)
 }
 
-/// [`ata_root`] by rows: the root deals blocks of them, every rank adds up the products of its own,
-/// and the sums are added, chunk by chunk as by [`sum_symmetric`](super::sum_symmetric), and
-/// gathered.
+/// Computes [`ata_root`] by rows: the root deals blocks of rows to the ranks, every rank sums the
+/// products of its blocks, and the sums are added, chunk by chunk as by
+/// [`sum_symmetric`](super::sum_symmetric), and gathered.
 ///
-/// For tall A: every entry of A travels once at most, and of C `n^2` in all. The root sends A from
-/// where it is, and computes its rows there meanwhile; another rank holds an n x n sum and two
-/// blocks of rows, each of at most 64 MiB (or 1024 rows), not more than its rows.
+/// It suits tall A: every entry of A is sent at most once, and `n^2` entries of C in all. The root
+/// sends A without a copy and multiplies its own rows meanwhile. Another rank holds an n x n sum
+/// and two blocks of rows, each of at most 64 MiB (or 1024 rows), not more than its rows.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_deal};

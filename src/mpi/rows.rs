@@ -14,7 +14,8 @@ use crate::ata::distributed::{Chunks, Layout};
 use crate::ata::{AtaOptions, DenseRows, Flags, RowBounds, Uplo, ata, atb, block_rows, exact_sums};
 use crate::base::{Error, Progress, Result, Workspace, reserved};
 
-/// `C = alpha A^T A` where every rank has some `rows` of A, in any order and number, 0 included.
+/// Computes `C = alpha A^T A` where every rank has some `rows` of A, in any order and number,
+/// possibly none.
 ///
 /// Each rank sends and receives `(1 - 1/P) n (n + 1) / 2` words, in `ceil(log2 P)` messages for
 /// every chunk of C, while it computes the next one. Rows are m_r x n with any strides; beside them
@@ -22,10 +23,10 @@ use crate::base::{Error, Progress, Result, Workspace, reserved};
 /// `options.uplo` does not matter. The result depends, by rounding, on the number of ranks and on
 /// which rank has which rows.
 ///
-/// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of
-/// the rows, their sums are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)),
-/// which are added up in parts of 32 bits, at five times the traffic of f64, and C is the same
-/// bytes for any ranks.
+/// On the exact path, when the options ask for it, C has the same bytes for any number of ranks and
+/// any distribution of the rows. The ranks agree on the bounds of the rows, and their sums are
+/// integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)), which are added in parts of
+/// 32 bits, at five times the traffic of f64.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_rows};
@@ -74,8 +75,8 @@ pub fn ata_rows<T: MpiReal>(
     })
 }
 
-/// The sum over the ranks of their symmetric matrices `c`, n x n, of which the lower triangles are
-/// read.
+/// Computes the sum over the ranks of their symmetric matrices `c`, n x n, of which the lower
+/// triangles are read.
 ///
 /// ```no_run
 /// use catamaran::{faer::Mat, mpi::{World, sum_symmetric}};

@@ -24,7 +24,7 @@ pub(super) struct SpreadMatrix {
 }
 
 impl SpreadMatrix {
-    /// Of these own rows, with n columns.
+    /// Creates the part of this rank from its rows of a matrix with n columns.
     pub fn new(call: &Call<'_>, rows: &Rows, matrix: CsMatView<'_, f64>) -> Result<Self> {
         let own = rows.own();
         let mut others: Vec<usize> =
@@ -63,12 +63,12 @@ impl SpreadMatrix {
         Ok(Self { local, asked: asked.collect(), needed })
     }
 
-    /// The own rows, with columns as in [`SpreadMatrix::extended`].
+    /// Returns the own rows, with columns as in [`SpreadMatrix::extended`].
     pub fn rows(&self) -> CsMatView<'_, f64> {
         self.local.view()
     }
 
-    /// `Y := A X`, of own rows.
+    /// Computes the own rows of `Y := A X`.
     pub fn multiply(
         &self,
         call: &Call<'_>,
@@ -79,7 +79,8 @@ impl SpreadMatrix {
         multiply(self.rows(), self.extended(call, x)?.as_ref(), y, par)
     }
 
-    /// X with the rows of other ranks that the own rows of A need: first own rows, then those.
+    /// Returns X extended by the rows of other ranks that the own rows of A need: first the own
+    /// rows of X, then those of the others.
     pub fn extended(&self, call: &Call<'_>, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let (own, columns) = x.shape();
         let of = |rows: &Vec<usize>| {
@@ -116,7 +117,8 @@ enum Own<'c> {
 }
 
 impl<'c> SpreadMass<'c> {
-    /// Of its own rows: masses, or a matrix with n columns, which have passed [`check_mass_shape`].
+    /// Creates the part of this rank from its masses, or from its rows of a matrix with n columns.
+    /// [`check_mass_shape`] must have accepted them.
     pub fn new(call: &'c Call<'c>, rows: &'c Rows, mass: &'c Mass) -> Result<Self> {
         let own = match mass {
             Mass::Lumped(masses) => Own::Lumped(masses),

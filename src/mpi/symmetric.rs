@@ -10,6 +10,21 @@ use crate::ata::distributed::Layout;
 use crate::base::{Error, Real, Result, zeros};
 
 /// A symmetric matrix whose lower triangle is spread over the ranks.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, ata_rows};
+/// use catamaran::{AtaOptions, Uplo, faer::Mat};
+///
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
+/// let own = Mat::<f64>::ones(100, 8);
+/// let spread = ata_rows(&world, 1.0, own.as_ref(), &AtaOptions::new())?;
+/// let mut c = (world.rank() == 0).then(|| Mat::zeros(8, 8));
+/// spread.gather(&world, 0, c.as_mut().map(|c| c.as_mut()), Uplo::Both)?;
+/// assert!(c.is_none_or(|c| c[(0, 7)] == 100.0 * world.size() as f64));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Symmetric<T> {
     layout: Layout,
@@ -30,12 +45,12 @@ impl<T: Real> Symmetric<T> {
         self.layout.n()
     }
 
-    /// Who holds what.
+    /// Returns the layout: which rank holds which entries.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The entries of this rank, in the order of its segments.
+    /// Returns the entries of this rank, in the order of its segments.
     pub fn entries(&self) -> &[T] {
         &self.entries
     }

@@ -25,6 +25,20 @@ impl MpiReal for f64 {}
 
 /// What a rank has sent and received: words are matrix entries. The few numbers by which ranks
 /// agree on shapes and errors are not counted.
+///
+/// ```no_run
+/// use catamaran::mpi::{Traffic, World, sum_symmetric};
+/// use catamaran::faer::Mat;
+///
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
+/// sum_symmetric(&world, Mat::<f64>::identity(8, 8).as_ref())?;
+/// let traffic = world.take_traffic();
+/// assert!(world.size() == 1 || traffic.words_sent > 0);
+/// assert_eq!(world.traffic(), Traffic::default());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Entries sent.
@@ -46,11 +60,11 @@ impl AddAssign for Traffic {
     }
 }
 
-/// The ranks that work together: a communicator of our own, so that no message of the caller is
-/// mistaken for ours.
+/// The ranks that work together: a duplicate of the caller's communicator, so that messages of the
+/// caller and of this crate are never confused.
 ///
-/// All calls are made by the thread that calls, which must be one that may call MPI. MPI is neither
-/// initialised nor finalised; a world should be dropped before the caller finalises it.
+/// All calls of MPI are made by the calling thread, which must be allowed to call MPI. MPI is
+/// neither initialised nor finalised; a world should be dropped before the caller finalises it.
 ///
 /// ```no_run
 /// use catamaran::mpi::World;
@@ -98,7 +112,7 @@ fn check_threads() -> Result<()> {
 }
 
 impl World {
-    /// A world of the ranks of `comm`, which all call this.
+    /// Creates a world of the ranks of `comm`. All of them must call this function.
     ///
     /// # Errors
     /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`: calls compute
@@ -108,8 +122,8 @@ impl World {
         Ok(Self::owning(comm.duplicate()))
     }
 
-    /// A world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`), which
-    /// all call this.
+    /// Creates a world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`).
+    /// All of them must call this function.
     ///
     /// # Errors
     /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialised, or finalised
@@ -149,29 +163,29 @@ impl World {
         self.rank
     }
 
-    /// The number of ranks.
+    /// Returns the number of ranks.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// The communicator itself.
+    /// Returns the communicator.
     pub fn communicator(&self) -> &SimpleCommunicator {
         &self.comm
     }
 
-    /// What this rank has sent and received since the world was made, or since
-    /// [`World::take_traffic`].
+    /// Returns what this rank has sent and received since the world was created, or since the last
+    /// call of [`World::take_traffic`].
     pub fn traffic(&self) -> Traffic {
         self.traffic.get()
     }
 
-    /// [`World::traffic`], which begins anew.
+    /// Returns [`World::traffic`] and resets it to zero.
     pub fn take_traffic(&self) -> Traffic {
         self.traffic.take()
     }
 
-    /// Time that the local products of this rank took since the world was made, or since this was
-    /// last called; what travels meanwhile is hidden behind it.
+    /// Returns the time that the local products of this rank took since the world was created or
+    /// since the last call of this function. Messages travel during this time.
     pub fn take_work_time(&self) -> Duration {
         self.work_time.take()
     }

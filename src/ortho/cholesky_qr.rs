@@ -6,13 +6,13 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{cholesky, divide_by_upper, zeros};
 use crate::sparse::{InnerSpace, Mass};
 
-/// `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns that are
-/// independent: A (n x c, any strides) becomes Q, R (c x c) is returned, upper triangular with a
-/// positive diagonal.
+/// Computes `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns
+/// that are independent. A (n x c, any strides) becomes Q; R (c x c), upper triangular with a
+/// positive diagonal, is returned.
 ///
-/// Two passes over A where its condition allows, up to five. About half the work of
-/// [`gram_schmidt`](super::gram_schmidt()), which also takes columns that depend on others. The
-/// result is the same, bit for bit, for every `par`.
+/// It takes two passes over A if the condition of A allows, up to five otherwise. This is about
+/// half the work of [`gram_schmidt`](super::gram_schmidt()), which also accepts columns that depend
+/// on others. The result is the same, bit for bit, for every `par`.
 ///
 /// ```
 /// use catamaran::{prelude::*, sparse::Mass};

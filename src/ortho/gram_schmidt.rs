@@ -13,6 +13,19 @@ use crate::sparse::{InnerSpace, Mass};
 const PANEL: usize = 256;
 
 /// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalised`] by default.
+///
+/// ```
+/// use catamaran::{faer::mat, prelude::*, sparse::Mass};
+///
+/// // The second column is the first but for a thousandth.
+/// let a = mat![[1.0, 1.0], [0.0, 1e-3]];
+/// let rank = |options| {
+///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())
+/// };
+/// assert_eq!(rank(GramSchmidtOptions::single_pass())?, 1);
+/// assert_eq!(rank(GramSchmidtOptions::reorthogonalised())?, 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct GramSchmidtOptions<'a> {
@@ -42,9 +55,9 @@ builder! { GramSchmidtOptions<'a> {
 }}
 
 impl GramSchmidtOptions<'_> {
-    /// The thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to about
-    /// 1e-13 / 1e-2 and what the blocks before lose: good enough for least squares, not for inner
-    /// products.
+    /// Returns the thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to
+    /// about 1e-13 / 1e-2 and the loss of orthogonality of the blocks before: good enough for least
+    /// squares, not for inner products.
     pub fn single_pass() -> Self {
         Self {
             threshold: 1e-2,
@@ -54,8 +67,8 @@ impl GramSchmidtOptions<'_> {
         }
     }
 
-    /// The thesis' mode `ours*`: threshold 1e-9, re-orthogonalised; `Q^T M Q` is the identity to
-    /// rounding.
+    /// Returns the thesis' mode `ours*`: threshold 1e-9, re-orthogonalised. `Q^T M Q` is the
+    /// identity to rounding.
     pub fn reorthogonalised() -> Self {
         Self { threshold: 1e-9, reorthogonalise: true, ..Self::single_pass() }
     }
@@ -104,10 +117,10 @@ impl Orthonormal {
     }
 }
 
-/// An M-orthonormal basis of the columns of A (n x c, any strides), taken from left to right:
-/// blocked classical Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008 for the
-/// blocks, Giraud et al. 2005 for why twice is enough). The overlaps of either sign are projected
-/// away.
+/// Computes an M-orthonormal basis of the columns of A (n x c, any strides), taken from left to
+/// right, by blocked classical Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008
+/// for the blocks, Giraud et al. 2005 for why twice is enough). Overlaps of either sign are
+/// projected away.
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and three
 /// panels.
@@ -134,8 +147,8 @@ pub fn gram_schmidt(
     Orthonormal::of(a, |q| gram_schmidt_in_place(q, mass, options))
 }
 
-/// [`gram_schmidt`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the
-/// others unspecified. It is fastest when the columns of A are contiguous.
+/// Computes [`gram_schmidt`] in the memory of A. Afterwards the first `kept.len()` columns are Q,
+/// and the other columns are unspecified. It is fastest when the columns of A are contiguous.
 ///
 /// ```
 /// use catamaran::{ortho::gram_schmidt_in_place, prelude::*, sparse::Mass};

@@ -17,7 +17,7 @@ pub(super) struct Inner<'a> {
 }
 
 impl<'a> Inner<'a> {
-    /// For blocks of at most `width` columns.
+    /// Creates an inner product for blocks of at most `width` columns.
     pub fn new(space: &'a dyn InnerSpace, width: usize, par: Par) -> Result<Self> {
         let width = if space.masses().is_none() { width } else { 0 };
         // Of tall matrices with narrow ones the exact path has residues as large as the tall one,
@@ -27,6 +27,7 @@ impl<'a> Inner<'a> {
         Ok(Self { space, par, products, weighted: zeros(space.rows().len(), width)? })
     }
 
+    /// Returns how many threads products may use.
     pub fn par(&self) -> Par {
         self.par
     }
@@ -52,7 +53,7 @@ impl<'a> Inner<'a> {
         });
     }
 
-    /// M X, or X itself where the scaling stands for M.
+    /// Returns `M X`, or X itself where the scaling by [`Inner::enter`] stands for M.
     pub fn weigh<'x>(&'x mut self, x: MatRef<'x, f64>) -> Result<MatRef<'x, f64>> {
         if self.space.masses().is_some() {
             return Ok(x);
@@ -77,7 +78,7 @@ impl<'a> Inner<'a> {
         Ok(coefficients)
     }
 
-    /// `X^T M X`.
+    /// Computes `X^T M X`.
     pub fn gram(&mut self, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let mut gram = zeros(x.ncols(), x.ncols())?;
         if x.ncols() == 0 {
@@ -95,7 +96,7 @@ impl<'a> Inner<'a> {
         Ok(gram)
     }
 
-    /// The lengths of the columns of X.
+    /// Computes the lengths of the columns of X.
     pub fn lengths(&mut self, x: MatRef<'_, f64>) -> Result<Vec<f64>> {
         let space = self.space;
         let weighted = self.weigh(x)?;
@@ -104,7 +105,7 @@ impl<'a> Inner<'a> {
         Ok(squares.col(0).iter().map(|square| square.max(0.0).sqrt()).collect())
     }
 
-    /// `x_i^T M x_j` of two columns.
+    /// Computes `x_i^T M x_j` of two columns.
     pub fn overlap(&mut self, x: MatRef<'_, f64>, i: usize, j: usize) -> Result<f64> {
         let space = self.space;
         let mut product = dot(x, i, self.weigh(x.subcols(j, 1))?, 0);
@@ -112,7 +113,7 @@ impl<'a> Inner<'a> {
         Ok(product)
     }
 
-    /// `Y := Y + A B` for small matrices.
+    /// Computes `Y := Y + A B` for small matrices.
     pub fn add_product(
         &self,
         y: MatMut<'_, f64>,

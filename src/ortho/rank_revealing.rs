@@ -12,21 +12,21 @@ use crate::sparse::Mass;
 const FINER: f64 = 1e-3;
 const FINEST: f64 = 1e-13;
 
-/// An M-orthonormal basis of as many columns of A (n x c, any strides) as its numerical rank: the
-/// number of singular values above `options.threshold` times the largest, in the inner product of
-/// M, all columns scaled to length 1.
+/// Computes an M-orthonormal basis of as many columns of A (n x c, any strides) as its numerical
+/// rank: the number of singular values above `options.threshold` times the largest, in the inner
+/// product of M, all columns scaled to length 1.
 ///
-/// [`gram_schmidt`] keeps a column whenever *it* has something that the columns before it do not
-/// have, and there can be many more of these than the rank where singular values decay slowly, each
-/// nearly dependent on all others together. Here its R, whose singular values are those of A, tells
-/// the rank r; the columns kept are the first r that QR with column pivoting takes of the r leading
-/// right singular vectors, as rows (Golub, Klema and Stewart 1976), in their own order.
-/// `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the rest of A up
-/// to about the threshold times the largest singular value.
+/// [`gram_schmidt`] keeps every column with a component outside the span of the columns before it.
+/// Where singular values decay slowly, many more columns than the rank are kept, each nearly
+/// dependent on all others together. Here the R of [`gram_schmidt`], whose singular values are
+/// those of A, gives the rank r; the columns kept are the first r that QR with column pivoting
+/// takes of the r leading right singular vectors, as rows (Golub, Klema and Stewart 1976), in their
+/// own order. `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the
+/// rest of A up to about the threshold times the largest singular value.
 ///
 /// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised.
-/// The singular values and vectors of R, on one thread, come on top of the time of
-/// [`gram_schmidt`], and a few matrices of its size.
+/// Beyond [`gram_schmidt`], it computes the singular values and vectors of R on one thread, and
+/// holds a few matrices of the size of R.
 ///
 /// ```
 /// use catamaran::{prelude::*, ortho::rank_revealing, sparse::Mass};
@@ -50,8 +50,8 @@ pub fn rank_revealing(
     Orthonormal::of(a, |q| rank_revealing_in_place(q, mass, options))
 }
 
-/// [`rank_revealing`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and
-/// the others unspecified.
+/// Computes [`rank_revealing`] in the memory of A. Afterwards the first `kept.len()` columns are Q,
+/// and the other columns are unspecified.
 ///
 /// ```
 /// use catamaran::{ortho::rank_revealing_in_place, prelude::*, sparse::Mass};

@@ -7,12 +7,12 @@ use super::problem::Problem;
 use super::space::WholePencil;
 use crate::base::{Error, Result};
 
-/// The number of eigenvalues of `W phi = lambda M phi` below `value`, by the inertia of a
+/// Computes the number of eigenvalues of `W phi = lambda M phi` below `value`, by the inertia of a
 /// factorisation of `W - value M` (Sylvester).
 ///
-/// W (n x n) is symmetric, all entries stored, by rows or by columns. As many pairs are below
-/// `value`, so many `k` ask [`eigs`](super::eigs()) for; the pairs in an interval are as many as
-/// the difference of two counts, and nearest to its middle.
+/// W (n x n) is symmetric, all entries stored, by rows or by columns. With the result as `k`,
+/// [`eigs`](super::eigs()) finds all pairs below `value`. For the pairs in an interval, use the
+/// difference of two counts as `k` and the middle of the interval as the shift.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families, sparse::count_below};

@@ -18,8 +18,9 @@ pub struct Eigenpairs {
 }
 
 impl Eigenpairs {
-    /// The pair with the largest residual, the first of several, and that residual; `None` without
-    /// pairs. It is above the tolerance asked for where rounding of the vectors allows no less
+    /// Returns the index of the pair with the largest residual, the first of several, and that
+    /// residual; `None` without pairs. The residual is above the requested tolerance where the
+    /// rounding of the vectors allows no less
     /// ([`EigenOptions::tolerance`](super::EigenOptions::tolerance)).
     ///
     /// ```

@@ -12,8 +12,8 @@ use super::small::dense_pairs;
 use super::space::{Pencil, WholePencil};
 use crate::base::Result;
 
-/// The k smallest eigenvalues, or the k nearest to a shift, of `W phi = lambda M phi`, and their
-/// eigenvectors.
+/// Computes the k smallest eigenvalues of `W phi = lambda M phi`, or the k eigenvalues nearest to a
+/// shift, and their eigenvectors.
 ///
 /// W (n x n) is symmetric, all entries stored, by rows or by columns; positive semi-definite unless
 /// a shift is given. Shift-invert block Lanczos with thick restart (Wu and Simon 2000; Grimes,

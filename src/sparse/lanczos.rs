@@ -49,7 +49,7 @@ pub(crate) struct Krylov<'a> {
 }
 
 impl<'a> Krylov<'a> {
-    /// An empty space. The factor that the other functions take is that of `W - sigma M`.
+    /// Creates an empty space. The other functions take the factor of `W - sigma M`.
     pub fn new(
         pencil: &'a dyn Pencil,
         sigma: f64,
@@ -319,8 +319,8 @@ impl<'a> Krylov<'a> {
         (self.len, self.coupled) = (keep, 0);
     }
 
-    /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and
-    /// Ruhe 1980). What rounding left in entries of little mass is large in W, but gone after this.
+    /// Applies the operator once to the vectors that [`Krylov::converge`] found (Ericsson and Ruhe
+    /// 1980). This removes rounding errors in entries of little mass, which are large in W.
     pub fn purify(&mut self, factor: &dyn Inverse) -> Result<()> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
@@ -338,24 +338,24 @@ impl<'a> Krylov<'a> {
         Ok(())
     }
 
-    /// After [`Krylov::converge`]: asks for residuals that are smaller by this factor.
+    /// Asks for residuals that are smaller by this factor, after [`Krylov::converge`].
     pub fn tighten(&mut self, factor: f64) {
         self.caution *= factor;
     }
 
-    /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what
-    /// these pairs and all directions before have nothing of.
+    /// Continues from the pairs that [`Krylov::converge`] found and from random directions, to find
+    /// pairs that have no component in these pairs or in any earlier direction.
     pub fn add_directions(&mut self, factor: &dyn Inverse) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
         self.random_restart(factor)
     }
 
-    /// After [`Krylov::converge`]: the eigenvalues, those nearest to the shift first.
+    /// Returns the eigenvalues that [`Krylov::converge`] found, the nearest to the shift first.
     pub fn values(&self) -> &[f64] {
         &self.found
     }
 
-    /// After [`Krylov::converge`]: their vectors.
+    /// Returns the eigenvectors that [`Krylov::converge`] found.
     pub fn vectors(&self) -> MatRef<'_, f64> {
         self.basis.as_ref().subcols(0, self.found.len())
     }

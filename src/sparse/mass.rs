@@ -7,6 +7,16 @@ use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks};
 
 /// The matrix M of an inner product `<u, v> = u^T M v`: symmetric, positive definite.
+///
+/// ```
+/// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass};
+///
+/// let mass = Mass::Lumped(vec![2.0, 3.0]);
+/// let (x, mut y) = (mat![[1.0], [1.0]], Mat::zeros(2, 1));
+/// mass.multiply(x.as_ref(), y.as_mut(), Par::Seq)?;
+/// assert_eq!(y, mat![[2.0], [3.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mass {
     /// A diagonal: lumped masses, one for each row, all positive.
@@ -16,12 +26,12 @@ pub enum Mass {
 }
 
 impl Mass {
-    /// The identity of n rows: the Euclidean inner product.
+    /// Creates the identity of n rows: the Euclidean inner product.
     pub fn identity(n: usize) -> Self {
         Self::Lumped(vec![1.0; n])
     }
 
-    /// Its number of rows.
+    /// Returns the number of rows.
     pub fn len(&self) -> usize {
         match self {
             Self::Lumped(diagonal) => diagonal.len(),
@@ -29,13 +39,20 @@ impl Mass {
         }
     }
 
-    /// Whether it has no rows.
+    /// Returns whether the matrix has no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether it is an inner product for vectors of n entries, as far as can be seen without a
-    /// factorisation: n rows, finite, symmetric, the diagonal positive.
+    /// Checks that the matrix is an inner product for vectors of n entries, as far as possible
+    /// without a factorisation: n rows, finite, symmetric, the diagonal positive.
+    ///
+    /// ```
+    /// use catamaran::sparse::Mass;
+    ///
+    /// assert!(Mass::identity(2).check(2).is_ok());
+    /// assert!(Mass::Lumped(vec![1.0, -1.0]).check(2).is_err());
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`], all of "mass" and naming an
@@ -62,7 +79,7 @@ impl Mass {
         }
     }
 
-    /// The i-th diagonal entry, `i < self.len()`.
+    /// Returns the i-th diagonal entry, `i < self.len()`.
     pub fn diagonal(&self, i: usize) -> f64 {
         match self {
             Self::Lumped(diagonal) => diagonal[i],
@@ -70,7 +87,8 @@ impl Mass {
         }
     }
 
-    /// `Y := M X`; X and Y are n x c, any strides. The same for every `par`, bit for bit.
+    /// Computes `Y := M X`; X and Y are n x c, any strides. The result is the same for every `par`,
+    /// bit for bit.
     ///
     /// # Errors
     /// [`Error::Shape`].

@@ -1,6 +1,17 @@
 use crate::base::{Error, Par, Progress, Result, builder};
 
 /// What [`eigs`](super::eigs()) is asked for.
+///
+/// ```
+/// use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
+///
+/// // The eigenvalue of diag(1, 2, 4) nearest to 2.2.
+/// let w = CsMat::new((3, 3), vec![0, 1, 2, 3], vec![0, 1, 2], vec![1.0, 2.0, 4.0]);
+/// let options = EigenOptions::new().k(1).shift(2.2);
+/// let pairs = eigs(w.view(), &Mass::identity(3), &options)?;
+/// assert!((pairs.values[0] - 2.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct EigenOptions<'a> {

@@ -22,7 +22,7 @@ pub(crate) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Of matrices that are known to be symmetric, on this process.
+    /// Creates the problem of matrices that are known to be symmetric, on this process.
     pub fn whole(pencil: &'a WholePencil<'a>) -> Result<Self> {
         let WholePencil { stiffness, mass } = *pencil;
         let shifted = Shifted::new(stiffness, mass);
@@ -30,7 +30,8 @@ impl<'a> Problem<'a> {
         Ok(Self::new(pencil, stiffness, mass, Box::new(WholeShifts { shifted, symbolic })))
     }
 
-    /// Of a pencil and its shifts; the matrices are those of the pencil, with all rows.
+    /// Creates the problem of a pencil and its shifts. The matrices are those of the pencil, with
+    /// all rows.
     pub fn new(
         pencil: &'a dyn Pencil,
         stiffness: CsMatView<'_, f64>,
@@ -48,19 +49,19 @@ impl<'a> Problem<'a> {
         self.shifts.bytes()
     }
 
-    /// The number of eigenvalues below `value`.
+    /// Returns the number of eigenvalues below `value`.
     pub fn below(&self, value: f64) -> Result<usize> {
         Ok(self.shifts.indefinite(value)?.below_zero())
     }
 
-    /// [`Problem::below`], or nothing where `value` is an eigenvalue as far as elimination can
-    /// tell.
+    /// Returns [`Problem::below`], or `None` where `value` is an eigenvalue as far as elimination
+    /// can tell.
     pub fn count_below(&self, value: f64) -> Result<Option<usize>> {
         let factor = self.shifts.indefinite(value)?;
         Ok(factor.is_finite().then(|| factor.below_zero()))
     }
 
-    /// `W - sigma M`, factorised, for a W that is semi-definite.
+    /// Factorises `W - sigma M` for a semi-definite W.
     pub fn positive(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         self.shifts.positive(sigma)?.ok_or_else(|| {
             let why = "not positive semi-definite: give a shift".into();
@@ -68,7 +69,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// `W - sigma M`, factorised.
+    /// Factorises `W - sigma M`.
     pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         if sigma < 0.0
             && let Some(factor) = self.shifts.positive(sigma)?
@@ -83,8 +84,9 @@ impl<'a> Problem<'a> {
         Ok(factor)
     }
 
-    /// The `options.k` pairs nearest to sigma, given the factor for it; goes on until `complete`
-    /// says of their values that none is missing. When that is asked, no factor is kept.
+    /// Computes the `options.k` pairs nearest to sigma, given the factor for it. Continues until
+    /// `complete` says of the eigenvalues that none is missing; the factor is freed before each
+    /// such call.
     pub fn nearest(
         &self,
         sigma: f64,

@@ -5,8 +5,8 @@ use sprs::CsMatView;
 use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks};
 
-/// `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides: rows by
-/// blocks, so that the result is the same, bit for bit, for every `par`.
+/// Computes `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides.
+/// Blocks of rows make the result the same, bit for bit, for every `par`.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::{CsMat, multiply}};

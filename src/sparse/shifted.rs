@@ -13,6 +13,7 @@ pub(crate) struct Shifted<'a> {
 }
 
 impl<'a> Shifted<'a> {
+    /// Finds the places of the entries of `W - sigma M`.
     pub fn new(stiffness: CsMatView<'a, f64>, mass: &'a Mass) -> Self {
         let mut shifted = Self { stiffness, mass, column_starts: vec![0], rows: Vec::new() };
         for j in 0..stiffness.rows() {
@@ -48,7 +49,7 @@ impl<'a> Shifted<'a> {
         }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn len(&self) -> usize {
         self.stiffness.rows()
     }
@@ -58,7 +59,7 @@ impl<'a> Shifted<'a> {
         (self.column_starts.len() + 2 * self.rows.len()) * size_of::<usize>()
     }
 
-    /// The entries of the matrix for this sigma.
+    /// Returns the entries of the matrix for this sigma.
     pub fn values(&self, sigma: f64) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.rows.len());
         for j in 0..self.len() {
@@ -67,12 +68,12 @@ impl<'a> Shifted<'a> {
         values
     }
 
-    /// The matrix with these entries.
+    /// Returns the matrix with these entries.
     pub fn matrix<'b>(&'b self, values: &'b [f64]) -> SparseColMatRef<'b, usize, f64> {
         SparseColMatRef::new(self.symbolic(), values)
     }
 
-    /// The places.
+    /// Returns the places of the entries.
     pub fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
         let n = self.len();
         SymbolicSparseColMatRef::new_checked(n, n, &self.column_starts, None, &self.rows)

@@ -31,9 +31,9 @@ const RUN_SHARE: f64 = 0.8;
 /// Shifts tried for a slice.
 const ATTEMPTS: usize = 20;
 
-/// The k smallest eigenpairs as [`eigs`](super::eigs()) finds them, in slices of the spectrum that
-/// are handed to `sink` in ascending order as soon as they are found, so that the computation takes
-/// no more than `memory` bytes beside W and M, and what `sink` keeps. If all pairs fit, there is
+/// Computes the k smallest eigenpairs as [`eigs`](super::eigs()) does, in slices of the spectrum.
+/// Each slice goes to `sink` as soon as it is found, in ascending order, so that the computation
+/// takes no more than `memory` bytes beside W, M and what `sink` keeps. If all pairs fit, there is
 /// one slice.
 ///
 /// A slice is a run with a shift of its own, and ends in a gap between eigenvalues: equal ones are
@@ -43,7 +43,7 @@ const ATTEMPTS: usize = 20;
 /// are the last of a slice to those of the next; vectors farther apart to about the tolerance times
 /// the eigenvalue over the distance of their eigenvalues.
 ///
-/// The result is the same, bit for bit, for every `options.par`; it is another one for another
+/// The result is the same, bit for bit, for every `options.par`; it is different for another
 /// `memory`.
 ///
 /// ```

@@ -22,8 +22,8 @@ use crate::dense::{
 /// armadillo.
 const STEPS: usize = 4;
 
-/// The k smallest eigenpairs of `W phi = lambda M phi`, approximately and without a factorisation
-/// of anything of W's size.
+/// Computes the k smallest eigenpairs of `W phi = lambda M phi` approximately, without a
+/// factorisation of a matrix of W's size.
 ///
 /// W and M are as for [`eigs`]; `prolongation` (n x c, by rows, c below n) takes functions on a
 /// coarse space to those on the fine one, for instance the weights of a decimation. First come the
@@ -32,13 +32,13 @@ const STEPS: usize = 4;
 /// 2011), each followed by the Rayleigh-Ritz procedure in their span, which has more than k
 /// dimensions.
 ///
-/// Eigenvalues are those of a projection, so the i-th is never below the i-th of the pencil. How
-/// far above depends on P, and on W: about 0.1 % for scans with even triangles, several per cent
+/// Eigenvalues are those of a projection, so the i-th is never below the i-th of the pencil. The
+/// difference depends on P and on W: about 0.1 % for scans with even triangles, several per cent
 /// for long thin ones (docs/algorithms/eigen.md). [`Eigenpairs::residuals`] bounds it from the
 /// result alone, but widely: they may be a thousand times the relative errors of the eigenvalues.
-/// `options.tolerance` is not asked of them; `options.max_restarts` and the seed are those of the
-/// coarse problem. The result is the same, bit for bit, for every `options.par`. Memory:
-/// `k + max(8, k / 4) + 64` vectors of n, the result, and what the coarse problem takes.
+/// `options.tolerance` does not apply to them; `options.max_restarts` and the seed are those of the
+/// coarse problem. The result is the same, bit for bit, for every `options.par`. Memory: `k +
+/// max(8, k / 4) + 64` vectors of n, the result, and what the coarse problem takes.
 ///
 /// ```
 /// use catamaran::{prelude::*, decimate::{DecimateOptions, decimate}, mesh::families};

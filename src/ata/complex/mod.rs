@@ -81,6 +81,17 @@ pub fn aha<T: BlasReal>(
 /// Of the options only triangle, threads, pinning, back end and progress matter: the rest is in the
 /// plan.
 ///
+/// ```
+/// use catamaran::{AtaOptions, ata::{ComplexPlan, aha_planned}, faer::{Mat, c64}};
+///
+/// let options = AtaOptions::new();
+/// let plan = ComplexPlan::aha::<f64>(3, 1, &options)?;
+/// let (a, mut c) = (Mat::full(3, 1, c64::new(3.0, 4.0)), Mat::zeros(1, 1));
+/// aha_planned(&plan, 1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(0, 0)], c64::new(75.0, 0.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for a plan of another product or scalar, [`Error::Shape`] for one of another
 /// shape; else as [`aha`].

@@ -59,7 +59,15 @@ pub struct ComplexPlan {
 }
 
 impl ComplexPlan {
-    /// The plan of `A^H A` for A m x n.
+    /// Plans `A^H A` for A m x n.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::ComplexPlan};
+    ///
+    /// let plan = ComplexPlan::aha::<f64>(1000, 100, &AtaOptions::new().reproducible(true))?;
+    /// assert!(plan.is_exact());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -75,7 +83,7 @@ impl ComplexPlan {
         Self::new::<T>(Kind::Aha, [m, n, n], terms, options)
     }
 
-    /// The plan of `A^H B` for A m x n and B m x k.
+    /// Plans `A^H B` for A m x n and B m x k.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -89,7 +97,7 @@ impl ComplexPlan {
         Self::new::<T>(Kind::Ahb, [m, n, k], [term(0..2), term(1..3)], options)
     }
 
-    /// The plan of `A^T B`, without a conjugate, for A m x n and B m x k.
+    /// Plans `A^T B`, without a conjugate, for A m x n and B m x k.
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -104,7 +112,21 @@ impl ComplexPlan {
         Self::new::<T>(Kind::Atb, [m, n, k], [term(1..3), term(0..2)], options)
     }
 
-    /// The plan of the conjugate of the product: `A^T conj(A)`, `A^T conj(B)`, `A^H conj(B)`.
+    /// Returns the plan of the conjugate of the product: `A^T conj(A)`, `A^T conj(B)`,
+    /// `A^H conj(B)`.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::{ComplexPlan, ahb_planned}, faer::{Mat, c64}};
+    ///
+    /// // A^T conj(B) of one entry each: i times 1.
+    /// let options = AtaOptions::new();
+    /// let plan = ComplexPlan::ahb::<f64>(1, 1, 1, &options)?.conjugated();
+    /// let (i, one, zero) = (c64::new(0.0, 1.0), c64::new(1.0, 0.0), c64::new(0.0, 0.0));
+    /// let (a, b, mut c) = (Mat::full(1, 1, i), Mat::full(1, 1, one), Mat::zeros(1, 1));
+    /// ahb_planned(&plan, one, a.as_ref(), b.as_ref(), zero, c.as_mut(), &options)?;
+    /// assert_eq!(c[(0, 0)], i);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     #[must_use]
     pub fn conjugated(mut self) -> Self {
         self.conjugated = !self.conjugated;
@@ -176,12 +198,12 @@ impl ComplexPlan {
         self.plans.iter().flatten().map(Plan::expected_ratio).fold(0.0, f64::max)
     }
 
-    /// The instruction set of the real products; `None` when a back end computes them.
+    /// Returns the instruction set of the real products; `None` when a back end computes them.
     pub fn isa(&self) -> Option<&'static str> {
         self.plans[0][0].isa()
     }
 
-    /// Whether all real products take the exact path.
+    /// Returns whether all real products take the exact path.
     pub fn is_exact(&self) -> bool {
         self.plans.iter().flatten().all(Plan::is_exact)
     }

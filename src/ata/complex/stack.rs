@@ -56,7 +56,7 @@ impl<'a, T: Real> Stack<'a, T> {
         Self { matrix, height }
     }
 
-    /// These parts, one above the other.
+    /// Returns a view of these parts, one above the other.
     pub fn parts(&self, parts: &Range<usize>) -> MatRef<'_, T> {
         self.matrix.rb().subrows(parts.start * self.height, parts.len() * self.height)
     }

@@ -13,6 +13,17 @@ use super::cover::difference_cover;
 use super::segment::{Segment, packed_len};
 
 /// The lower triangle of C as blocks of the products of column blocks.
+///
+/// ```
+/// use catamaran::ata::distributed::{Blocks, packed_len};
+///
+/// let blocks = Blocks::new(&[4, 3, 3]);
+/// assert_eq!(blocks.columns(1), 4..7);
+/// // Every entry of the lower triangle is on one rank.
+/// assert_eq!((0..3).map(|rank| blocks.len(rank)).sum::<usize>(), packed_len(10));
+/// // The first product of a rank is the triangle of its own columns.
+/// assert!(blocks.products(2).next().is_some_and(|first| (first.left, first.right) == (2, 2)));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Blocks {
     /// Where each rank's columns of A begin, and the end: from 0 to n.
@@ -34,7 +45,7 @@ pub struct Product {
 }
 
 impl Blocks {
-    /// The blocks when rank p has `widths[p]` columns, in the order of the ranks.
+    /// Creates the blocks when rank p has `widths[p]` columns of A.
     pub fn new(widths: &[usize]) -> Self {
         let ranks = widths.len();
         let mut starts = vec![0];
@@ -54,34 +65,45 @@ impl Blocks {
         Self { starts, cover, pairs }
     }
 
-    /// Rows and columns of C.
+    /// Returns the number of rows, and of columns, of C.
     pub fn n(&self) -> usize {
         self.starts[self.ranks()]
     }
 
-    /// The number of ranks.
+    /// Returns the number of ranks.
     pub fn ranks(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// The columns of A that `rank` brings along.
+    /// Returns the columns of A that `rank` has at the start.
     pub fn columns(&self, rank: usize) -> Range<usize> {
         self.starts[rank]..self.starts[rank + 1]
     }
 
-    /// The ranks whose columns `rank` must be sent, itself excluded.
+    /// Returns the ranks whose columns must be sent to `rank`, without `rank` itself.
     pub fn sources(&self, rank: usize) -> impl Iterator<Item = usize> + '_ {
         self.cover[1..].iter().map(move |c| (rank + c) % self.ranks()).filter(move |&r| r != rank)
     }
 
-    /// The ranks that must be sent the columns of `rank`, itself excluded: opposite to
-    /// [`Blocks::sources`].
+    /// Returns the ranks to which the columns of `rank` must be sent, without `rank` itself: the
+    /// opposite direction of [`Blocks::sources`].
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::Blocks;
+    ///
+    /// let blocks = Blocks::new(&[2; 7]);
+    /// assert_eq!(blocks.sources(0).count(), 2);
+    /// for source in blocks.sources(0) {
+    ///     assert!(blocks.destinations(source).any(|rank| rank == 0));
+    /// }
+    /// ```
     pub fn destinations(&self, rank: usize) -> impl Iterator<Item = usize> + '_ {
         let ranks = self.ranks();
         self.cover[1..].iter().map(move |c| (rank + ranks - c) % ranks).filter(move |&r| r != rank)
     }
 
-    /// What `rank` computes and holds, in order; the triangle on the diagonal comes first.
+    /// Returns the products that `rank` computes and holds, in order; the triangle on the diagonal
+    /// comes first.
     pub fn products(&self, rank: usize) -> impl Iterator<Item = Product> + '_ {
         let ranks = self.ranks();
         self.pairs.iter().enumerate().map(move |(d, &(a, b))| {
@@ -115,7 +137,7 @@ impl Blocks {
         })
     }
 
-    /// The number of entries that `rank` holds.
+    /// Returns the number of entries that `rank` holds.
     pub fn len(&self, rank: usize) -> usize {
         self.products(rank).map(|product| self.product_len(&product)).sum()
     }

@@ -12,6 +12,15 @@ use super::segment::{Segment, packed_len};
 use crate::ata::plan::block_start;
 
 /// The lower triangle of C as chunks of rows; each chunk is shared evenly among all ranks.
+///
+/// ```
+/// use catamaran::ata::distributed::{Chunks, packed_len};
+///
+/// let chunks = Chunks::with_count(100, 4, 5);
+/// assert_eq!((chunks.count(), chunks.rows(4).end), (5, 100));
+/// // Every rank holds a quarter of every chunk.
+/// assert!((chunks.len(0) as f64 / packed_len(100) as f64 - 0.25).abs() < 0.01);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chunks {
     ranks: usize,
@@ -26,9 +35,17 @@ const WHOLE: usize = 1 << 20;
 const SHORTEST: usize = 128;
 
 impl Chunks {
-    /// The chunks for A m x n on `ranks >= 1` ranks, of about the same number of entries: the
-    /// fewest, since products are the faster the longer they are, for which a rank needs no more
-    /// memory beside its share of A and C than that share.
+    /// Creates chunks of about the same number of entries for A m x n on `ranks >= 1` ranks. Long
+    /// products are faster, so there are as few chunks as possible while a rank needs no more extra
+    /// memory than its share of A and C takes.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::Chunks;
+    ///
+    /// // A small C is one chunk; several chunks of a large C overlap with its computation.
+    /// assert_eq!(Chunks::new(1000, 100, 4).count(), 1);
+    /// assert!(Chunks::new(4096, 4096, 2).count() > 1);
+    /// ```
     pub fn new(m: usize, n: usize, ranks: usize) -> Self {
         let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
         let most = (n / (2 * SHORTEST)).max(1);
@@ -38,7 +55,7 @@ impl Chunks {
         Self::with_count(n, ranks, count)
     }
 
-    /// `count >= 1` chunks.
+    /// Creates `count >= 1` chunks of about the same number of entries.
     pub fn with_count(n: usize, ranks: usize, count: usize) -> Self {
         // Rows up to n sqrt(k / count) hold k / count of the triangle.
         let bound = |k: usize| (n as f64 * (k as f64 / count as f64).sqrt()).round() as usize;
@@ -47,39 +64,40 @@ impl Chunks {
         Self { ranks, bounds }
     }
 
-    /// Rows and columns of C.
+    /// Returns the number of rows, and of columns, of C.
     pub fn n(&self) -> usize {
         self.bounds[self.count()]
     }
 
-    /// The number of ranks.
+    /// Returns the number of ranks.
     pub fn ranks(&self) -> usize {
         self.ranks
     }
 
-    /// The number of chunks.
+    /// Returns the number of chunks.
     pub fn count(&self) -> usize {
         self.bounds.len() - 1
     }
 
-    /// Rows of C in `chunk`.
+    /// Returns the rows of C in `chunk`.
     pub fn rows(&self, chunk: usize) -> Range<usize> {
         self.bounds[chunk]..self.bounds[chunk + 1]
     }
 
-    /// Entries of the longest rectangle of rows of a chunk up to the end of its diagonal.
+    /// Returns the number of entries of the largest panel: the rows of a chunk up to the end of its
+    /// diagonal.
     pub fn longest_panel(&self) -> usize {
         (0..self.count()).map(|c| self.rows(c).len() * self.rows(c).end).max().unwrap_or(0)
     }
 
-    /// Entries that a rank needs beside its share: the panel that is computed, two chunks on their
-    /// way, and half as much as one for what comes.
+    /// Returns the number of entries that a rank needs beside its share: the panel being computed,
+    /// two chunks in flight, and half a chunk for incoming sums.
     pub fn scratch(&self) -> usize {
         let len = |chunk| packed_len(self.rows(chunk).end) - packed_len(self.rows(chunk).start);
         self.longest_panel() + (0..self.count()).map(len).max().unwrap_or(0) * 5 / 2
     }
 
-    /// The entries of `chunk` that `rank` holds, counted along the packed triangle.
+    /// Returns the entries of `chunk` that `rank` holds, counted along the packed triangle.
     pub fn entries(&self, chunk: usize, rank: usize) -> Range<usize> {
         let rows = self.rows(chunk);
         let start = packed_len(rows.start);
@@ -92,12 +110,12 @@ impl Chunks {
         (0..self.count()).flat_map(move |chunk| Segment::of_packed(self.entries(chunk, rank)))
     }
 
-    /// The segments of the part of `chunk` that `rank` holds.
+    /// Returns the segments of the part of `chunk` that `rank` holds.
     pub fn segments_of(&self, chunk: usize, rank: usize) -> impl Iterator<Item = Segment> {
         Segment::of_packed(self.entries(chunk, rank))
     }
 
-    /// The number of entries that `rank` holds.
+    /// Returns the number of entries that `rank` holds.
     pub fn len(&self, rank: usize) -> usize {
         (0..self.count()).map(|chunk| self.entries(chunk, rank).len()).sum()
     }
@@ -113,7 +131,8 @@ pub struct Round {
     pub parts: Range<usize>,
 }
 
-/// The `ceil(log2 P)` rounds after which each of `ranks` ranks has the whole sum of its own part.
+/// Returns the `ceil(log2 P)` rounds after which each of P = `ranks` ranks has the complete sum of
+/// its own part.
 ///
 /// ```
 /// use catamaran::ata::distributed::rounds;

@@ -34,7 +34,7 @@ impl Mode {
     pub const NAMES: [(&'static str, Self); 4] =
         [("rows", Self::Rows), ("grid", Self::Columns), ("tree", Self::Tree), ("deal", Self::Deal)];
 
-    /// Its name on the command line.
+    /// Returns the name of the mode on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rows => "rows",
@@ -44,7 +44,7 @@ impl Mode {
         }
     }
 
-    /// Where it has A and C.
+    /// Returns where A and C are in this mode.
     pub fn place(self) -> Place {
         match self {
             Self::Rows | Self::Columns => Place::EveryRank,
@@ -81,7 +81,7 @@ pub struct LowerBound {
     pub words: f64,
 }
 
-/// The lower bound for A m x n on `ranks >= 1` ranks.
+/// Computes the lower bound on communication for A m x n on `ranks >= 1` ranks.
 ///
 /// ```
 /// use catamaran::ata::distributed::lower_bound;
@@ -106,8 +106,8 @@ pub fn lower_bound(ranks: usize, m: usize, n: usize) -> LowerBound {
     LowerBound { dimensions, accessed, words: (accessed - own).max(0.0) }
 }
 
-/// The least words that some rank sends or receives when every rank begins with `m / ranks` rows of
-/// A, and work and storage are even, whatever the algorithm; [`lower_bound`] lets A begin anywhere.
+/// Computes the lower bound on the words of some rank when every rank begins with `m / ranks` rows
+/// of A, and work and storage are even, for any algorithm. [`lower_bound`] lets A begin anywhere.
 ///
 /// A rank that sums a part of C of c entries multiplies its own rows for nothing, `m c / ranks`
 /// products. A row of which it is sent f entries gives it at most `f^2 / 2` products, and no more
@@ -135,8 +135,8 @@ pub fn lower_bound_of_rows(ranks: usize, m: usize, n: usize) -> f64 {
     shares.map(least).fold(f64::INFINITY, f64::min)
 }
 
-/// Messages and words of process 0 of AtA-D, both ways, as proposition 8.3 says, with `m n` for the
-/// `n^2` of the parts of A.
+/// Computes the messages and words of process 0 of AtA-D, both ways, by proposition 8.3 of the
+/// thesis, with `m n` for the `n^2` of the parts of A.
 ///
 /// The plan has as many messages where all levels are complete, but more words: the proposition
 /// counts one of the two operands of a product below the first level, and five of the six blocks
@@ -179,7 +179,8 @@ pub struct Cost {
     pub seconds: f64,
 }
 
-/// What `mode` costs for A m x n on `ranks >= 1` ranks with even parts; `m n` and `n^2` below 2^60.
+/// Predicts what `mode` costs for A m x n on `ranks >= 1` ranks with even parts; `m n` and `n^2`
+/// must be below 2^60.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, Mode, lower_bound, predict};
@@ -198,7 +199,7 @@ pub fn predict(mode: Mode, ranks: usize, m: usize, n: usize, machine: &Machine) 
     }
 }
 
-/// The mode with the least seconds, of those that have A and C at this place.
+/// Returns the mode with the least predicted seconds among those that have A and C at this place.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, Mode, Place, choose};
@@ -313,8 +314,8 @@ fn pipeline(computation: f64, communication: f64, count: usize) -> f64 {
     (computation + communication) / count + computation.max(communication) * (count - 1.0) / count
 }
 
-/// Seconds of AtA-D: every owner sends its children their parts one after another, goes down
-/// itself, and receives their results in order.
+/// Simulates AtA-D and returns its seconds: every owner sends its children their parts one after
+/// another, descends into its own part, and receives the results of the children in order.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, TaskTree, simulate};
@@ -385,7 +386,7 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// For A m x n on `ranks >= 1` ranks.
+    /// Predicts the costs of all modes for A m x n on `ranks >= 1` ranks.
     pub fn new(ranks: usize, m: usize, n: usize, machine: &Machine) -> Self {
         let costs = Mode::NAMES.map(|(_, mode)| predict(mode, ranks, m, n, machine));
         let load = TaskTree::new(m, n, ranks.max(1)).loads()[0];
@@ -396,7 +397,7 @@ impl Explanation {
         Self { ranks, m, n, costs, process_0, spread, one_rank }
     }
 
-    /// What each mode costs, in the order of [`Mode::NAMES`].
+    /// Returns the cost of each mode, in the order of [`Mode::NAMES`].
     pub fn costs(&self) -> &[Cost; Mode::NAMES.len()] {
         &self.costs
     }

@@ -7,8 +7,8 @@
 /// The largest modulus for which the shortest cover is searched for.
 const SEARCHED: usize = 40;
 
-/// Residues modulo `ranks >= 1`, the first 0, ascending, such that every residue is a difference of
-/// two of them.
+/// Returns residues modulo `ranks >= 1`, ascending from 0, such that every residue is a difference
+/// of two of them.
 ///
 /// The shortest possible for up to 40 ranks; beyond that a ruler of B. Wichmann (1963), at most
 /// `1.25 sqrt(ranks) + 4` residues.

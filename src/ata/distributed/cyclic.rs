@@ -20,6 +20,19 @@ use crate::base::{Error, Result};
 const DENSE: i32 = 1;
 
 /// Indices `0..len` dealt out in blocks: block k goes to part `(first + k) mod parts`.
+///
+/// ```
+/// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+///
+/// // 10 rows in blocks of 3, dealt out to the two rows of a grid.
+/// let grid = Grid::new(2, 1, GridOrder::Rows)?;
+/// let a = BlockCyclic::new("A", (10, 4), (3, 4), (0, 0), grid)?;
+/// let rows = a.rows();
+/// assert!(rows.runs(1, 0..10).eq([3..6, 9..10]));
+/// assert_eq!((rows.count(0), rows.count(1)), (6, 4));
+/// assert_eq!((rows.owner(7), rows.local(7), rows.global(0, 4)), (0, 4, 7));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dealing {
     len: usize,
@@ -29,47 +42,47 @@ pub struct Dealing {
 }
 
 impl Dealing {
-    /// The number of indices.
+    /// Returns the number of indices.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there is no index.
+    /// Returns whether there are no indices.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Indices of a block.
+    /// Returns the number of indices of a block.
     pub fn block(&self) -> usize {
         self.block
     }
 
-    /// The part that has the first block.
+    /// Returns the part that has the first block.
     pub fn first(&self) -> usize {
         self.first
     }
 
-    /// The part that has `index`.
+    /// Returns the part that has `index`.
     pub fn owner(&self, index: usize) -> usize {
         (self.first + index / self.block) % self.parts
     }
 
-    /// The place of `index` among those of its owner, from 0.
+    /// Returns the position of `index` among the indices of its owner, from 0.
     pub fn local(&self, index: usize) -> usize {
         index / self.block / self.parts * self.block + index % self.block
     }
 
-    /// The index that `part` has in place `local`.
+    /// Returns the index that `part` has at position `local`: the inverse of [`Dealing::local`].
     pub fn global(&self, part: usize, local: usize) -> usize {
         (local / self.block * self.parts + self.distance(part)) * self.block + local % self.block
     }
 
-    /// How many indices `part` has: ScaLAPACK's NUMROC.
+    /// Returns the number of indices that `part` has: NUMROC of ScaLAPACK.
     pub fn count(&self, part: usize) -> usize {
         self.count_below(part, self.len)
     }
 
-    /// How many indices below `end` `part` has.
+    /// Returns the number of indices below `end` that `part` has.
     pub fn count_below(&self, part: usize, end: usize) -> usize {
         let (whole, distance) = (end / self.block, self.distance(part));
         let blocks = (whole + self.parts - 1 - distance) / self.parts;
@@ -77,7 +90,8 @@ impl Dealing {
         blocks * self.block + rest
     }
 
-    /// The indices of `part` within a range, as ranges; ascending, also in the part's own counting.
+    /// Returns the indices of `part` within a range, as ascending ranges; their positions in the
+    /// part ascend too.
     pub fn runs(&self, part: usize, within: Range<usize>) -> impl Iterator<Item = Range<usize>> {
         let (dealing, end) = (*self, self.count_below(part, within.end));
         let mut local = self.count_below(part, within.start);
@@ -113,7 +127,16 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of the ranks from 0 to `rows * cols - 1`.
+    /// Creates a grid of the ranks from 0 to `rows * cols - 1`.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::{Grid, GridOrder};
+    ///
+    /// let grid = Grid::new(2, 3, GridOrder::Columns)?;
+    /// assert_eq!((grid.rank(1, 0), grid.place(1)), (1, Some((1, 0))));
+    /// assert_eq!(grid.place(6), None);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when there is no row, no column, or more than 2^31 - 1 ranks.
@@ -126,27 +149,27 @@ impl Grid {
         Ok(Self { rows, cols, order })
     }
 
-    /// Rows of the grid.
+    /// Returns the number of rows of the grid.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Columns of the grid.
+    /// Returns the number of columns of the grid.
     pub fn cols(&self) -> usize {
         self.cols
     }
 
-    /// How the ranks are numbered.
+    /// Returns how the ranks are numbered.
     pub fn order(&self) -> GridOrder {
         self.order
     }
 
-    /// The number of ranks in it.
+    /// Returns the number of ranks in the grid.
     pub fn size(&self) -> usize {
         self.rows * self.cols
     }
 
-    /// The rank in a row and a column.
+    /// Returns the rank in a row and a column.
     pub fn rank(&self, row: usize, col: usize) -> usize {
         match self.order {
             GridOrder::Rows => row * self.cols + col,
@@ -154,7 +177,7 @@ impl Grid {
         }
     }
 
-    /// Row and column of a rank; `None` if it is not in the grid.
+    /// Returns the row and the column of a rank; `None` if the rank is not in the grid.
     pub fn place(&self, rank: usize) -> Option<(usize, usize)> {
         (rank < self.size()).then(|| match self.order {
             GridOrder::Rows => (rank / self.cols, rank % self.cols),
@@ -194,8 +217,8 @@ pub struct BlockCyclic {
 }
 
 impl BlockCyclic {
-    /// A matrix of `shape` in blocks of `block` rows and columns, the first of which is in row and
-    /// column `first` of the grid.
+    /// Creates the layout of a matrix of `shape` in blocks of `block` rows and columns. The first
+    /// block is in row and column `first` of the grid. `what` names the matrix in errors.
     ///
     /// # Errors
     /// [`Error::Argument`] for a block without rows or columns, or a `first` outside of the grid.
@@ -224,11 +247,22 @@ impl BlockCyclic {
         Ok(Self { grid, rows, cols })
     }
 
-    /// The matrix of a ScaLAPACK descriptor, and the leading dimension of its part on `rank`.
+    /// Reads a ScaLAPACK descriptor, and returns the matrix and the leading dimension of its part
+    /// on `rank`.
     ///
     /// The nine numbers are DTYPE_ (1), CTXT_ (ignored: `grid` says it), M_, N_, MB_, NB_, RSRC_,
     /// CSRC_ and LLD_, which is at least 1 and the rows of the part, and ignored on ranks outside
     /// of the grid. `what` names the descriptor in errors.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+    ///
+    /// let grid = Grid::new(2, 2, GridOrder::Rows)?;
+    /// let descriptor = [1, -1, 10, 6, 3, 2, 1, 0, 6];
+    /// let (matrix, leading) = BlockCyclic::from_descriptor("desc", &descriptor, grid, 3)?;
+    /// assert_eq!((matrix.shape(), matrix.local_shape(3), leading), ((10, 6), (6, 2), 6));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`], which names the field.
@@ -265,39 +299,39 @@ impl BlockCyclic {
         Ok((matrix, leading))
     }
 
-    /// The processes.
+    /// Returns the grid of processes.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// How rows are dealt out to the rows of the grid.
+    /// Returns how rows are dealt out to the rows of the grid.
     pub fn rows(&self) -> &Dealing {
         &self.rows
     }
 
-    /// How columns are dealt out to the columns of the grid.
+    /// Returns how columns are dealt out to the columns of the grid.
     pub fn cols(&self) -> &Dealing {
         &self.cols
     }
 
-    /// Rows and columns of the whole matrix.
+    /// Returns the number of rows and of columns of the whole matrix.
     pub fn shape(&self) -> (usize, usize) {
         (self.rows.len, self.cols.len)
     }
 
-    /// Rows and columns of the part of `rank`; none outside of the grid.
+    /// Returns the number of rows and of columns of the part of `rank`; (0, 0) outside of the grid.
     pub fn local_shape(&self, rank: usize) -> (usize, usize) {
         self.grid
             .place(rank)
             .map_or((0, 0), |(row, col)| (self.rows.count(row), self.cols.count(col)))
     }
 
-    /// The rank that has the entry (i, j).
+    /// Returns the rank that has the entry (i, j).
     pub fn owner(&self, i: usize, j: usize) -> usize {
         self.grid.rank(self.rows.owner(i), self.cols.owner(j))
     }
 
-    /// The transposed matrix, on the transposed grid: the same entries on the same ranks.
+    /// Returns the transposed matrix on the transposed grid: the same entries on the same ranks.
     pub fn transpose(&self) -> Self {
         Self { grid: self.grid.transpose(), rows: self.cols, cols: self.rows }
     }
@@ -349,19 +383,19 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The number of entries.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.rows.len() * self.cols.len()
     }
 
-    /// Whether there is no entry.
+    /// Returns whether there are no entries.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
 impl Parts {
-    /// The cut after which fewer words travel.
+    /// Creates the parts of the cut after which fewer words travel.
     ///
     /// On a grid of Q columns, P ranks in all, that is `m n / P (1 - 1/Q)` words for each rank and
     /// the reduction of a triangle, `(1 - 1/P) n (n + 1) / 2`, for rows; `m n / P` and
@@ -375,7 +409,7 @@ impl Parts {
         Self::with_cut(matrix, ranks, if rows <= columns { Cut::Rows } else { Cut::Columns })
     }
 
-    /// This cut.
+    /// Creates the parts of this cut.
     pub fn with_cut(matrix: BlockCyclic, ranks: usize, cut: Cut) -> Self {
         let mut starts = vec![0];
         for row in 0..matrix.grid.rows {
@@ -384,17 +418,17 @@ impl Parts {
         Self { matrix, ranks, cut, starts }
     }
 
-    /// Which cut it is.
+    /// Returns whether the parts are rows or columns.
     pub fn cut(&self) -> Cut {
         self.cut
     }
 
-    /// Rows and columns of the part of `rank`.
+    /// Returns the number of rows and of columns of the part of `rank`.
     pub fn shape(&self, rank: usize) -> (usize, usize) {
         (self.rows(rank).len(), self.cols(rank).len())
     }
 
-    /// The columns of A in the part of `rank`.
+    /// Returns the columns of A in the part of `rank`.
     pub fn cols(&self, rank: usize) -> Range<usize> {
         match self.cut {
             Cut::Rows => 0..self.matrix.cols.len,
@@ -416,7 +450,19 @@ impl Parts {
         }
     }
 
-    /// What rank `from` holds of the part of rank `to`; nothing outside of the grid.
+    /// Returns the piece of the part of rank `to` that rank `from` holds; `None` when it is empty
+    /// or `from` is outside of the grid.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::{BlockCyclic, Cut, Grid, GridOrder, Parts, Piece};
+    ///
+    /// let grid = Grid::new(1, 2, GridOrder::Rows)?;
+    /// let a = BlockCyclic::new("A", (8, 4), (8, 2), (0, 0), grid)?;
+    /// // Rank 0 holds the first two columns; the part of rank 1 is the last four rows.
+    /// let parts = Parts::with_cut(a, 2, Cut::Rows);
+    /// assert_eq!(parts.piece(0, 1), Some(Piece { rows: 4..8, cols: 0..2, first_row: 0 }));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn piece(&self, from: usize, to: usize) -> Option<Piece> {
         let (row, col) = self.matrix.grid.place(from)?;
         let (rows, cols) = (self.rows(to), self.cols(to));
@@ -431,7 +477,8 @@ impl Parts {
         (!piece.is_empty()).then_some(piece)
     }
 
-    /// The place in the part of rank `to` of column `col` of what `from` holds, one of its piece.
+    /// Returns the position, in the part of rank `to`, of column `col` of the columns that `from`
+    /// holds. The column must be one of the piece of [`Parts::piece`].
     pub fn place_of_col(&self, from: usize, to: usize, col: usize) -> usize {
         let grid_col = self.matrix.grid.place(from).map_or(0, |(_, grid_col)| grid_col);
         self.matrix.cols.global(grid_col, col) - self.cols(to).start
@@ -444,6 +491,19 @@ fn share(len: usize, parts: usize, i: usize) -> Range<usize> {
 }
 
 /// A symmetric result on its way into a block-cyclic C.
+///
+/// ```
+/// use catamaran::Uplo;
+/// use catamaran::ata::distributed::{BlockCyclic, Chunks, Delivery, Grid, GridOrder, Layout};
+///
+/// // Two ranks hold the lower triangle; both triangles of C go to rank 0.
+/// let result = Layout::Chunks(Chunks::with_count(3, 2, 1));
+/// let grid = Grid::new(1, 1, GridOrder::Rows)?;
+/// let target = BlockCyclic::new("C", (3, 3), (3, 3), (0, 0), grid)?;
+/// let delivery = Delivery { result: &result, target, uplo: Uplo::Both };
+/// assert_eq!(delivery.len(0, 0) + delivery.len(1, 0), 9);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Delivery<'l> {
     /// Who holds which entries of the result.
@@ -499,7 +559,7 @@ impl Delivery<'_> {
         }
     }
 
-    /// How many entries rank `from` sends to rank `to`.
+    /// Returns the number of entries that rank `from` sends to rank `to`.
     pub fn len(&self, from: usize, to: usize) -> usize {
         let mut len = 0;
         self.runs(from, to, |run| len += run.len);

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::machine::Machine;
 use super::segment::packed_len;
 
-/// The rows of A, m x n, of each of `ranks >= 1` processes, in order; process 0 is the one that
-/// deals.
+/// Returns the rows of A, m x n, that each of `ranks >= 1` processes gets, in order. Process 0
+/// deals the rows.
 ///
 /// All are through at the same time on `machine`: process 0 sends nothing to itself, and so keeps
 /// more rows the slower messages are; all of them where sending costs more than computing.

@@ -25,7 +25,7 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// Rows and columns of C.
+    /// Returns the number of rows, and of columns, of C.
     pub fn n(&self) -> usize {
         match self {
             Self::Chunks(chunks) => chunks.n(),
@@ -33,7 +33,7 @@ impl Layout {
         }
     }
 
-    /// The number of ranks.
+    /// Returns the number of ranks.
     pub fn ranks(&self) -> usize {
         match self {
             Self::Chunks(chunks) => chunks.ranks(),
@@ -41,7 +41,7 @@ impl Layout {
         }
     }
 
-    /// What `rank` holds, in the order in which it holds it.
+    /// Returns the segments that `rank` holds, in the order in which it keeps them.
     pub fn segments(&self, rank: usize) -> Box<dyn Iterator<Item = Segment> + '_> {
         match self {
             Self::Chunks(chunks) => Box::new(chunks.segments(rank)),
@@ -49,7 +49,7 @@ impl Layout {
         }
     }
 
-    /// The number of entries that `rank` holds.
+    /// Returns the number of entries that `rank` holds.
     pub fn len(&self, rank: usize) -> usize {
         match self {
             Self::Chunks(chunks) => chunks.len(rank),

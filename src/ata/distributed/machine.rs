@@ -1,5 +1,14 @@
 /// A message of w words takes `latency + w * seconds_per_word`; a rank sends one at a time, and
 /// receives one at a time.
+///
+/// ```
+/// use catamaran::ata::distributed::{Machine, Mode, predict};
+///
+/// // Products alone: 2 m n (n + 1) / 2 operations at 1 GFLOP/s.
+/// let machine = Machine { latency: 0.0, seconds_per_word: 0.0, flops: 1e9 };
+/// let cost = predict(Mode::Rows, 1, 1000, 100, &machine);
+/// assert!((cost.seconds - 0.0101).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Machine {
     /// Seconds.

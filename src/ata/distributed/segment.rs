@@ -27,8 +27,8 @@ impl Segment {
     }
 }
 
-/// Entries of a lower triangle of `n` rows, the diagonal included; also where row `n` begins in the
-/// packed triangle.
+/// Returns the number of entries of a lower triangle of `n` rows, the diagonal included. Row `n`
+/// begins at this entry of the packed triangle.
 ///
 /// ```
 /// use catamaran::ata::distributed::packed_len;

@@ -89,8 +89,16 @@ const SHORTEST_STRIP: usize = 1024;
 pub(crate) const RESULTS_IN_FLIGHT: usize = 2;
 
 impl TaskTree {
-    /// The tree for A m x n on `processes >= 1` processes. Process 0 owns the root. Where the
-    /// matrix is too small for all, some processes own nothing.
+    /// Creates the tree for A m x n on `processes >= 1` processes. Process 0 owns the root. Some
+    /// processes own nothing where the matrix is too small for all.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::TaskTree;
+    ///
+    /// // The root and six children: four triangles, and twice the block below the diagonal.
+    /// let tree = TaskTree::new(400, 200, 6);
+    /// assert_eq!((tree.depth(), tree.nodes().len()), (1, 7));
+    /// ```
     pub fn new(m: usize, n: usize, processes: usize) -> Self {
         let task = Task { process: 0, triangle: true, rows: 0..n, cols: 0..n };
         let root = TreeNode { task, sums: 0..m, parent: None, children: 0..0, is_first: true };
@@ -121,17 +129,18 @@ impl TaskTree {
         Self { processes, nodes }
     }
 
-    /// The number of processes.
+    /// Returns the number of processes.
     pub fn processes(&self) -> usize {
         self.processes
     }
 
-    /// All nodes, parents before their children; children name them by their place here.
+    /// Returns all nodes, parents before their children. [`TreeNode::children`] and
+    /// [`TreeNode::parent`] are positions in this slice.
     pub fn nodes(&self) -> &[TreeNode] {
         &self.nodes
     }
 
-    /// Levels below the root.
+    /// Returns the number of levels below the root.
     pub fn depth(&self) -> usize {
         let mut depths = vec![0; self.nodes.len()];
         for (id, node) in self.nodes.iter().enumerate() {
@@ -140,14 +149,23 @@ impl TaskTree {
         depths.into_iter().max().unwrap_or(0)
     }
 
-    /// Whether the node's owner gets its part of A from another process.
+    /// Returns whether the owner of node `id` gets its part of A from another process.
     pub fn is_sent(&self, id: usize) -> bool {
         let node = &self.nodes[id];
         node.parent.is_some_and(|parent| self.nodes[parent].task.process != node.task.process)
     }
 
-    /// What the owner of `node` sends down, in this order: the first strips of all children before
-    /// the second ones, so that everyone begins early.
+    /// Returns the messages that the owner of `node` sends to its children, in order: the first
+    /// strips of all children before the second ones, so that every child begins early.
+    ///
+    /// ```
+    /// use catamaran::ata::distributed::TaskTree;
+    ///
+    /// let tree = TaskTree::new(400, 200, 2);
+    /// let sends: Vec<_> = tree.planned_sends(&tree.nodes()[0]).collect();
+    /// assert_eq!(sends.len(), 2);
+    /// assert!(sends.iter().all(|send| send.rows == (0..400)));
+    /// ```
     pub fn planned_sends(&self, node: &TreeNode) -> impl Iterator<Item = PlannedSend> {
         let children = node.children.clone();
         (0..STRIPS).flat_map(move |strip| {
@@ -159,19 +177,20 @@ impl TaskTree {
         })
     }
 
-    /// The nodes that are sent to `process`, in the order in which they are sent.
+    /// Returns the nodes whose part of A is sent to `process`, in the order of sending.
     pub fn entries(&self, process: usize) -> Vec<usize> {
         let all = 0..self.nodes.len();
         all.filter(|&id| self.nodes[id].task.process == process && self.is_sent(id)).collect()
     }
 
-    /// The nodes below `id` whose results its owner receives, in the order in which they are added.
+    /// Returns the nodes below `id` whose results its owner receives, in the order in which they
+    /// are added.
     pub fn results(&self, id: usize) -> Vec<usize> {
         let below = |child| if self.is_sent(child) { vec![child] } else { self.results(child) };
         self.nodes[id].children.clone().flat_map(below).collect()
     }
 
-    /// What each process does.
+    /// Computes the load of each process.
     pub fn loads(&self) -> Vec<Load> {
         let mut loads = vec![Load::default(); self.processes];
         let mut longest = vec![0; self.processes];
@@ -204,30 +223,30 @@ impl TaskTree {
 }
 
 impl TreeNode {
-    /// Whether it is a product and not a sum.
+    /// Returns whether the node is a product; all others are sums.
     pub fn is_leaf(&self) -> bool {
         self.children.is_empty()
     }
 
-    /// Columns of A that the node reads: one range, or two.
+    /// Returns the columns of A that the node reads: one range, or two.
     pub fn columns(&self) -> impl Iterator<Item = Range<usize>> {
         let right = (!self.task.triangle).then(|| self.task.cols.clone());
         std::iter::once(self.task.rows.clone()).chain(right)
     }
 
-    /// Entries of A that the node reads.
+    /// Returns the number of entries of A that the node reads.
     pub fn input_len(&self) -> usize {
         self.words_of(self.sums.len())
     }
 
-    /// Entries of so many rows of them.
+    /// Returns the number of entries in `rows` rows of the columns that the node reads.
     pub fn words_of(&self, rows: usize) -> usize {
         self.columns().map(|columns| columns.len() * rows).sum()
     }
 
-    /// The rows of A that travel together, counted from the first of `sums`: all of them for an
-    /// inner node, whose owner sends them on. A long leaf begins when the first of at most
-    /// four has arrived.
+    /// Returns the ranges of rows of A that travel together, counted from the first of `sums`. An
+    /// inner node gets all rows at once, because its owner sends them on. A long leaf gets at most
+    /// four strips, and begins when the first has arrived.
     pub fn strips(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
         let rows = self.sums.len();
         let count = if self.is_leaf() && self.input_len() > STRIPPED {
@@ -238,23 +257,24 @@ impl TreeNode {
         (0..count).map(move |i| block_start(rows, count, i)..block_start(rows, count, i + 1))
     }
 
-    /// Entries of the block, with those above the diagonal.
+    /// Returns the number of entries of the block, with those above the diagonal.
     pub fn block_len(&self) -> usize {
         self.task.rows.len() * self.task.cols.len()
     }
 
-    /// Entries of the result as it travels: a packed triangle, or the block.
+    /// Returns the number of entries of the result as it travels: a packed triangle, or the block.
     pub fn result_len(&self) -> usize {
         if self.task.triangle { packed_len(self.task.rows.len()) } else { self.block_len() }
     }
 
-    /// Products of scalars for the whole node.
+    /// Returns the number of products of scalars for the whole node.
     pub fn products(&self) -> f64 {
         self.result_len() as f64 * self.sums.len() as f64
     }
 }
 
-/// Parallel levels of AtA-D on `p` processes: equation 8.5, `P / 4` rounded down.
+/// Returns the number of parallel levels of AtA-D on `p` processes: equation 8.5, `P / 4` rounded
+/// down.
 ///
 /// ```
 /// use catamaran::ata::distributed::levels;

@@ -18,7 +18,7 @@ pub(crate) struct Blocking {
 const COLS: usize = 128;
 
 impl Blocking {
-    /// For products of matrices of `left` and `right` panels, on this machine.
+    /// Chooses the blocking of products of matrices of `left` and `right` panels, on this machine.
     pub fn new(left: usize, right: usize) -> Self {
         Self::for_caches(data_caches(), left, right)
     }

@@ -35,7 +35,7 @@ impl Clock {
         result
     }
 
-    /// So far.
+    /// Returns the seconds of each stage so far.
     pub fn stages(&self) -> Stages {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

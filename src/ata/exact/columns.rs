@@ -31,7 +31,7 @@ pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
 }
 
 impl Columns {
-    /// Columns of finite entries that are multiplied by these powers.
+    /// Creates columns of finite entries, which are multiplied by these powers.
     pub fn given(powers: impl Iterator<Item = i32>, wide: bool) -> Self {
         let mut exponents: Vec<i32> = powers.collect();
         exponents.resize(exponents.len().next_multiple_of(PANEL), 0);
@@ -95,7 +95,7 @@ impl Columns {
         }
     }
 
-    /// The exponents of 16 columns.
+    /// Returns the exponents of 16 columns.
     pub fn exponents_of(&self, tile: usize) -> [i32; WIDTH] {
         self.exponents.as_chunks().0[tile]
     }

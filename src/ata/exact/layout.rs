@@ -73,7 +73,8 @@ pub(crate) struct Unit {
 }
 
 impl Unit {
-    /// Where the residues of panels (i, j) are among those of its batch: column by column.
+    /// Returns the position of the residues of panels (i, j) among those of the batch: column by
+    /// column.
     pub fn place(&self, i: usize, j: usize) -> usize {
         self.first + (j - self.cols.start) * self.rows.len() + i - self.rows.start
     }
@@ -89,7 +90,7 @@ pub(crate) struct Batch {
 }
 
 impl Layout {
-    /// For A m x n and B m x k, with entries of `bytes` bytes.
+    /// Creates the layout for A m x n and B m x k, with entries of `bytes` bytes.
     pub fn new(
         sides: [usize; 3],
         bytes: usize,
@@ -100,8 +101,8 @@ impl Layout {
         Self::within(None, sides, bytes, moduli, symmetric, same)
     }
 
-    /// The same in about `memory` bytes, if that is possible: half for the residues of the
-    /// operands, a quarter for those of C.
+    /// Creates the layout that takes about `memory` bytes, if that is possible: half for the
+    /// residues of the operands, a quarter for those of C.
     pub fn within(
         memory: Option<usize>,
         [m, n, k]: [usize; 3],
@@ -141,23 +142,23 @@ impl Layout {
         Self { symmetric, same, moduli, left, right, steps, chunk, groups, batch, blocking }
     }
 
-    /// Whether C is the sum over several chunks.
+    /// Returns whether C is the sum over several chunks.
     pub fn accumulates(&self) -> bool {
         self.chunk < self.steps
     }
 
-    /// The panels of a group.
+    /// Returns the panels of a group.
     pub fn group(&self, need: Need) -> Range<usize> {
         let panels = if need.operand == 0 { self.left } else { self.right };
         need.group * panels / self.groups..(need.group + 1) * panels / self.groups
     }
 
-    /// Steps, chunk by chunk.
+    /// Returns the steps of each chunk, in order.
     pub fn chunks(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         (0..self.steps).step_by(self.chunk).map(|first| first..self.steps.min(first + self.chunk))
     }
 
-    /// Stores and the most residues that each holds, in bytes.
+    /// Returns the most bytes of residues that each store holds.
     pub fn stores(&self) -> [usize; 2] {
         let bytes = |panels: usize| {
             self.moduli * panels.div_ceil(self.groups) * PANEL * STEP * self.chunk.min(self.steps)
@@ -168,7 +169,7 @@ impl Layout {
         }
     }
 
-    /// The rounds, in an order that keeps residues while they are needed.
+    /// Returns the rounds, in an order that keeps residues in memory while later rounds need them.
     pub fn pairs(&self) -> Vec<Pair> {
         let wanted = |left: usize| 0..if self.symmetric { left + 1 } else { self.groups };
         let mut open: Vec<Pair> = (0..self.groups)
@@ -191,7 +192,7 @@ impl Layout {
         order
     }
 
-    /// How often an entry of the operands is converted to residues, on average.
+    /// Returns how often an entry of the operands is converted to residues, on average.
     pub fn conversions(&self) -> f64 {
         if self.groups == 1 {
             return 1.0;
@@ -210,13 +211,14 @@ impl Layout {
         loads as f64 / all as f64
     }
 
-    /// What either side of a round is made of.
+    /// Returns the groups of panels that each side of a round consists of.
     pub fn needs(&self, pair: Pair) -> [Need; 2] {
         let operand = if self.same { 0 } else { 1 };
         [Need { operand: 0, group: pair.left }, Need { operand, group: pair.right }]
     }
 
-    /// The blocks of a round, in batches: all in one where they are sums over several chunks.
+    /// Returns the blocks of a round, in batches: a single batch where the blocks are sums over
+    /// several chunks.
     pub fn batches(&self, pair: Pair) -> Vec<Batch> {
         let split = |all: Range<usize>, size: usize| {
             let end = all.end;
@@ -252,17 +254,17 @@ impl Layout {
         batches
     }
 
-    /// Pairs of panels in a block.
+    /// Returns the number of pairs of panels in a block.
     pub fn cost(&self, unit: &Unit) -> usize {
         unit.cols.clone().map(|col| unit.rows.end.saturating_sub(self.first_row(unit, col))).sum()
     }
 
-    /// The end of the column panels that panel `row` of the rows of a block needs.
+    /// Returns the end of the column panels that panel `row` of the rows of a block needs.
     pub fn last_col(&self, unit: &Unit, row: usize) -> usize {
         if self.symmetric { unit.cols.end.min(row + 1) } else { unit.cols.end }
     }
 
-    /// The first panel of rows that column panel `col` of a block needs.
+    /// Returns the first panel of rows that column panel `col` of a block needs.
     pub fn first_row(&self, unit: &Unit, col: usize) -> usize {
         if self.symmetric { unit.rows.start.max(col) } else { unit.rows.start }
     }

@@ -84,7 +84,7 @@ impl Flags {
     /// All flags that there are.
     pub const MOST: u8 = Self::NAN;
 
-    /// The sum of the terms; `None` when there are none.
+    /// Returns the sum of the terms; `None` when there are none.
     pub fn sum(self) -> Option<f64> {
         match self.0 {
             0 => None,
@@ -123,7 +123,8 @@ pub(crate) struct Signs {
 }
 
 impl Signs {
-    /// Those of A and B; `None` when all columns are finite.
+    /// Finds the columns of A and B that are not finite; returns `None` when all columns are
+    /// finite.
     pub fn of_product<T: Real>(
         (a, left): (MatRef<'_, T>, &Columns),
         (b, right): (MatRef<'_, T>, &Columns),
@@ -141,7 +142,7 @@ impl Signs {
         self.right.as_ref().unwrap_or(&self.left)
     }
 
-    /// The flags of entry (i, j) of C.
+    /// Returns the flags of entry (i, j) of C.
     pub fn flags(&self, i: usize, j: usize) -> Flags {
         let (left, right) = (&self.left, self.right());
         if left.finite[i] && right.finite[j] {
@@ -159,7 +160,7 @@ impl Signs {
         (self.right().finite.len() * self.left.height) as f64 / 150.0
     }
 
-    /// The work of [`Signs::add`].
+    /// Returns the work of [`Signs::add`].
     pub fn cost(&self, symmetric: bool) -> f64 {
         let rows = self.left.finite.len() as f64;
         self.row_cost() * if symmetric { rows / 2.0 } else { rows }

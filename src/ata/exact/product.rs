@@ -12,6 +12,7 @@ pub(super) struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
+    /// Takes the memory of one thread from `arena`.
     pub fn new<T: Real>(arena: &mut Arena<'a, T>, layout: &Layout) -> Self {
         Self { left: arena.take_as(Self::slices(layout)) }
     }
@@ -20,6 +21,7 @@ impl<'a> Worker<'a> {
         layout.blocking.rows * layout.blocking.depth.min(layout.chunk)
     }
 
+    /// Returns the elements of T that [`Worker::new`] takes.
     pub fn scratch_len<T: Real>(layout: &Layout) -> usize {
         Arena::<T>::len_of::<Slice>(Self::slices(layout))
     }
@@ -37,13 +39,13 @@ pub(super) struct Round<'r, 'm> {
 }
 
 impl Round<'_, '_> {
-    /// Steps of its chunk.
+    /// Returns the number of steps of the chunk.
     pub fn steps(&self) -> usize {
         self.left.extent().steps.len()
     }
 
-    /// Block `unit` of the product modulo the `l`-th number; the residues of the panels `i` of
-    /// column panel `j` go to `residues[place(i, j)]` and on.
+    /// Computes block `unit` of the product modulo the `l`-th number. The residues of the panels
+    /// `i` of column panel `j` go to `residues[place(i, j)]` and on.
     ///
     /// # Safety
     /// Nobody else uses these places meanwhile.

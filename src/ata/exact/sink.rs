@@ -150,7 +150,7 @@ pub(crate) struct TriangleRows<'s, I> {
 }
 
 impl<'s, I> TriangleRows<'s, I> {
-    /// The rows from `first` on.
+    /// Creates the view of the rows of a triangle from row `first` on.
     pub fn new(entries: &'s mut [I], first: usize) -> Self {
         Self { entries: Disjoint::of_slice(entries), skipped: triangle_len(first) }
     }

@@ -19,6 +19,7 @@ pub(super) struct Store<'a> {
 }
 
 impl<'a> Store<'a> {
+    /// Creates an empty store in `memory`.
     pub fn new(memory: &'a mut [Slice]) -> Self {
         Self { memory, extent: Extent { panels: 0..0, steps: 0..0 } }
     }
@@ -58,12 +59,12 @@ impl<'a> Store<'a> {
         self.extent = extent;
     }
 
-    /// What it holds.
+    /// Returns the panels and steps that the store holds.
     pub fn extent(&self) -> &Extent {
         &self.extent
     }
 
-    /// The slices of one panel modulo the l-th modulus.
+    /// Returns the slices of one panel modulo the l-th modulus.
     pub fn slices(&self, l: usize, panel: usize, steps: Range<usize>) -> &[Slice] {
         let Extent { panels, steps: held } = &self.extent;
         let panel = (l * panels.len() + panel - panels.start) * held.len();
@@ -78,12 +79,13 @@ pub(super) struct Residents<'a> {
 }
 
 impl<'a> Residents<'a> {
+    /// Creates two empty stores in `memory`.
     pub fn new(memory: [&'a mut [Slice]; 2]) -> Self {
         Self { stores: memory.map(Store::new), held: [None; 2] }
     }
 
-    /// The residues of both sides of a round, for the steps of `chunk`; `fill` computes those that
-    /// are not there.
+    /// Returns the residues of both sides of a round, for the steps of `chunk`. `fill` computes
+    /// those that are not in memory.
     pub fn load(
         &mut self,
         layout: &Layout,

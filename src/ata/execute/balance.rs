@@ -26,7 +26,7 @@ const ALIKE: i32 = 2;
 const ROWS: usize = 1024;
 
 impl Balance {
-    /// Of the columns of `a`.
+    /// Computes the balance of the columns of `a`.
     pub fn of<T: Real>(a: MatRef<'_, T>, par: Par) -> Self {
         let Some(norms) = norm_exponents(a, par) else { return Self::NotFinite };
         // A missing exponent, that of a column of zeros, is less than all others.

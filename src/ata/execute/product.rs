@@ -19,12 +19,12 @@ pub(crate) struct Product<'p, T> {
 }
 
 impl<T: Real> Product<'_, T> {
-    /// Whether nothing of A and B is looked at: `C := beta C`.
+    /// Returns whether no entry of A and B is read: `C := beta C`.
     pub fn is_scaling(&self) -> bool {
         self.alpha == T::ZERO || self.a.nrows() == 0
     }
 
-    /// `C := beta C`.
+    /// Computes `C := beta C`.
     pub fn scale(self) -> Result<()> {
         let beta = self.beta;
         let symmetric = self.uplo.is_some();

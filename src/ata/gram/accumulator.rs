@@ -61,7 +61,18 @@ pub(super) enum Sums<T> {
 }
 
 impl<T: BlasReal> Accumulator<T> {
-    /// Of no rows, for all of C, in floating point; about the mean when `centered`.
+    /// Creates an empty accumulator for all of C, in floating point; C is about the mean when
+    /// `centered`.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(2, true)?;
+    /// sum.add_block(2, &mut [1.0, 1.0, 3.0, 5.0], None, &AtaOptions::new())?;
+    /// assert_eq!(sum.mean(), [2.0, 3.0]);
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 4.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -69,7 +80,18 @@ impl<T: BlasReal> Accumulator<T> {
         Self::of_strip(ncols, 0..ncols, centered)
     }
 
-    /// As [`Accumulator::new`], for these rows of C.
+    /// Creates an accumulator as [`Accumulator::new`] does, for these rows of C.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::of_strip(3, 1..3, false)?;
+    /// sum.add_block(1, &mut [1.0, 2.0, 3.0], None, &AtaOptions::new())?;
+    /// let strip = sum.finish(1.0, Uplo::Lower)?;
+    /// // Row 2 of C is row 1 of the strip.
+    /// assert_eq!((strip.rows(), strip.as_ref()[(1, 1)]), (1..3, 6.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when the rows are not in `0..ncols`, [`Error::OutOfMemory`].
@@ -78,8 +100,8 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self::of(ncols, Sums::Float(FloatSums::new(ncols, rows, centered)?)))
     }
 
-    /// Of no rows, for all of C, in integers; about the mean when `centered`. Rows must keep the
-    /// bounds.
+    /// Creates an empty accumulator for all of C, in integers; C is about the mean when `centered`.
+    /// All rows must be within the bounds.
     ///
     /// Entries are rounded once, relative to the bounds of their column, products of entries with
     /// weights once more, and C once at the end: `|C_ij - exact| <= 4 m u |x_i| |x_j|` for m rows
@@ -91,7 +113,7 @@ impl<T: BlasReal> Accumulator<T> {
         Self::exact_strip(bounds, 0..bounds.ncols(), centered)
     }
 
-    /// As [`Accumulator::exact`], for these rows of C.
+    /// Creates an accumulator as [`Accumulator::exact`] does, for these rows of C.
     ///
     /// # Errors
     /// As [`Accumulator::exact`] and [`Accumulator::of_strip`].
@@ -101,9 +123,9 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self::of(bounds.ncols(), Sums::Exact(ExactSums::new(bounds, rows, shift)?)))
     }
 
-    /// Of no rows, for all of C, in integers of 256 bits; about the mean when `centered`. Rows must
-    /// keep the bounds. [`Accumulator::finish_extended`] gives C in extended precision; otherwise
-    /// it is as [`Accumulator::exact`].
+    /// Creates an empty accumulator for all of C, in integers of 256 bits; C is about the mean when
+    /// `centered`. All rows must be within the bounds. [`Accumulator::finish_extended`] returns C
+    /// in extended precision; all else is as for [`Accumulator::exact`].
     ///
     /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves those
     /// of most data as they are; where [`RowBounds::of`] has found that all entries of the columns
@@ -153,7 +175,17 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(())
     }
 
-    /// A copy, bit for bit.
+    /// Returns a copy, bit for bit.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(1, false)?;
+    /// let copy = sum.try_clone()?;
+    /// sum.add_block(1, &mut [2.0], None, &AtaOptions::new())?;
+    /// assert_eq!((copy.rows(), sum.rows()), (0, 1));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -166,12 +198,12 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self { sums, labels: self.labels.clone(), ..*self })
     }
 
-    /// Columns n of the rows.
+    /// Returns the number of columns n of the rows.
     pub fn ncols(&self) -> usize {
         self.ncols
     }
 
-    /// The rows of C that it is of.
+    /// Returns the rows of C that the accumulator sums.
     pub fn strip(&self) -> Range<usize> {
         match &self.sums {
             Sums::Float(sums) => sums.c.rows(),
@@ -180,7 +212,7 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Rows so far.
+    /// Returns the number of rows so far.
     pub fn rows(&self) -> u64 {
         match &self.sums {
             Sums::Float(sums) => sums.moments.rows,
@@ -189,13 +221,13 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Rows of all sources that were streamed into it; more than [`Accumulator::rows`] while one is
-    /// on its way.
+    /// Returns the number of rows of all sources that were streamed into the accumulator. It is
+    /// larger than [`Accumulator::rows`] until the last source is complete.
     pub fn expected_rows(&self) -> u64 {
         self.expected_rows.max(self.rows())
     }
 
-    /// Sum of the weights of the rows so far; their number without weights.
+    /// Returns the sum of the weights of the rows so far; without weights, their number.
     pub fn weight(&self) -> f64 {
         match &self.sums {
             Sums::Float(sums) => sums.moments.weight,
@@ -204,7 +236,7 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Whether C is to be about the mean.
+    /// Returns whether C is about the mean.
     pub fn is_centered(&self) -> bool {
         match &self.sums {
             Sums::Float(sums) => sums.moments.centered,
@@ -213,17 +245,17 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Whether it adds integers, in any order the same.
+    /// Returns whether the sums are integers, which are the same for any order of the rows.
     pub fn is_exact(&self) -> bool {
         !matches!(self.sums, Sums::Float(_))
     }
 
-    /// Whether C can be had in extended precision.
+    /// Returns whether [`Accumulator::finish_extended`] can return C in extended precision.
     pub fn is_extended(&self) -> bool {
         matches!(self.sums, Sums::Extended(_))
     }
 
-    /// The (weighted) mean row so far; empty without centring.
+    /// Returns the (weighted) mean row so far; empty without centring.
     pub fn mean(&self) -> Vec<f64> {
         match &self.sums {
             Sums::Float(sums) => sums.moments.mean(),
@@ -232,7 +264,7 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Names and values that are kept with it, for the caller's use.
+    /// Returns the labels, names and values that the accumulator keeps for the caller.
     pub fn labels(&self) -> &[(String, String)] {
         &self.labels
     }
@@ -242,7 +274,19 @@ impl<T: BlasReal> Accumulator<T> {
         self.labels = labels;
     }
 
-    /// Whether the labels are these.
+    /// Checks that the labels are equal to `wanted`.
+    ///
+    /// ```
+    /// use catamaran::ata::Accumulator;
+    ///
+    /// let label = |file: &str| vec![("file".to_owned(), file.to_owned())];
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// sum.set_labels(label("a.npy"));
+    /// sum.check_labels(&label("a.npy"))?;
+    /// let error = sum.check_labels(&label("b.npy")).unwrap_err();
+    /// assert!(error.to_string().ends_with("file was a.npy, and is b.npy now"));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] that names the first one that differs, and both values.
@@ -264,6 +308,16 @@ impl<T: BlasReal> Accumulator<T> {
     /// Adds a block of `count` rows, one after another, with their weights if they have any. Their
     /// entries are overwritten. `options.uplo` does not matter. [`stream`](super::stream()) plans
     /// once for all blocks of a source.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(1, false)?;
+    /// sum.add_block(2, &mut [1.0, 2.0], Some(&[10.0, 1.0]), &AtaOptions::new())?;
+    /// assert_eq!((sum.rows(), sum.weight()), (2, 11.0));
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(0, 0)], 14.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight;
@@ -329,6 +383,21 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Removes the rows of a source, as [`Accumulator::remove_block`] does.
+    ///
+    /// ```
+    /// use catamaran::ata::{Accumulator, DenseRows, RowBounds};
+    /// use catamaran::{AtaOptions, Uplo, faer::Mat};
+    ///
+    /// let a = Mat::<f64>::from_fn(10, 2, |i, j| (i + j) as f64);
+    /// let options = AtaOptions::new();
+    /// let bounds = RowBounds::<f64>::of(&mut DenseRows(a.as_ref()), None, 64, &options)?;
+    /// let mut sum = Accumulator::exact(&bounds, false)?;
+    /// sum.add_rows(&mut DenseRows(a.as_ref()), None, &options)?;
+    /// sum.remove_rows(&mut DenseRows(a.subrows(0, 4)), None, &options)?;
+    /// let kept = a.subrows(4, 6);
+    /// assert_eq!(sum.finish(1.0, Uplo::Both)?.as_ref(), kept.transpose() * kept);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Accumulator::add_rows`] and [`Accumulator::remove_block`].
@@ -455,9 +524,19 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// `alpha C`, about the mean when centred. Of all of C the triangle or triangles of `uplo`, the
-    /// other one zero. A strip has its part of the lower triangle and zeros above the diagonal,
-    /// whatever `uplo` says. It is in the memory of the accumulator, unless that is exact.
+    /// Returns `alpha C`, about the mean when centred. An accumulator for all of C returns the
+    /// triangle or triangles of `uplo`, and zeros in the other one. A strip has its part of the
+    /// lower triangle and zeros above the diagonal, whatever `uplo` is. The result takes over the
+    /// memory of the accumulator, unless that is exact.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator, faer::mat};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+    /// assert_eq!(sum.finish(10.0, Uplo::Upper)?.as_ref(), mat![[10.0, 20.0], [0.0, 40.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when the weights of a mean sum to zero; of an exact accumulator
@@ -486,8 +565,8 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(c)
     }
 
-    /// C in extended precision, about the mean when centred; the same, bit for bit, for every
-    /// `par`.
+    /// Returns C in extended precision, about the mean when centred. The result is the same, bit
+    /// for bit, for every `par`.
     ///
     /// # Errors
     /// [`Error::Argument`] when the accumulator is not one of [`Accumulator::extended`], or when

@@ -16,9 +16,9 @@ const BLOCKS_BYTES: usize = 128 << 20;
 /// Fewer rows do not pay for the pass over C that each block takes.
 const LEAST_ROWS: usize = 1024;
 
-/// Rows of a block of n columns: a multiple of 64, about 64 MiB. With weights there are three
-/// blocks, in the memory of two. Not a matter of threads or of the number of rows, or results would
-/// be.
+/// Returns the number of rows of a block of n columns: a multiple of 64, about 64 MiB. With weights
+/// there are three blocks in the memory of two. The number must not depend on threads or on the
+/// number of rows, because the result would then depend on them too.
 ///
 /// ```
 /// use catamaran::ata::block_rows;

@@ -69,6 +69,7 @@ struct Piece<'p, T> {
 }
 
 impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
+    /// Returns a copy, bit for bit.
     pub fn try_clone(&self) -> Result<Self> {
         let mut entries = reserved(self.entries.len())?;
         entries.extend_from_slice(&self.entries);
@@ -77,7 +78,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(Self { grid, strip, sums, entries, flags, ..*self })
     }
 
-    /// Of no rows.
+    /// Creates the sums of no rows.
     pub fn new(bounds: &RowBounds<T>, strip: Range<usize>, shift: Shift<'_, T>) -> Result<Self> {
         let centered = matches!(shift, Shift::Near);
         Self::on(Grid::new(bounds, shift, I::EXTENDED)?, strip, centered)
@@ -92,12 +93,12 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(Self { grid, strip, centered, rows: 0, weights, sums, entries, flags, rounded: false })
     }
 
-    /// Sum of the weights.
+    /// Returns the sum of the weights.
     pub fn weight(&self) -> f64 {
         scaled(self.weights[0] as f64, -self.grid.weight_power)
     }
 
-    /// The (weighted) mean row; empty without centring.
+    /// Returns the (weighted) mean row; empty without centring.
     pub fn mean(&self) -> Vec<f64> {
         let weight = self.weight();
         let mean = |(j, &sum): (usize, &i128)| {
@@ -526,7 +527,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(())
     }
 
-    /// `alpha C`, about the mean when centred.
+    /// Computes `alpha C`, about the mean when centred.
     ///
     /// # Errors
     /// As [`ExactSums::for_each_value`], and [`Error::OutOfMemory`].
@@ -539,13 +540,13 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(c)
     }
 
-    /// Entry (i, j) in units of the grid, and which of its terms are not finite.
+    /// Returns entry (i, j) in units of the grid, and which of its terms are not finite.
     pub fn entry(&self, i: usize, j: usize) -> (I, Flags) {
         let at = triangle_len(i) + j - triangle_len(self.strip.start);
         (self.entries[at], Flags(self.flags.get(at).copied().unwrap_or(0)))
     }
 
-    /// The value of `c` as entry (i, j), rounded once.
+    /// Returns the value of `c` as entry (i, j), rounded once.
     pub fn value(&self, i: usize, j: usize, c: I, flags: Flags) -> f64 {
         flags.sum().unwrap_or_else(|| scaled(c.to_f64(), self.grid.exponent(i, j)))
     }
@@ -577,7 +578,7 @@ fn too_long(i: usize) -> Error {
 }
 
 impl<T: BlasReal> ExactSums<T, I256> {
-    /// All of C in three parts, about the mean when centred.
+    /// Computes all of C in three parts, about the mean when centred.
     ///
     /// # Errors
     /// [`Error::NonFinite`] for the first column that is not finite; [`Error::Argument`] when the

@@ -9,6 +9,19 @@ use crate::kernel::int8::I256;
 ///
 /// The first two parts are C in double-double, about 106 bits; all three hold 159 bits.
 /// `Accumulator::extended` computes C from rows.
+///
+/// ```
+/// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
+/// use catamaran::{AtaOptions, faer::mat};
+///
+/// // 1 + 2^-60 has more bits than an f64.
+/// let a = mat![[1.0], [2f64.powi(-30)]];
+/// let (plain, options) = (RowOptions::<f64>::new(), AtaOptions::new());
+/// let gram = ata_extended(&mut DenseRows(a.as_ref()), &plain, &options)?;
+/// assert_eq!(gram.entry(0, 0), [1.0, 2f64.powi(-60), 0.0]);
+/// assert!(gram.is_exact());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ExtendedGram {
     n: usize,
@@ -91,35 +104,35 @@ impl ExtendedGram {
         Self::from_entries(n, about, Par::Seq, |i, j| [c[(i, j)], 0.0, 0.0])
     }
 
-    /// Side n of C.
+    /// Returns the number n of rows, and of columns, of C.
     pub fn n(&self) -> usize {
         self.n
     }
 
-    /// Entry (i, j), in three parts.
+    /// Returns entry (i, j) in three parts, the largest first.
     pub fn entry(&self, i: usize, j: usize) -> [f64; 3] {
         assert!(i < self.n && j < self.n, "({i}, {j}) of {0} x {0} entries", self.n);
         unpacked(self.entries[triangle_len(i.max(j)) + i.min(j)])
     }
 
-    /// Whether the sums are exact: no entry of the rows was rounded. C itself is then rounded once,
-    /// to 159 bits.
+    /// Returns whether the sums are exact, so that no entry of the rows was rounded. C itself is
+    /// then rounded once, to 159 bits.
     pub fn is_exact(&self) -> bool {
         self.about.exact
     }
 
-    /// Rows that C is the sum of.
+    /// Returns the number of rows that C is the sum of.
     pub fn rows(&self) -> u64 {
         self.about.rows
     }
 
-    /// Sum of the weights of the rows; their number without weights.
+    /// Returns the sum of the weights of the rows; without weights, their number.
     pub fn weight(&self) -> f64 {
         self.about.weight
     }
 
-    /// The (weighted) mean of each column in double-double, 0 for no rows; empty unless C is about
-    /// the mean.
+    /// Returns the (weighted) mean of each column in double-double, 0 for no rows; empty unless C
+    /// is about the mean.
     pub fn mean(&self) -> &[[f64; 2]] {
         &self.about.mean
     }

@@ -53,14 +53,17 @@ pub(super) struct FloatSums<T> {
 }
 
 impl<T: BlasReal> FloatSums<T> {
+    /// Creates the sums of no rows.
     pub fn new(ncols: usize, strip: Range<usize>, centered: bool) -> Result<Self> {
         Ok(Self { c: Strip::new(strip)?, moments: Moments::new(ncols, centered)? })
     }
 
+    /// Returns a copy, bit for bit.
     pub fn try_clone(&self) -> Result<Self> {
         Ok(Self { c: self.c.try_clone()?, moments: self.moments.clone() })
     }
 
+    /// Adds a block of `count` rows, and overwrites its entries.
     pub fn add(
         &mut self,
         count: usize,
@@ -114,7 +117,7 @@ impl<T: BlasReal> FloatSums<T> {
         }
     }
 
-    /// `alpha C` about the mean, in its own memory.
+    /// Computes `alpha C` about the mean, in the memory of the sums.
     pub fn finish(self, alpha: f64) -> Result<Strip<T>> {
         let Self { mut c, moments } = self;
         moments.correct(1.0, c.rows().start, c.as_mut())?;

@@ -52,7 +52,7 @@ const EXTENDED: u8 = 32;
 const ROUNDED: u8 = 64;
 const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE | EXTENDED | ROUNDED;
 
-/// The scalar of the accumulator whose bytes `source` begins with, `"f32"` or `"f64"`.
+/// Returns the scalar of the accumulator at the start of `source`: `"f32"` or `"f64"`.
 ///
 /// ```
 /// use catamaran::ata::{Accumulator, scalar_of};
@@ -144,7 +144,7 @@ impl<T: BlasReal> Accumulator<T> {
         sink.put_check()
     }
 
-    /// What [`Accumulator::write`] wrote, bit for bit.
+    /// Reads an accumulator that [`Accumulator::write`] wrote, bit for bit.
     ///
     /// # Errors
     /// Those of the source; [`io::ErrorKind::InvalidData`] when the bytes are cut off or damaged,

@@ -63,7 +63,17 @@ pub struct RowBounds<T> {
 }
 
 impl<T: Real> RowBounds<T> {
-    /// At most `rows` rows, with entries between `lower[j]` and `upper[j]` in column j.
+    /// Declares bounds for at most `rows` rows, whose entries in column j are between `lower[j]`
+    /// and `upper[j]`.
+    ///
+    /// ```
+    /// use catamaran::ata::RowBounds;
+    ///
+    /// let bounds = RowBounds::new(vec![0.0, -1.0], vec![9.0, 1.0], 100)?.with_weights(2.0)?;
+    /// assert_eq!((bounds.ncols(), bounds.rows(), bounds.weight()), (2, 100, Some(2.0)));
+    /// assert!(RowBounds::new(vec![1.0], vec![0.0], 100).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`], and [`Error::Argument`] when a lower bound is above
@@ -84,7 +94,7 @@ impl<T: Real> RowBounds<T> {
         Ok(Self { lower, upper, units, weight: None, rows })
     }
 
-    /// Rows have weights of at most this absolute value.
+    /// Sets the bound of the weights: no absolute value is larger.
     ///
     /// # Errors
     /// [`Error::Argument`] when it is negative or not finite.
@@ -109,6 +119,16 @@ impl<T: Real> RowBounds<T> {
     /// Reads all rows once, in blocks of `block_rows`, and takes the bounds of the finite entries,
     /// of the weights, and the number of rows. `options.progress` is told the fraction that is
     /// read.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, ata::{DenseRows, RowBounds}, faer::mat};
+    ///
+    /// let a = mat![[1.0, f64::NAN], [-3.0, 0.5]];
+    /// let options = AtaOptions::new();
+    /// let bounds = RowBounds::<f64>::of(&mut DenseRows(a.as_ref()), None, 64, &options)?;
+    /// assert_eq!((bounds.lower(), bounds.upper()), (&[-3.0, 0.5][..], &[1.0, 0.5][..]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// Those of the source, [`Error::OutOfMemory`], [`Error::Cancelled`].
@@ -213,8 +233,8 @@ impl<T: Real> RowBounds<T> {
         }
     }
 
-    /// Takes in the bounds of other rows of the same columns: those of all rows, of which the
-    /// numbers add up.
+    /// Extends the bounds to those of all rows, with the `other` rows of the same columns. The
+    /// numbers of rows add up.
     ///
     /// # Errors
     /// [`Error::Argument`] when they have another number of columns, or only one of them has
@@ -234,27 +254,27 @@ impl<T: Real> RowBounds<T> {
         Ok(())
     }
 
-    /// Columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.lower.len()
     }
 
-    /// The number of rows at most.
+    /// Returns the largest number of rows.
     pub fn rows(&self) -> u64 {
         self.rows
     }
 
-    /// The lower bounds; infinite for a column without finite entries.
+    /// Returns the lower bounds; infinite for a column without finite entries.
     pub fn lower(&self) -> &[T] {
         &self.lower
     }
 
-    /// The upper bounds, as [`RowBounds::lower`].
+    /// Returns the upper bounds; minus infinity for a column without finite entries.
     pub fn upper(&self) -> &[T] {
         &self.upper
     }
 
-    /// The largest absolute value of a weight, if there are weights.
+    /// Returns the bound of the absolute values of the weights; `None` without weights.
     pub fn weight(&self) -> Option<T> {
         self.weight
     }
@@ -324,7 +344,7 @@ pub(crate) enum Shift<'s, T> {
 }
 
 impl<T: Real> Grid<T> {
-    /// The grid for rows within bounds.
+    /// Creates the grid for rows within bounds.
     ///
     /// About a mean, column j is shifted by a multiple of its radius near the middle of its bounds:
     /// x - s then has no more bits than x, and what is left of them fits the integers, however
@@ -397,7 +417,7 @@ impl<T: Real> Grid<T> {
         Ok(grid)
     }
 
-    /// Whether it is a grid that [`Grid::new`] or [`Grid::join`] may have made.
+    /// Returns whether [`Grid::new`] or [`Grid::join`] may have made this grid.
     pub fn is_sound(&self) -> bool {
         let range = if size_of::<T>() == 8 { -1100..=1300 } else { -160..=250 };
         let power = |p: i32| p == ZEROS || range.contains(&p);
@@ -416,12 +436,12 @@ impl<T: Real> Grid<T> {
             && self.powers(true).all(|p| (-2000..=2000).contains(&p))
     }
 
-    /// Columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.powers.len()
     }
 
-    /// What column j is shifted by.
+    /// Returns what is subtracted from column j.
     pub fn shift_of(&self, j: usize) -> T {
         self.shift.get(j).copied().unwrap_or(T::ZERO)
     }
@@ -433,7 +453,7 @@ impl<T: Real> Grid<T> {
         ends[0].abs().to_f64().max(ends[1].abs().to_f64())
     }
 
-    /// Bits of the integers that entries of column j become.
+    /// Returns the bits of the integers that entries of column j become.
     pub fn bits(&self, j: usize) -> i32 {
         match self.powers[j] {
             ZEROS => 0,
@@ -441,7 +461,7 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// How many rows there is room for.
+    /// Returns how many rows the sums have room for.
     pub fn capacity(&self) -> Capacity {
         let column = (0..self.ncols()).max_by_key(|&j| self.bits(j)).unwrap_or(0);
         let bits = if self.ncols() == 0 { 0 } else { self.bits(column) };
@@ -461,15 +481,15 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// The power that columns are multiplied by on the left side, or with their weights on the
-    /// right one.
+    /// Returns the powers that columns are multiplied by: on the left side, or `weighted` on the
+    /// right.
     pub fn powers(&self, weighted: bool) -> impl Iterator<Item = i32> {
         let less = if weighted { self.weight_exponent } else { 0 };
         self.powers.iter().map(move |&power| if power == ZEROS { 0 } else { power - less })
     }
 
-    /// What entries are multiplied by before they are rounded, on the left or the right side
-    /// (`weighted`), in two factors for each column.
+    /// Returns what entries are multiplied by before they are rounded, on the left or the right
+    /// side (`weighted`), in two factors for each column.
     pub fn factors(&self, weighted: bool) -> Vec<[f64; 2]> {
         let factors = |(j, power): (usize, i32)| match self.powers[j] {
             ZEROS => [0.0; 2],
@@ -478,12 +498,12 @@ impl<T: Real> Grid<T> {
         self.powers(weighted).enumerate().map(factors).collect()
     }
 
-    /// The integer that a weight becomes.
+    /// Returns the integer that a weight becomes.
     pub fn weight_integer(&self, weight: T) -> i128 {
         scaled(weight.to_f64(), self.weight_power).round_ties_even() as i128
     }
 
-    /// log2 of what counts entry (i, j) of the product; anything for a column of zeros.
+    /// Returns log2 of the unit of entry (i, j) of the product; anything for a column of zeros.
     pub fn exponent(&self, i: usize, j: usize) -> i32 {
         match (self.powers[i], self.powers[j]) {
             (ZEROS, _) | (_, ZEROS) => 0,
@@ -491,7 +511,7 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// log2 of what counts the sum of column j.
+    /// Returns log2 of the unit of the sum of column j.
     pub fn sum_exponent(&self, j: usize) -> i32 {
         match self.powers[j] {
             ZEROS => 0,
@@ -499,8 +519,8 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// The grid that contains both: the finer unit and its shift of each column, of equally fine
-    /// ones the lower shift. So it is the same for any order of grids.
+    /// Returns the grid that contains both. Each column takes the finer unit and the shift of that
+    /// grid; of equally fine grids, the lower shift. The result is the same for any order of grids.
     pub fn join(&self, other: &Self) -> Result<Self> {
         let refuse = |why: String| Err(Error::Argument { what: "accumulator", why });
         if self.weight.is_some() != other.weight.is_some() {
@@ -528,7 +548,7 @@ impl<T: Real> Grid<T> {
         Ok(joined)
     }
 
-    /// How many bits finer column j is in `fine`; none where it is zero here.
+    /// Returns how many bits finer column j is in `fine`; 0 where the column is zero here.
     pub fn finer(&self, j: usize, fine: &Self) -> u32 {
         match self.powers[j] {
             ZEROS => 0,
@@ -536,8 +556,8 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// How much further this one is shifted in column j, in units of `fine`; `None` when that is no
-    /// integer.
+    /// Returns the shift of column j here less that in `fine`, in units of `fine`; `None` when the
+    /// difference is no integer.
     pub fn shift_difference(&self, j: usize, fine: &Self) -> Option<i128> {
         let (own, others) = (self.shift_of(j), fine.shift_of(j));
         if own == others {

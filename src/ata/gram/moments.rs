@@ -38,13 +38,14 @@ struct Piece<'p, T> {
 }
 
 impl<T: Real> Moments<T> {
-    /// Of no rows of `n` columns; the mean of the first block becomes the shift when `centered`.
+    /// Creates the moments of no rows of `n` columns. When `centered`, the mean of the first block
+    /// becomes the shift.
     pub fn new(n: usize, centered: bool) -> Result<Self> {
         let sum = zeros(if centered { n } else { 0 })?;
         Ok(Self { rows: 0, weight: 0.0, weight_size: 0.0, centered, shift: Vec::new(), sum })
     }
 
-    /// Of no rows, which are taken as they are less `shift`.
+    /// Creates the moments of no rows, from each of which `shift` is subtracted.
     pub fn with_shift(shift: &[T]) -> Result<Self> {
         Ok(Self { shift: shift.to_vec(), ..Self::new(shift.len(), false)? })
     }
@@ -99,7 +100,7 @@ impl<T: Real> Moments<T> {
         }
     }
 
-    /// Whether there is a mean to subtract.
+    /// Returns whether there is a mean to subtract.
     ///
     /// # Errors
     /// [`Error::Argument`] when there should be, and the weights sum to zero.
@@ -110,7 +111,7 @@ impl<T: Real> Moments<T> {
         check_weight(self.rows as f64, self.weight, self.weight_size).map(|()| true)
     }
 
-    /// The mean row.
+    /// Returns the mean row.
     pub fn mean(&self) -> Vec<f64> {
         let mean = |(sum, shift): (&f64, &T)| shift.to_f64() + sum / self.weight;
         self.sum.iter().zip(&self.shift).map(mean).collect()

@@ -75,6 +75,7 @@ pub(crate) struct Engine {
 }
 
 impl<'o> Pass<'o> {
+    /// Creates a pass with these options.
     pub fn new(options: &AtaOptions<'o>) -> Result<Self> {
         Ok(Self {
             options: options.clone(),
@@ -88,7 +89,7 @@ impl<'o> Pass<'o> {
         })
     }
 
-    /// The options for the block at hand, and what multiplies.
+    /// Returns the options for the current block, the engine, and the scratch of the weighted rows.
     pub fn parts(&mut self) -> (AtaOptions<'o>, &mut Engine, &mut Scratch) {
         let options = AtaOptions { progress: self.progress, ..self.options.clone() };
         (options, &mut self.engine, &mut self.weighted)
@@ -96,7 +97,7 @@ impl<'o> Pass<'o> {
 }
 
 impl Engine {
-    /// `C := alpha A^T B + beta C`, B being A when `None`.
+    /// Computes `C := alpha A^T B + beta C`; B is A when it is `None`.
     pub fn multiply<T: BlasReal>(
         &mut self,
         product: Product<'_, T>,

@@ -89,7 +89,7 @@ impl StripNeeds<'_> {
 }
 
 impl StreamPlan {
-    /// The plan for A m x n in blocks of `rows` rows (`None`: [`block_rows`]) that takes at most
+    /// Plans the stream of A m x n in blocks of `rows` rows (`None`: [`block_rows`]) within
     /// `memory` bytes: C or a strip of it, two blocks (three in the memory of two with weights),
     /// and the scratch of a product.
     ///
@@ -143,27 +143,27 @@ impl StreamPlan {
         Ok(Self { rows: m, block_rows, strips, bytes: largest, exact, product: None })
     }
 
-    /// Rows of a block.
+    /// Returns the number of rows of a block.
     pub fn block_rows(&self) -> usize {
         self.block_rows
     }
 
-    /// The rows of C that each read of A computes.
+    /// Returns the rows of C that each read of A computes.
     pub fn strips(&self) -> &[Range<usize>] {
         &self.strips
     }
 
-    /// How often A is read.
+    /// Returns how often A is read.
     pub fn reads(&self) -> usize {
         self.strips.len()
     }
 
-    /// Bytes that it takes: the largest strip of C, blocks, scratch.
+    /// Returns the bytes of memory: the largest strip of C, blocks, scratch.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// The plan of the product of a block, when C is not cut into strips.
+    /// Returns the plan of the product of a block; `None` when C is cut into strips.
     pub fn product(&self) -> Option<&Plan> {
         self.product.as_ref()
     }

@@ -87,13 +87,14 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
     (values().sum(), values().map(f64::abs).sum())
 }
 
-/// `C := alpha X^T W X + beta C`, where X are the rows less their centre and W the weights.
+/// Computes `C := alpha X^T W X + beta C`, where X are the rows less their centre and W the
+/// weights.
 ///
 /// Rows are read once, block by block, the next block by a thread of its own (unless `options.par`
 /// is [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first
 /// block, for stability. The extra memory is two blocks of rows, one more with weights, and the
 /// scratch of [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for bit, for
-/// every `options.par`. To keep, resume or merge sums there is [`stream`](super::stream()).
+/// every `options.par`. [`stream`](super::stream()) can keep, resume and merge sums.
 ///
 /// On the exact path, when the options ask for it, rows are read twice, once for their bounds, and
 /// 16 bytes for each entry of a triangle of C are needed. The result then does not depend on the

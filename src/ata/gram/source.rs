@@ -56,6 +56,17 @@ pub trait RowBlocks<T> {
 }
 
 /// The rows of a matrix in memory, converted to the scalar asked for (f32 to f64 is exact).
+///
+/// ```
+/// use catamaran::ata::{DenseRows, RowBlocks};
+/// use catamaran::faer::{Mat, mat};
+///
+/// let a = mat![[1.5_f32, 2.0], [3.0, 4.0]];
+/// let mut row = Mat::<f64>::zeros(1, 2);
+/// DenseRows(a.as_ref()).read(1, row.as_mut())?;
+/// assert_eq!(row, mat![[3.0, 4.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct DenseRows<'a, S>(pub MatRef<'a, S>);
 

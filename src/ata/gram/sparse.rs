@@ -22,8 +22,9 @@ const PANEL: usize = 1 << 16;
 /// Blocks of lines for each thread, so that threads end at about the same time.
 const BLOCKS_PER_THREAD: usize = 8;
 
-/// `C := alpha A^T W A + beta C` for a sparse A by rows (CSR), m x n, with m finite weights W or
-/// none: the triangle or triangles of `options.uplo`, of which `par` and `progress` count too.
+/// Computes `C := alpha A^T W A + beta C` for a sparse A by rows (CSR), m x n, with m finite
+/// weights W or none. Of the options, `uplo` (the triangle or triangles to compute), `par` and
+/// `progress` have an effect.
 ///
 /// Sums are in f64 and in the order of the rows, rounded once to T: the result is the same, bit for
 /// bit, for every `options.par`. Entries that are not stored are zeros, and not multiplied: NaN and
@@ -74,7 +75,8 @@ pub fn ata_sparse<S: Real, T: BlasReal>(
     Ok(())
 }
 
-/// Whether [`ata_sparse`] takes less time than the dense product of the same entries, as measured.
+/// Returns whether [`ata_sparse`] takes less time than the dense product of the same entries, by a
+/// measured rule.
 ///
 /// ```
 /// use catamaran::ata::{sparse_is_faster, sparse_multiplications};
@@ -93,7 +95,16 @@ pub fn sparse_is_faster<S: Real>(a: CsMatView<'_, S>) -> bool {
     DENSE_PER_SPARSE * sparse_multiplications(a) as f64 <= m * n * (n + 1.0) / 2.0
 }
 
-/// Multiplications of [`ata_sparse`] for one triangle: r (r + 1) / 2 for a row of r entries.
+/// Returns the multiplications of [`ata_sparse`] for one triangle: r (r + 1) / 2 for a row of r
+/// entries.
+///
+/// ```
+/// use catamaran::{ata::sparse_multiplications, sparse::CsMat};
+///
+/// // Rows of one, two and no entries.
+/// let a = CsMat::new((3, 2), vec![0, 1, 3, 3], vec![0, 0, 1], vec![2.0, 1.0, 3.0]);
+/// assert_eq!(sparse_multiplications(a.view()), 1 + 3);
+/// ```
 pub fn sparse_multiplications<S: Real>(a: CsMatView<'_, S>) -> usize {
     a.outer_iterator().map(|row| row.nnz() * (row.nnz() + 1) / 2).sum()
 }

@@ -24,12 +24,13 @@ impl<T: Real> Strip<T> {
         Ok(copy)
     }
 
-    /// Which rows of C.
+    /// Returns the rows of C that the strip has.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
 
-    /// The entries: `rows().len()` x `rows().end`, entry `(i, j)` is `C(rows().start + i, j)`.
+    /// Returns the entries as a matrix, `rows().len()` x `rows().end`, whose entry `(i, j)` is
+    /// `C(rows().start + i, j)`.
     pub fn as_ref(&self) -> MatRef<'_, T> {
         let (count, end) = (self.rows.len(), self.rows.end);
         MatRef::from_row_major_slice(&self.values.as_slice()[..count * end], count, end)

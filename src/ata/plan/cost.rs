@@ -18,6 +18,7 @@ pub(super) struct RecursionCost {
 }
 
 impl RecursionCost {
+    /// Creates the model for scalars T at these rates.
     pub fn new<T>(rates: Rates) -> Self {
         Self { rates, scalar_bytes: size_of::<T>() as f64, known: HashMap::new() }
     }
@@ -36,7 +37,7 @@ impl RecursionCost {
         seconds * self.scalar_bytes / 8.0
     }
 
-    /// Seconds of `op` with A m x n and B m x k, `shape` being m, n and k.
+    /// Estimates the seconds of `op` with A m x n and B m x k, where `shape` is m, n and k.
     pub fn seconds(&mut self, recursion: &Recursion, op: Op, shape: [usize; 3]) -> f64 {
         self.known.clear();
         self.node(recursion, op, shape, recursion.fast_levels)
@@ -78,6 +79,7 @@ pub(super) struct FusedCost {
 }
 
 impl FusedCost {
+    /// Estimates the seconds of a program.
     pub fn seconds(&self, program: &[FusedProduct]) -> f64 {
         program.iter().map(|product| self.product(product)).sum()
     }

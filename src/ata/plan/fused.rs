@@ -30,7 +30,7 @@ pub(crate) struct FusedProduct {
 }
 
 impl FusedProduct {
-    /// Products of scalars: the entries that somebody wants, times the depth.
+    /// Returns the number of products of scalars: the wanted entries times the depth.
     pub fn work(&self, symmetric: bool) -> f64 {
         let Shape { depth, rows, cols, .. } = self.shape;
         let triangle = symmetric && self.outputs.iter().all(|o| o.rows.start == o.cols.start);

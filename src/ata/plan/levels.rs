@@ -19,7 +19,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Elements, whichever way it is stored.
+    /// Returns the number of elements, enough for storage by rows and by columns.
     pub fn len(self) -> usize {
         (self.rows * leading(self.cols)).max(leading(self.rows) * self.cols)
     }
@@ -33,6 +33,7 @@ pub(crate) struct LevelScratch {
 }
 
 impl LevelScratch {
+    /// Returns what one level of `scheme` needs for A m x n and B m x k.
     pub fn of(scheme: &Scheme, op: Op, m: usize, n: usize, k: usize) -> Self {
         let rows = m.div_ceil(scheme.inner);
         let (left, right) = (n.div_ceil(scheme.left), k.div_ceil(scheme.right));

@@ -52,7 +52,16 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of [`ata`](super::ata) for A m x n.
+    /// Plans [`ata`](super::ata) for A m x n.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan};
+    ///
+    /// // The plan does not depend on the number of threads.
+    /// let plan = |threads| Plan::ata::<f64>(5000, 1000, &AtaOptions::new().threads(threads));
+    /// assert_eq!(plan(1)?, plan(8)?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) for options out of range,
@@ -61,7 +70,18 @@ impl Plan {
         Self::new::<T>(Op::Syrk, m, n, n, options)
     }
 
-    /// The plan of [`atb`](super::atb) for A m x n and B m x k.
+    /// Plans [`atb`](super::atb) for A m x n and B m x k.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan, ata::atb_planned, faer::mat};
+    ///
+    /// let options = AtaOptions::new();
+    /// let plan = Plan::atb::<f64>(2, 2, 1, &options)?;
+    /// let (a, b, mut c) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]], mat![[0.0], [0.0]]);
+    /// atb_planned(&plan, 1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options)?;
+    /// assert_eq!(c, mat![[31.0], [42.0]]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Plan::ata`].
@@ -74,7 +94,7 @@ impl Plan {
         Self::new::<T>(Op::Gemm, m, n, k, options)
     }
 
-    /// The plan of [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are
+    /// Plans [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are
     /// m x n.
     ///
     /// # Errors
@@ -117,13 +137,25 @@ impl Plan {
         if self.classical_seconds > 0.0 { self.seconds / self.classical_seconds } else { 1.0 }
     }
 
-    /// Whether it takes the exact path, which gives the same bytes on every machine.
+    /// Returns whether the plan takes the exact path, which returns the same bytes on every
+    /// machine.
     pub fn is_exact(&self) -> bool {
         matches!(self.strategy, Strategy::Exact(_))
     }
 
-    /// Whether any product is computed with fewer multiplications than the classical count, unless
-    /// the norms of the columns forbid it.
+    /// Returns whether some product is computed with fewer multiplications than the classical
+    /// count. At run time the norms of the columns may still forbid that.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Plan, SchemeChoice};
+    ///
+    /// let is_fast = |scheme| {
+    ///     let options = AtaOptions::new().scheme(scheme).leaf(64);
+    ///     Ok::<_, catamaran::Error>(Plan::ata::<f64>(1000, 1000, &options)?.is_fast())
+    /// };
+    /// assert!(is_fast(SchemeChoice::Winograd)? && !is_fast(SchemeChoice::Classical)?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn is_fast(&self) -> bool {
         match &self.strategy {
             Strategy::Fused(fused) => fused.is_fast(),

@@ -13,12 +13,13 @@ pub(crate) enum Op {
 }
 
 impl Op {
+    /// Returns whether only the lower triangle of the result is computed.
     pub fn symmetric(self) -> bool {
         self != Self::Gemm
     }
 
-    /// What a product of a scheme becomes inside a node of this kind: without A = B there are no
-    /// squares.
+    /// Returns what a product of a scheme becomes inside a node of this kind: without A = B there
+    /// are no squares.
     pub fn of_product(self, kind: ProductKind) -> Self {
         match (kind, self) {
             (ProductKind::Gemm, _) => Self::Gemm,
@@ -40,6 +41,8 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
+    /// Creates the problem after a check of its sizes.
+    ///
     /// # Errors
     /// [`Error::OutOfMemory`] for matrices that no memory holds, before their sizes overflow.
     pub fn new(op: Op, m: usize, n: usize, k: usize) -> Result<Self> {
@@ -53,7 +56,7 @@ impl Problem {
         Ok(Self { op, m, n, k })
     }
 
-    /// One operand serves as both.
+    /// Returns whether A serves as both operands.
     pub fn same(&self) -> bool {
         self.op == Op::Syrk
     }

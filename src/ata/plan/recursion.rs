@@ -27,19 +27,19 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    /// The same side for both.
+    /// Creates a base with the same side for general and symmetric products.
     pub fn side(side: usize) -> Self {
         Self { general: side, symmetric: side }
     }
 }
 
 impl Recursion {
-    /// No recursion at all.
+    /// Creates a recursion without levels.
     pub fn none() -> Self {
         Self { symmetric: vec![], general: vec![], base: Base::side(1), fast_levels: 0 }
     }
 
-    /// The scheme for a node with A m x n and B m x k, or `None` for the back end.
+    /// Returns the scheme for a node with A m x n and B m x k, or `None` for the back end.
     pub fn choose(
         &self,
         symmetric: bool,
@@ -61,7 +61,7 @@ impl Recursion {
         })
     }
 
-    /// Whether a node of this shape leads to a scheme with additions.
+    /// Returns whether a node of this shape leads to a scheme with additions.
     pub fn is_fast(&self, op: Op, m: usize, n: usize, k: usize) -> bool {
         let Some(id) = self.choose(op.symmetric(), m, n, k, self.fast_levels) else {
             return false;

@@ -45,6 +45,7 @@ pub(crate) struct Slab {
 }
 
 impl Fused {
+    /// Returns whether some slab has fast levels.
     pub fn is_fast(&self) -> bool {
         self.slabs.iter().any(|slab| !slab.classical.is_empty())
     }
@@ -77,7 +78,7 @@ pub(crate) struct Exact {
 }
 
 impl Tasks {
-    /// Elements of scratch that a thread needs for the tasks of `op`.
+    /// Returns the elements of scratch that a thread needs for the tasks of `op`.
     pub fn worker_scratch_len(&self, op: Op) -> usize {
         let mut longest = 0;
         for task in &self.tasks {

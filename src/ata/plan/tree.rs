@@ -42,17 +42,24 @@ pub enum Node {
 }
 
 impl Node {
-    /// The tree for the lower triangle of an n x n matrix on `processes >= 1` processes.
+    /// Creates the tree for the lower triangle of an n x n matrix on `processes >= 1` processes.
     pub fn symmetric(n: usize, processes: usize) -> Self {
         triangle(0..n, 0..processes, levels(processes))
     }
 
-    /// The tree for an n x k matrix on `processes >= 1` processes.
+    /// Creates the tree for an n x k matrix on `processes >= 1` processes.
+    ///
+    /// ```
+    /// use catamaran::ata::Node;
+    ///
+    /// let tasks = Node::general(100, 60, 4).tasks();
+    /// assert_eq!(tasks.iter().map(|task| task.rows.len() * task.cols.len()).sum::<usize>(), 6000);
+    /// ```
     pub fn general(n: usize, k: usize, processes: usize) -> Self {
         rectangle(0..n, 0..k, 0..processes, rectangle_levels(processes))
     }
 
-    /// The leaves, left to right; empty blocks are left out.
+    /// Returns the leaves from left to right, without empty blocks.
     pub fn tasks(&self) -> Vec<Task> {
         match self {
             Self::Leaf(task) if task.rows.is_empty() || task.cols.is_empty() => Vec::new(),
@@ -61,7 +68,7 @@ impl Node {
         }
     }
 
-    /// Levels below this node.
+    /// Returns the number of levels below this node.
     pub fn depth(&self) -> usize {
         match self {
             Self::Leaf(_) => 0,
@@ -83,7 +90,14 @@ impl Task {
     }
 }
 
-/// Parallel levels of AtA-S on `p` processes: equation 8.6, `P / 2` rounded down.
+/// Returns the number of parallel levels of AtA-S on `p` processes: equation 8.6, `P / 2` rounded
+/// down.
+///
+/// ```
+/// use catamaran::ata::levels;
+///
+/// assert_eq!([1, 2, 4].map(levels), [0, 1, 2]);
+/// ```
 pub fn levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,

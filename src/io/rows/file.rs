@@ -24,6 +24,7 @@ pub(super) struct Stamp {
 }
 
 impl Stamp {
+    /// Returns the size and time of modification in `metadata`.
     pub fn of(metadata: &Metadata) -> Self {
         Self { len: metadata.len(), modified: metadata.modified().ok() }
     }

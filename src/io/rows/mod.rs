@@ -38,8 +38,8 @@ use crate::base::{Error, Real, Result};
 /// are those that [`read`](super::read()) gives: f4 is exact in f32, all others are rounded to f64
 /// first.
 ///
-/// A file that is changed, shrinks or vanishes while it is read is an error; of a `.npy` that was
-/// replaced by another file of its name, the old rows are read.
+/// A file that is changed, shrinks or vanishes while it is read is an error. After a `.npy` file is
+/// replaced by another file of its name, the old rows are still read.
 ///
 /// ```
 /// use catamaran::ata::RowBlocks;
@@ -84,6 +84,17 @@ impl RowFile {
 
     /// Keeps only these columns of the file, from 0, half open.
     ///
+    /// ```
+    /// use catamaran::{faer::Mat, io::{self, Output, Overwrite, RowFile}};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("a.npy");
+    /// io::write(Output::create(path, Overwrite::Never)?, Mat::<f64>::ones(7, 3).as_ref())?;
+    /// let rows = RowFile::open(path)?.with_columns(1..3)?;
+    /// assert_eq!((rows.nrows(), rows.ncols()), (7, 2));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] when they are not inside the matrix of the file.
     pub fn with_columns(mut self, columns: Range<usize>) -> Result<Self> {
@@ -104,30 +115,42 @@ impl RowFile {
         }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         self.content.shape().0
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.columns.len()
     }
 
-    /// Whether the file holds single precision; f64 holds everything else (integers beyond 2^53 are
-    /// rounded).
+    /// Returns whether the file holds single precision. All other types are read as f64, which
+    /// rounds integers beyond 2^53.
     pub fn is_single(&self) -> bool {
         self.content.is_single()
     }
 
-    /// The file; for HDF5 without the name of the dataset.
+    /// Returns the path of the file; for HDF5 without the name of the dataset.
     pub fn path(&self) -> &Path {
         self.content.path()
     }
 
-    /// What tells these rows from others and from themselves after a change: canonical path,
-    /// dataset, shape, type, columns, size and time of modification of the file, in one line. Equal
-    /// lines mean the same rows, as far as the file system knows.
+    /// Returns a line of text that identifies these rows and their version: canonical path,
+    /// dataset, shape, type, columns, size and time of modification of the file. Equal lines mean
+    /// the same rows, as far as the file system can tell.
+    ///
+    /// ```
+    /// use catamaran::{faer::Mat, io::{self, Output, Overwrite, RowFile}};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("a.npy");
+    /// io::write(Output::create(path, Overwrite::Never)?, Mat::<f64>::ones(7, 3).as_ref())?;
+    /// let rows = RowFile::open(path)?;
+    /// assert_eq!(rows.identity(), rows.try_clone()?.identity());
+    /// assert_ne!(rows.identity(), rows.try_clone()?.with_columns(0..2)?.identity());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn identity(&self) -> String {
         let (m, n) = self.content.shape();
         let Range { start, end } = self.columns;

@@ -16,7 +16,8 @@ pub(super) struct Amx {
 }
 
 impl Amx {
-    /// The kernel, or why there is none. The first call asks the system for the use of the tiles.
+    /// Returns the kernel, or why this machine can't use it. The first call asks the system for the
+    /// use of the tiles.
     pub fn new() -> Result<&'static Self, &'static str> {
         static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
         AMX.get_or_init(Self::detect).as_ref().map_err(|why| *why)
@@ -46,7 +47,7 @@ impl Amx {
         Ok(Self { others })
     }
 
-    /// For tests that emulate the instructions.
+    /// Creates the kernel without a check, for tests that emulate the instructions.
     #[cfg(test)]
     pub fn unchecked() -> Result<Self, &'static str> {
         Ok(Self { others: Vnni::new()? })

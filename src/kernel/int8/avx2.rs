@@ -16,7 +16,7 @@ pub(super) struct Avx2(());
 static AVX2: Avx2 = Avx2(());
 
 impl Avx2 {
-    /// The kernel, or why there is none.
+    /// Returns the kernel, or why this machine can't use it.
     pub fn new() -> Result<&'static Self, &'static str> {
         let found = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
         if found { Ok(&AVX2) } else { Err("the CPU has no AVX2 with FMA") }

@@ -15,7 +15,7 @@ pub(super) struct Vnni(());
 static VNNI: Vnni = Vnni(());
 
 impl Vnni {
-    /// The kernel, or why there is none.
+    /// Returns the kernel, or why this machine can't use it.
     pub fn new() -> Result<&'static Self, &'static str> {
         let found = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
@@ -221,6 +221,7 @@ pub(super) struct Reduction {
 
 impl Reduction {
     enabled! {
+        /// Broadcasts the constants of the reduction to one modulus.
         pub fn new(modulus: &Modulus) -> Self {
             Self {
                 bias: _mm512_set1_epi32(i32::MIN),
@@ -669,7 +670,7 @@ enabled! {
 }
 
 impl Vnni {
-    /// Dword (r, j) of every tile to dword (j, r).
+    /// Transposes every tile: dword (r, j) becomes dword (j, r).
     pub fn transpose(&self, tiles: &[Slice], out: &mut [Slice]) {
         for (tile, out) in tiles.as_flattened().iter().zip(out.as_flattened_mut()) {
             // SAFETY: `self` exists, so the CPU has the instructions.

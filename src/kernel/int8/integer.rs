@@ -78,11 +78,12 @@ pub(crate) struct I256 {
 unsafe impl Plain for I256 {}
 
 impl I256 {
+    /// Returns whether the number is below zero.
     pub fn is_negative(self) -> bool {
         self.high < 0
     }
 
-    /// `|self|`; a least number stays negative.
+    /// Returns `|self|`; the least number stays negative.
     pub fn magnitude(self) -> Self {
         if self.is_negative() { self.negated() } else { self }
     }
@@ -119,7 +120,8 @@ impl I256 {
         if value < 0.0 { magnitude.negated() } else { magnitude }
     }
 
-    /// `self 2^exponent` as a sum of three f64, each the nearest to what those before it leave.
+    /// Returns `self 2^exponent` as a sum of three f64, each the f64 nearest to the rest after
+    /// those before it.
     #[inline(always)]
     pub fn parts(self, exponent: i32) -> [f64; 3] {
         let parts = self.summed_parts().unwrap_or_else(|| self.rounded_parts());

@@ -86,7 +86,7 @@ pub(crate) struct Operands<'a> {
 }
 
 impl<'a> Operands<'a> {
-    /// The slices of each of the left panels.
+    /// Returns the slices of each of the left panels.
     ///
     /// # Panics
     /// Unless there are `panels` of them, of the length of the right one.

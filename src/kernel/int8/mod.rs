@@ -36,6 +36,14 @@ pub(crate) use tile::{
 use crate::base::Real;
 
 /// An instruction set that the kernels are written for.
+///
+/// ```
+/// use catamaran::kernel::int8::Isa;
+///
+/// let usable: Vec<_> = Isa::ALL.into_iter().filter(|isa| isa.refusal().is_none()).collect();
+/// assert_eq!(usable.first(), Some(&Isa::best()));
+/// assert_eq!(usable.last(), Some(&Isa::Portable));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Isa {
     /// Intel's matrix tiles (AMX-INT8) for the products, AVX-512 for the rest.
@@ -52,7 +60,7 @@ impl Isa {
     /// All of them, the fastest first.
     pub const ALL: [Self; 4] = [Self::Amx, Self::Vnni, Self::Avx2, Self::Portable];
 
-    /// Short name: `amx`, `vnni`, `avx2`, `portable`.
+    /// Returns the short name: `amx`, `vnni`, `avx2` or `portable`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Amx => "amx",
@@ -62,13 +70,13 @@ impl Isa {
         }
     }
 
-    /// The fastest one that this machine has.
+    /// Returns the fastest instruction set that this machine supports.
     pub fn best() -> Self {
         let usable = |i: &Self| i.refusal().is_none();
         Self::ALL.into_iter().find(usable).unwrap_or(Self::Portable)
     }
 
-    /// Why this machine can't use it; `None` when it can.
+    /// Returns why this machine can't use the instruction set; `None` when it can.
     pub fn refusal(self) -> Option<&'static str> {
         match self {
             #[cfg(target_arch = "x86_64")]

@@ -89,7 +89,7 @@ impl Modulus {
         }
     }
 
-    /// The three factors of the second dot product.
+    /// Returns the three factors of the second dot product, and a zero.
     pub fn second_weights(&self) -> [i8; 4] {
         [self.weights[0], self.weights[1], self.weights[2], 0]
     }
@@ -131,7 +131,7 @@ fn inverse(residue: i32, p: i32) -> i32 {
 }
 
 impl Moduli {
-    /// `count` moduli, 2..=15.
+    /// Creates the reconstruction from residues modulo the first `count` moduli, 2..=15.
     pub fn new(count: usize) -> Self {
         let list = first(count);
         let product: u128 = list.iter().map(|m| m.p as u128).product();
@@ -209,7 +209,8 @@ impl Limbs {
 }
 
 impl IntegerModuli {
-    /// `count` moduli, 2..=[`MOST_MODULI`].
+    /// Creates the reconstruction from residues modulo the first `count` moduli,
+    /// 2..=[`MOST_MODULI`].
     pub fn new(count: usize) -> Self {
         let list = first(count);
         let product = Limbs::product(list.iter().map(|m| m.p));
@@ -228,13 +229,13 @@ impl IntegerModuli {
         }
     }
 
-    /// log2 of P for `count` moduli.
+    /// Returns log2 of P for `count` moduli.
     pub fn bits(count: usize) -> f64 {
         MODULI[..count].iter().map(|&p| f64::from(p).log2()).sum()
     }
 
-    /// The least number of moduli, 2 or more, for integers of magnitudes up to `2^bits`; `None`
-    /// where there are not so many.
+    /// Returns the least number of moduli, 2 or more, for integers of magnitudes up to `2^bits`;
+    /// `None` when all moduli together are not enough.
     pub fn count_for(bits: i32) -> Option<usize> {
         // Of the signs one bit, and a margin for the rounding of quotients.
         (2..=MOST_MODULI).find(|&count| Self::bits(count) >= f64::from(bits) + 1.01)

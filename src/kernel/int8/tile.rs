@@ -30,6 +30,7 @@ pub(crate) type Residues = [i8; STEP * WIDTH];
 pub(crate) type Slice = [Residues; 2];
 
 impl<T: Real> Tile<T> {
+    /// Creates a tile of zeros.
     pub fn zeros() -> Self {
         Self([[T::ZERO; WIDTH]; STEP])
     }
@@ -97,7 +98,7 @@ pub(crate) struct Powers<T> {
 }
 
 impl<T: Real> Powers<T> {
-    /// `2^e` for each exponent, which lies in `-2000..=2000` (f64) or `-250..=250` (f32).
+    /// Computes `2^e` for each exponent, which lies in `-2000..=2000` (f64) or `-250..=250` (f32).
     pub fn new(exponents: [i32; WIDTH]) -> Self {
         Self {
             first: exponents.map(|e| T::from_f64(power_of_two(e >> 1))),

@@ -25,7 +25,8 @@ pub(super) const DEPTH: usize = 320;
 const PARTS: usize = 5;
 
 impl Blocking {
-    /// For a product of this shape, packed into at most `budget` scalars if that is possible.
+    /// Chooses the extents for a product of this shape, packed into at most `budget` scalars if
+    /// that is possible.
     pub fn new(geometry: Geometry, scalar_bytes: usize, shape: Shape, budget: usize) -> Self {
         // Pieces of equal length, as short ones are slow.
         let even = |length: usize, most: usize| length.div_ceil(length.div_ceil(most).max(1));

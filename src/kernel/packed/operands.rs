@@ -17,16 +17,16 @@ pub(crate) struct Source<'a, T> {
 }
 
 impl<T: Real> Source<'_, T> {
-    /// Whether it can be read in place: rows of contiguous entries, taken as they are, of which
-    /// there are `depth` and in each of them `width`.
+    /// Returns whether tiles can read the block in place: it has at least `depth` rows of at least
+    /// `width` contiguous entries, a coefficient of 1 and no scale.
     pub fn is_plain(&self, depth: usize, width: usize) -> bool {
         let Self { coefficient, matrix, scale } = self;
         let complete = matrix.nrows() >= depth && matrix.ncols() >= width;
         complete && matrix.col_stride() == 1 && *coefficient == T::ONE && scale.is_none()
     }
 
-    /// The side that tiles read straight from the matrix, from `first_row` on, in panels of `width`
-    /// columns.
+    /// Returns the side that tiles read straight from the matrix, from `first_row` on, in panels of
+    /// `width` columns.
     pub fn in_place(&self, first_row: usize, width: usize) -> Side<T> {
         Side {
             start: self
@@ -68,12 +68,12 @@ pub(crate) struct Shape {
 const PANELS_IN_PLACE: usize = 2;
 
 impl<'a, T: Real> Product<'a, T> {
-    /// The sources of the left (0) or right (1) side.
+    /// Returns the sources of the left (0) or right (1) side.
     pub fn sources(&self, side: usize) -> &[Source<'a, T>] {
         if side == 0 || self.shape.same { &self.left } else { &self.right }
     }
 
-    /// Whether tiles read both sides straight from matrices.
+    /// Returns whether tiles read both sides straight from matrices.
     pub fn in_place(&self, geometry: Geometry) -> bool {
         let Shape { depth, rows, cols, .. } = self.shape;
         let plain = |side, width| matches!(self.sources(side), [s] if s.is_plain(depth, width));
@@ -82,7 +82,7 @@ impl<'a, T: Real> Product<'a, T> {
 }
 
 impl<T: Real> Product<'_, T> {
-    /// The same for the transposed targets.
+    /// Returns the same product for the transposed targets.
     pub fn transposed(self) -> Self {
         let Self { left, right, targets, shape } = self;
         let (left, right) = if shape.same { (left, right) } else { (right, left) };

@@ -47,6 +47,7 @@ struct Item {
 const GROUP: usize = 8;
 
 impl<'a, T: Real> Plan<'a, T> {
+    /// Plans a product that packs at most `budget` scalars if that is possible.
     pub fn new(geometry: Geometry, product: &'a Product<'a, T>, budget: usize) -> Self {
         let shape = product.shape;
         let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
@@ -73,7 +74,7 @@ impl<'a, T: Real> Plan<'a, T> {
         Self { product, geometry, blocking, left_panels, right_panels, in_place, items, later }
     }
 
-    /// Whether any entry of the product is wanted.
+    /// Returns whether any entry of the product is wanted.
     pub fn is_wanted(&self) -> bool {
         !self.items.is_empty()
     }
@@ -95,6 +96,7 @@ impl<'a, T: Real> Plan<'a, T> {
         rows.clone().map(|panel| width * most(panel)).sum()
     }
 
+    /// Returns the number of tickets, units of work for one thread, of a step for these rows.
     pub fn tickets(&self, step: Step, rows: &Range<usize>) -> usize {
         match step {
             Step::Multiply => self.items.len(),

@@ -44,7 +44,7 @@ pub(super) struct Scales<T> {
 }
 
 impl<T> Scales<T> {
-    /// Those of a tile with this corner.
+    /// Returns the scales of the tile with this corner.
     #[inline(always)]
     pub fn at(self, row: usize, col: usize) -> Self {
         let from = |scales: SharedPtr<T>, i: usize| SharedPtr::new(scales.at(i as isize));
@@ -65,7 +65,7 @@ pub(super) struct WantedColumns {
 }
 
 impl WantedColumns {
-    /// Those of row `i` of the tile.
+    /// Returns the wanted columns of row `i` of the tile.
     #[inline(always)]
     pub fn of_row(self, i: usize) -> Range<usize> {
         let i = i as isize;
@@ -73,7 +73,7 @@ impl WantedColumns {
         (self.first + i).clamp(0, end) as usize..end as usize
     }
 
-    /// A bit for each of them.
+    /// Returns a mask with one bit for each wanted column of row `i`.
     #[inline(always)]
     pub fn bits_of_row(self, i: usize) -> u64 {
         let wanted = self.of_row(i);
@@ -89,6 +89,7 @@ pub(crate) struct Destination<'a, T> {
 }
 
 impl<'a, T: Real> Destination<'a, T> {
+    /// Creates a destination of which `part` is wanted.
     pub fn new(matrix: MatMut<'a, T>, part: Part) -> Self {
         Self { matrix: Disjoint::new(matrix), part, scales: None }
     }
@@ -101,7 +102,7 @@ impl<'a, T: Real> Destination<'a, T> {
         self
     }
 
-    /// The block of these rows and columns.
+    /// Returns the target for the block of these rows and columns.
     #[inline]
     pub fn block(
         &self,
@@ -130,7 +131,7 @@ impl<'a, T: Real> Destination<'a, T> {
 }
 
 impl<T> Target<T> {
-    /// The columns of row `i` that are wanted.
+    /// Returns the columns of row `i` that are wanted.
     #[inline(always)]
     pub fn wanted(&self, i: usize) -> Range<usize> {
         let cols = self.cols as isize;
@@ -142,7 +143,8 @@ impl<T> Target<T> {
         }
     }
 
-    /// The columns wanted of any row of `rows`; `0..0` for none: tiles are computed for all others.
+    /// Returns the columns that any row of `rows` wants, from the first to the last; `0..0` for
+    /// none, and no tile is computed then.
     #[inline(always)]
     pub fn wanted_of(&self, rows: Range<usize>) -> Range<usize> {
         let end = rows.end.min(self.rows);
@@ -167,7 +169,7 @@ impl<T> Target<T> {
         WantedColumns { first, limit, end }
     }
 
-    /// Whether all of these entries are wanted.
+    /// Returns whether all of these entries are wanted.
     #[inline(always)]
     pub fn wants_all(&self, rows: Range<usize>, cols: Range<usize>) -> bool {
         let inside = rows.end <= self.rows && cols.end <= self.cols;
@@ -195,20 +197,20 @@ impl<T> Target<T> {
         self.scales
     }
 
-    /// The address of entry `(i, j)`.
+    /// Returns the address of entry `(i, j)`.
     #[inline(always)]
     pub fn at(&self, i: usize, j: usize) -> *mut T {
         self.start.at(i as isize * self.row_stride + j as isize * self.col_stride)
     }
 
-    /// What writing a tile of `height` x `width` at `(row, col)` will read.
+    /// Returns the memory that writing a tile of `height` x `width` at `(row, col)` will read.
     #[inline(always)]
     pub fn stream(&self, height: usize, width: usize, row: usize, col: usize) -> Stream<T> {
         let lines = if self.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 };
         Stream { start: self.at(row, col), stride: self.row_stride, count: height, lines }
     }
 
-    /// The same block once it holds a first product: later ones are added to it.
+    /// Returns the same block for after the first product: later products are added to it.
     pub fn accumulating(self) -> Self
     where
         T: Real,
@@ -216,7 +218,7 @@ impl<T> Target<T> {
         Self { beta: T::ONE, ..self }
     }
 
-    /// The same block of the transposed matrix.
+    /// Returns the same block of the transposed matrix.
     pub fn transposed(self) -> Self {
         Self {
             rows: self.cols,

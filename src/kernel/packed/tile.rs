@@ -22,7 +22,7 @@ pub(crate) struct Side<T> {
 }
 
 impl<T> Side<T> {
-    /// The same from column `col` on, in panels of `width` columns.
+    /// Returns the same side from column `col` on, in panels of `width` columns.
     pub fn at_column(self, col: usize, width: usize) -> Self {
         // In place, panels follow each other as columns do: no division.
         let offset = match self.panel_stride == width {
@@ -145,10 +145,9 @@ const PACE: usize = 4;
 const AHEAD: isize = 16;
 
 impl<T: Real> Tile<T> {
-    /// `left^T right`: ROWS columns of the left side times N vectors of the right side, in
-    /// registers. Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would
-    /// stand in the way of the operands. The last vector has the lanes `tail` when `MASKED`, else
-    /// all.
+    /// Computes `left^T right`, ROWS columns of the left side times N vectors of the right side, in
+    /// registers. Meanwhile it prefetches `ahead`, a little every few steps, since one burst would
+    /// delay the operands. The last vector has the lanes `tail` when `MASKED`, else all.
     ///
     /// # Safety
     /// Both sides hold `steps` rows.
@@ -218,8 +217,8 @@ impl<T: Real> Tile<T> {
         }
     }
 
-    /// `sums := tile`, or `+=` when `self.add`. The tile began at zero, so that roundings stay
-    /// those of short sums.
+    /// Stores `sums := tile`, or adds `sums += tile` when `self.add`. The tile began at zero, so
+    /// that roundings stay those of short sums.
     ///
     /// # Safety
     /// The sums hold ROWS x WIDTH.

@@ -171,6 +171,7 @@ vectors!(
 pub(super) struct Avx512(());
 
 impl Avx512 {
+    /// Returns the kernels, or why this machine can't use them.
     pub fn new() -> Result<&'static Self, &'static str> {
         let found = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512vl")
@@ -186,6 +187,7 @@ impl Avx512 {
 pub(super) struct Avx2(());
 
 impl Avx2 {
+    /// Returns the kernels, or why this machine can't use them.
     pub fn new() -> Result<&'static Self, &'static str> {
         let found = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("fma")

@@ -19,8 +19,8 @@ use crate::base::{Error, Par, Result, zeros};
 use crate::dense::buffer;
 use sweeps::Sweeps;
 
-/// The order of elimination and the places of the factor, the same for all matrices with the same
-/// places.
+/// The order of elimination and the places of the factor. All matrices with the same places share
+/// it.
 ///
 /// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
 /// dissection fills in as much on surfaces (docs/decisions/0039).
@@ -28,7 +28,8 @@ use sweeps::Sweeps;
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);
 
 impl Symbolic {
-    /// For matrices with these places in the lower triangle; what is above is not looked at.
+    /// Analyses matrices with these places in the lower triangle; places above the diagonal are
+    /// ignored.
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
         let parameters = CholeskySymbolicParams {
             // Supernodes solve for blocks of right-hand sides, and allow for pivots. The threshold
@@ -49,7 +50,8 @@ impl Symbolic {
         self.0.len_val() * size_of::<f64>() + targets + rows
     }
 
-    /// `L L^T`, on the calling thread; `Ok(None)` when A is not positive definite.
+    /// Factorises `A = L L^T` on the calling thread; returns `Ok(None)` when A is not positive
+    /// definite.
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
         let mut values = zeros(self.0.len_val())?;
         let requirement =
@@ -73,7 +75,8 @@ impl Symbolic {
         }))
     }
 
-    /// `L B L^T`, B of blocks of one or two rows, pivoted inside supernodes, on the calling thread.
+    /// Factorises `A = L B L^T` on the calling thread, where B has blocks of one or two rows and
+    /// pivots are chosen inside supernodes.
     pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
         let n = self.0.nrows();
         let mut values = zeros(self.0.len_val())?;

@@ -29,9 +29,9 @@ impl Supernode {
         &values[self.values..][..self.rows() * self.columns]
     }
 
-    /// `x := L^-1 x` for the triangle and rows `first..` of x, and what follows from it for the
-    /// rows of x that `targets` names, one for each row below. With `UNIT` the diagonal of L is 1;
-    /// with `FUSED` products are added without rounding them first, where the processor can.
+    /// Computes `x := L^-1 x` for the triangle and rows `first..` of x, and updates the rows of x
+    /// that `targets` names, one for each row below. With `UNIT` the diagonal of L is 1; with
+    /// `FUSED` products are added without rounding them first, where the processor can.
     #[inline(always)]
     pub fn down<const UNIT: bool, const FUSED: bool>(
         &self,
@@ -67,8 +67,8 @@ impl Supernode {
         }
     }
 
-    /// `x := L^-T x`, of the rows of the triangle, which are the first of x, with the rows below
-    /// after them.
+    /// Computes `x := L^-T x` for the rows of the triangle, which are the first of x; the rows
+    /// below follow them in x.
     #[inline(always)]
     pub fn up<const UNIT: bool, const FUSED: bool>(&self, values: &[f64], x: &mut [Row]) {
         let panel = Panel::<FUSED> { values: self.of(values), rows: self.rows() };
@@ -83,8 +83,8 @@ impl Supernode {
         }
     }
 
-    /// The blocks of B in `L B L^T`, of one row or two: their first row in the triangle, the
-    /// diagonal, and the entry below it of two rows.
+    /// Returns the blocks of B in `L B L^T`, of one row or two: their first row in the triangle,
+    /// the diagonal, and, for two rows, the entry below it.
     pub fn blocks<'v>(
         &self,
         values: &'v [f64],
@@ -129,7 +129,7 @@ impl Block {
         }
     }
 
-    /// `x := B^-1 x`, of the first rows of x.
+    /// Computes `x := B^-1 x` for the first rows of x.
     pub fn solve(self, x: &mut [Row]) {
         match self {
             Self::One(d) => x[0] = x[0].map(|x| x / d),

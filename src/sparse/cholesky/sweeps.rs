@@ -58,8 +58,9 @@ struct Factor<'a> {
 }
 
 impl Sweeps {
-    /// For factors with these supernodes. Row `i` of the factor is row `order[i]` of right-hand
-    /// sides, and row `place(i)` of the factor row `i` of its pattern (pivots inside supernodes).
+    /// Creates the sweeps for factors with these supernodes. Row `i` of the factor is row
+    /// `order[i]` of right-hand sides, and row `place(i)` of the factor is row `i` of its pattern
+    /// (pivots inside supernodes).
     pub fn new(
         symbolic: &SymbolicSupernodalCholesky<usize>,
         order: impl Fn(usize) -> usize,
@@ -124,7 +125,8 @@ impl Sweeps {
         sweeps
     }
 
-    /// Negative eigenvalues of B in `L B L^T`, whose entries below the diagonal are these.
+    /// Returns the number of negative eigenvalues of B in `L B L^T`; `subdiagonal` has the entries
+    /// of B below the diagonal.
     pub fn negative(&self, values: &[f64], subdiagonal: &[f64]) -> usize {
         let blocks = |node: &Node| {
             node.supernode
@@ -140,9 +142,9 @@ impl Sweeps {
         self.subtrees.iter().chain([&self.top]).map(Part::rows).sum()
     }
 
-    /// `X := A^-1 X` for the matrix with these values of its factor: `L L^T`, or, where what B has
-    /// below its diagonal is given, `L B L^T`, of which the values have B in place of the unit
-    /// diagonal of L. The same for every `par`, bit for bit.
+    /// Solves `X := A^-1 X` for the matrix with these values of its factor: `L L^T`, or, where
+    /// `subdiagonal` has the entries of B below the diagonal, `L B L^T`, of which the values have B
+    /// in place of the unit diagonal of L. The result is the same for every `par`, bit for bit.
     pub fn solve(
         &self,
         values: &[f64],

@@ -10,20 +10,31 @@ use crate::base::{Error, Result};
 use crate::kernel::packed::isa::Isa;
 
 impl Rates {
-    /// The rates that [`Rates::save`] left for this isa on this machine; `None` when there are
-    /// none, or when [`Rates::load`] refuses the file.
+    /// Returns the rates that [`Rates::save`] stored for this isa on this machine; `None` when
+    /// there are none, or when [`Rates::load`] refuses the file.
     pub fn cached(isa: Isa) -> Option<Self> {
         Self::load(&Self::path(isa)?, isa).ok()
     }
 
-    /// Where they are kept: `catamaran/rates-<isa>.txt` in `$XDG_CACHE_HOME` or `~/.cache`
-    /// (macOS: `~/Library/Caches`, Windows: `%LOCALAPPDATA%`); `None` when the environment names no
-    /// such directory. The file need not be there.
+    /// Returns the path of the cache file: `catamaran/rates-<isa>.txt` in `$XDG_CACHE_HOME` or
+    /// `~/.cache` (macOS: `~/Library/Caches`, Windows: `%LOCALAPPDATA%`); `None` when the
+    /// environment names no such directory. The file need not exist.
     pub fn path(isa: Isa) -> Option<PathBuf> {
         Some(file_in(&directory()?, isa))
     }
 
-    /// The rates in a file.
+    /// Reads rates from a file.
+    ///
+    /// ```
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("rates.txt");
+    /// let rates = Rates::of(Isa::Portable);
+    /// std::fs::write(path, rates.to_text(Isa::Portable)).unwrap();
+    /// assert_eq!(Rates::load(path, Isa::Portable)?, rates);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Io`] with the file, and the line where one is at fault, when it can't be read, is
@@ -39,6 +50,15 @@ impl Rates {
     }
 
     /// Writes them to [`Rates::path`], in one step, and says where that is.
+    ///
+    /// ```no_run
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// let rates = Rates::measure(Isa::best())?;
+    /// let path = rates.save(Isa::best())?;
+    /// assert_eq!(Rates::load(&path, Isa::best())?, rates);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when there is no such directory to be had, [`Error::Io`] when it can't

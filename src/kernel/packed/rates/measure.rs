@@ -36,6 +36,15 @@ const WINDOW: f64 = 2e-3;
 impl Rates {
     /// Measures them on the calling thread, in about half a second, with 142 MB of memory; f64.
     ///
+    /// ```no_run
+    /// use catamaran::{AtaOptions, blas, kernel::packed::{Isa, Rates}};
+    ///
+    /// let rates = Rates::measure(Isa::best())?;
+    /// assert!(rates.flops > 0.0);
+    /// let options = AtaOptions::new().backend(blas::native_with(Isa::best(), rates));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] when this machine refuses the isa, [`Error::OutOfMemory`].
     pub fn measure(isa: Isa) -> Result<Self> {

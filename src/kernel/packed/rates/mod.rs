@@ -10,7 +10,7 @@ use super::isa::Isa;
 /// Speed of one core with one instruction set, for the planner. Estimates: a wrong one costs time,
 /// never correctness.
 ///
-/// Nothing here is global: what was measured and saved is read only by those who ask for it
+/// There is no global state: rates that were measured and saved are read on request only
 /// ([`Rates::cached`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
@@ -27,7 +27,13 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// The built-in ones, which serve where nothing was measured.
+    /// Returns the built-in rates, which apply where nothing was measured.
+    ///
+    /// ```
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// assert!(Rates::of(Isa::Avx2).flops > Rates::of(Isa::Portable).flops);
+    /// ```
     pub fn of(isa: Isa) -> Self {
         let flops = match isa {
             Isa::Avx512 => 85e9,

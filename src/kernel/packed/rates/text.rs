@@ -10,9 +10,9 @@ pub(super) type Fault = (Option<usize>, String);
 const KEYS: [&str; 4] = ["flops", "read_bytes", "pack_bytes", "update_bytes"];
 
 impl Rates {
-    /// The rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the isa, the
-    /// CPU and the kind of build (debug or not), then a line `key = value` for each field, in units
-    /// per second.
+    /// Returns the rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the
+    /// isa, the CPU and the kind of build (debug or not), then a line `key = value` for each field,
+    /// in units per second.
     pub fn to_text(&self, isa: Isa) -> String {
         self.to_text_of(isa, &cpu::name())
     }
@@ -24,6 +24,14 @@ impl Rates {
     }
 
     /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
+    ///
+    /// ```
+    /// use catamaran::kernel::packed::{Isa, Rates};
+    ///
+    /// let rates = Rates { flops: 6e10, ..Rates::of(Isa::Avx2) };
+    /// assert_eq!(Rates::parse(&rates.to_text(Isa::Avx2), Isa::Avx2), Ok(rates));
+    /// assert!(Rates::parse(&rates.to_text(Isa::Avx2), Isa::Portable).is_err());
+    /// ```
     ///
     /// # Errors
     /// The line at fault (from 1; `None` for a key that is not there) and what is wrong with it:
