@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use catamaran::io::{Array, Output, Overwrite, write_npz};
+use catamaran::io::{Array, write_npz};
 use catamaran::sparse::Mass;
 use catamaran::spectral::{ProductBasis, ProductBasisOptions};
 
+use crate::common::Force;
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::status;
 use crate::shape::{LaplacianArgs, Mode};
 
 /// Compute a basis of functions on a mesh: the products of its first eigenfunctions,
@@ -36,15 +37,13 @@ pub struct Args {
     /// Where the basis goes: .npz.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let output = Output::create(&args.output, overwrite)?;
+    let output = args.force.create(&args.output)?;
     let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
@@ -56,7 +55,13 @@ pub fn run(args: &Args) -> Result<()> {
     drop(bar);
     let products = basis.products();
     let count = products.len();
-    report(format_args!("basis     {} functions of {count} products", basis.len()))?;
+    status!(
+        "basis",
+        functions = basis.len(),
+        products = count;
+        "{} functions of {count} products",
+        basis.len()
+    )?;
     let factors = catamaran::faer::Mat::from_fn(count, args.order, |i, place| {
         products.factors(i).and_then(|factors| factors.get(place).copied()).unwrap_or(0) as f64
     });
@@ -72,7 +77,7 @@ pub fn run(args: &Args) -> Result<()> {
         ("eigenvalues", Array::Vector(shape.eigenbasis.values())),
         ("mass", Array::Vector(&mass)),
     ];
-    let path = output.path().to_owned();
+    let path = output.path().display().to_string();
     write_npz(output, &arrays)?;
-    report(format_args!("written   {}", path.display()))
+    status!("written", path = path; "{path}")
 }

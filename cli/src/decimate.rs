@@ -1,26 +1,27 @@
 //! `catamaran decimate`.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::decimate::{
-    DecimateOptions, Decimation, Difference, Method, Quality, decimate, edge_length_for,
+    DecimateOptions, Decimation, Difference, Method, Quality, Topology, decimate, edge_length_for,
     vertices_for_edge_length, vertices_for_faces,
 };
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::Output;
 use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::mesh::{RepairOptions, TriMesh, repair};
 use catamaran::sparse::CsMat;
 use clap::{ArgGroup, ValueEnum};
 
+use crate::common::{Force, Threads};
 use crate::input::MeshArgs;
+use crate::mesh::genus;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
-use crate::report::{note, report, seconds};
+use crate::report::{note, report, row, seconds, status};
 
 /// Decimate a mesh to a number of vertices, uniformly.
 ///
@@ -76,12 +77,10 @@ pub struct Args {
     repair: MeshArgs,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Threads; all cores by default. The result is the same.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    force: Force,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -94,20 +93,19 @@ enum Kind {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     files::check_name(&args.output)?;
-    let output = Output::create(&args.output, overwrite)?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.force.create(&args.output)?;
+    let picture = args.picture.create(args.force)?;
     let weights = match &args.weights {
         Some(path) if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mtx")) => {
             bail!("{}: weights must be called .mtx", path.display())
         }
-        Some(path) => Some(Output::create(path, overwrite)?),
+        Some(path) => Some(args.force.create(path)?),
         None => None,
     };
     let input = read(&args.input, &args.repair)?;
     let n = wanted(args, &input.mesh)?;
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let par = args.threads.par();
 
     let bar = Bar::new("decimate");
     let update = |fraction| bar.update(fraction);
@@ -135,7 +133,15 @@ pub fn run(args: &Args) -> Result<()> {
         let weights = found.weights(&input.mesh, par)?;
         write_sparse(output, &weights)?;
         let (rows, columns) = weights.shape();
-        report(format_args!("weights     {path}: {rows} x {columns}, {} entries", weights.nnz()))?;
+        let entries = weights.nnz();
+        status!(
+            "weights",
+            path = path,
+            rows = rows,
+            columns = columns,
+            entries = entries;
+            "{path}: {rows} x {columns}, {entries} entries"
+        )?;
     }
     if let Some(picture) = picture {
         let panels = [(&input.mesh, PLAIN, "before"), (&found.mesh, PLAIN, "after")];
@@ -148,16 +154,24 @@ pub fn run(args: &Args) -> Result<()> {
         let what = left_out.join(", ");
         note(format_args!("{path}: {what} of the input are not carried over"));
     }
-    report(format_args!("written     {path}"))
+    status!("written", path = path; "{path}")
 }
 
 pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     let start = Instant::now();
     let file = repair.read(path)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
-    let time = seconds(start.elapsed());
-    let name = path.display();
-    report(format_args!("mesh        {name}: {vertices} vertices, {faces} faces, read in {time}"))?;
+    let time = start.elapsed();
+    let path = path.display().to_string();
+    status!(
+        "mesh",
+        path = path,
+        vertices = vertices,
+        faces = faces,
+        seconds = time.as_secs_f64();
+        "{path}: {vertices} vertices, {faces} faces, read in {}",
+        seconds(time)
+    )?;
     Ok(file)
 }
 
@@ -185,14 +199,27 @@ fn tell(
     par: Par,
 ) -> Result<()> {
     let (vertices, faces) = (found.mesh.vertices().len(), found.mesh.faces().len());
-    let time = seconds(elapsed);
-    report(format_args!("decimated   {vertices} vertices, {faces} faces, in {time}"))?;
-    report(format_args!("repairs     {}", found.repairs))?;
-    report(format_args!("topology    {}", found.before))?;
-    match found.after {
-        Some(after) if after == found.before => {}
-        Some(after) => report(format_args!("changed to  {after}"))?,
-        None => report(format_args!("changed to  no manifold"))?,
+    status!(
+        "decimated",
+        vertices = vertices,
+        faces = faces,
+        seconds = elapsed.as_secs_f64();
+        "{vertices} vertices, {faces} faces, in {}",
+        seconds(elapsed)
+    )?;
+    let repairs = found.repairs;
+    status!(
+        "repairs",
+        repeated_faces = repairs.repeated_faces,
+        cut_edges = repairs.cut_edges,
+        split_vertices = repairs.split_vertices,
+        unreferenced_vertices = repairs.unreferenced_vertices,
+        oriented = repairs.oriented;
+        "{repairs}"
+    )?;
+    tell_topology("topology", Some(found.before))?;
+    if found.after != Some(found.before) {
+        tell_topology("changed to", found.after)?;
     }
     let intersecting = found.mesh.intersecting_faces(par).len();
     let before = match args.report || intersecting > 0 {
@@ -206,25 +233,66 @@ fn tell(
     if !args.report {
         return Ok(());
     }
-    report(format_args!("intersect   {intersecting} faces, {before} before"))?;
-    report(format_args!("{}", Quality::of(&found.mesh)))?;
+    report!(
+        "intersect",
+        faces = intersecting,
+        before = before;
+        "{intersecting} faces, {before} before"
+    )?;
+    let quality = Quality::of(&found.mesh);
+    row!(
+        "quality",
+        mean_area = quality.mean_area,
+        area_variation = quality.area_variation,
+        mean_quality = quality.mean_quality,
+        quality_deviation = quality.quality_deviation,
+        least_quality = quality.least_quality,
+        mean_valence = quality.mean_valence,
+        regular_percent = 100.0 * quality.regular_vertices,
+        non_manifold_edges = quality.non_manifold_edges;
+        "{quality}"
+    )?;
     if found.after.is_some_and(|after| after.components > 1) {
         // Specks have the fewest faces that they can, which says nothing of the rest.
         let largest = repair(found.mesh.clone().into(), &RepairOptions::new().keep_largest(1))?;
         let Quality { area_variation, mean_quality, .. } = Quality::of(&largest.file.mesh);
-        report(format_args!(
-            "largest     component alone: variation of areas {area_variation:.3}, mean quality \
+        report!(
+            "largest",
+            area_variation = area_variation,
+            mean_quality = mean_quality;
+            "component alone: variation of areas {area_variation:.3}, mean quality \
              {mean_quality:.3}"
-        ))?;
+        )?;
     }
     let difference = Difference::between(&input.mesh, &found.mesh, par)?;
     let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
-    report(format_args!(
-        "Hausdorff   {hausdorff:.4e}, eq. 5.8 as printed {printed_hausdorff:.4e}"
-    ))?;
-    report(format_args!("Chamfer     {chamfer:.4e}, eq. 5.8 as printed {printed_chamfer:.4e}"))?;
-    let longest = edge_length_for(found.mesh.area(), vertices)?;
-    report(format_args!("edges       {longest:.4e} long, were all triangles equilateral"))
+    report!(
+        "hausdorff": "Hausdorff",
+        distance = hausdorff,
+        as_printed = printed_hausdorff;
+        "{hausdorff:.4e}, eq. 5.8 as printed {printed_hausdorff:.4e}"
+    )?;
+    report!(
+        "chamfer": "Chamfer",
+        distance = chamfer,
+        as_printed = printed_chamfer;
+        "{chamfer:.4e}, eq. 5.8 as printed {printed_chamfer:.4e}"
+    )?;
+    let length = edge_length_for(found.mesh.area(), vertices)?;
+    report!("edges", length = length; "{length:.4e} long, were all triangles equilateral")
+}
+
+/// Reports the topology of a mesh; none where it is not a manifold.
+fn tell_topology(label: &str, topology: Option<Topology>) -> Result<()> {
+    let text = topology.map_or("no manifold".into(), |topology| topology.to_string());
+    status!(
+        "topology": label,
+        of = if label == "topology" { "input" } else { "output" },
+        components = topology.map(|topology| topology.components),
+        loops = topology.map(|topology| topology.boundary_loops),
+        genus = topology.map(|topology| genus(topology.genus));
+        "{text}"
+    )
 }
 
 /// Matrix Market, coordinates.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files};
 use catamaran::mesh::TriMesh;
 use catamaran::spectral::descriptors::{
     ShotOptions, global_point_signature, heat_kernel_signature, heat_times, shot,
@@ -12,10 +12,11 @@ use catamaran::spectral::descriptors::{
 };
 use clap::ValueEnum;
 
+use crate::common::Force;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs, first_column};
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::status;
 use crate::shape::LaplacianArgs;
 
 /// Eigenfunctions, and scales, unless given.
@@ -52,9 +53,8 @@ pub struct Args {
     output: PathBuf,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -73,22 +73,27 @@ enum Kind {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     check(args)?;
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     files::check_name(&args.output)?;
-    let output = Output::create(&args.output, overwrite)?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.force.create(&args.output)?;
+    let picture = args.picture.create(args.force)?;
     let (mesh, table) = match args.radius {
         Some(radius) => normals(args, radius)?,
         None => spectral(args)?,
     };
-    report(format_args!("table     {} vertices, {} columns", table.nrows(), table.ncols()))?;
+    let (vertices, columns) = (table.nrows(), table.ncols());
+    status!(
+        "table",
+        vertices = vertices,
+        columns = columns;
+        "{vertices} vertices, {columns} columns"
+    )?;
     if let Some(picture) = picture {
         let values = first_column(&table);
         args.picture.draw(picture, &args.mesh, &[(&mesh, Paint::Values(&values), "")])?;
     }
     let path = output.path().display().to_string();
     files::write(output, table.as_ref())?;
-    report(format_args!("written   {path}"))
+    status!("written", path = path; "{path}")
 }
 
 /// Refuses options that the kind has no use for.

@@ -1,6 +1,13 @@
 //! Where kernels run: `--device`.
 
 use anyhow::Result;
+#[cfg(feature = "opencl")]
+use catamaran::opencl::DeviceInfo;
+
+use crate::info::WIDTH;
+#[cfg(feature = "opencl")]
+use crate::info::first;
+use crate::report::row;
 
 /// Where the work is done.
 #[derive(clap::Args)]
@@ -53,20 +60,37 @@ pub fn name(device: &Device) -> &str {
     match *device {}
 }
 
-/// The lines of `catamaran info`: each device, or why there is none.
-pub fn described() -> Vec<String> {
-    #[cfg(feature = "opencl")]
-    return match catamaran::opencl::devices() {
-        Ok(devices) => devices
-            .iter()
-            .map(|d| {
-                let gib = d.memory as f64 / f64::from(1 << 30);
-                let units = d.compute_units;
-                format!("{}: {}, {}, {units} units, {gib:.1} GiB", d.index, d.name, d.platform)
-            })
-            .collect(),
-        Err(e) => vec![e.to_string()],
+/// Reports each device, or why there is none, for `catamaran info`.
+#[cfg(feature = "opencl")]
+pub fn report() -> Result<()> {
+    let devices = match catamaran::opencl::devices() {
+        Ok(devices) => devices,
+        Err(e) => return none(&e.to_string()),
     };
-    #[cfg(not(feature = "opencl"))]
-    vec!["not in this build (--features opencl)".into()]
+    for (i, device) in devices.iter().enumerate() {
+        let DeviceInfo { index, name, platform, compute_units: units, memory, .. } = device;
+        let gib = *memory as f64 / f64::from(1 << 30);
+        row!(
+            "opencl",
+            available = true,
+            index = index,
+            name = name,
+            platform = platform,
+            compute_units = units,
+            bytes = memory;
+            "{:WIDTH$}{index}: {name}, {platform}, {units} units, {gib:.1} GiB",
+            first(i, "opencl")
+        )?;
+    }
+    Ok(())
+}
+
+/// Reports that there is no device, for `catamaran info`.
+#[cfg(not(feature = "opencl"))]
+pub fn report() -> Result<()> {
+    none("not in this build (--features opencl)")
+}
+
+fn none(why: &str) -> Result<()> {
+    row!("opencl", available = false, reason = why; "{:WIDTH$}{why}", "opencl")
 }

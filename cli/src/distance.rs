@@ -5,14 +5,15 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files};
 use catamaran::mesh::{
     Components, Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits, TriMesh,
 };
 use clap::ValueEnum;
 
+use crate::common::Force;
 use crate::picture::{Paint, PictureArgs};
-use crate::report::{report, seconds};
+use crate::report::{report, seconds, status};
 use crate::shape::LaplacianArgs;
 
 /// Compute the distance of every vertex of a mesh from the nearest of some vertices.
@@ -42,9 +43,8 @@ pub struct Args {
     output: PathBuf,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -55,10 +55,9 @@ enum How {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     files::check_name(&args.output)?;
-    let output = Output::create(&args.output, overwrite)?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.force.create(&args.output)?;
+    let picture = args.picture.create(args.force)?;
     let mesh = args.laplacian.repair.read(&args.mesh)?.mesh;
     let components = Components::new(&mesh);
     let is_alone = |v: &&u32| components.of_vertices().get(**v as usize) == Some(&Components::NONE);
@@ -72,14 +71,18 @@ pub fn run(args: &Args) -> Result<()> {
         How::Heat => over_faces(args, &mesh).with_context(named)?,
         How::Edges => along_edges(args, &mesh).with_context(named)?,
     };
-    let reached = || distances.iter().copied().filter(|distance| distance.is_finite());
-    report(format_args!(
-        "distances   {} of {} vertices reached, up to {:.6e}, in {}",
-        reached().count(),
-        distances.len(),
-        reached().fold(0.0, f64::max),
-        seconds(start.elapsed())
-    ))?;
+    let finite = || distances.iter().copied().filter(|distance| distance.is_finite());
+    let (reached, vertices) = (finite().count(), distances.len());
+    let (largest, time) = (finite().fold(0.0, f64::max), start.elapsed());
+    report!(
+        "distances",
+        reached = reached,
+        vertices = vertices,
+        largest = largest,
+        seconds = time.as_secs_f64();
+        "{reached} of {vertices} vertices reached, up to {largest:.6e}, in {}",
+        seconds(time)
+    )?;
 
     if let Some(picture) = picture {
         // What is not a number is grey.
@@ -89,7 +92,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let path = output.path().display().to_string();
     files::write(output, Mat::from_fn(distances.len(), 1, |v, _| distances[v]).as_ref())?;
-    report(format_args!("written     {path}"))
+    status!("written", path = path; "{path}")
 }
 
 fn over_faces(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {

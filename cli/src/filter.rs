@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::faer::Mat;
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files};
 use catamaran::mesh::{Components, TriMesh};
 use catamaran::spectral::test_functions::coordinates;
 use catamaran::spectral::{
@@ -14,10 +14,11 @@ use catamaran::spectral::{
 };
 use clap::ArgGroup;
 
+use crate::common::Force;
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::progress::Bar;
-use crate::report::{complain, report};
+use crate::report::{note, status};
 use crate::shape::{self, LaplacianArgs, Shape};
 
 /// Frequencies up to this share of the highest are zero: those of constants, and rounding.
@@ -82,9 +83,8 @@ pub struct Args {
     output: PathBuf,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
@@ -98,12 +98,11 @@ pub fn run(args: &Args) -> Result<()> {
             bail!("{option} goes with {needed} only");
         }
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     if args.functions.is_some() {
         files::check_name(&args.output)?;
     }
-    let output = Output::create(&args.output, overwrite)?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.force.create(&args.output)?;
+    let picture = args.picture.create(args.force)?;
     let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
     let f = match &args.functions {
         Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices())?,
@@ -135,7 +134,8 @@ pub fn run(args: &Args) -> Result<()> {
         }
         output::mesh(output, &moved)?;
     }
-    report(format_args!("written   {}", path.display()))
+    let path = path.display().to_string();
+    status!("written", path = path; "{path}")
 }
 
 /// The orthogonal basis of products, and its frequencies.
@@ -148,11 +148,13 @@ fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
         .progress(&update);
     let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
     drop(bar);
-    report(format_args!(
-        "basis     {} functions of {} products",
-        basis.len(),
-        basis.products().len()
-    ))?;
+    let (functions, products) = (basis.len(), basis.products().len());
+    status!(
+        "basis",
+        functions = functions,
+        products = products;
+        "{functions} functions of {products} products"
+    )?;
     let mass = shape.eigenbasis.basis().mass();
     let energies = dirichlet_energies(basis.functions(), shape.stiffness.view(), mass)?;
     Ok((basis.into_basis(), energies))
@@ -253,8 +255,8 @@ fn note_points(before: &TriMesh, after: &TriMesh) {
     let [was, is] = [before, after].map(|mesh| sizes(mesh, &components));
     let points = was.iter().zip(&is).filter(|(was, is)| **is < POINT * **was).count();
     if points > 0 {
-        complain(format_args!(
-            "note: {points} of {} components are points now, as none of their own frequencies is \
+        note(format_args!(
+            "{points} of {} components are points now, as none of their own frequencies is \
              kept",
             components.len()
         ));

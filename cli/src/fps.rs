@@ -7,13 +7,14 @@ use anyhow::{Context, Result};
 use catamaran::base::Progress;
 use catamaran::decimate::{Cells, FarthestPoints};
 use catamaran::faer::Mat;
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files, Output};
 
+use crate::common::Force;
 use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
-use crate::report::{report, seconds};
+use crate::report::{report, seconds, status};
 use crate::shape::column;
 
 /// Sample a mesh: each vertex is the farthest, along edges, from those before it.
@@ -45,22 +46,20 @@ pub struct Args {
     repair: MeshArgs,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let create = |path: &PathBuf| -> Result<Output> {
         files::check_name(path)?;
-        Ok(Output::create(path, overwrite)?)
+        args.force.create(path)
     };
     let output = create(&args.output)?;
     let of_cells = args.cells.as_ref().map(create).transpose()?;
     let of_distances = args.distances.as_ref().map(create).transpose()?;
-    let picture = args.picture.create(overwrite)?;
+    let picture = args.picture.create(args.force)?;
     let input = crate::decimate::read(&args.input, &args.repair)?;
 
     let bar = Bar::new("sampling");
@@ -74,12 +73,15 @@ pub fn run(args: &Args) -> Result<()> {
     drop(bar);
     let samples = points.samples();
     let cells = points.cells();
-    report(format_args!(
-        "samples     {}, cells of radius {:.4e}, in {}",
-        samples.len(),
-        cells.radius(),
+    let (count, radius) = (samples.len(), cells.radius());
+    report!(
+        "samples",
+        count = count,
+        radius = radius,
+        seconds = elapsed.as_secs_f64();
+        "{count}, cells of radius {radius:.4e}, in {}",
         seconds(elapsed)
-    ))?;
+    )?;
 
     if let Some(output) = of_cells {
         let number = |cell: u32| if cell == Cells::NONE { -1 } else { i64::from(cell) };
@@ -99,5 +101,5 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let path = output.path().display().to_string();
     files::write_integers(output, column(samples).as_ref())?;
-    report(format_args!("written     {path}"))
+    status!("written", path = path; "{path}")
 }

@@ -1,14 +1,15 @@
 //! `catamaran info`.
 
-use std::fmt::Display;
-use std::io::{self, Write};
-
 use anyhow::Result;
 use catamaran::base::{VERSION, available_cores, cpu_features};
 use catamaran::kernel::packed::Rates;
 use catamaran::kernel::{int8, packed};
 
-use crate::backend;
+use crate::report::{head, row};
+use crate::{backend, device};
+
+/// Columns of a label.
+pub const WIDTH: usize = 14;
 
 /// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and
 /// of the exact path, what `tune` has measured, and the OpenCL devices.
@@ -21,67 +22,86 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let mut out = io::stdout().lock();
-    writeln!(out, "catamaran     {VERSION}")?;
-    writeln!(out, "cpu           {}", cpu_model())?;
-    writeln!(out, "cores         {} in the affinity mask", available_cores())?;
-    let features = cpu_features();
-    let features = if features.is_empty() { "none known".into() } else { features.join(" ") };
-    writeln!(out, "instructions  {features}")?;
-    let names = ["native", "openblas"].into_iter().chain(args.backend.as_deref());
-    for name in names {
-        if name == "openblas" && cfg!(not(feature = "openblas")) {
-            writeln!(out, "back end      openblas: not in this build (--features openblas)")?;
-            continue;
-        }
-        let found = backend::find(name)?;
-        let (name, description) = (found.name(), found.description());
-        writeln!(
-            out,
-            "back end      {name}{}{description}",
-            if description.is_empty() { "" } else { ": " }
-        )?;
-    }
-    writeln!(out, "              any CBLAS library: --backend PATH")?;
+    row!("version", version = VERSION; "{:WIDTH$}{VERSION}", "catamaran")?;
+    let cpu = cpu_model();
+    row!("cpu", name = cpu; "{:WIDTH$}{cpu}", "cpu")?;
+    let cores = available_cores();
+    row!("cores", count = cores; "{:WIDTH$}{cores} in the affinity mask", "cores")?;
+    let names = cpu_features();
+    let known = if names.is_empty() { "none known".into() } else { names.join(" ") };
+    row!("instructions", names = names; "{:WIDTH$}{known}", "instructions")?;
+    let back_ends = ["native", "openblas"].into_iter().chain(args.backend.as_deref());
+    back_ends.into_iter().try_for_each(back_end)?;
+    head(format_args!("{:WIDTH$}any CBLAS library: --backend PATH", ""))?;
+
     let best = packed::Isa::best();
-    let states = packed::Isa::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
-    block(&mut out, "native path", &states)?;
+    for (i, isa) in packed::Isa::ALL.into_iter().enumerate() {
+        kernels(first(i, "native path"), isa.name(), isa.refusal(), isa == best)?;
+    }
     let usable = packed::Isa::ALL.into_iter().filter(|i| i.refusal().is_none());
-    let rates: Vec<_> = usable.map(|i| (i.name(), rates(i))).collect();
-    block(&mut out, "rates", &rates)?;
+    for (i, isa) in usable.enumerate() {
+        rates(first(i, "rates"), isa)?;
+    }
     let best = int8::Isa::best();
-    let states = int8::Isa::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
-    block(&mut out, "exact path", &states)?;
-    for (i, line) in crate::device::described().iter().enumerate() {
-        writeln!(out, "{:14}{line}", if i == 0 { "opencl" } else { "" })?;
+    for (i, isa) in int8::Isa::ALL.into_iter().enumerate() {
+        kernels(first(i, "exact path"), isa.name(), isa.refusal(), isa == best)?;
     }
-    Ok(())
+    device::report()
 }
 
-/// Lines `name: state`, the first one with a label.
-fn block(out: &mut impl Write, label: &str, lines: &[(&str, impl Display)]) -> Result<()> {
-    for (i, (name, state)) in lines.iter().enumerate() {
-        writeln!(out, "{:14}{name}: {state}", if i == 0 { label } else { "" })?;
-    }
-    Ok(())
+/// The label of the first line of a block; none for others.
+pub fn first(line: usize, label: &'static str) -> &'static str {
+    if line == 0 { label } else { "" }
 }
 
-/// What becomes of an instruction set.
-fn state(refusal: Option<&'static str>, is_best: bool) -> &'static str {
-    refusal.unwrap_or(if is_best { "used" } else { "available" })
+fn back_end(name: &str) -> Result<()> {
+    let label = "back end";
+    if name == "openblas" && cfg!(not(feature = "openblas")) {
+        let what = "openblas: not in this build (--features openblas)";
+        return row!("back_end", name = name, available = false; "{label:WIDTH$}{what}");
+    }
+    let found = backend::find(name)?;
+    let (name, about) = (found.name(), found.description());
+    row!(
+        "back_end",
+        name = name,
+        description = about,
+        available = true;
+        "{label:WIDTH$}{name}{}{about}",
+        if about.is_empty() { "" } else { ": " }
+    )
+}
+
+/// What becomes of the kernels of an instruction set.
+fn kernels(label: &str, isa: &str, refusal: Option<&'static str>, is_best: bool) -> Result<()> {
+    let state = refusal.unwrap_or(if is_best { "used" } else { "available" });
+    row!(
+        "kernels",
+        isa = isa,
+        available = refusal.is_none(),
+        used = is_best;
+        "{label:WIDTH$}{isa}: {state}"
+    )
 }
 
 /// Where the planner has the rates of an instruction set from.
-fn rates(isa: packed::Isa) -> String {
-    const NONE: &str = "built in (`catamaran tune` measures them)";
-    let Some(path) = Rates::path(isa) else { return NONE.into() };
-    if !path.exists() {
-        return NONE.into();
-    }
-    match Rates::load(&path, isa) {
-        Ok(_) => format!("measured, {}", path.display()),
-        Err(e) => format!("built in, as this file is refused: {e}"),
-    }
+fn rates(label: &str, isa: packed::Isa) -> Result<()> {
+    let path = Rates::path(isa).filter(|path| path.exists());
+    let loaded = path.as_ref().map(|path| Rates::load(path, isa));
+    let path = path.map(|path| path.display().to_string());
+    let from = match (&loaded, &path) {
+        (Some(Ok(_)), Some(path)) => format!("measured, {path}"),
+        (Some(Err(e)), _) => format!("built in, as this file is refused: {e}"),
+        _ => "built in (`catamaran tune` measures them)".into(),
+    };
+    row!(
+        "rates",
+        isa = isa.name(),
+        measured = matches!(loaded, Some(Ok(_))),
+        path = path;
+        "{label:WIDTH$}{}: {from}",
+        isa.name()
+    )
 }
 
 /// What the CPU calls itself.

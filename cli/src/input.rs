@@ -1,7 +1,8 @@
 //! Files that commands read: each within the memory it may take, and meshes repaired where the
 //! repair is unambiguous.
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, bail};
@@ -33,6 +34,39 @@ pub struct MeshArgs {
     /// Refuse a mesh that needs repair, instead of repairing it with a note.
     #[arg(long)]
     strict: bool,
+}
+
+/// A file of text, or stdin where it is called `-`.
+#[derive(Debug, Clone)]
+pub struct TextFile(PathBuf);
+
+impl From<OsString> for TextFile {
+    fn from(name: OsString) -> Self {
+        Self(name.into())
+    }
+}
+
+impl TextFile {
+    fn is_stdin(&self) -> bool {
+        self.0.as_os_str() == "-"
+    }
+
+    /// Returns what it is called in messages.
+    pub fn name(&self) -> String {
+        if self.is_stdin() { "stdin".into() } else { self.0.display().to_string() }
+    }
+
+    /// Reads all of it.
+    ///
+    /// # Errors
+    /// It can't be read, or is no text.
+    pub fn read(&self) -> Result<String> {
+        let text = match self.is_stdin() {
+            true => std::io::read_to_string(std::io::stdin()),
+            false => std::fs::read_to_string(&self.0),
+        };
+        text.with_context(|| self.name())
+    }
 }
 
 /// What `--max-memory` says.

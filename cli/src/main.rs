@@ -3,6 +3,8 @@
 mod ata;
 mod backend;
 mod basis;
+mod common;
+mod completions;
 mod curve;
 mod decimate;
 mod demo;
@@ -15,6 +17,7 @@ mod gram;
 mod info;
 mod input;
 mod lstsq;
+mod man;
 mod merge;
 mod mesh;
 mod newton;
@@ -32,6 +35,7 @@ mod shortage;
 mod signals;
 mod slime;
 mod spectrum;
+mod stdio;
 mod svd;
 mod transfer;
 mod tune;
@@ -42,16 +46,39 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+
+/// What the process returns, for the help text.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    success
+  1    an error, which the last line on stderr names
+  2    a wrong command line
+  129  SIGHUP; 130: SIGINT (Ctrl-C); 143: SIGTERM";
 
 /// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
-#[command(name = "catamaran", version, about, arg_required_else_help = true)]
+#[command(name = "catamaran", version, about, arg_required_else_help = true, after_help = EXIT_CODES)]
 struct Cli {
     /// Memory that a file read may take, for what it unpacks to and for what its header announces;
     /// default a hundred times its size, or 1 GiB if that is more.
-    #[arg(long, global = true, value_name = "GIB", value_parser = parse::gibibytes)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "GIB",
+        value_parser = parse::gibibytes,
+        help_heading = common::HEADING
+    )]
     max_memory: Option<usize>,
+    /// Print results only: neither what was done nor progress. Notes and errors go to stderr all
+    /// the same.
+    #[arg(long, global = true, help_heading = common::HEADING)]
+    quiet: bool,
+    /// Print a JSON object a line on stdout (JSON Lines) instead of text; each has the name of what
+    /// it says as `record`.
+    #[arg(long = "json", id = "json_lines", global = true, help_heading = common::HEADING)]
+    json: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -82,13 +109,21 @@ enum Command {
     Newton(newton::Args),
     Slime(slime::Args),
     Unions(unions::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 fn main() -> ExitCode {
     // Before anything else needs memory.
     let watched = shortage::watch();
-    let cli = Cli::parse();
+    let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
+    if cli.quiet {
+        report::be_quiet();
+    }
+    if cli.json {
+        report::use_json();
+    }
     let done = watched
         .and_then(|()| signals::watch())
         .context("the thread that waits for signals can't be started")
@@ -104,6 +139,17 @@ fn main() -> ExitCode {
     }
     report::complain(format_args!("{}", report::message(&error)));
     ExitCode::FAILURE
+}
+
+/// Parses the command line; exits where that is wrong.
+fn parse_command_line() -> Cli {
+    let mut command = Cli::command();
+    let mut matches = command.get_matches_mut();
+    if let Some(option) = stdio::dash(&command, &matches) {
+        let what = format!("{option}: name a file, whose ending says the format, instead of `-`");
+        command.error(ErrorKind::ValueValidation, what).exit();
+    }
+    Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit())
 }
 
 fn run(command: &Command) -> Result<()> {
@@ -131,5 +177,7 @@ fn run(command: &Command) -> Result<()> {
         Command::Newton(args) => newton::run(args),
         Command::Slime(args) => slime::run(args),
         Command::Unions(args) => unions::run(args),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     }
 }

@@ -6,14 +6,14 @@ use anyhow::{Context, Result, bail};
 use catamaran::Uplo;
 use catamaran::ata::Accumulator;
 use catamaran::blas::BlasReal;
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files};
 use clap::ArgGroup;
 
 use crate::ata::write_matrix;
-use crate::output::refuse_existing;
+use crate::common::Force;
 use crate::parse;
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::status;
 
 /// Compute C of the rows of several files or machines from the sums that `ata --accumulator` keeps.
 ///
@@ -37,9 +37,8 @@ pub struct Args {
     /// Divide by the number of rows less 1: the sample covariance, of centred sums without weights.
     #[arg(long)]
     covariance: bool,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
@@ -48,7 +47,7 @@ pub fn run(args: &Args) -> Result<()> {
         files::check_name(path)?;
     }
     for path in [&args.output, &args.accumulator].into_iter().flatten() {
-        refuse_existing(path, args.force)?;
+        args.force.check(path)?;
     }
     let Some(first) = args.inputs.first() else { bail!("no sums to merge") };
     match files::accumulator_scalar(first)? {
@@ -58,9 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn merge<T: BlasReal>(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let create =
-        |path: &Option<PathBuf>| path.as_deref().map(|p| Output::create(p, overwrite)).transpose();
+    let create = |path: &Option<PathBuf>| path.as_deref().map(|p| args.force.create(p)).transpose();
     let (output, kept) = (create(&args.output)?, create(&args.accumulator)?);
     let bar = Bar::new("merging");
     let mut sum: Option<Accumulator<T>> = None;
@@ -78,10 +75,17 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
     let centring = if sum.is_centered() { "about the mean" } else { "not centred" };
     let files = args.inputs.len();
     let kind = if sum.is_exact() { ", exact" } else { "" };
-    report(format_args!(
-        "sums      {files} files: {rows} rows, {n} columns, {}, {centring}{kind}",
+    status!(
+        "sums",
+        files = files,
+        rows = rows,
+        columns = n,
+        scalar = T::NAME,
+        centered = sum.is_centered(),
+        exact = sum.is_exact();
+        "{files} files: {rows} rows, {n} columns, {}, {centring}{kind}",
         T::NAME
-    ))?;
+    )?;
     let alpha = if args.covariance {
         if !sum.is_centered() || sum.weight() != rows as f64 {
             bail!("--covariance needs centred sums without weights (ata --center)");
@@ -94,9 +98,9 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
         1.0
     };
     if let Some(output) = kept {
-        let path = output.path().to_owned();
+        let path = output.path().display().to_string();
         files::write_accumulator(output, &sum)?;
-        report(format_args!("kept      {}", path.display()))?;
+        status!("kept", path = path; "{path}")?;
     }
     match output {
         Some(output) => write_matrix(output, sum.finish(alpha, args.uplo)?.as_ref()),

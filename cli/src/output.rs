@@ -3,11 +3,12 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use anyhow::{Result, bail};
-use catamaran::io::{Output, Overwrite, check_arrays_name};
+use anyhow::Result;
+use catamaran::io::{Output, check_arrays_name};
 use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
 use catamaran_charts::Chart;
 
+use crate::common::Force;
 use crate::report;
 
 /// Writes a mesh, and names on stderr what the format of its name has no place for.
@@ -29,23 +30,8 @@ pub fn chart(mut output: Output, chart: &Chart) -> Result<()> {
     Ok(output.commit()?)
 }
 
-/// Refuses a file that is there and not to be replaced.
-pub fn refuse_existing(path: &Path, force: bool) -> Result<()> {
-    if !force && path.symlink_metadata().is_ok() {
-        bail!("{}: exists already (--force replaces it)", path.display());
-    }
-    Ok(())
-}
-
-/// Starts a file, once it is known that it may be written.
-pub fn create(path: &Path, force: bool) -> Result<Output> {
-    refuse_existing(path, force)?;
-    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
-    Ok(Output::create(path, overwrite)?)
-}
-
 /// Starts a file of several arrays, whose name says what it is.
-pub fn arrays(path: &Path, force: bool) -> Result<Output> {
+pub fn arrays(path: &Path, force: Force) -> Result<Output> {
     check_arrays_name(path)?;
-    create(path, force)
+    force.create(path)
 }

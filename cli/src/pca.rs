@@ -11,7 +11,7 @@ use catamaran_charts::{Axis, Chart, Line, Series};
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
 use crate::ranks::Ranks;
-use crate::report::report;
+use crate::report::{head, report, row, shown, status};
 
 /// Compute the principal components of the rows of a matrix in a file.
 ///
@@ -84,7 +84,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     if let Some(picture) = picture {
         let path = picture.path().display().to_string();
         output::chart(picture, &scree(&found))?;
-        report(format_args!("picture   {path}"))?;
+        status!("picture", path = path; "{path}")?;
     }
     pass.end()
 }
@@ -94,21 +94,29 @@ fn start_picture(args: &Args) -> Result<Option<Output>> {
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
         bail!("{}: a scree plot must be called .svg", path.display());
     }
-    output::create(path, args.gram.force).map(Some)
+    args.gram.force.create(path).map(Some)
 }
 
 fn report_components(found: &PrincipalComponents) -> Result<()> {
     let count = found.explained_variance.len();
-    report(format_args!("kept      {count} components of {} columns", found.mean.len()))?;
-    report(format_args!("component       variance     share  together"))?;
+    let columns = found.mean.len();
+    report!("kept", components = count, columns = columns; "{count} components of {columns} columns")?;
+    head(format_args!("component       variance     share  together"))?;
     let mut together = 0.0;
     let values = found.explained_variance.iter().zip(&found.explained_variance_ratio);
-    for (i, (variance, ratio)) in values.take(SHOWN).enumerate() {
+    for (i, (variance, ratio)) in values.take(shown(SHOWN)).enumerate() {
         together += ratio;
-        report(format_args!("{i:>9}  {variance:>13.6e}  {ratio:>8.6}  {together:>8.6}"))?;
+        row!(
+            "component",
+            number = i,
+            variance = variance,
+            share = ratio,
+            together = together;
+            "{i:>9}  {variance:>13.6e}  {ratio:>8.6}  {together:>8.6}"
+        )?;
     }
     if count > SHOWN {
-        report(format_args!("          ... and {} more", count - SHOWN))?;
+        head(format_args!("          ... and {} more", count - SHOWN))?;
     }
     Ok(())
 }
@@ -131,7 +139,7 @@ fn write(args: &Args, output: Output, table: &Table, found: &PrincipalComponents
         second_pass(table, &mut writer, "scores", found.components.nrows(), scores)?;
     }
     writer.finish()?;
-    report(format_args!("written   {path}"))
+    status!("written", path = path; "{path}")
 }
 
 /// The share of the variance of each component, and of all up to it.

@@ -12,6 +12,8 @@ use catamaran::faer::Mat;
 pub use catamaran::mpi::MpiReal as Scalar;
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs_sliced};
 
+use crate::report::status;
+
 /// This process among the others; alone without `mpirun`.
 pub struct Ranks {
     #[cfg(feature = "mpi")]
@@ -90,7 +92,7 @@ impl Ranks {
         let world = catamaran::mpi::World::new(&universe.world())?;
         let ranks = Self { mpi: Some((world, universe)) };
         if !ranks.is_first() {
-            crate::report::be_quiet();
+            crate::report::be_silent();
         }
         Ok(ranks)
     }
@@ -171,6 +173,11 @@ impl Ranks {
     /// Whether this process is the one that writes and reports.
     pub fn is_first(&self) -> bool {
         self.rank() == 0
+    }
+
+    /// Reports how many processes there are.
+    pub fn report(&self) -> Result<()> {
+        status!("ranks", count = self.size(); "{}, each with its part of the rows", self.size())
     }
 
     /// The rows that this process takes, of `m`.

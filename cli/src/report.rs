@@ -1,52 +1,205 @@
 //! What goes to stdout and stderr.
+//!
+//! A line on stdout is a record: a name, values with names, and the same as text. `--json` prints
+//! the record as a JSON object, and everything else prints the text; [`report!`], [`row!`] and
+//! [`status!`] take both, so that no line exists in one form only. Keys are in `snake_case`; a key
+//! ends with the unit of its value where the value has one.
 
+use std::fmt::Arguments;
 use std::io::{self, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
+use serde::{Serialize, Serializer};
+use serde_json::Value;
 
-/// Set where another process tells the same.
-static QUIET: AtomicBool = AtomicBool::new(false);
+/// Columns of a label, before a blank.
+const WIDTH: usize = 11;
 
-/// From now on nothing is reported, and no bar shown.
-#[cfg(feature = "mpi")]
+/// Results, what was done, notes and progress bars.
+const ALL: u8 = 0;
+/// Results and notes.
+const QUIET: u8 = 1;
+/// Nothing but errors.
+const SILENT: u8 = 2;
+
+/// One of the three.
+static VOLUME: AtomicU8 = AtomicU8::new(ALL);
+
+/// Whether lines are JSON.
+static JSON: AtomicBool = AtomicBool::new(false);
+
+/// Leaves out what was done, and progress bars (`--quiet`).
 pub fn be_quiet() {
-    QUIET.store(true, Ordering::Relaxed);
+    VOLUME.fetch_max(QUIET, Ordering::Relaxed);
 }
 
-/// Whether nothing is to be reported.
+/// Leaves out everything but errors, where another process prints the same.
+#[cfg(feature = "mpi")]
+pub fn be_silent() {
+    VOLUME.fetch_max(SILENT, Ordering::Relaxed);
+}
+
+/// Prints records as JSON from now on (`--json`).
+pub fn use_json() {
+    JSON.store(true, Ordering::Relaxed);
+}
+
+/// Returns whether there are progress bars and lines about what was done.
 pub fn is_quiet() -> bool {
-    QUIET.load(Ordering::Relaxed)
+    VOLUME.load(Ordering::Relaxed) > ALL
 }
 
-/// One line on stdout. A closed pipe, as in `... --report | head -1`, is no error: nobody is left
-/// to tell, and there may be files to write.
-pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
-    if is_quiet() {
+/// Returns how many rows of a table are printed: as many as a screen has room for, `most`, and all
+/// of them as JSON.
+pub fn shown(most: usize) -> usize {
+    if JSON.load(Ordering::Relaxed) { usize::MAX } else { most }
+}
+
+/// Prints a result: `report!("record": "label", key = value; "text {}", argument)`. The label, in a
+/// column of its own before the text, is the name of the record where none is given.
+macro_rules! report {
+    ($record:literal $(: $label:expr)? $(, $key:ident = $value:expr)*; $($text:tt)+) => {
+        $crate::report::print(
+            $crate::report::Kind::Result,
+            $crate::report::Name::of($record)$(.with_label($label))?,
+            $crate::report::fields!($($key = $value),*),
+            format_args!($($text)+),
+        )
+    };
+}
+
+/// Prints a line about what was done, which `--quiet` leaves out; otherwise as [`report!`].
+macro_rules! status {
+    ($record:literal $(: $label:expr)? $(, $key:ident = $value:expr)*; $($text:tt)+) => {
+        $crate::report::print(
+            $crate::report::Kind::Status,
+            $crate::report::Name::of($record)$(.with_label($label))?,
+            $crate::report::fields!($($key = $value),*),
+            format_args!($($text)+),
+        )
+    };
+}
+
+/// Prints a result whose text has no label, or one of its own: `row!("record", key = value;
+/// "text")`.
+macro_rules! row {
+    ($record:literal $(, $key:ident = $value:expr)*; $($text:tt)+) => {
+        $crate::report::report!($record: "" $(, $key = $value)*; $($text)+)
+    };
+}
+
+/// Values with names, converted when they are needed.
+macro_rules! fields {
+    ($($key:ident = $value:expr),*) => {
+        &|| vec![$((stringify!($key), $crate::report::value(&$value))),*]
+    };
+}
+
+pub(crate) use {fields, report, row, status};
+
+/// Whether `--quiet` leaves a line out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Result,
+    Status,
+}
+
+/// The name of a record, and the label of its text.
+#[derive(Debug, Clone, Copy)]
+pub struct Name<'a> {
+    record: &'static str,
+    label: &'a str,
+}
+
+impl<'a> Name<'a> {
+    /// A name that is the label too.
+    pub const fn of(record: &'static str) -> Self {
+        Self { record, label: record }
+    }
+
+    /// The name with another label; none for the text of a row.
+    pub const fn with_label(self, label: &'a str) -> Self {
+        Self { label, ..self }
+    }
+}
+
+/// Keys and values of a record.
+type Fields = Vec<(&'static str, Value)>;
+
+/// A value in a record; `null` where JSON has none, such as for NaN.
+pub fn value(value: &impl Serialize) -> Value {
+    serde_json::to_value(value).unwrap_or(Value::Null)
+}
+
+/// Prints a record; what [`report!`], [`row!`] and [`status!`] call.
+///
+/// # Errors
+/// Stdout can't be written. A closed pipe, as in `... --report | head -1`, is no error: there may
+/// be files to write.
+pub fn print(
+    kind: Kind,
+    name: Name<'_>,
+    fields: &dyn Fn() -> Fields,
+    text: Arguments<'_>,
+) -> Result<()> {
+    let volume = VOLUME.load(Ordering::Relaxed);
+    if volume >= SILENT || volume >= QUIET && kind == Kind::Status {
         return Ok(());
     }
-    match writeln!(io::stdout(), "{line}") {
+    if JSON.load(Ordering::Relaxed) {
+        return write_line(&json(name.record, fields())?);
+    }
+    match name.label {
+        "" => write_line(&text.to_string()),
+        label => write_line(&format!("{label:<WIDTH$} {text}")),
+    }
+}
+
+/// Prints a line that only people need, such as the head of a table.
+///
+/// # Errors
+/// As [`print`].
+pub fn head(text: Arguments<'_>) -> Result<()> {
+    let is_shown = VOLUME.load(Ordering::Relaxed) < SILENT && !JSON.load(Ordering::Relaxed);
+    if is_shown { write_line(&text.to_string()) } else { Ok(()) }
+}
+
+fn write_line(line: &str) -> Result<()> {
+    match io::stdout().write_all(format!("{line}\n").as_bytes()) {
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => Ok(written?),
     }
 }
 
+/// A record as one JSON object, its name first.
+fn json(record: &'static str, fields: Fields) -> serde_json::Result<String> {
+    struct Record(&'static str, Fields);
+    impl Serialize for Record {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            let name = Value::from(self.0);
+            let name = std::iter::once(("record", &name));
+            serializer.collect_map(name.chain(self.1.iter().map(|(key, value)| (*key, value))))
+        }
+    }
+    serde_json::to_string(&Record(record, fields))
+}
+
 /// One line on stderr, after the program's name. It is written at once: other ranks write there
 /// too, and what is written in pieces gets mixed with theirs.
-pub fn complain(line: std::fmt::Arguments<'_>) {
+pub fn complain(line: Arguments<'_>) {
     // Nobody is left to tell that stderr is closed.
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
 }
 
 /// A line on stderr about something that is no error; written at once, as those of [`complain`].
-pub fn note(line: std::fmt::Arguments<'_>) {
-    if !is_quiet() {
+pub fn note(line: Arguments<'_>) {
+    if VOLUME.load(Ordering::Relaxed) < SILENT {
         // Nobody is left to tell that stderr is closed.
         let _ = io::stderr().write_all(format!("note: {line}\n").as_bytes());
     }
 }
-
 /// An error with its context. What the library says contains what its sources say.
 pub fn message(error: &anyhow::Error) -> String {
     let mut message = String::new();
@@ -76,6 +229,31 @@ mod tests {
     use anyhow::Context;
 
     use super::*;
+
+    #[test]
+    fn a_record_is_a_json_object_of_one_line_with_its_name_first() {
+        let path = "a \"b\" \\ \t\n\u{e9}\u{1}";
+        let fields: &dyn Fn() -> Fields =
+            fields!(path = path, count = 3, seconds = 0.1, first = None::<u8>);
+        let line = json("samples", fields()).unwrap();
+        let text = r#"a \"b\" \\ \t\né\u0001"#;
+        assert_eq!(
+            line,
+            format!(
+                r#"{{"record":"samples","path":"{text}","count":3,"seconds":0.1,"first":null}}"#
+            )
+        );
+        let read: Value = serde_json::from_str(&line).unwrap();
+        assert_eq!(read["path"], path);
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_null() {
+        let values = [f64::NAN, f64::INFINITY, -1.5];
+        let fields: &dyn Fn() -> Fields = fields!(one = f64::NEG_INFINITY, all = values, n = 1e300);
+        let line = json("row", fields()).unwrap();
+        assert_eq!(line, r#"{"record":"row","one":null,"all":[null,null,-1.5],"n":1e+300}"#);
+    }
 
     #[test]
     fn a_message_has_the_context_and_no_cause_twice() {

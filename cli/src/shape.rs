@@ -1,6 +1,5 @@
 //! A mesh with its first eigenfunctions, as several subcommands need it.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
@@ -13,9 +12,10 @@ use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
 
+use crate::common::Threads;
 use crate::input::{self, MeshArgs};
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::status;
 
 /// What the Laplacian is made of, and with how many threads.
 #[derive(clap::Args)]
@@ -26,9 +26,8 @@ pub struct LaplacianArgs {
     laplacian: Kind,
     #[command(flatten)]
     pub repair: MeshArgs,
-    /// Threads; all cores by default.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -78,7 +77,7 @@ impl LaplacianArgs {
     }
 
     pub fn par(&self) -> Par {
-        self.threads.map_or_else(Par::all, |n| Par::Threads(n.get()))
+        self.threads.par()
     }
 
     /// Reads a mesh and computes its first `len` eigenfunctions.
@@ -104,11 +103,17 @@ impl LaplacianArgs {
         let worst = pairs.residuals.iter().copied().fold(0.0, f64::max);
         let eigenbasis = Eigenbasis::new(pairs.values, pairs.vectors, found.mass)
             .with_context(|| path.display().to_string())?;
-        report(format_args!(
-            "mesh      {}: {vertices} vertices, {} faces; {len} eigenpairs, residuals up to {worst:.0e}",
-            path.display(),
-            file.mesh.faces().len(),
-        ))?;
+        let (path, faces) = (path.display().to_string(), file.mesh.faces().len());
+        status!(
+            "mesh",
+            path = path,
+            vertices = vertices,
+            faces = faces,
+            eigenpairs = len,
+            largest_residual = worst;
+            "{path}: {vertices} vertices, {faces} faces; {len} eigenpairs, residuals up to \
+             {worst:.0e}"
+        )?;
         Ok(Shape { file, stiffness: found.stiffness, eigenbasis })
     }
 }

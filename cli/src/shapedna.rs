@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use catamaran::faer::Mat;
-use catamaran::io::{self, Output, Overwrite};
+use catamaran::io::{self, Output};
 use catamaran::mesh::{Boundary, LaplacianOptions, io::read_with};
 use catamaran::unions::{ShapeDnaOptions, retrieve, shape_dna};
 
+use crate::common::Force;
 use crate::input;
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::{head, row, status};
 use crate::shape::LaplacianArgs;
 
 /// Compare triangle meshes by their spectra (ShapeDNA), whatever their pose and triangles.
@@ -47,9 +48,8 @@ pub struct Args {
     /// likewise.
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
@@ -74,12 +74,19 @@ pub fn run(args: &Args) -> Result<()> {
 
     let asked = if args.query.is_some() { 1 } else { names.len() };
     for (i, name) in names.iter().enumerate().take(asked) {
-        report(format_args!("{}", name.display()))?;
+        head(format_args!("{}", name.display()))?;
         // One more than is wanted: itself.
         let nearest = retrieve(&found[i], &found, args.nearest.saturating_add(1), par)?;
         let others = nearest.iter().filter(|other| other.index != i).take(args.nearest);
         for other in others {
-            report(format_args!("  {:<12.6} {}", other.distance, names[other.index].display()))?;
+            let (distance, nearest) = (other.distance, names[other.index].display().to_string());
+            row!(
+                "neighbor",
+                mesh = name.display().to_string(),
+                neighbor = nearest,
+                distance = distance;
+                "  {distance:<12.6} {nearest}"
+            )?;
         }
     }
     let count = names.len();
@@ -99,18 +106,15 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn create(path: Option<&Path>, force: bool) -> Result<Option<Output>> {
+fn create(path: Option<&Path>, force: Force) -> Result<Option<Output>> {
     let Some(path) = path else { return Ok(None) };
     io::check_name(path)?;
-    if !force && path.symlink_metadata().is_ok() {
-        bail!("{}: exists already (--force replaces it)", path.display());
-    }
-    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
-    Ok(Some(Output::create(path, overwrite)?))
+    force.create(path).map(Some)
 }
 
 fn written(output: Output, matrix: &Mat<f64>) -> Result<()> {
     let path = output.path().display().to_string();
     io::write(output, matrix.as_ref())?;
-    report(format_args!("written {path}: {} x {}", matrix.nrows(), matrix.ncols()))
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    status!("written", path = path, rows = rows, columns = columns; "{path}: {rows} x {columns}")
 }

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::decimate::{DecimateOptions, decimate};
-use catamaran::io::{Array, ArraysWriter, Output, Overwrite};
+use catamaran::io::{Array, ArraysWriter, Output};
 use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, TriMesh, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, eigs_two_level};
 use clap::ValueEnum;
 
+use crate::common::Force;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::ranks::Ranks;
-use crate::report::{complain, report, seconds};
+use crate::report::{head, note, report, row, seconds, shown, status};
 use crate::shape::LaplacianArgs;
 use crate::{output, parse};
 
@@ -71,9 +72,8 @@ pub struct Args {
     via_decimation: Option<usize>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Which mass matrix.
@@ -106,11 +106,10 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             bail!("--via-decimation: functions that are zero at the boundary are not for it");
         }
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let path = args.output.as_deref().filter(|_| ranks.is_first());
     let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
     let picture = match ranks.is_first() {
-        true => args.picture.create(overwrite)?,
+        true => args.picture.create(args.force)?,
         false => None,
     };
     let par = args.laplacian.par();
@@ -131,12 +130,21 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         .par(par);
     let operator = laplacian(&file.mesh, &options).with_context(|| name.to_string())?;
     let (rows, vertices) = (operator.kept.len(), operator.vertices);
-    report(format_args!("mesh        {name}: {vertices} vertices, {rows} of them free"))?;
-    report(format_args!(
-        "matrices    {} entries, in {}",
-        operator.stiffness.nnz(),
-        seconds(start.elapsed())
-    ))?;
+    status!(
+        "mesh",
+        path = name.to_string(),
+        vertices = vertices,
+        free = rows;
+        "{name}: {vertices} vertices, {rows} of them free"
+    )?;
+    let (entries, time) = (operator.stiffness.nnz(), start.elapsed());
+    status!(
+        "matrices",
+        entries = entries,
+        seconds = time.as_secs_f64();
+        "{entries} entries, in {}",
+        seconds(time)
+    )?;
 
     let start = Instant::now();
     let bar = Bar::new("spectrum");
@@ -169,21 +177,36 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         other => anyhow::Error::from(other).context(name.to_string()),
     })?;
     drop(bar);
-    report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
+    let time = start.elapsed();
+    status!(
+        "eigenpairs",
+        count = args.k,
+        seconds = time.as_secs_f64();
+        "{} in {}",
+        args.k,
+        seconds(time)
+    )?;
     if results.slices > 1 {
-        report(format_args!("slices      {}", results.slices))?;
+        status!("slices", count = results.slices; "{}", results.slices)?;
     }
     if let Some(n) = args.via_decimation {
-        report(format_args!("decimation  to {n} vertices: the pairs are approximate"))?;
+        status!("decimation", vertices = n; "to {n} vertices: the pairs are approximate")?;
     }
     let (worst, largest) = results.worst.unwrap_or_default();
-    report(format_args!("residual    {largest:.1e} at most"))?;
+    report!("residual", largest = largest; "{largest:.1e} at most")?;
     let pairs = results.values.iter().zip(&results.residuals).enumerate();
-    for (i, (value, residual)) in pairs.take(SHOWN) {
-        report(format_args!("{i:>10}  {value:<22.15e} {residual:.1e}"))?;
+    let listed = shown(SHOWN).min(args.k);
+    for (i, (value, residual)) in pairs.take(listed) {
+        row!(
+            "eigenvalue",
+            number = i,
+            value = value,
+            residual = residual;
+            "{i:>10}  {value:<22.15e} {residual:.1e}"
+        )?;
     }
-    if args.k > SHOWN {
-        report(format_args!("{:>10}  {:.15e}", args.k - 1, results.values[args.k - 1]))?;
+    if listed < args.k {
+        head(format_args!("{:>10}  {:.15e}", args.k - 1, results.values[args.k - 1]))?;
     }
 
     if let (Some(picture), Some(mesh)) = (picture, mesh) {
@@ -207,7 +230,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         bail!(missed);
     }
     if ranks.is_first() {
-        complain(format_args!("note: {missed}"));
+        note(format_args!("{missed}"));
     }
     Ok(())
 }
@@ -301,7 +324,7 @@ impl<'a> Results<'a> {
         writer.array("eigenvalues", Array::Vector(&self.values))?;
         writer.array("residuals", Array::Vector(&self.residuals))?;
         writer.finish()?;
-        report(format_args!("written     {}", self.path))
+        status!("written", path = self.path; "{}", self.path)
     }
 }
 

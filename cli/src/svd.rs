@@ -11,7 +11,7 @@ use catamaran::io::{Array, ArraysWriter};
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
 use crate::ranks::Ranks;
-use crate::report::report;
+use crate::report::{head, report, row, shown, status};
 
 /// Compute the singular values and vectors of a tall matrix in a file.
 ///
@@ -60,22 +60,23 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             second_pass(&table, &mut writer, "u", found.rank(), left)?;
         }
         writer.finish()?;
-        report(format_args!("written   {path}"))?;
+        status!("written", path = path; "{path}")?;
     }
     pass.end()
 }
 
 fn report_values(found: &SingularValues) -> Result<()> {
     let (rank, n) = (found.rank(), found.values.len());
-    report(format_args!("rank      {rank} of {n} columns"))?;
+    report!("rank", rank = rank, columns = n; "{rank} of {n} columns")?;
     if let (Some(first), Some(last)) = (found.values.first(), found.values[..rank].last()) {
-        report(format_args!("condition {:.6e}", first / last))?;
+        let condition = first / last;
+        report!("condition", condition = condition; "{condition:.6e}")?;
     }
-    for (i, value) in found.values.iter().take(SHOWN).enumerate() {
-        report(format_args!("{i:>8}  {value:.15e}"))?;
+    for (i, value) in found.values.iter().take(shown(SHOWN)).enumerate() {
+        row!("singular_value", number = i, value = value; "{i:>8}  {value:.15e}")?;
     }
     if n > SHOWN {
-        report(format_args!("          ... and {} more", n - SHOWN))?;
+        head(format_args!("          ... and {} more", n - SHOWN))?;
     }
     Ok(())
 }

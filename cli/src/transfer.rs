@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files, Output};
 use catamaran::mesh::io::{MeshFile, MeshFormat};
 use catamaran::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran::spectral::functional_map::{
@@ -19,10 +19,11 @@ use catamaran::spectral::{
 };
 use clap::{ArgGroup, ValueEnum};
 
+use crate::common::Force;
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::{report, status};
 use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 
 /// Iterations of ICP, at most.
@@ -115,9 +116,8 @@ pub struct Args {
     points_output: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -146,20 +146,19 @@ pub fn run(args: &Args) -> Result<()> {
     if args.smooth.is_some() && args.details != Some(Details::Heights) {
         bail!("--smooth goes with --details heights only");
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let create = |path: &Path| -> Result<Output> {
         files::check_name(path)?;
-        Ok(Output::create(path, overwrite)?)
+        args.force.create(path)
     };
     let output = match args.details {
         Some(_) => {
             MeshFormat::of(&args.output)?;
-            Output::create(&args.output, overwrite)?
+            args.force.create(&args.output)?
         }
         None => create(&args.output)?,
     };
     let points_output = args.points_output.as_deref().map(create).transpose()?;
-    let picture = args.picture.create(overwrite)?;
+    let picture = args.picture.create(args.force)?;
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
     let source = args.laplacian.shape(&args.source, eigenfunctions(args, lens.0))?;
@@ -176,7 +175,8 @@ pub fn run(args: &Args) -> Result<()> {
     let orthogonalization = Orthogonalization::from(args.mode);
     let from = products(args, &source, lens.0, orthogonalization)?;
     let to = products(args, &target, lens.1, orthogonalization)?;
-    report(format_args!("bases     {} and {} functions", from.len(), to.len()))?;
+    let functions = [from.len(), to.len()];
+    status!("bases", functions = functions; "{} and {} functions", functions[0], functions[1])?;
     let map = map_from_points(&points, from.basis(), to.basis(), par)?;
     let transfer = Transfer::new(from.basis(), to.basis(), map)?;
     let g = match args.details {
@@ -186,24 +186,29 @@ pub fn run(args: &Args) -> Result<()> {
             let moved = pull_back(&points, f.as_ref())?;
             let errors = relative_errors(moved.as_ref(), g.as_ref(), to.basis().mass())?;
             let mean = 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-            report(format_args!(
-                "transfer  {} functions, on average {mean:.2} % from those of corresponding vertices",
+            report!(
+                "transfer",
+                functions = errors.len(),
+                mean_error_percent = mean,
+                errors_percent = errors.iter().map(|error| 100.0 * error).collect::<Vec<_>>();
+                "{} functions, on average {mean:.2} % from those of corresponding vertices",
                 errors.len()
-            ))?;
+            )?;
             g
         }
     };
     if let Some(output) = points_output {
         let path = output.path().display().to_string();
         files::write_integers(output, column(&points).as_ref())?;
-        report(format_args!("written   {path}"))?;
+        status!("written", path = path; "{path}")?;
     }
     let path = output.path().to_owned();
     match args.details {
         Some(_) => write_mesh(args, (output, picture), &source, target.file, &g)?,
         None => write_functions(args, (output, picture), (&source, &f), (&target, &g))?,
     }
-    report(format_args!("written   {}", path.display()))
+    let path = path.display().to_string();
+    status!("written", path = path; "{path}")
 }
 
 fn write_functions(

@@ -1,13 +1,12 @@
 //! `catamaran tune`.
 
-use std::io::{self, Write};
-
 use anyhow::Result;
 use catamaran::kernel::packed::{Isa, Rates};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 
-use crate::progress;
+use crate::progress::Bar;
+use crate::report::{head, row, status};
 
 /// Measure how fast this machine is, for the planner of the other commands.
 ///
@@ -37,35 +36,47 @@ pub fn run(args: &Args) -> Result<()> {
         None => Isa::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
     };
     let mut measured = Vec::new();
-    for isa in isas {
-        progress::check()?;
-        eprintln!("measuring {}", isa.name());
+    let bar = Bar::new("measuring");
+    for (i, &isa) in isas.iter().enumerate() {
+        bar.step(i as f64 / isas.len() as f64)?;
         measured.push((isa, Rates::measure(isa)?));
     }
-    progress::check()?;
-    let mut out = io::stdout().lock();
-    writeln!(out, "One core, measured (built in):")?;
-    writeln!(
-        out,
+    bar.step(1.0)?;
+    drop(bar);
+    head(format_args!("One core, measured (built in):"))?;
+    head(format_args!(
         "{:10}{:>18}{:>18}{:>18}{:>18}",
         "", "GFLOP/s f64", "GB/s read", "GB/s pack", "GB/s update"
-    )?;
+    ))?;
     for (isa, rates) in &measured {
-        write!(out, "{:10}", isa.name())?;
-        for (rate, default) in values(rates).into_iter().zip(values(&Rates::of(*isa))) {
-            write!(out, "{:>18}", format!("{:.1} ({:.1})", rate / 1e9, default / 1e9))?;
-        }
-        writeln!(out)?;
+        let [found, default] = [values(rates), values(&Rates::of(*isa))];
+        let cell = |i: usize| format!("{:.1} ({:.1})", found[i], default[i]);
+        row!(
+            "rates",
+            isa = isa.name(),
+            gflops = found[0],
+            read_gb_per_second = found[1],
+            pack_gb_per_second = found[2],
+            update_gb_per_second = found[3],
+            built_in = default;
+            "{:10}{:>18}{:>18}{:>18}{:>18}",
+            isa.name(),
+            cell(0),
+            cell(1),
+            cell(2),
+            cell(3)
+        )?;
     }
     if !args.dry_run {
         for (isa, rates) in &measured {
-            writeln!(out, "written   {}", rates.save(*isa)?.display())?;
+            let path = rates.save(*isa)?.display().to_string();
+            status!("written", path = path; "{path}")?;
         }
     }
     Ok(())
 }
 
-/// In the order of the columns.
+/// In the order of the columns, in billions a second.
 fn values(rates: &Rates) -> [f64; 4] {
-    [rates.flops, rates.read_bytes, rates.pack_bytes, rates.update_bytes]
+    [rates.flops, rates.read_bytes, rates.pack_bytes, rates.update_bytes].map(|rate| rate / 1e9)
 }

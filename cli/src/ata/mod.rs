@@ -10,21 +10,21 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{
-    Accumulator, Center, RowBounds, RowOptions, StreamPlan, Strip, ata_sparse, sparse_is_faster,
-    sparse_multiplications, stream, verify_rows,
+    Accumulator, Center, Plan, RowBounds, RowOptions, StreamPlan, Strip, ata_sparse,
+    sparse_is_faster, sparse_multiplications, stream, verify_rows,
 };
 use catamaran::base::{Pin, Progress, Workspace};
 use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::{MatMut, MatRef};
-use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
+use catamaran::io::{self as files, CsMat, Output, StripOutput};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
-use crate::output::refuse_existing;
+use crate::common::{Force, Threads};
 use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
-use crate::report::{report, seconds};
-use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, read_weights};
+use crate::report::{report, seconds, status};
+use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, open, read_weights};
 use crate::{backend, picture};
 
 /// Compute C = A^T A of a matrix in a file.
@@ -55,10 +55,8 @@ pub struct Args {
     /// Subtract the means, and divide by m - 1: the sample covariance.
     #[arg(long, conflicts_with = "weights")]
     covariance: bool,
-    /// Threads, at most 4 for each core; all cores of the affinity mask unless given. Does not
-    /// change C.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    threads: Threads,
     /// Keep each thread on one core: thread i on the i-th core of the affinity mask, which is that
     /// of taskset or of the binding of mpirun. Does not change C.
     #[arg(long)]
@@ -107,9 +105,8 @@ pub struct Args {
     /// Refuse an A with NaN or infinite entries.
     #[arg(long)]
     strict: bool,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Rounds of the check: a wrong C passes with a probability of 2^-20.
@@ -127,11 +124,10 @@ pub fn run(args: &Args) -> Result<()> {
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     // What can be refused is refused before any work.
     refuse(args, ranks)?;
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let backend = backend::find(&args.backend)?;
     let create = |path: &Option<PathBuf>| {
         let path = path.as_deref().filter(|_| ranks.is_first());
-        path.map(|p| Output::create(p, overwrite)).transpose()
+        path.map(|p| args.force.create(p)).transpose()
     };
     let outputs = Outputs {
         c: create(&args.output)?,
@@ -139,18 +135,10 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         accumulator: create(&args.accumulator)?,
     };
 
-    let start = Instant::now();
-    let a = Source::open(&args.input, args.columns.clone())?;
-    let (m, n) = a.shape();
-    let how = if a.is_file() {
-        "read by blocks".into()
-    } else {
-        format!("read in {}", seconds(start.elapsed()))
-    };
-    let name = args.input.display();
-    report(format_args!("A         {name}: {m} x {n}, {}, {how}", a.kind()))?;
+    let a = open("A", &args.input, args.columns.clone())?;
+    let m = a.shape().0;
     if ranks.size() > 1 {
-        report(format_args!("ranks     {}, each with its part of the rows", ranks.size()))?;
+        ranks.report()?;
     }
     let weights = match &args.weights {
         Some(path) => Some(read_weights(path, &args.input, m)?),
@@ -177,7 +165,7 @@ fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
         files::check_name(path)?;
     }
     for path in [&args.output, &args.picture, &args.accumulator].into_iter().flatten() {
-        refuse_existing(path, args.force)?;
+        args.force.check(path)?;
     }
     args.checkpoint.check(ranks, args.force)
 }
@@ -208,7 +196,7 @@ impl Work<'_> {
         }
         let options = AtaOptions::new()
             .uplo(args.uplo)
-            .par(args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())))
+            .par(args.threads.par())
             .pin(if args.pin { Pin::Cores } else { Pin::No })
             .scheme(args.scheme)
             .accuracy(args.accuracy)
@@ -238,10 +226,13 @@ impl Work<'_> {
     /// Says when fewer threads are used than were asked for.
     fn report_cap(&self, par: Par) -> Result<()> {
         let (used, most) = (par.threads(), Par::MOST_PER_CORE);
-        match self.args.threads.map(NonZeroUsize::get) {
-            Some(asked) if used < asked => report(format_args!(
-                "threads   {used} of {asked} asked for: at most {most} for each core"
-            )),
+        match self.args.threads.asked() {
+            Some(asked) if used < asked => status!(
+                "threads",
+                used = used,
+                asked = asked;
+                "{used} of {asked} asked for: at most {most} for each core"
+            ),
             _ => Ok(()),
         }
     }
@@ -283,9 +274,9 @@ impl Work<'_> {
         self.check(&mean, c.as_ref())?;
         progress::check()?;
         if let Some(output) = outputs.accumulator {
-            let path = output.path().to_owned();
+            let path = output.path().display().to_string();
             output.commit()?;
-            report(format_args!("kept      {}", path.display()))?;
+            status!("kept", path = path; "{path}")?;
         }
         self.write(c.as_ref(), outputs.c, outputs.picture)?;
         args.checkpoint.remove(self.ranks)
@@ -334,10 +325,15 @@ impl Work<'_> {
         if self.args.explain {
             let count = sparse_multiplications(a.view());
             let (threads, pinned) = (options.par.threads(), pinned(options));
-            report(format_args!(
-                "plan      sparse: the outer product of each row, {count} multiplications, \
+            report!(
+                "plan",
+                scheme = "sparse",
+                multiplications = count,
+                threads = threads,
+                pinned = !pinned.is_empty();
+                "sparse: the outer product of each row, {count} multiplications, \
                  {threads} threads{pinned}"
-            ))?;
+            )?;
         }
         let start = Instant::now();
         let c = MatMut::from_row_major_slice_mut(&mut memory.as_mut_slice()[..n * n], n, n);
@@ -441,7 +437,7 @@ impl Work<'_> {
         let Some(output) = outputs.c else {
             bail!("C of {n} x {n} entries does not fit in memory (--memory): name its file by -o");
         };
-        let path = output.path().to_owned();
+        let path = output.path().display().to_string();
         let mut output = StripOutput::new::<T>(output, n, args.uplo)?;
         let start = Instant::now();
         let bounds = self.bounds::<T>(plan, options)?;
@@ -456,7 +452,7 @@ impl Work<'_> {
         self.report_time::<T>(m, start.elapsed())?;
         progress::check()?;
         output.commit()?;
-        report(format_args!("written   {}", path.display()))
+        status!("written", path = path; "{path}")
     }
 
     /// What a checkpoint must have been made with.
@@ -485,12 +481,23 @@ impl Work<'_> {
             Uplo::Upper => "upper triangle",
             Uplo::Both => "both triangles",
         };
-        report(format_args!("C         {n} x {n}, {}, {triangle}", T::NAME))?;
+        status!(
+            "product": "C",
+            rows = n,
+            columns = n,
+            scalar = T::NAME,
+            triangle = triangle;
+            "{n} x {n}, {}, {triangle}",
+            T::NAME
+        )?;
         let rate = m as f64 * (n as f64).powi(2) / elapsed.as_secs_f64().max(1e-9) / 1e9;
-        report(format_args!(
-            "time      {}, {rate:.2} effective GFLOP/s (m n^2 / time)",
+        status!(
+            "time",
+            seconds = elapsed.as_secs_f64(),
+            gflops = rate;
+            "{}, {rate:.2} effective GFLOP/s (m n^2 / time)",
             seconds(elapsed)
-        ))
+        )
     }
 
     /// Checks C, if asked to, with one more read of A.
@@ -521,10 +528,15 @@ impl Work<'_> {
         if !found.passed {
             bail!("the check failed, and nothing is written: {numbers}");
         }
-        report(format_args!(
-            "check     passed: {numbers}, false-accept probability {:.1e}",
+        report!(
+            "check",
+            passed = true,
+            residual = found.residual,
+            tolerance = found.tolerance,
+            false_accept_probability = found.false_accept_probability;
+            "passed: {numbers}, false-accept probability {:.1e}",
             found.false_accept_probability
-        ))
+        )
     }
 
     fn write<T: BlasReal>(
@@ -537,32 +549,44 @@ impl Work<'_> {
             write_matrix(output, c)?;
         }
         if let Some(output) = picture {
-            let path = output.path().to_owned();
+            let path = output.path().display().to_string();
             picture::write(output, c, |i, j| match self.args.uplo {
                 Uplo::Upper => (i.min(j), i.max(j)),
                 Uplo::Lower | Uplo::Both => (i.max(j), i.min(j)),
             })?;
-            report(format_args!("picture   {}", path.display()))?;
+            status!("picture", path = path; "{path}")?;
         }
         Ok(())
     }
 
     fn explain(&self, plan: &StreamPlan, options: &AtaOptions<'_>) -> Result<()> {
         let mut text = plan.product().map_or_else(String::new, |plan| format!("{plan}\n"));
-        text += &plan.to_string();
-        for (i, line) in text.lines().enumerate() {
-            report(format_args!("{}{line}", if i == 0 { "plan      " } else { "          " }))?;
-        }
+        text += &format!("{plan}\n");
         if self.args.verify {
-            report(format_args!("          check      one more read of A"))?;
+            text += "check      one more read of A\n";
         }
         let (threads, pinned) = (options.par.threads(), pinned(options));
-        if plan.product().is_some_and(|plan| plan.is_exact()) {
-            // No back end has a part in it.
-            return report(format_args!("          threads    {threads}{pinned}"));
-        }
-        let backend = options.backend.name();
-        report(format_args!("          back end   {backend}, {threads} threads{pinned}"))
+        let is_exact = plan.product().is_some_and(|plan| plan.is_exact());
+        // The exact path has no use for one.
+        let backend = (!is_exact).then(|| options.backend.name());
+        text += &match backend {
+            None => format!("threads    {threads}{pinned}"),
+            Some(name) => format!("back end   {name}, {threads} threads{pinned}"),
+        };
+        report!(
+            "plan",
+            scheme = plan.product().map(Plan::scheme),
+            kernels = plan.product().and_then(Plan::isa),
+            expected_ratio = plan.product().map(Plan::expected_ratio),
+            block_rows = plan.block_rows(),
+            reads = plan.reads(),
+            bytes = plan.bytes(),
+            backend = backend,
+            threads = threads,
+            pinned = !pinned.is_empty();
+            "{}",
+            text.replace('\n', "\n            ")
+        )
     }
 }
 
@@ -573,7 +597,7 @@ fn pinned(options: &AtaOptions<'_>) -> &'static str {
 
 /// Writes C into a file.
 pub fn write_matrix<T: BlasReal>(output: Output, c: MatRef<'_, T>) -> Result<()> {
-    let path = output.path().to_owned();
+    let path = output.path().display().to_string();
     files::write(output, c)?;
-    report(format_args!("written   {}", path.display()))
+    status!("written", path = path; "{path}")
 }

@@ -9,19 +9,20 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::curve::{
-    Count, Curve, CurveOptions, Drawing, Drawn, Mode, Placement, Reconstruction, Region, cut, place,
+    Count, Curve, CurveOptions, Drawing, Drawn, Mode, Outcome, Placement, Reconstruction, Region,
+    cut, place,
 };
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::{Refined, TriMesh};
-use clap::{ArgGroup, ValueEnum};
+use clap::{ArgGroup, ValueEnum, ValueHint};
 use samples::Group;
 use surface::{SurfaceArgs, paint, walls};
 use write::Format;
 
-use crate::input::MeshArgs;
+use crate::common::Force;
+use crate::input::{MeshArgs, TextFile};
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
-use crate::report::{complain, report, seconds};
+use crate::report::{note, report, seconds, status};
 
 /// Find the curve on a mesh that samples without an order are of; cut the mesh along it, select
 /// what it encloses.
@@ -39,9 +40,9 @@ pub struct Args {
     /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b
     /// c`), or a point in space (`x y z`), which stands for the vertex nearest to it; what follows
     /// # is left out. What `catamaran fps` writes will do. A line `curve NAME [open] [single]
-    /// [side=SIDE]` begins the samples of another curve, which is found for itself.
-    #[arg(long, value_name = "FILE")]
-    samples: PathBuf,
+    /// [side=SIDE]` begins the samples of another curve, which is found for itself. `-` is stdin.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    samples: TextFile,
     /// How: from sample to sample (thesis, algorithm 6.1), the order first and then paths that do
     /// not meet, or such paths in the order that the samples have.
     #[arg(long, value_name = "MODE", default_value = "robust")]
@@ -77,9 +78,8 @@ pub struct Args {
     repair: MeshArgs,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -91,33 +91,34 @@ enum How {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let output = match &args.output {
-        Some(path) => Some((Format::of(path)?, Output::create(path, overwrite)?)),
+        Some(path) => Some((Format::of(path)?, args.force.create(path)?)),
         None => None,
     };
     let outputs = args.surface.create(args.force)?;
-    let picture = args.picture.create(overwrite)?;
+    let picture = args.picture.create(args.force)?;
     let file = args.repair.read(&args.mesh)?;
     let given = samples::read(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
-    let placed = place(&file.mesh, &given.sites, placement)
-        .with_context(|| args.samples.display().to_string())?;
+    let placed = place(&file.mesh, &given.sites, placement).with_context(|| args.samples.name())?;
     let placed_on = placed.mesh.unwrap_or_else(|| Refined::new(file.mesh.clone()));
     let mut drawing = Drawing::new(placed_on.mesh.clone())?;
     let time = draw(args, &mut drawing, &given.groups, &placed.vertices)?;
     if args.smooth {
         let smooth = drawing.smooth();
         if !smooth.with_context(|| args.mesh.display().to_string())? {
-            complain(format_args!("smoothing ended before it was done"));
+            note(format_args!("smoothing ended before it was done"));
         }
     }
-    report(format_args!(
-        "samples   {} on {} vertices, {}",
-        given.sites.len(),
-        placed_on.mesh.vertices().len(),
+    let (samples, vertices) = (given.sites.len(), placed_on.mesh.vertices().len());
+    status!(
+        "samples",
+        count = samples,
+        vertices = vertices,
+        seconds = time.as_secs_f64();
+        "{samples} on {vertices} vertices, {}",
         seconds(time)
-    ))?;
+    )?;
     let found: Vec<(&Group, &Reconstruction)> = given.groups.iter().zip(drawing.found()).collect();
     let Some(outcome) = write::outcome(&found) else { bail!("no curves") };
     for (group, found) in &found {
@@ -126,7 +127,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some((format, output)) = output {
         let path = output.path().display().to_string();
         write::write(output, &found, format)?;
-        report(format_args!("written   {path}"))?;
+        status!("written", path = path; "{path}")?;
     }
     if !outcome.is_complete() {
         bail!("{}: no complete curve: {outcome}", args.mesh.display());
@@ -177,7 +178,7 @@ fn draw(
             .progress(&update);
         drawing.add(&vertices[group.samples.clone()], &options).with_context(|| {
             let name = group.name.as_ref().map_or(String::new(), |name| format!(": curve {name}"));
-            format!("{}{name}", args.samples.display())
+            format!("{}{name}", args.samples.name())
         })?;
     }
     Ok(start.elapsed())
@@ -186,15 +187,37 @@ fn draw(
 /// What was found of one group.
 fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
     let name = group.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
-    report(format_args!("outcome   {name}{}", found.outcome))?;
+    let (blocked_at, remaining, components) = match found.outcome {
+        Outcome::Blocked { at, remaining } => (Some(at), Some(remaining), None),
+        Outcome::Disconnected { components } => (None, None, Some(components)),
+        _ => (None, None, None),
+    };
+    report!(
+        "outcome",
+        name = group.name,
+        outcome = found.outcome.name(),
+        blocked_at = blocked_at,
+        remaining = remaining,
+        components = components;
+        "{name}{}",
+        found.outcome
+    )?;
     for curve in &found.curves {
         let (count, steps) = (curve.order.len(), curve.path.len());
         let length = curve.length;
-        report(format_args!("curve     {name}{count} samples, {steps} vertices, length {length}"))?;
+        report!(
+            "curve",
+            name = group.name,
+            closed = curve.closed,
+            samples = count,
+            vertices = steps,
+            length = length;
+            "{name}{count} samples, {steps} vertices, length {length}"
+        )?;
     }
     if let (Some(&first), true) = (found.left_out.first(), found.outcome.is_complete()) {
-        complain(format_args!(
-            "note: {name}{} of {} samples left out, such as sample {} (from 0): fewer than \
+        note(format_args!(
+            "{name}{} of {} samples left out, such as sample {} (from 0): fewer than \
              three on their component of the mesh",
             found.left_out.len(),
             group.samples.len(),

@@ -1,13 +1,12 @@
 //! Samples of curves in files.
 
-use std::fs;
 use std::ops::Range;
-use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use catamaran::curve::{Side, Site};
 
 use super::surface::side;
+use crate::input::TextFile;
 
 /// The samples of one curve, or of curves that are found together.
 #[derive(Debug)]
@@ -33,14 +32,14 @@ pub struct Samples {
     pub groups: Vec<Group>,
 }
 
-/// The samples in the file at `path`, one a line; `#` begins a comment. A line `curve NAME` begins
+/// The samples in a file, one a line; `#` begins a comment. A line `curve NAME` begins
 /// another curve.
-pub fn read(path: &Path) -> Result<Samples> {
-    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+pub fn read(file: &TextFile) -> Result<Samples> {
+    let (text, name) = (file.read()?, file.name());
     let mut sites: Vec<Site> = Vec::new();
     let mut groups: Vec<Group> = Vec::new();
     for (i, line) in text.lines().enumerate() {
-        let place = || format!("{}:{}", path.display(), i + 1);
+        let place = || format!("{name}:{}", i + 1);
         let words: Vec<&str> =
             line.split('#').next().unwrap_or_default().split_whitespace().collect();
         match words[..] {

@@ -12,8 +12,9 @@ use catamaran::mesh::{Components, Part, Refined};
 use clap::ValueEnum;
 
 use super::samples::Group;
+use crate::common::Force;
 use crate::output;
-use crate::report::{note, report};
+use crate::report::{note, report, status};
 
 /// Of a region and of what is around it, from 0 to 1.
 pub const INSIDE: [f64; 3] = [0.96, 0.68, 0.25];
@@ -92,7 +93,7 @@ impl SurfaceArgs {
     }
 
     /// Refuses what can't be, and begins the files.
-    pub fn create(&self, force: bool) -> Result<Outputs> {
+    pub fn create(&self, force: Force) -> Result<Outputs> {
         if !self.wants_region() && (self.side != Side::Small || self.combine != Combine::Union) {
             bail!("--side and --combine are about a region: --region, --rest or --paint");
         }
@@ -104,7 +105,7 @@ impl SurfaceArgs {
                 bail!("{}: neither the name of a mesh nor that of a table", path.display());
             }
         }
-        let create = |path: &PathBuf| output::create(path, force);
+        let create = |path: &PathBuf| force.create(path);
         let whole = self.cut.as_ref().filter(|path| !is_folder(path));
         Ok(Outputs {
             cut: whole.map(create).transpose()?,
@@ -124,7 +125,7 @@ impl SurfaceArgs {
         source: &MeshFile,
         drawn: &Drawn,
         groups: &[Group],
-        force: bool,
+        force: Force,
     ) -> Result<Option<Region>> {
         let file = source.refined(&drawn.refined)?;
         let along = walls(&drawn.layers.concat());
@@ -133,12 +134,15 @@ impl SurfaceArgs {
         // Before anything is written.
         let region = self.wants_region().then(|| self.combined(drawn, groups)).transpose()?;
         if self.cut.is_some() {
+            let (edges, faces) = (along.len(), open.mesh.faces().len());
             let pieces = Components::new(&open.mesh).len();
-            report(format_args!(
-                "cut       {} edges, {pieces} components, {} faces",
-                along.len(),
-                open.mesh.faces().len()
-            ))?;
+            report!(
+                "cut",
+                edges = edges,
+                components = pieces,
+                faces = faces;
+                "{edges} edges, {pieces} components, {faces} faces"
+            )?;
         }
         match (&self.cut, outputs.cut) {
             (Some(folder), None) => write_pieces(folder, &open_file, source, force)?,
@@ -147,11 +151,14 @@ impl SurfaceArgs {
         }
         let Some(region) = region else { return Ok(None) };
         let (area, whole) = (region.area(&file.mesh)?, file.mesh.area());
-        report(format_args!(
-            "region    {} faces, area {area}, {:.2} % of the surface",
-            region.faces().len(),
-            100.0 * area / whole
-        ))?;
+        let (faces, percent) = (region.faces().len(), 100.0 * area / whole);
+        report!(
+            "region",
+            faces = faces,
+            area = area,
+            percent = percent;
+            "{faces} faces, area {area}, {percent:.2} % of the surface"
+        )?;
         if region.is_empty() {
             note(format_args!("the region is empty"));
         }
@@ -218,7 +225,7 @@ fn is_folder(path: &Path) -> bool {
 }
 
 /// A file for each component, the largest first.
-fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: bool) -> Result<()> {
+fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: Force) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let components = Components::new(&open.mesh);
     let mut pieces = Vec::new();
@@ -231,14 +238,16 @@ fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: bool) 
     let rich = source.uv.is_some() || source.materials.is_some();
     let extension = if rich { "obj" } else { "ply" };
     let name = |i: usize| folder.join(format!("piece-{}.{extension}", i + 1));
-    let outputs: Result<Vec<Output>> =
-        (0..pieces.len()).map(|i| output::create(&name(i), force)).collect();
+    let outputs: Result<Vec<Output>> = (0..pieces.len()).map(|i| force.create(&name(i))).collect();
     for (output, (area, piece)) in outputs?.into_iter().zip(&pieces) {
-        report(format_args!(
-            "piece     {}: {} faces, area {area}",
-            output.path().display(),
-            piece.mesh.faces().len()
-        ))?;
+        let (path, faces) = (output.path().display().to_string(), piece.mesh.faces().len());
+        report!(
+            "piece",
+            path = path,
+            faces = faces,
+            area = area;
+            "{path}: {faces} faces, area {area}"
+        )?;
         output::mesh(output, piece)?;
     }
     Ok(())
@@ -251,11 +260,11 @@ fn write_region(output: Output, file: &MeshFile, refined: &Refined, region: &Reg
     let path = output.path().display().to_string();
     let shares = refined.shares(region.mask())?;
     tables::write(output, MatRef::from_column_major_slice(&shares, shares.len(), 1))?;
-    report(format_args!("written   {path}"))
+    status!("written", path = path; "{path}")
 }
 
 fn write_mesh(output: Output, file: &MeshFile) -> Result<()> {
     let path = output.path().display().to_string();
     output::mesh(output, file)?;
-    report(format_args!("written   {path}"))
+    status!("written", path = path; "{path}")
 }

@@ -25,6 +25,9 @@ use catamaran::io::{Output, Overwrite};
 use catamaran_charts::Rgb;
 use page::Station;
 
+use crate::progress::Bar;
+use crate::report::status;
+
 /// Write a page with pictures and numbers of everything Catamaran does.
 #[derive(clap::Args)]
 pub struct Args {
@@ -85,15 +88,18 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let site = Site { folder, small: args.small };
     let mut stations = Vec::new();
-    for build in STATIONS {
+    let bar = Bar::new("demo");
+    for (i, build) in STATIONS.iter().enumerate() {
         stations.push(build(&site)?);
+        bar.step((i + 1) as f64 / STATIONS.len() as f64)?;
     }
+    drop(bar);
     let mut index = site.file("index.html")?;
     let html = page::render(&stations, start.elapsed())?;
     index.write_all(html.as_bytes()).map_err(|e| index.error(e))?;
     index.commit()?;
-    writeln!(io::stdout(), "written   {}", folder.join("index.html").display())?;
-    Ok(())
+    let path = folder.join("index.html").display().to_string();
+    status!("written", path = path; "{path}")
 }
 
 /// Whether the folder is new, empty, or holds a page of ours.

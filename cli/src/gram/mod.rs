@@ -16,11 +16,12 @@ use catamaran::{AtaOptions, Par};
 
 pub use self::second::second_pass;
 pub use self::table::Table;
+use crate::common::{Force, Threads};
 use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
-use crate::report::{report, seconds};
-use crate::rows::{CheckpointArgs, Source, fingerprint, read_weights};
+use crate::report::{seconds, status};
+use crate::rows::{CheckpointArgs, Source, fingerprint, open, read_weights};
 
 /// Lines of a table on the screen.
 pub const SHOWN: usize = 50;
@@ -35,19 +36,16 @@ pub struct GramArgs {
     /// Use these columns of the file only, counted from 0, the last one excluded.
     #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
     columns: Option<Range<usize>>,
-    /// Threads, at most 4 for each core; all cores of the affinity mask by default. Does not change
-    /// the result.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    threads: Threads,
     /// Rows of a block, two of which are in memory; default about 64 MiB. Does not change the
     /// result.
     #[arg(long, value_name = "ROWS")]
     block_rows: Option<NonZeroUsize>,
     #[command(flatten)]
     checkpoint: CheckpointArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 impl GramArgs {
@@ -63,7 +61,7 @@ impl GramArgs {
 
     /// Threads.
     pub fn par(&self) -> Par {
-        self.threads.map_or_else(Par::all, |threads| Par::Threads(threads.get()))
+        self.threads.par()
     }
 
     /// What can be refused before any work.
@@ -75,20 +73,6 @@ impl GramArgs {
     pub fn open(&self) -> Result<Source> {
         open("A", &self.input, self.columns.clone())
     }
-}
-
-/// Opens a matrix and reports what it is.
-pub fn open(label: &str, path: &Path, columns: Option<Range<usize>>) -> Result<Source> {
-    let start = Instant::now();
-    let source = Source::open(path, columns)?;
-    let (m, n) = source.shape();
-    let how = match source.is_file() {
-        true => "read by blocks".into(),
-        false => format!("read in {}", seconds(start.elapsed())),
-    };
-    let (name, kind) = (path.display(), source.kind());
-    report(format_args!("{label:10}{name}: {m} x {n}, {kind}, {how}"))?;
-    Ok(source)
 }
 
 /// One pass over the rows of a table.
@@ -121,7 +105,7 @@ impl<'a> Pass<'a> {
             None => None,
         };
         if ranks.size() > 1 {
-            report(format_args!("ranks     {}, each with its part of the rows", ranks.size()))?;
+            ranks.report()?;
         }
         Ok(Self { args, ranks, table, weights, centered })
     }
@@ -162,7 +146,8 @@ impl<'a> Pass<'a> {
         let gram = sum
             .finish_extended(self.args.par())
             .with_context(|| self.args.input.display().to_string())?;
-        report(format_args!("time      {} for A^T A", seconds(start.elapsed())))?;
+        let time = start.elapsed();
+        status!("time", seconds = time.as_secs_f64(); "{} for A^T A", seconds(time))?;
         Ok(Some(gram))
     }
 

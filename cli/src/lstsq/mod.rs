@@ -11,10 +11,12 @@ use catamaran::io::Output;
 use clap::ArgGroup;
 
 use self::output::Solution;
-use crate::gram::{GramArgs, Pass, Table, open};
+use crate::common::HEADING;
+use crate::gram::{GramArgs, Pass, Table};
 use crate::output as files;
 use crate::ranks::Ranks;
-use crate::report::note;
+use crate::report::{note, use_json};
+use crate::rows::open;
 
 /// Solve min |W^(1/2) (A X - B)|^2 + L |X|^2 for tall A (m x n) and B (m x k) in files.
 ///
@@ -58,13 +60,21 @@ pub struct Args {
     /// Write the arrays to this .npz file, .h5 where HDF5 is built in, or as text to .json.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write the result, with the names of columns, to this .json file.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    /// Without FILE: print a JSON object a line on stdout (JSON Lines) instead of text. With FILE:
+    /// write the result, with the names of columns, to this .json file.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, help_heading = HEADING)]
+    json: Option<Option<PathBuf>>,
+    /// `--json` without FILE, whatever follows.
+    // Stands in for the option of all commands, which has the name of the one above.
+    #[arg(long, hide = true)]
+    json_lines: bool,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if matches!(args.json, Some(None)) {
+        use_json();
+    }
     let ranks = Ranks::join()?;
     let done = run_as(args, &ranks);
     ranks.end(done)
@@ -110,15 +120,18 @@ fn start(args: &Args) -> Result<Outputs> {
     let mut outputs = Outputs::default();
     if let Some(path) = &args.output {
         match is_json(path) {
-            true => outputs.json[0] = Some(files::create(path, force)?),
+            true => outputs.json[0] = Some(force.create(path)?),
             false => outputs.arrays = Some(files::arrays(path, force)?),
         }
     }
-    if let Some(path) = &args.json {
+    if let Some(Some(path)) = &args.json {
         if !is_json(path) {
-            bail!("{}: must be called .json", path.display());
+            bail!(
+                "{}: must be called .json (to print JSON Lines, give --json last)",
+                path.display()
+            );
         }
-        outputs.json[1] = Some(files::create(path, force)?);
+        outputs.json[1] = Some(force.create(path)?);
     }
     Ok(outputs)
 }

@@ -8,7 +8,7 @@ use catamaran::gram::LeastSquares;
 use catamaran::io::{Array, Output, write_arrays};
 
 use crate::gram::SHOWN;
-use crate::report::report;
+use crate::report::{head, report, row, shown, status};
 
 /// A solution, and what its columns are called.
 pub struct Solution {
@@ -31,17 +31,18 @@ impl Solution {
         for q in 0..self.targets.len() {
             self.print_target(q)?;
         }
-        report(format_args!("rows      {}", self.rows))?;
-        report(format_args!("rank      {} of {} columns", found.rank, self.columns.len()))?;
-        report(format_args!("freedom   {} degrees", found.degrees_of_freedom))?;
-        report(format_args!("condition {:.3e}", found.condition))?;
+        let (rank, n, freedom) = (found.rank, self.columns.len(), found.degrees_of_freedom);
+        report!("rows", count = self.rows; "{}", self.rows)?;
+        report!("rank", rank = rank, columns = n; "{rank} of {n} columns")?;
+        report!("freedom", degrees_of_freedom = freedom; "{freedom} degrees")?;
+        report!("condition", condition = found.condition; "{:.3e}", found.condition)?;
         // Rounded down: no more than there are.
         let digits = (10.0 * found.digits).floor() / 10.0;
-        report(format_args!("digits    {digits:.1} of the coefficients to trust"))
+        report!("digits", digits = digits; "{digits:.1} of the coefficients to trust")
     }
 
     fn print_target(&self, q: usize) -> Result<()> {
-        let found = &self.found;
+        let (found, target) = (&self.found, &self.targets[q]);
         let constant =
             self.intercept.then(|| ("intercept", found.intercepts[q], found.intercept_errors[q]));
         let coefficients = self.columns.iter().enumerate().map(|(j, name)| {
@@ -51,22 +52,36 @@ impl Solution {
         let width = lines.clone().take(SHOWN).map(|line| line.0.chars().count()).max();
         let width = width.unwrap_or(0).max("column".len());
         if self.targets.len() > 1 {
-            report(format_args!("target    {}", self.targets[q]))?;
+            head(format_args!("{:12}{target}", "target"))?;
         }
-        let head = ["coefficient", "standard error", "t"];
-        let [value, error, t] = head;
-        report(format_args!("{:width$}  {value:>23}  {error:>14}  {t:>12}", "column"))?;
-        for (name, value, error) in lines.clone().take(SHOWN) {
+        let [value, error, t] = ["coefficient", "standard error", "t"];
+        head(format_args!("{:width$}  {value:>23}  {error:>14}  {t:>12}", "column"))?;
+        for (name, value, error) in lines.clone().take(shown(SHOWN)) {
             let t = ratio(value, error);
-            report(format_args!("{name:width$}  {value:>23.15e}  {error:>14.6e}  {t:>12}"))?;
+            row!(
+                "coefficient",
+                target = target,
+                column = name,
+                value = value,
+                standard_error = error,
+                t = value / error;
+                "{name:width$}  {value:>23.15e}  {error:>14.6e}  {t:>12}"
+            )?;
         }
         let count = lines.count();
         if count > SHOWN {
-            report(format_args!("... and {} more", count - SHOWN))?;
+            head(format_args!("... and {} more", count - SHOWN))?;
         }
         let about = if self.intercept { "" } else { " about zero" };
-        report(format_args!("R^2       {:.15}{about}", found.r_squared[q]))?;
-        report(format_args!("residual  norm {:.15e}", found.residual_norms[q]))
+        let (r_squared, norm) = (found.r_squared[q], found.residual_norms[q]);
+        report!(
+            "r_squared": "R^2",
+            target = target,
+            r_squared = r_squared,
+            about_zero = !self.intercept;
+            "{r_squared:.15}{about}"
+        )?;
+        report!("residual", target = target, norm = norm; "norm {norm:.15e}")
     }
 
     /// Writes all of it as arrays, in the format of the name.
@@ -95,7 +110,7 @@ impl Solution {
             ("digits", Array::Vector(&digits)),
         ]);
         write_arrays(output, &arrays)?;
-        report(format_args!("written   {path}"))
+        status!("written", path = path; "{path}")
     }
 
     /// Writes all of it as text.
@@ -103,7 +118,7 @@ impl Solution {
         let path = output.path().display().to_string();
         output.write_all(self.json().as_bytes()).map_err(|e| output.error(e))?;
         output.commit()?;
-        report(format_args!("written   {path}"))
+        status!("written", path = path; "{path}")
     }
 
     fn json(&self) -> String {

@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::io::Overwrite;
 use catamaran::mesh::{Normalization, TriMesh};
 use catamaran::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
@@ -18,12 +17,13 @@ use catamaran::texture::newton::{
 use catamaran::texture::slime;
 use clap::ValueEnum;
 
+use crate::common::{Force, Threads};
 use crate::device::{self, Device, DeviceArgs};
 use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{PictureArgs, frame_rate};
 use crate::progress::Bar;
-use crate::report::{note, report, seconds};
+use crate::report::{note, seconds, status};
 pub use output::colors;
 use output::{Drawing, Outputs};
 pub use voxels::surfaces;
@@ -142,14 +142,12 @@ pub struct Args {
     repair: MeshArgs,
     #[command(flatten)]
     device: DeviceArgs,
-    /// Threads of the processor; all cores by default.
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Of a polynomial, the highest power first.
@@ -177,7 +175,6 @@ enum Stuff {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let options = options(args)?;
     let newton = Newton::new(&options)?;
     let device = args.device.open()?;
@@ -185,9 +182,9 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(basins) = &args.basins {
         basins.of(&newton)?;
     }
-    let mut outputs = Outputs::create(args, overwrite)?;
+    let mut outputs = Outputs::create(args)?;
     let drawing = drawing(args)?;
-    let par = args.threads.map_or(Par::all(), Par::Threads);
+    let par = args.threads.par();
     let bar = Bar::new("newton");
     let update = |fraction| bar.update(fraction);
     let all = fourth_coordinates(args);
@@ -205,14 +202,19 @@ pub fn run(args: &Args) -> Result<()> {
     }
     outputs.finish()?;
     drop(bar);
-    report(format_args!(
-        "points    {points} on {}, {} iterations, {}",
-        device.as_ref().map_or("cpu", device::name),
-        args.iterations,
+    let (device, iterations) = (device.as_ref().map_or("cpu", device::name), args.iterations);
+    status!(
+        "points",
+        count = points,
+        device = device,
+        iterations = iterations,
+        seconds = time.as_secs_f64();
+        "{points} on {device}, {iterations} iterations, {}",
         seconds(time)
-    ))?;
+    )?;
     for path in Outputs::names(args) {
-        report(format_args!("written   {}", path.display()))?;
+        let path = path.display().to_string();
+        status!("written", path = path; "{path}")?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::MatRef;
-use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::io::{self as files, Output};
 use catamaran::mesh::TriMesh;
 use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
 use catamaran::texture::newton::{
@@ -152,9 +152,9 @@ pub struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    pub fn create(args: &'a Args, overwrite: Overwrite) -> Result<Self> {
+    pub fn create(args: &'a Args) -> Result<Self> {
         let rate = args.fps.unwrap_or(RATE);
-        let create = |path: &Path| Frames::create(path, args.frames, rate, overwrite);
+        let create = |path: &Path| Frames::create(path, args.frames, rate, args.force);
         Ok(Self {
             args,
             output: args.output.as_deref().map(create).transpose()?,
@@ -232,12 +232,15 @@ impl<'a> Outputs<'a> {
         let shown = basins.as_deref().unwrap_or(&all);
         if let (true, Some(path)) = (args.draws_surface(), &args.output) {
             let file = voxels::surfaces(newton, grid, fractal, shown, par, progress)?;
-            report(format_args!(
-                "surface   {} vertices, {} faces, volume {:.6}",
-                file.mesh.vertices().len(),
-                file.mesh.faces().len(),
-                file.mesh.volume()
-            ))?;
+            let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
+            let volume = file.mesh.volume();
+            report!(
+                "surface",
+                vertices = vertices,
+                faces = faces,
+                volume = volume;
+                "{vertices} vertices, {faces} faces, volume {volume:.6}"
+            )?;
             let byte = |c: f64| (255.0 * c).round() as u8;
             let colors = file.colors.iter().flatten();
             let colors: Vec<_> = colors.map(|&[r, g, b, _]| [r, g, b].map(byte)).collect();

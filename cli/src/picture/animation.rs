@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use anyhow::{Context, Result, bail};
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::Output;
 
 use super::image::Image;
+use crate::common::Force;
 
 /// Frames a second of an animation, by default.
 pub const RATE: f64 = 12.0;
@@ -58,23 +59,18 @@ impl Frames {
     /// Starts the files for the frames: an animation if `path` is called like one, else one file a
     /// frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame, called
     /// `path`.
-    pub fn create(
-        path: &Path,
-        count: Option<usize>,
-        rate: f64,
-        overwrite: Overwrite,
-    ) -> Result<Self> {
+    pub fn create(path: &Path, count: Option<usize>, rate: f64, force: Force) -> Result<Self> {
         if let Some(format) = Format::of(path) {
             let name = path.display();
             let Some(count) = count else { bail!("{name}: an animation needs --frames") };
             if count == 0 {
                 bail!("{name}: an animation has at least one frame");
             }
-            let output = Output::create(path, overwrite)?;
+            let output = force.create(path)?;
             return Ok(Self::Animation(Animation::new(output, format, count, rate)));
         }
-        let files = names(path, count).into_iter().map(|path| Output::create(&path, overwrite));
-        Ok(Self::Files(files.collect::<catamaran::Result<Vec<_>>>()?.into_iter()))
+        let files = names(path, count).into_iter().map(|path| force.create(&path));
+        Ok(Self::Files(files.collect::<Result<Vec<_>>>()?.into_iter()))
     }
 
     /// The file of the next frame.

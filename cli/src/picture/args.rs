@@ -1,13 +1,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::Output;
 use catamaran::mesh::TriMesh;
 
 use super::color::ColorScale;
 use super::image::Image;
 use super::mesh::up::guess;
 use super::mesh::{Paint, Panel, Scene, Up, View, render};
+use crate::common::Force;
+use crate::report::status;
 
 /// A picture of meshes, beside what a subcommand computes.
 #[derive(clap::Args)]
@@ -30,12 +32,12 @@ type Panels<'a> = [(&'a TriMesh, Paint<'a>, &'a str)];
 
 impl PictureArgs {
     /// Begins the picture, if there shall be one.
-    pub fn create(&self, overwrite: Overwrite) -> Result<Option<Output>> {
+    pub fn create(&self, force: Force) -> Result<Option<Output>> {
         let Some(path) = &self.picture else { return Ok(None) };
         if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: a picture must be called .png", path.display());
         }
-        Ok(Some(Output::create(path, overwrite)?))
+        force.create(path).map(Some)
     }
 
     /// Draws meshes side by side, all from the same side. The first and the name of its file,
@@ -83,6 +85,6 @@ impl PictureArgs {
     ) -> Result<()> {
         let path = output.path().display().to_string();
         self.image(source, panels, scene)?.write_png(output)?;
-        crate::report::report(format_args!("picture   {path}"))
+        status!("picture", path = path; "{path}")
     }
 }

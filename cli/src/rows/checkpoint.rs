@@ -8,9 +8,10 @@ use catamaran::ata::Accumulator;
 use catamaran::blas::BlasReal;
 use catamaran::io::{self as files, Output, Overwrite};
 
+use crate::common::Force;
 use crate::parse;
 use crate::ranks::Ranks;
-use crate::report::{complain, report};
+use crate::report::{complain, status};
 
 /// Where sums are kept, and when.
 #[derive(clap::Args)]
@@ -54,9 +55,9 @@ impl CheckpointArgs {
 
     /// Refuses a file that is there, unless it is gone on from or replaced, and one that can't be
     /// written.
-    pub fn check(&self, ranks: &Ranks, force: bool) -> Result<()> {
+    pub fn check(&self, ranks: &Ranks, force: Force) -> Result<()> {
         let Some(path) = self.path(ranks) else { return Ok(()) };
-        if !force && !self.resume && path.symlink_metadata().is_ok() {
+        if !force.is_given() && !self.resume && path.symlink_metadata().is_ok() {
             bail!(
                 "{}: exists already (--force replaces it, --resume goes on from it)",
                 path.display()
@@ -127,7 +128,8 @@ fn resume<T: BlasReal>(
     labels: &[(String, String)],
 ) -> Result<Option<Accumulator<T>>> {
     if path.symlink_metadata().is_err() {
-        report(format_args!("resumed   no {}: from the first row", path.display()))?;
+        let name = path.display().to_string();
+        status!("resumed", path = name, row = 0; "no {name}: from the first row")?;
         return Ok(None);
     }
     let sum = files::read_accumulator::<T>(path)?;
@@ -136,6 +138,7 @@ fn resume<T: BlasReal>(
         bail!("{}: not of all of C", path.display());
     }
     let (rows, all) = (sum.rows(), sum.expected_rows());
-    report(format_args!("resumed   {}: row {rows} of {all}", path.display()))?;
+    let name = path.display().to_string();
+    status!("resumed", path = name, row = rows, rows = all; "{name}: row {rows} of {all}")?;
     Ok(Some(sum))
 }

@@ -5,4 +5,4 @@ mod checkpoint;
 mod source;
 
 pub use checkpoint::CheckpointArgs;
-pub use source::{Part, Source, Watched, fingerprint, read_weights};
+pub use source::{Part, Source, Watched, fingerprint, open, read_weights};

@@ -4,6 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{DenseRows, RowBlocks};
@@ -15,6 +16,7 @@ use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRo
 
 use crate::input;
 use crate::progress::Bar;
+use crate::report::{seconds, status};
 
 /// The matrix A.
 pub struct Source {
@@ -27,6 +29,28 @@ pub struct Source {
 enum Content {
     File(RowFile),
     Whole(Matrix),
+}
+
+/// Opens a matrix and reports what it is.
+pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> Result<Source> {
+    let start = Instant::now();
+    let source = Source::open(path, columns)?;
+    let (m, n) = source.shape();
+    let time = (!source.is_file()).then(|| start.elapsed());
+    let how = time.map_or("read by blocks".into(), |time| format!("read in {}", seconds(time)));
+    let (path, kind) = (path.display().to_string(), source.kind());
+    status!(
+        "matrix": label,
+        name = label,
+        path = path,
+        rows = m,
+        columns = n,
+        scalar = if source.is_single() { "f32" } else { "f64" },
+        nonzeros = source.sparse().map(|sparse| sparse.nnz()),
+        seconds = time.map(|time| time.as_secs_f64());
+        "{path}: {m} x {n}, {kind}, {how}"
+    )?;
+    Ok(source)
 }
 
 /// Rows that a thread may read.

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as meshes, Attribute, Material, MeshFile, Picture};
 use catamaran::texture::{Finish, Look, MaterialMaps, Preset};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Deserialize;
 
 use super::images;
+use crate::common::Force;
 
 /// The mesh in its material.
 pub const MODEL: &str = "material.glb";
@@ -41,6 +42,12 @@ struct FinishConfig {
     metalness: Option<f64>,
     height: Option<f64>,
     glow: Option<f64>,
+}
+
+/// The names of looks, on the command line.
+pub fn parser() -> impl TypedValueParser<Value = Preset> {
+    let names = Preset::ALL.map(|(name, _)| name);
+    PossibleValuesParser::new(names).try_map(|name| named(&name))
 }
 
 /// The look of a name.
@@ -125,10 +132,10 @@ pub fn write(
     mesh: &MeshFile,
     name: &str,
     folder: &Path,
-    overwrite: Overwrite,
+    force: Force,
 ) -> Result<()> {
     let size = maps.size;
-    let create = |name: &str| Output::create(&folder.join(name), overwrite);
+    let create = |name: &str| force.create(&folder.join(name));
     let albedo = Picture::rgb(size, &maps.albedo)?;
     let height = Picture::gray16(size, &maps.height)?;
     let normal = Picture::rgb(size, &maps.normal)?;

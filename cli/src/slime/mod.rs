@@ -10,24 +10,24 @@ mod view;
 
 use std::fs::{self, File};
 use std::io::{BufReader, Write};
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::io::{Output, Overwrite};
+use catamaran::Error;
+use catamaran::io::Output;
 use catamaran::mesh::io::{Attribute, Labels, MeshFile};
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
 use catamaran::texture::{Look, MaterialMaps, Preset};
-use catamaran::{Error, Par};
 
+use crate::common::{Force, Threads};
 use crate::device::DeviceArgs;
 use crate::input::{self, MeshArgs};
 use crate::output;
 use crate::picture::{Image, Projection, Up, View, guess_up};
 use crate::progress::Bar;
-use crate::report::{complain, report, seconds};
+use crate::report::{note, report, seconds, status};
 use crate::signals;
 pub use curves::chart;
 use material::LookConfig;
@@ -92,7 +92,7 @@ pub struct Args {
     /// the mesh in them, which glTF viewers show: with the look of the configuration, or
     /// --material=LOOK: strands, marble, gold, wood, engraved or lava (which writes glow.png, too)
     /// [default: strands].
-    #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::named)]
+    #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::parser())]
     material: Option<Option<Preset>>,
     /// Draw the mesh in its last texture, or in its material, to this .png file.
     #[arg(long, value_name = "FILE")]
@@ -119,17 +119,14 @@ pub struct Args {
     repair: MeshArgs,
     #[command(flatten)]
     device: DeviceArgs,
-    /// Threads; all cores unless given. The result does not depend on it.
-    #[arg(long, value_name = "NUMBER")]
-    threads: Option<NonZeroUsize>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let (options, look) = args.options()?;
     let (frames, files) = args.frames(options.species, look.as_ref())?;
     let file = match &args.mesh {
@@ -148,8 +145,8 @@ pub fn run(args: &Args) -> Result<()> {
     let device = args.device.open()?;
     let mut on_device =
         device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
-    let outputs = Outputs::create(args, overwrite)?;
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let outputs = Outputs::create(args)?;
+    let par = args.threads.par();
     let time_at = |step: u32| f64::from(step) * options.time_step;
     let mut moments = vec![(time_at(first), simulation.coverage(par))];
     let start = Instant::now();
@@ -172,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
             if let Some(kernels) = &on_device {
                 kernels.give_back(&mut simulation)?;
             }
-            let create = |name| Output::create(&args.output.join(name), overwrite);
+            let create = |name: String| args.force.create(&args.output.join(name));
             let files = frame_names(done, args.steps, options.species).into_iter().map(create);
             images::write(&simulation, files.collect::<Result<_, _>>()?)?;
         }
@@ -191,7 +188,7 @@ pub fn run(args: &Args) -> Result<()> {
         simulation.save(&mut output).map_err(|e| output.error(e))?;
         let path = output.path().display().to_string();
         output.commit()?;
-        report(format_args!("state     {path}: after {done} steps"))?;
+        status!("state", path = path, steps = done; "{path}: after {done} steps")?;
     }
     drop(whole_steps);
     ended?;
@@ -203,7 +200,7 @@ pub fn run(args: &Args) -> Result<()> {
     write_material(outputs.material, frame, look.as_ref())?;
     let maps = look.map(|look| MaterialMaps::new(&simulation, &look, par)).transpose()?;
     if let Some(maps) = &maps {
-        material::write(maps, &textured, MATERIAL_NAME, &args.output, overwrite)?;
+        material::write(maps, &textured, MATERIAL_NAME, &args.output, args.force)?;
     }
     if let Some(output) = outputs.coverage {
         output::chart(output, &chart(&moments))?;
@@ -212,17 +209,28 @@ pub fn run(args: &Args) -> Result<()> {
         args.draw(&file, &simulation, maps.as_ref())?.write_png(output)?;
     }
     if done > first {
-        report(format_args!(
-            "time      {}, {} a step",
+        let step = time / (done - first);
+        status!(
+            "time",
+            seconds = time.as_secs_f64(),
+            step_seconds = step.as_secs_f64();
+            "{}, {} a step",
             seconds(time),
-            seconds(time / (done - first))
-        ))?;
+            seconds(step)
+        )?;
     }
     for (s, c) in simulation.coverage(par).iter().enumerate() {
         let (coverage, presence) = (100.0 * c.coverage, 100.0 * c.presence);
-        report(format_args!("species {s} coverage {coverage:.2} %, presence {presence:.2} %"))?;
+        report!(
+            "species": &format!("species {s}"),
+            number = s,
+            coverage_percent = coverage,
+            presence_percent = presence;
+            "coverage {coverage:.2} %, presence {presence:.2} %"
+        )?;
     }
-    report(format_args!("written   {}: {} files", args.output.display(), files.len()))
+    let (folder, count) = (args.output.display().to_string(), files.len());
+    status!("written", path = folder, files = count; "{folder}: {count} files")
 }
 
 /// The files besides frames.
@@ -236,7 +244,7 @@ struct Outputs {
 }
 
 impl Outputs {
-    fn create(args: &Args, overwrite: Overwrite) -> Result<Self> {
+    fn create(args: &Args) -> Result<Self> {
         let of = |path: &Option<PathBuf>, ending: &str| -> Result<Option<Output>> {
             let Some(path) = path else { return Ok(None) };
             if !ending.is_empty()
@@ -244,14 +252,14 @@ impl Outputs {
             {
                 bail!("{}: must be called .{ending}", path.display());
             }
-            Ok(Some(Output::create(path, overwrite)?))
+            Ok(Some(args.force.create(path)?))
         };
         let (coverage, render) = (of(&args.coverage, "svg")?, of(&args.render, "png")?);
         let state = of(&args.state, "")?;
         fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
-        let table = Output::create(&args.output.join(TABLE), overwrite)?;
-        let mesh = Output::create(&args.output.join(MESH), overwrite)?;
-        let material = Output::create(&args.output.join(MATERIAL), overwrite)?;
+        let table = args.force.create(&args.output.join(TABLE))?;
+        let mesh = args.force.create(&args.output.join(MESH))?;
+        let material = args.force.create(&args.output.join(MATERIAL))?;
         Ok(Self { table, mesh, material, coverage, render, state })
     }
 }
@@ -278,11 +286,11 @@ impl Args {
             let loaded = config::load(path)?;
             if !loaded.without_effect.is_empty() {
                 let names = loaded.without_effect.join(", ");
-                complain(format_args!("{}: without effect here: {names}", path.display()));
+                note(format_args!("{}: without effect here: {names}", path.display()));
             }
             options = loaded.options;
             if loaded.look.is_some() && self.material.is_none() {
-                complain(format_args!("{}: [material] is for --material", path.display()));
+                note(format_args!("{}: [material] is for --material", path.display()));
             }
             look = loaded.look.unwrap_or_default();
         }
@@ -310,12 +318,7 @@ impl Args {
         let mut files: Vec<String> = frames.iter().flat_map(of).collect();
         files.extend([TABLE.into(), MESH.into(), MATERIAL.into()]);
         files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
-        if !self.force
-            && let Some(name) =
-                files.iter().find(|name| self.output.join(name).symlink_metadata().is_ok())
-        {
-            bail!("{}: exists already (--force replaces it)", self.output.join(name).display());
-        }
+        files.iter().try_for_each(|name| self.force.check(&self.output.join(name)))?;
         Ok((frames, files))
     }
 
@@ -348,7 +351,7 @@ impl Args {
         };
         let inside = fitted(uv);
         if inside != *uv {
-            complain(format_args!("texture coordinates are made to fit into 0 to 1"));
+            note(format_args!("texture coordinates are made to fit into 0 to 1"));
         }
         Surface::new(&file.mesh, &inside)
             .with_context(|| format!("{} (--atlas does without)", path.display()))
@@ -358,7 +361,7 @@ impl Args {
         let surface = self.surface(file, options.size)?;
         let folded = surface.flipped().len();
         if folded > 0 {
-            complain(format_args!(
+            note(format_args!(
                 "the texture is folded: {folded} triangles lie upside down in it, face {} first",
                 surface.flipped()[0]
             ));
@@ -370,20 +373,24 @@ impl Args {
         let mut charts = surface.charts().to_vec();
         charts.sort_unstable();
         charts.dedup();
-        report(format_args!(
-            "mesh      {} triangles, {} charts in the texture",
-            surface.len(),
-            charts.len()
-        ))?;
+        let (triangles, charts) = (surface.len(), charts.len());
+        status!(
+            "mesh",
+            triangles = triangles,
+            charts = charts;
+            "{triangles} triangles, {charts} charts in the texture"
+        )?;
         let simulation = Simulation::new(surface, options, &mask)?;
-        report(format_args!(
-            "slime     {} agents of {} species, {} x {} texels, {} MiB",
-            options.agents,
-            options.species,
-            options.size,
-            options.size,
+        let Options { agents, species, size, .. } = *options;
+        status!(
+            "slime",
+            agents = agents,
+            species = species,
+            size = size,
+            bytes = simulation.bytes();
+            "{agents} agents of {species} species, {size} x {size} texels, {} MiB",
             simulation.bytes() >> 20
-        ))?;
+        )?;
         Ok(simulation)
     }
 }

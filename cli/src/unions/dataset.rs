@@ -1,19 +1,18 @@
 //! `catamaran unions dataset`.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
-use catamaran::Par;
-use catamaran::io::{Output, Overwrite, check_arrays_name};
+use anyhow::{Context, Result};
+use catamaran::io::check_arrays_name;
 use catamaran_training::dataset::{
     Dataset, DatasetOptions, TEST_A, TEST_B, TRAIN, generate, write,
 };
 use clap::ValueEnum;
 
+use crate::common::{Force, Threads};
 use crate::progress::Bar;
-use crate::report::{report, seconds};
+use crate::report::{report, seconds, status};
 
 /// Generate shapes, cut parts out of them, and write the spectra of parts and of their unions.
 ///
@@ -57,12 +56,10 @@ pub struct Args {
     /// Bodies of random bones to train on.
     #[arg(long, value_name = "NUMBER")]
     creatures: Option<usize>,
-    /// Threads; all cores by default.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// A size with a name.
@@ -77,22 +74,26 @@ enum Size {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     check_arrays_name(&args.output)?;
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    if !args.force && args.output.symlink_metadata().is_ok() {
-        bail!("{}: exists already (--force replaces it)", args.output.display());
-    }
+    args.force.check(&args.output)?;
     let options = options(args);
     let folder = parts(&args.output);
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let par = args.threads.par();
     let start = Instant::now();
     let bar = Bar::new("shapes");
     let update = |fraction| bar.update(fraction);
     let dataset = generate(&options, &folder, par, (&update).into())?;
     drop(bar);
-    write(&dataset, Output::create(&args.output, overwrite)?)?;
+    write(&dataset, args.force.create(&args.output)?)?;
     std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
     summary(&dataset)?;
-    report(format_args!("written   {} in {}", args.output.display(), seconds(start.elapsed())))
+    let (path, time) = (args.output.display().to_string(), start.elapsed());
+    status!(
+        "written",
+        path = path,
+        seconds = time.as_secs_f64();
+        "{path} in {}",
+        seconds(time)
+    )
 }
 
 fn options(args: &Args) -> DatasetOptions {
@@ -127,13 +128,16 @@ fn parts(output: &Path) -> PathBuf {
 fn summary(dataset: &Dataset) -> Result<()> {
     let samples = &dataset.samples;
     let of = |wanted: usize| samples.split.iter().filter(|&&split| split == wanted).count();
-    report(format_args!(
-        "samples   {}: {} to train on, {} of test A, {} of test B",
-        samples.split.len(),
-        of(TRAIN),
-        of(TEST_A),
-        of(TEST_B)
-    ))?;
-    report(format_args!("shapes    {}", dataset.shapes.area.len()))?;
-    report(format_args!("triples   {}", dataset.triples.mask.len()))
+    let (all, [train, test_a, test_b]) = (samples.split.len(), [TRAIN, TEST_A, TEST_B].map(of));
+    report!(
+        "samples",
+        count = all,
+        train = train,
+        test_a = test_a,
+        test_b = test_b;
+        "{all}: {train} to train on, {test_a} of test A, {test_b} of test B"
+    )?;
+    let (shapes, triples) = (dataset.shapes.area.len(), dataset.triples.mask.len());
+    report!("shapes", count = shapes; "{shapes}")?;
+    report!("triples", count = triples; "{triples}")
 }

@@ -5,12 +5,12 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use catamaran::io::{Output, Overwrite};
 use catamaran::unions::{K, interpolate};
 
 use super::parts::{PartArgs, report_ood};
+use crate::common::Force;
 use crate::picture::{Paint, PictureArgs};
-use crate::report::report;
+use crate::report::row;
 
 /// Interpolate between the spectra of two parts, and predict the union of each with a third one.
 ///
@@ -36,9 +36,8 @@ pub struct Args {
     /// Write the eigenvalues of the unions, a column each: .csv.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
@@ -46,9 +45,8 @@ pub fn run(args: &Args) -> Result<()> {
     if args.picture.path().is_some() && args.localize.is_none() {
         bail!("--picture draws where unions are: it needs --localize");
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.output.as_deref().map(|path| args.force.create(path)).transpose()?;
+    let picture = args.picture.create(args.force)?;
     let model = args.source.model()?;
     let read = |path: &PathBuf| Ok(args.source.read(path)?.1);
     let spectra: Vec<Vec<f64>> = args.parts.iter().map(read).collect::<Result<_>>()?;
@@ -62,11 +60,14 @@ pub fn run(args: &Args) -> Result<()> {
     let mut unions = Vec::new();
     for (t, parts) in times.iter().zip(&pairs) {
         let union = model.predict_all(parts)?;
-        report(format_args!(
+        row!(
+            "union",
+            t = t,
+            eigenvalues = union;
             "t = {t:.2}  eigenvalues from {:.4} to {:.4}",
             union[0],
             union[K - 1]
-        ))?;
+        )?;
         report_ood(model.ood_score(parts)?)?;
         unions.push(union);
     }

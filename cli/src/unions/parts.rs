@@ -8,7 +8,7 @@ use catamaran::mesh::{CloudOptions, LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
 
 use crate::input::MeshArgs;
-use crate::report::report;
+use crate::report::{report, row};
 
 /// What predicts, and on what.
 #[derive(clap::Args)]
@@ -50,7 +50,12 @@ impl PartArgs {
             let inside = on.indicator(&model.locate(parts)?)?;
             let count = inside.iter().filter(|x| **x > 0.5).count();
             let all = mesh.vertices().len();
-            report(format_args!("region    {count} of {all} vertices of the template"))?;
+            report!(
+                "region",
+                vertices = count,
+                template_vertices = all;
+                "{count} of {all} vertices of the template"
+            )?;
             Ok((mesh.clone(), inside.iter().map(|x| x.clamp(0.0, 1.0)).collect()))
         };
         unions.iter().map(locate).collect()
@@ -72,7 +77,7 @@ pub fn report_ood(score: f64) -> Result<()> {
     } else {
         "like the training data"
     };
-    report(format_args!("out-of-distribution score {score:.2}: {verdict}"))
+    row!("ood_score", score = score; "out-of-distribution score {score:.2}: {verdict}")
 }
 
 fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {

@@ -4,13 +4,13 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::TriMesh;
 use catamaran::unions::K;
 
 use super::parts::{PartArgs, report_ood};
+use crate::common::Force;
 use crate::picture::{PLAIN, Paint, PictureArgs};
-use crate::report::report;
+use crate::report::{head, row};
 
 /// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
 ///
@@ -33,9 +33,8 @@ pub struct Args {
     /// Write the eigenvalues of the parts and of the union, in columns: .csv.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
@@ -43,9 +42,8 @@ pub fn run(args: &Args) -> Result<()> {
     if args.parts.len() < 2 {
         bail!("a union is of two parts or more");
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.output.as_deref().map(|path| args.force.create(path)).transpose()?;
+    let picture = args.picture.create(args.force)?;
     let model = args.source.model()?;
     let (meshes, spectra): (Vec<TriMesh>, Vec<Vec<f64>>) = args
         .parts
@@ -62,12 +60,20 @@ pub fn run(args: &Args) -> Result<()> {
         header += &format!(",part {part}");
     }
     header += ",union";
-    let row =
+    let values =
         |i: usize| -> Vec<f64> { parts.iter().map(|part| part[i]).chain([union[i]]).collect() };
-    report(format_args!("{}", header.replace(',', "     ")))?;
+    head(format_args!("{}", header.replace(',', "     ")))?;
     for i in 0..K {
-        let cells: String = row(i).iter().map(|x| format!(" {x:>10.4}")).collect();
-        report(format_args!("{:>4}  {cells}", i + 1))?;
+        let cells: String = values(i).iter().map(|x| format!(" {x:>10.4}")).collect();
+        let of_parts: Vec<f64> = parts.iter().map(|part| part[i]).collect();
+        row!(
+            "eigenvalue",
+            number = i + 1,
+            parts = of_parts,
+            union = union[i];
+            "{:>4}  {cells}",
+            i + 1
+        )?;
     }
     report_ood(ood_score)?;
     let localized =
@@ -82,7 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(mut output) = output {
         let lines: String = (0..K)
             .map(|i| {
-                let cells: String = row(i).iter().map(|x| format!(",{x}")).collect();
+                let cells: String = values(i).iter().map(|x| format!(",{x}")).collect();
                 format!("{}{cells}\n", i + 1)
             })
             .collect();

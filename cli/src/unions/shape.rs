@@ -1,20 +1,18 @@
 //! `catamaran unions shape`.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::MeshFile;
 use catamaran::spectral::{ShapeOptions, shape_from_spectrum};
 
+use crate::common::{Force, Threads};
 use crate::input::MeshArgs;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
-use crate::report::{note, report};
+use crate::report::{note, report, status};
 use crate::shape::dense;
 
 /// Deform a mesh until it has a given spectrum: the shape of a predicted union.
@@ -47,19 +45,16 @@ pub struct Args {
     repair: MeshArgs,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Threads; all cores by default. The result does not depend on the number.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let output = Output::create(&args.output, overwrite)?;
-    let picture = args.picture.create(overwrite)?;
+    let output = args.force.create(&args.output)?;
+    let picture = args.picture.create(args.force)?;
     let template = args.repair.read(&args.template)?.mesh;
     let table = dense(&args.spectrum)?;
     let named = || args.spectrum.display().to_string();
@@ -71,13 +66,14 @@ pub fn run(args: &Args) -> Result<()> {
     let options = ShapeOptions::new()
         .steps(args.steps)
         .tolerance(args.tolerance)
-        .par(args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())))
+        .par(args.threads.par())
         .progress(Progress::new(&update));
     let found = shape_from_spectrum(&template, &wanted, &options)
         .with_context(|| args.template.display().to_string())?;
     drop(bar);
-    report(format_args!("steps     {}", found.steps))?;
-    report(format_args!("error     {:.3} % of the eigenvalues, in the mean", 100.0 * found.error))?;
+    let (steps, error) = (found.steps, 100.0 * found.error);
+    report!("steps", count = steps; "{steps}")?;
+    report!("error", mean_percent = error; "{error:.3} % of the eigenvalues, in the mean")?;
     if found.error > args.tolerance {
         let wanted = 100.0 * args.tolerance;
         note(format_args!("the eigenvalues are not within {wanted} % after the last step"));
@@ -87,5 +83,6 @@ pub fn run(args: &Args) -> Result<()> {
         args.picture.draw(picture, &args.template, &panels)?;
     }
     output::mesh(output, &MeshFile::from(found.mesh))?;
-    report(format_args!("written   {}", args.output.display()))
+    let path = args.output.display().to_string();
+    status!("written", path = path; "{path}")
 }

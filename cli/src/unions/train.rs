@@ -1,7 +1,6 @@
 //! `catamaran unions train`.
 
 use std::io::Write as _;
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -16,9 +15,10 @@ use catamaran_training::transformer::{Losses, Transformer, TransformerOptions};
 use clap::ValueEnum;
 
 use super::curve;
+use crate::common::{Force, Threads};
 use crate::output;
 use crate::progress;
-use crate::report::report;
+use crate::report::{report, status};
 use crate::signals;
 
 /// Between two writes of the state, at least: what a stop amid an epoch loses besides the epoch.
@@ -75,12 +75,10 @@ pub struct Args {
     /// Seed of everything random.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
-    /// Threads; all cores by default.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-    /// Replace files that exist.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Kinds of networks.
@@ -102,10 +100,10 @@ pub fn run(args: &Args) -> Result<()> {
     let [state_path, curve_path] = [".state.npz", ".svg"].map(|end| beside(&args.output, end));
     let files = [&args.output, &state_path, &curve_path];
     let there = files.into_iter().find(|path| path.symlink_metadata().is_ok());
-    if let Some(path) = there.filter(|_| !args.force && !args.resume) {
+    if let Some(path) = there.filter(|_| !args.force.is_given() && !args.resume) {
         bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
     }
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let par = args.threads.par();
     let examples = examples(args, par)?;
     let (options, state) = if args.resume {
         let (mut options, state) = read_state(&state_path)?;
@@ -115,7 +113,8 @@ pub fn run(args: &Args) -> Result<()> {
         (options(args, examples.regions.modes()), None)
     };
     let mut trainer = Trainer::new(examples, options, state, par)?;
-    report(format_args!("network   {} parameters", trainer.state().parameters.len()))?;
+    let parameters = trainer.state().parameters.len();
+    status!("network", parameters = parameters; "{parameters} parameters")?;
     let save = |trainer: &Trainer| -> Result<()> {
         let _whole = signals::finish_first();
         let create = |path: &Path| Output::create(path, Overwrite::Replace);
@@ -138,19 +137,27 @@ pub fn run(args: &Args) -> Result<()> {
         }
         cancelled?;
         let epoch = trainer.epoch()?;
-        report(format_args!(
-            "epoch     {}: error {:.3} %, of those to choose by {:.3} %, {:.0} s",
-            trainer.state().history.len(),
-            100.0 * epoch.training,
-            100.0 * epoch.validation,
-            start.elapsed().as_secs_f64()
-        ))?;
+        let (number, time) = (trainer.state().history.len(), start.elapsed().as_secs_f64());
+        let [training, validation] = [epoch.training, epoch.validation].map(|error| 100.0 * error);
+        report!(
+            "epoch",
+            number = number,
+            training_error_percent = training,
+            validation_error_percent = validation,
+            seconds = time;
+            "{number}: error {training:.3} %, of those to choose by {validation:.3} %, {time:.0} s"
+        )?;
         if late() {
             break;
         }
     }
     save(&trainer)?;
-    report(format_args!("written   {}", args.output.display()))
+    tell_written(args)
+}
+
+fn tell_written(args: &Args) -> Result<()> {
+    let path = args.output.display().to_string();
+    status!("written", path = path; "{path}")
 }
 
 fn examples(args: &Args, par: Par) -> Result<Examples> {
@@ -159,12 +166,16 @@ fn examples(args: &Args, par: Par) -> Result<Examples> {
         dataset.retain_identities(count);
     }
     let examples = Examples::new(&dataset, par)?;
-    report(format_args!(
-        "data      {} pairs to learn from ({} with a part that is a union), {} to choose by",
-        examples.training.len(),
-        examples.composites.len(),
-        examples.validation.len()
-    ))?;
+    let (training, validation) = (examples.training.len(), examples.validation.len());
+    let composites = examples.composites.len();
+    status!(
+        "data",
+        training = training,
+        composites = composites,
+        validation = validation;
+        "{training} pairs to learn from ({composites} with a part that is a union), {validation} \
+         to choose by"
+    )?;
     Ok(examples)
 }
 
@@ -173,9 +184,8 @@ fn thesis(args: &Args) -> Result<()> {
     if args.resume {
         bail!("--resume: a training of the thesis' network can't go on");
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let output = Output::create(&args.output, overwrite)?;
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let output = args.force.create(&args.output)?;
+    let par = args.threads.par();
     let examples = examples(args, par)?;
     let defaults = TransformerOptions::default();
     let options = TransformerOptions {
@@ -187,17 +197,21 @@ fn thesis(args: &Args) -> Result<()> {
     let mut told = Ok(());
     let mut watch = |epoch: usize, Losses { training, validation }| {
         told = progress::check().map_err(anyhow::Error::from).and_then(|()| {
-            report(format_args!(
-                "epoch     {}: loss {training:.4}, of those to choose by {validation:.4}",
+            report!(
+                "epoch",
+                number = epoch + 1,
+                training_loss = training,
+                validation_loss = validation;
+                "{}: loss {training:.4}, of those to choose by {validation:.4}",
                 epoch + 1
-            ))
+            )
         });
         if told.is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let found = Transformer::train(&examples.training, &examples.validation, &options, &mut watch)?;
     told?;
     found.write(output)?;
-    report(format_args!("written   {}", args.output.display()))
+    tell_written(args)
 }
 
 /// The file called as the output with something behind it.

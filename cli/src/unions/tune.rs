@@ -1,21 +1,19 @@
 //! `catamaran unions tune`.
 
 use std::io::Write as _;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::TriMesh;
 use catamaran_training::train::Trainer;
 use catamaran_training::tune::{TuneOptions, family_examples, start};
 
 use super::parts::model;
+use crate::common::{Force, Threads};
 use crate::input::MeshArgs;
 use crate::progress::{self, Bar};
-use crate::report::report;
+use crate::report::{report, status};
 
 /// Fit the network of `unions predict` to a family of shapes, from 50 meshes or so.
 ///
@@ -48,12 +46,10 @@ pub struct Args {
     seed: u64,
     #[command(flatten)]
     repair: MeshArgs,
-    /// Threads; all cores by default. The result does not depend on the number.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Runs the subcommand.
@@ -61,8 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.pairs == 0 || args.epochs == 0 {
         bail!("--pairs and --epochs must be at least 1");
     }
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let mut output = Output::create(&args.output, overwrite)?;
+    let mut output = args.force.create(&args.output)?;
     let base = model(args.weights.as_deref())?;
     let read = |path: &PathBuf| Ok(args.repair.read(path)?.mesh);
     let meshes: Vec<TriMesh> = args.meshes.iter().map(read).collect::<Result<_>>()?;
@@ -73,28 +68,39 @@ pub fn run(args: &Args) -> Result<()> {
         seed: args.seed,
         ..TuneOptions::default()
     };
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let par = args.threads.par();
     let bar = Bar::new("parts");
     let update = |fraction| bar.update(fraction);
     let examples = family_examples(&meshes, &base, &options, par, Progress::new(&update))?;
     drop(bar);
-    report(format_args!(
-        "data      {} pairs to learn from, {} of meshes kept aside",
-        examples.training.len(),
-        examples.validation.len()
-    ))?;
+    let (training, aside) = (examples.training.len(), examples.validation.len());
+    status!(
+        "data",
+        training = training,
+        validation = aside;
+        "{training} pairs to learn from, {aside} of meshes kept aside"
+    )?;
     let (settings, state) = start(&base, &options);
     let mut trainer = Trainer::new(examples, settings, Some(state), par)?;
-    report(format_args!("before    error {:.3} %", 100.0 * trainer.best_error()))?;
+    let before = 100.0 * trainer.best_error();
+    report!("before", error_percent = before; "error {before:.3} %")?;
     for number in 1..=options.epochs {
         progress::check()?;
         let epoch = trainer.epoch()?;
         let [training, aside] = [epoch.training, epoch.validation].map(|x| 100.0 * x);
-        report(format_args!("epoch     {number}: error {training:.3} %, kept aside {aside:.3} %"))?;
+        report!(
+            "epoch",
+            number = number,
+            training_error_percent = training,
+            validation_error_percent = aside;
+            "{number}: error {training:.3} %, kept aside {aside:.3} %"
+        )?;
     }
-    report(format_args!("after     error {:.3} %", 100.0 * trainer.best_error()))?;
+    let after = 100.0 * trainer.best_error();
+    report!("after", error_percent = after; "error {after:.3} %")?;
     let bytes = trainer.model()?.to_bytes()?;
     output.write_all(&bytes).map_err(|e| output.error(e))?;
     output.commit()?;
-    report(format_args!("written   {}", args.output.display()))
+    let path = args.output.display().to_string();
+    status!("written", path = path; "{path}")
 }

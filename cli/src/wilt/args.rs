@@ -1,6 +1,5 @@
 //! The options of `catamaran wilt`, and what they ask for.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
@@ -9,13 +8,14 @@ use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{
     Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue, Wind, read_with,
 };
-use clap::ValueEnum;
+use clap::{ValueEnum, ValueHint};
 
 use super::fit;
 use super::simulation::{Film, Weather};
 use super::stiffness::{ByRadius, Kappa, tissue};
 use super::watering::{self, Pour};
-use crate::input;
+use crate::common::{Force, Threads};
+use crate::input::{self, TextFile};
 use crate::parse;
 
 /// Let a plant dry out, and bend as it does.
@@ -120,25 +120,24 @@ pub struct Args {
     /// on: the columns `time_h,weight_g`, with or without the pot, then `height_m` (of its highest
     /// point) and `node_12_m` (of node 12), any number of them or none. Writes fit.csv, fitted.csv
     /// and fit.svg, and lets nothing wilt. kappa needs heights: weights do not depend on it. With
-    /// --kappa by parts or radii, that of each is found.
+    /// --kappa by parts or radii, that of each is found. `-` is stdin.
     #[arg(
         long,
         value_name = "TABLE",
+        value_hint = ValueHint::FilePath,
         conflicts_with_all = ["motion", "animation", "cut", "weaken", "literal", "stomata", "soil"]
     )]
-    pub fit: Option<PathBuf>,
+    pub fit: Option<TextFile>,
     /// Kind of the meshes.
     #[arg(long, default_value = "ply")]
     mesh: Kind,
     /// The folder for all files.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Threads; all cores unless given. The result does not depend on it.
-    #[arg(long, value_name = "NUMBER")]
-    threads: Option<NonZeroUsize>,
-    /// Replace files that exist.
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    pub force: Force,
 }
 
 /// Kinds of mesh files.
@@ -257,7 +256,7 @@ impl Args {
     }
 
     fn par(&self) -> Par {
-        self.threads.map_or_else(Par::all, |n| Par::Threads(n.get()))
+        self.threads.par()
     }
 
     /// When each frame is in a film, in seconds.

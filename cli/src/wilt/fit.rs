@@ -1,7 +1,7 @@
 //! `wilt --fit`: the constants of a plant from what was weighed.
 
-use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::io::Write;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
@@ -9,9 +9,10 @@ use catamaran::io::Output;
 use catamaran::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit};
 use catamaran_charts::{Axis, Chart, Line, Series};
 
+use crate::input::TextFile;
 use crate::output;
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::{head, report};
 
 /// A gram per hour in kg per second.
 const GRAM_PER_HOUR: f64 = 1.0 / 3.6e6;
@@ -30,13 +31,11 @@ enum Column {
 }
 
 /// Reads `time_h,weight_g`, and in more columns heights: `height_m`, `node_12_m`.
-pub fn read(path: &Path) -> Result<Measurements> {
-    let name = path.display();
-    let file = std::fs::File::open(path).with_context(|| name.to_string())?;
+pub fn read(table: &TextFile) -> Result<Measurements> {
+    let (text, name) = (table.read()?, table.name());
     let mut measured = Measurements::default();
     let mut columns = Vec::new();
-    for (i, line) in BufReader::new(file).lines().enumerate() {
-        let line = line.with_context(|| name.to_string())?;
+    for (i, line) in text.lines().enumerate() {
         let cells: Vec<&str> = line.trim().split(',').map(str::trim).collect();
         if i == 0 {
             columns = header(&cells, &mut measured).with_context(|| format!("{name}: line 1"))?;
@@ -107,31 +106,54 @@ pub fn run<'a>(
             e if e.is_infinite() => "not told by the measurements".into(),
             e => format!("+- {e:.2e}"),
         };
-        report(format_args!("{name:<9} {value:.6e} {unit}, {spread}"))?;
+        report!(
+            "constant": name,
+            name = name,
+            value = value,
+            standard_error = error,
+            unit = unit;
+            "{value:.6e} {unit}, {spread}"
+        )?;
     }
     let height = match found.steepness.is_empty() {
         false => format!(", {:.2} mm of a height", 1e3 * found.height_deviation),
         true => String::new(),
     };
-    report(format_args!("deviation {:.4} g of a weight{height}", 1e3 * found.weight_deviation))?;
+    let grams = 1e3 * found.weight_deviation;
+    report!(
+        "deviation",
+        weight_grams = grams,
+        height_millimeters = (!height.is_empty()).then(|| 1e3 * found.height_deviation);
+        "{grams:.4} g of a weight{height}"
+    )?;
     let others = others(&found, &classes);
     for (i, constants) in others.iter().enumerate() {
         let one = |(name, value, unit): &(&str, f64, &str)| match *unit {
             "1" => format!("{name} {value:.4e}"),
             unit => format!("{name} {value:.4} {unit}"),
         };
-        let constants: Vec<String> = constants.iter().map(one).collect();
-        report(format_args!("warning   minimum {} fits as well: {}", i + 2, constants.join(", ")))?;
+        let texts: Vec<String> = constants.iter().map(one).collect();
+        let values: BTreeMap<&str, f64> =
+            constants.iter().map(|&(name, value, _)| (name, value)).collect();
+        report!(
+            "minimum": "warning",
+            number = i + 2,
+            constants = values;
+            "minimum {} fits as well: {}",
+            i + 2,
+            texts.join(", ")
+        )?;
     }
     if !others.is_empty() {
-        report(format_args!("          standard errors are those of the first minimum alone"))?;
+        let what = "standard errors are those of the first minimum alone";
+        head(format_args!("{:12}{what}", ""))?;
     }
     Ok(Fitted { measured, found, classes })
 }
 
 impl Fitted<'_> {
     /// Writes the constants, the measurements beside the model, and a picture of these.
-    pub fn write(&self, file: impl Fn(&str) -> catamaran::Result<Output>) -> Result<()> {
+    pub fn write(&self, file: impl Fn(&str) -> Result<Output>) -> Result<()> {
         let mut text = "constant,value,standard_error,unit\n".to_string();
         for (name, Estimate { value, error }, unit) in constants(&self.found, &self.classes) {
             text += &format!("{name},{value},{error},{unit}\n");

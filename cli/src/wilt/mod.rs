@@ -10,19 +10,19 @@ mod strip;
 mod tables;
 mod watering;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as meshes, MeshFile};
-use catamaran::plant::tubes;
+use catamaran::plant::{Balance, tubes};
 
 use self::animation::write_animation;
 use self::watering::write_balance;
 use crate::output;
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::{report, status};
 pub use args::Args;
 pub use curves::chart;
+use simulation::Effort;
 pub use simulation::{Simulation, Weather, simulate};
 pub use strip::draw_strip;
 
@@ -31,18 +31,18 @@ const SIDES: usize = 6;
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let plant = args.plant()?;
     let names = args.names();
-    if !args.force
-        && let Some(name) =
-            names.iter().find(|name| args.output.join(name).symlink_metadata().is_ok())
-    {
-        bail!("{}: exists already (--force replaces it)", args.output.join(name).display());
-    }
+    names.iter().try_for_each(|name| args.force.check(&args.output.join(name)))?;
     let leaves = plant.segments().iter().filter(|s| s.leaf).count();
-    report(format_args!("plant     {} nodes, {leaves} of them on leaves", plant.len()))?;
-    let file = |name: &str| Output::create(&args.output.join(name), overwrite);
+    let nodes = plant.len();
+    status!(
+        "plant",
+        nodes = nodes,
+        leaves = leaves;
+        "{nodes} nodes, {leaves} of them on leaves"
+    )?;
+    let file = |name: &str| args.force.create(&args.output.join(name));
     let create_folder =
         || std::fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string());
     if let Some(table) = &args.fit {
@@ -51,48 +51,15 @@ pub fn run(args: &Args) -> Result<()> {
         let fitted = fit::run(&plant, &measured, args.fit_options(tissue), classes)?;
         create_folder()?;
         fitted.write(file)?;
-        return report(format_args!("written   {}: {} files", args.output.display(), names.len()));
+        return tell_written(args, names.len());
     }
     let bar = Bar::new("wilting");
     let simulation =
         simulate(&plant, &args.weather(&plant)?, Progress::new(&|done| bar.update(done)))?;
     drop(bar);
     let poses = &simulation.poses;
-    match &simulation.effort {
-        None => report(format_args!(
-            "frames    {}, of at most {} Newton iterations",
-            poses.len(),
-            simulation.iterations
-        ))?,
-        Some(effort) => {
-            report(format_args!(
-                "frames    {}, of {} steps of {:.4} s; segments at most {:.0e} m apart",
-                poses.len(),
-                effort.steps,
-                effort.step,
-                effort.largest_gap
-            ))?;
-            report(format_args!(
-                "step      {:.3} ms, of which {:.2} % are for the water",
-                effort.milliseconds,
-                100.0 * effort.water_share
-            ))?;
-        }
-    }
-    let [first, last] = [0, poses.len() - 1].map(|i| simulation.water[i].iter().sum::<f64>());
-    report(format_args!("water     {:.4} g, in the end {:.4} g", 1e3 * first, 1e3 * last))?;
-
-    let last = simulation.balance[poses.len() - 1];
-    if let Some(capacity) = simulation.capacity {
-        report(format_args!(
-            "soil      {:.4} g in the end, of {:.4} g; {:.4} g poured, {:.4} g more drained",
-            1e3 * last.soil,
-            1e3 * capacity,
-            1e3 * last.supplied,
-            1e3 * last.drained
-        ))?;
-    }
-    report(format_args!("leaves    lost {:.4} g", 1e3 * last.transpired))?;
+    tell_frames(&simulation)?;
+    tell_water(&simulation)?;
 
     // Everything is there before the first file appears.
     create_folder()?;
@@ -117,5 +84,68 @@ pub fn run(args: &Args) -> Result<()> {
     for (name, pose) in names.iter().filter(|name| name.starts_with("plant-")).zip(poses) {
         meshes::write(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
     }
-    report(format_args!("written   {}: {} files", args.output.display(), names.len()))
+    tell_written(args, names.len())
+}
+
+fn tell_written(args: &Args, files: usize) -> Result<()> {
+    let folder = args.output.display().to_string();
+    status!("written", path = folder, files = files; "{folder}: {files} files")
+}
+
+/// Reports how the frames were computed.
+fn tell_frames(simulation: &Simulation) -> Result<()> {
+    let (frames, iterations) = (simulation.poses.len(), simulation.iterations);
+    let Some(effort) = &simulation.effort else {
+        return status!(
+            "frames",
+            count = frames,
+            largest_iterations = iterations;
+            "{frames}, of at most {iterations} Newton iterations"
+        );
+    };
+    let Effort { steps, step, largest_gap, milliseconds, water_share } = *effort;
+    status!(
+        "frames",
+        count = frames,
+        steps = steps,
+        step_seconds = step,
+        largest_gap_meters = largest_gap;
+        "{frames}, of {steps} steps of {step:.4} s; segments at most {largest_gap:.0e} m apart"
+    )?;
+    let percent = 100.0 * water_share;
+    status!(
+        "step",
+        milliseconds = milliseconds,
+        water_percent = percent;
+        "{milliseconds:.3} ms, of which {percent:.2} % are for the water"
+    )
+}
+
+/// Reports where the water is in the end, and where it went.
+fn tell_water(simulation: &Simulation) -> Result<()> {
+    let end = simulation.poses.len() - 1;
+    let grams = |i: usize| 1e3 * simulation.water[i].iter().sum::<f64>();
+    let (first, last) = (grams(0), grams(end));
+    report!(
+        "water",
+        first_grams = first,
+        last_grams = last;
+        "{first:.4} g, in the end {last:.4} g"
+    )?;
+    let Balance { soil, transpired, supplied, drained, .. } = simulation.balance[end];
+    let [soil, transpired, supplied, drained] =
+        [soil, transpired, supplied, drained].map(|kilograms| 1e3 * kilograms);
+    if let Some(capacity) = simulation.capacity {
+        let capacity = 1e3 * capacity;
+        report!(
+            "soil",
+            last_grams = soil,
+            capacity_grams = capacity,
+            poured_grams = supplied,
+            drained_grams = drained;
+            "{soil:.4} g in the end, of {capacity:.4} g; {supplied:.4} g poured, {drained:.4} g \
+             more drained"
+        )?;
+    }
+    report!("leaves", lost_grams = transpired; "lost {transpired:.4} g")
 }

@@ -44,7 +44,7 @@ fn report_tells_shape_time_rate_check_and_files() {
     let (folder, _) = with_input(M, N);
     let report = folder.succeed("ata a.npy -o c.npy --verify");
     for part in
-        ["a.npy: 37 x 11, f64", "11 x 11, f64, both", "GFLOP/s", "check     passed", "c.npy"]
+        ["a.npy: 37 x 11, f64", "11 x 11, f64, both", "GFLOP/s", "check       passed", "c.npy"]
     {
         assert!(report.contains(part), "{part:?} in {report}");
     }
@@ -287,7 +287,7 @@ fn columns_are_half_open() {
 fn explain_prints_the_plan_before_computing() {
     let (folder, _) = with_input(M, N);
     let report = folder.succeed("ata a.npy --explain");
-    let plan = report.find("plan      C = A^T A, A 37 x 11, f64").expect("a plan");
+    let plan = report.find("plan        C = A^T A, A 37 x 11, f64").expect("a plan");
     assert!(plan < report.find("time ").expect("a time"));
     assert!(report.contains("estimate"), "{report}");
 }
@@ -485,7 +485,7 @@ fn thousands_of_threads_are_capped_with_a_note() {
     let start = std::time::Instant::now();
     let report = folder.succeed("ata a.npy --threads 8000 --explain -o c.npy");
     let cores = std::thread::available_parallelism().unwrap().get();
-    let note = format!("threads   {} of 8000 asked for: at most 4 for each core", 4 * cores);
+    let note = format!("threads     {} of 8000 asked for: at most 4 for each core", 4 * cores);
     assert_eq!(report.matches(&note).count(), 1, "{report}");
     assert!(start.elapsed().as_secs() < 20, "it spins");
     folder.succeed("ata a.npy -o few.npy");

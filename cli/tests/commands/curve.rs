@@ -22,7 +22,7 @@ const RING: &str = "0\n400 # half around\n200\n600\n\n100\n700\n";
 fn a_ring_is_closed_and_written_as_json_lines_and_picture() {
     let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), RING);
     let said = folder.succeed("curve mesh.obj --samples samples.txt -o curve.json --picture p.png");
-    assert!(said.contains("outcome   closed"), "{said}");
+    assert!(said.contains("outcome     closed"), "{said}");
     let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
     assert!(json.contains("\"outcome\": \"closed\""), "{json}");
     assert!(json.contains("\"order\": [0, 4, 2, 1, 3, 5]"), "{json}");
@@ -32,7 +32,7 @@ fn a_ring_is_closed_and_written_as_json_lines_and_picture() {
     assert_eq!(obj.lines().filter(|line| line.starts_with("v ")).count(), 40);
     assert!(obj.lines().any(|line| line.starts_with("l 1 2 ") && line.ends_with(" 40 1")), "{obj}");
     let smooth = folder.succeed("curve mesh.obj --samples samples.txt --smooth -o s.json");
-    assert!(smooth.contains("outcome   closed"), "{smooth}");
+    assert!(smooth.contains("outcome     closed"), "{smooth}");
     // Farthest points are samples too.
     folder.succeed("fps mesh.obj -n 12 -o points.csv");
     folder.succeed("curve mesh.obj --samples points.csv -o through.json");
@@ -56,8 +56,8 @@ fn samples_too_few_for_a_curve_are_left_out_with_a_note_and_others_get_theirs() 
     let folder = folder(&families::spheres(3, 1).unwrap(), "42\n0\n1\n5\n84\n85\n");
     let run = folder.run("curve mesh.obj --samples samples.txt -o curve.json");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stdout.contains("outcome   closed"), "{}", run.stdout);
-    assert!(run.stdout.contains("curve     3 samples"), "{}", run.stdout);
+    assert!(run.stdout.contains("outcome     closed"), "{}", run.stdout);
+    assert!(run.stdout.contains("curve       3 samples"), "{}", run.stdout);
     assert!(run.stderr.contains("note: 3 of 6 samples left out"), "{}", run.stderr);
     let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
     assert!(json.contains("\"left_out\": [0, 4, 5]"), "{json}");
@@ -106,7 +106,7 @@ fn a_region_and_the_rest_are_written_as_meshes_and_tables() {
         "curve mesh.obj --samples samples.txt --region in.ply --region in.npy --rest out.obj \
          --rest out.csv --paint all.ply --picture p.png",
     );
-    assert!(said.contains("region    32 faces, area 0.25, 25.00 % of the surface"), "{said}");
+    assert!(said.contains("region      32 faces, area 0.25, 25.00 % of the surface"), "{said}");
     assert_eq!((area(&folder, "in.ply"), area(&folder, "out.obj")), (0.25, 0.75));
     let inside: Vec<f64> = folder.read_npy("in.npy");
     assert_eq!((inside.len(), inside.iter().sum::<f64>()), (128, 32.0));
@@ -189,7 +189,7 @@ fn several_curves_in_a_file_are_combined() {
 fn a_mesh_is_cut_into_pieces_or_slit() {
     let folder = folder(&families::grid(8, 8).unwrap(), &square(8, 2, 6));
     let said = folder.succeed("curve mesh.obj --samples samples.txt --cut parts/");
-    assert!(said.contains("cut       16 edges, 2 components, 128 faces"), "{said}");
+    assert!(said.contains("cut         16 edges, 2 components, 128 faces"), "{said}");
     let areas = ["parts/piece-1.ply", "parts/piece-2.ply"].map(|name| area(&folder, name));
     assert_eq!(areas, [0.75, 0.25]);
     // What is there stays.
@@ -212,7 +212,7 @@ fn a_mesh_is_cut_into_pieces_or_slit() {
 fn loops_around_handles_are_cut_and_enclose_nothing() {
     let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), "60\n65\n70\n75\n");
     let said = folder.succeed("curve mesh.obj --samples samples.txt --cut cut.ply");
-    assert!(said.contains("cut       20 edges, 1 components"), "{said}");
+    assert!(said.contains("cut         20 edges, 1 components"), "{said}");
     assert_eq!(read(&folder.path("cut.ply")).unwrap().mesh.vertices().len(), 820);
     let told = folder.fail("curve mesh.obj --samples samples.txt --region in.ply");
     assert!(told.contains("go around a handle"), "{told}");

@@ -260,7 +260,7 @@ fn components_scores_and_shares_of_a_line() {
     let folder = Folder::new();
     folder.write("a.csv", "1,1\n3,3\n5,5\n");
     let report = folder.succeed("pca a.csv -o pca.npz --scores --picture scree.svg");
-    assert!(report.contains("kept      1 components of 2 columns"), "{report}");
+    assert!(report.contains("kept        1 components of 2 columns"), "{report}");
     let found = arrays(&folder, "pca.npz");
     let close = |found: &[f64], expected: &[f64]| assert_close(found, expected, 1e-14);
     close(&found.vector("explained_variance").unwrap(), &[8.0]);
@@ -307,7 +307,7 @@ fn singular_values_keep_their_digits_and_the_factors_give_a() {
     let folder = Folder::new();
     folder.write("a.csv", "3,0,0\n0,1e-9,0\n0,0,0\n0,0,0\n");
     let report = folder.succeed("svd a.csv -o svd.npz --left");
-    assert!(report.contains("rank      2 of 3 columns"), "{report}");
+    assert!(report.contains("rank        2 of 3 columns"), "{report}");
     let found = arrays(&folder, "svd.npz");
     assert_eq!(found.vector("values").unwrap(), [3.0, 1e-9, 0.0]);
     assert_eq!(
@@ -357,7 +357,7 @@ fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
     let message = folder.fail(&other);
     assert!(message.contains("sums: accumulator: centring was mean, and is none now"), "{message}");
     let report = folder.succeed(&arguments);
-    assert!(report.contains("resumed   sums: row "), "{report}");
+    assert!(report.contains("resumed     sums: row "), "{report}");
     assert!(bytes(&folder, "x.npz") == bytes(&folder, "whole.npz"));
     assert!(!folder.path("sums").exists(), "the checkpoint is removed in the end");
 }

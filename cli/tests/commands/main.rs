@@ -10,11 +10,16 @@ mod demo;
 mod files;
 mod gram;
 mod guide;
+mod json;
+#[allow(dead_code, reason = "the tests of faults use all of it")]
+#[path = "../faults/commands.rs"]
+mod lines;
 mod mesh;
 mod newton;
 mod picture;
 mod ranks;
 mod shapedna;
+mod shell;
 mod slime;
 mod spectral;
 mod spectrum;

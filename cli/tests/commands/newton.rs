@@ -138,7 +138,7 @@ fn a_volume_is_drawn_the_same_by_any_number_of_threads() {
 fn the_surface_of_a_basin_is_closed_and_has_the_colour_of_its_root() {
     let folder = Folder::new();
     let said = folder.succeed("newton --volume --size 24 --basins 4 -o one.ply --picture one.png");
-    assert!(said.contains("surface   ") && said.contains(" faces, volume "), "{said}");
+    assert!(said.contains("surface     ") && said.contains(" faces, volume "), "{said}");
     let one = catamaran::mesh::io::read(&folder.path("one.ply")).unwrap();
     one.mesh.require_closed().unwrap();
     let colors = one.colors.unwrap();
@@ -222,7 +222,7 @@ fn frames_are_an_animation_if_the_file_is_called_like_one() {
     let command = "newton --power 4 --size 30x20 --frames 3 --w-to 1";
     folder.succeed(&format!("{command} -o f.png"));
     let said = folder.succeed(&format!("{command} -o a.apng --fps 4"));
-    assert!(said.contains("written   a.apng"), "{said}");
+    assert!(said.contains("written     a.apng"), "{said}");
     let (frames, delay) = apng(&folder, "a.apng");
     assert_eq!(delay, 0.25);
     for (i, frame) in frames.iter().enumerate() {

@@ -88,7 +88,7 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     let found =
         format!("{common} --landmarks pairs.txt --zoom 40 -o found.npy --points-output found.txt");
     let said = folder.succeed(&found);
-    assert!(said.contains("transfer  3 functions"), "{said}");
+    assert!(said.contains("transfer    3 functions"), "{said}");
     let read_points = std::fs::read_to_string(folder.path("found.txt")).unwrap();
     let read_points: Vec<u32> = read_points.lines().map(|line| line.parse().unwrap()).collect();
     assert_eq!(read_points, points);
@@ -185,7 +185,7 @@ fn details_are_coordinates_or_heights() {
     let common = "transfer source.ply target.off --points points.txt -k 10 --order 2 --mode ours*";
     // The target is three times as large as the source, and the same else.
     let said = folder.succeed(&format!("{common} --details coordinates -o c.ply --picture c.png"));
-    assert!(said.contains("transfer  3 functions"), "{said}");
+    assert!(said.contains("transfer    3 functions"), "{said}");
     let found = vertices("c.ply");
     assert_eq!(found.faces(), before.faces());
     let truth = |i: usize| source.vertices()[points[i] as usize];

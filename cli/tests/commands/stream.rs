@@ -160,7 +160,7 @@ fn kill_and_resume(kills: usize, seed: u64) {
         child.kill().unwrap();
         let run = Run::new(child.wait_with_output().unwrap());
         assert!(run.code.is_none() || run.code == Some(0), "{}", run.stderr);
-        resumed += usize::from(run.stdout.contains("resumed   sums: row"));
+        resumed += usize::from(run.stdout.contains("resumed     sums: row"));
         if run.code == Some(0) {
             // It was faster than the kill: another one from the first row.
             compare(&folder);
@@ -170,7 +170,7 @@ fn kill_and_resume(kills: usize, seed: u64) {
         }
     }
     let report = folder.succeed(&arguments);
-    assert!(resumed + usize::from(report.contains("resumed   sums: row")) > 0, "{report}");
+    assert!(resumed + usize::from(report.contains("resumed     sums: row")) > 0, "{report}");
     compare(&folder);
     assert!(!folder.path("sums").exists(), "the checkpoint is removed in the end");
 }
@@ -216,7 +216,7 @@ fn last_checkpoint_survives_an_error_and_resumes() {
     for options in ["", "--f32"] {
         let (folder, expected) = interrupted(options);
         let report = folder.succeed(&format!("ata a.npy {options} {RESUME}"));
-        assert!(report.contains("resumed   sums: row 140 of 203"), "{report}");
+        assert!(report.contains("resumed     sums: row 140 of 203"), "{report}");
         assert!(fs::read(folder.path("c.npy")).unwrap() == expected, "{options}");
         assert_eq!(folder.names(), ["a.npy", "c.npy", "other.npy", "whole.npy"]);
     }
@@ -271,7 +271,7 @@ fn resuming_what_is_different_says_what() {
 fn resume_without_a_checkpoint_begins_and_says_so() {
     let (folder, expected) = with_input(M, N);
     let report = folder.succeed("ata a.npy -o c.npy --checkpoint sums --resume");
-    assert!(report.contains("resumed   no sums: from the first row"), "{report}");
+    assert!(report.contains("resumed     no sums: from the first row"), "{report}");
     assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
     assert_eq!(folder.names(), ["a.npy", "c.npy"]);
 }
@@ -335,12 +335,12 @@ fn sums_of_parts_merge_to_the_whole() {
     let count = split(&folder, &table(M, N), N, &[0, 1, 100, 100, M]);
     for i in 0..count {
         let report = folder.succeed(&format!("ata {i}.npy --accumulator {i}.sums --verify"));
-        assert!(report.contains(&format!("kept      {i}.sums")), "{report}");
+        assert!(report.contains(&format!("kept        {i}.sums")), "{report}");
         folder.succeed(&format!("ata {i}.npy --center --accumulator {i}.centred"));
     }
     let report = folder.succeed("ata-merge 0.sums 1.sums 2.sums 3.sums -o c.npy");
     assert!(
-        report.contains("sums      4 files: 203 rows, 11 columns, f64, not centred"),
+        report.contains("sums        4 files: 203 rows, 11 columns, f64, not centred"),
         "{report}"
     );
     assert_eq!(folder.read_npy::<f64>("c.npy"), expected);

@@ -33,7 +33,7 @@ fn dry_run_prints_a_table_and_writes_nothing() {
 fn measured_rates_are_kept_and_info_says_where() {
     let folder = Folder::new();
     let report = folder.succeed("tune --isa portable");
-    let path = report.lines().find_map(|line| line.strip_prefix("written   ")).expect("a file");
+    let path = report.lines().find_map(|line| line.strip_prefix("written     ")).expect("a file");
     assert!(path.starts_with(&*folder.path(CACHE).to_string_lossy()), "{path}");
     let kept = Rates::load(path.as_ref(), Isa::Portable).unwrap();
     for (rate, (shown, _)) in

@@ -67,6 +67,8 @@ pub const LINES: &[&str] = &[
     "unions interpolate left.off right.off left.off --steps 2 -o u.csv",
     "unions tune sphere.ply torus.obj --pairs 4 --epochs 1 -o w.safetensors",
     "unions shape left.off --spectrum values.csv --tolerance 10 -o out.ply",
+    "completions bash",
+    "man -o man",
 ];
 
 /// Their results differ from run to run: they measure time.

@@ -1,23 +1,24 @@
 //! `catamaran mesh`.
 
-use std::path::{Path, PathBuf};
+mod report;
+
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::Par;
-use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::mesh::{
-    Comparison, Components, Normalization, OneSided, Part, Problem, RepairOptions, RepairReport,
-    RepairStep, TriMesh, Validation, Weld, repair,
+    Components, Normalization, Part, RepairOptions, RepairReport, RepairStep, TriMesh, Weld, repair,
 };
 use clap::ValueEnum;
 
+use crate::common::Force;
 use crate::input;
 use crate::output;
 use crate::parse;
 use crate::picture::{PLAIN, Paint, PictureArgs};
-use crate::report::{report, seconds};
+use crate::report::{seconds, status};
+pub use report::genus;
 
 /// Report on a triangle mesh, and convert, repair or compare it.
 ///
@@ -90,9 +91,8 @@ pub struct Args {
     /// Fail when there is a problem; after repairs, if any are asked for.
     #[arg(long)]
     check: bool,
-    /// Replace a file that exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// A component.
@@ -118,26 +118,29 @@ enum Size {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let output = match &args.output {
         Some(path) => {
             files::check_name(path)?;
-            if !args.force && path.symlink_metadata().is_ok() {
-                bail!("{}: exists already (--force replaces it)", path.display());
-            }
-            Some(Output::create(path, overwrite)?)
+            Some(args.force.create(path)?)
         }
         None => None,
     };
 
-    let picture = args.picture.create(overwrite)?;
+    let picture = args.picture.create(args.force)?;
     let start = Instant::now();
     let mut file = input::mesh(&args.input)?;
     let name = args.input.display();
-    report(format_args!("mesh        {name}, read in {}", seconds(start.elapsed())))?;
+    let (path, time) = (name.to_string(), start.elapsed());
+    status!(
+        "mesh",
+        path = path,
+        seconds = time.as_secs_f64();
+        "{path}, read in {}",
+        seconds(time)
+    )?;
     let mut found = file.mesh.validate();
-    report(format_args!("{found}"))?;
-    measures(&file, &found)?;
+    report::validation(&found)?;
+    report::measures(&file, &found)?;
 
     if let Some(options) = args.repairs() {
         let done = repair(file, &options).with_context(|| name.to_string())?;
@@ -145,12 +148,12 @@ pub fn run(args: &Args) -> Result<()> {
             require_orientable(&done.report).with_context(|| name.to_string())?;
         }
         file = done.file;
-        report(format_args!("{}", done.report))?;
+        done.report.steps.iter().try_for_each(report::repair)?;
         if done.report.changed() {
             found = file.mesh.validate();
-            report(format_args!("repaired    {name}"))?;
-            report(format_args!("{found}"))?;
-            measures(&file, &found)?;
+            status!("repaired", path = path; "{path}")?;
+            report::validation(&found)?;
+            report::measures(&file, &found)?;
         }
     }
     if args.check && !found.problems.is_empty() {
@@ -158,7 +161,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let file = changed(args, file).with_context(|| name.to_string())?;
     if let Some(other) = &args.compare {
-        compare(&file.mesh, &found, other).with_context(|| name.to_string())?;
+        report::compare(&file.mesh, &found, other).with_context(|| name.to_string())?;
     }
     if let Some(picture) = picture {
         let screen = |color: &[f64; 4]| [0, 1, 2].map(|k| (255.0 * color[k].clamp(0.0, 1.0)) as u8);
@@ -171,7 +174,13 @@ pub fn run(args: &Args) -> Result<()> {
     let path = output.path().display().to_string();
     output::mesh(output, &file)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
-    report(format_args!("written     {path}: {vertices} vertices, {faces} faces"))
+    status!(
+        "written",
+        path = path,
+        vertices = vertices,
+        faces = faces;
+        "{path}: {vertices} vertices, {faces} faces"
+    )
 }
 
 impl Args {
@@ -199,93 +208,6 @@ fn require_orientable(done: &RepairReport) -> Result<()> {
         if let RepairStep::Oriented { edge: Some([a, b]), .. } = step {
             bail!("edge {a}-{b}: its faces can't be turned to agree: not orientable");
         }
-    }
-    Ok(())
-}
-
-/// The mesh beside another one.
-fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
-    let other = input::mesh(path)?.mesh;
-    let there = other.validate();
-    let between = Comparison::between(mesh, &other, Par::all())?;
-    let longest = |mesh: &TriMesh| {
-        let [low, high] = mesh.bounding_box().unwrap_or_default();
-        (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
-    };
-    report(format_args!("compared    {}", path.display()))?;
-    let side = longest(mesh);
-    let line = |label: &str, far: &OneSided| {
-        let OneSided { largest, mean, angle, .. } = far;
-        report(format_args!(
-            "{label:<12}largest distance {largest:.4e} ({:.4e} of the longest side), mean \
-             {mean:.4e} ({:.4e}), normals {angle:.2} degrees",
-            largest / side,
-            mean / side
-        ))
-    };
-    line("to it", &between.out)?;
-    line("from it", &between.back)?;
-    let far = between.out.largest.max(between.back.largest);
-    report(format_args!("Hausdorff   {far:.4e} ({:.4e} of the longest side)", far / side))?;
-    let known = |count: Option<String>| count.unwrap_or_else(|| "unknown".into());
-    let loops = |v: &Validation| known(v.boundary_loops.map(|loops| loops.to_string()));
-    let genus = |v: &Validation| known(v.genus.map(|genus| genus.to_string()));
-    let rows = [
-        ("vertices", [found.vertices.to_string(), there.vertices.to_string()]),
-        ("faces", [found.faces.to_string(), there.faces.to_string()]),
-        ("area", [mesh.area().to_string(), other.area().to_string()]),
-        ("components", [found.components.to_string(), there.components.to_string()]),
-        ("loops", [loops(found), loops(&there)]),
-        ("genus", [genus(found), genus(&there)]),
-        ("problems", [found.problems.len().to_string(), there.problems.len().to_string()]),
-    ];
-    for (label, [own, other]) in rows {
-        report(format_args!("{label:<12}{own:<24}{other}"))?;
-    }
-    Ok(())
-}
-
-/// Sizes and qualities.
-fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
-    let mesh = &file.mesh;
-    report(format_args!("area        {}", mesh.area()))?;
-    let oriented =
-        |p: &Problem| !matches!(p, Problem::Inconsistent { .. } | Problem::NonManifoldEdge { .. });
-    if found.is_closed() && found.faces > 0 && found.problems.iter().all(oriented) {
-        let volume = mesh.volume();
-        let note = if volume < 0.0 { ", faces clockwise from outside" } else { "" };
-        report(format_args!("volume      {volume}{note}"))?;
-    }
-    if let Some([low, high]) = mesh.bounding_box() {
-        report(format_args!("box         {low:?} to {high:?}"))?;
-    }
-    let intersecting = mesh.intersecting_faces(Par::all()).len();
-    report(format_args!("intersect   {intersecting} faces with others"))?;
-    let qualities = mesh.qualities();
-    if !qualities.is_empty() {
-        let count = qualities.len() as f64;
-        let mean = qualities.iter().sum::<f64>() / count;
-        let least = qualities.iter().copied().fold(1.0, f64::min);
-        let slivers = 100.0 * qualities.iter().filter(|&&q| q < 0.1).count() as f64 / count;
-        report(format_args!(
-            "quality     {mean:.3} mean, {least:.3} least, {slivers:.2} % below 0.1 (1: equilateral)"
-        ))?;
-    }
-    let extras = [
-        (file.uv.is_some(), "texture coordinates"),
-        (file.normals.is_some(), "normals"),
-        (file.colors.is_some(), "colours"),
-    ];
-    let extras: Vec<_> =
-        extras.into_iter().filter(|(there, _)| *there).map(|(_, what)| what).collect();
-    if !extras.is_empty() {
-        report(format_args!("attributes  {}", extras.join(", ")))?;
-    }
-    if file.collapsed_faces > 0 {
-        report(format_args!(
-            "left out    facets with two equal corners: {}",
-            file.collapsed_faces
-        ))?;
     }
     Ok(())
 }

@@ -1,0 +1,72 @@
+//! Options that several commands have: one meaning and one help text for each.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use catamaran::Par;
+use catamaran::io::{Output, Overwrite};
+
+/// The heading of these options in help texts.
+pub const HEADING: &str = "Common options";
+
+/// How many threads a command uses.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Threads {
+    /// Threads, at most 4 for each core; all cores of the affinity mask by default. Does not change
+    /// the result.
+    #[arg(long, value_name = "N", help_heading = HEADING)]
+    threads: Option<NonZeroUsize>,
+}
+
+impl Threads {
+    /// Returns the number that was asked for.
+    pub fn asked(self) -> Option<usize> {
+        self.threads.map(NonZeroUsize::get)
+    }
+
+    /// Returns the threads of the library that do the work.
+    pub fn par(self) -> Par {
+        self.asked().map_or_else(Par::all, Par::Threads)
+    }
+}
+
+/// Whether a command may replace files.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Force {
+    /// Replace files that exist.
+    #[arg(long, help_heading = HEADING)]
+    force: bool,
+}
+
+impl Force {
+    /// Returns whether `--force` is given.
+    pub fn is_given(self) -> bool {
+        self.force
+    }
+
+    /// Returns what happens when a file appears while a command runs.
+    pub fn overwrite(self) -> Overwrite {
+        if self.force { Overwrite::Replace } else { Overwrite::Never }
+    }
+
+    /// Refuses a file that exists and may not be replaced.
+    ///
+    /// # Errors
+    /// The file exists, and `--force` is not given.
+    pub fn check(self, path: &Path) -> Result<()> {
+        if !self.force && path.symlink_metadata().is_ok() {
+            bail!("{}: exists already (--force replaces it)", path.display());
+        }
+        Ok(())
+    }
+
+    /// Starts a file, once it is known that it may be written.
+    ///
+    /// # Errors
+    /// Those of [`Force::check`]; the folder can't be written.
+    pub fn create(self, path: &Path) -> Result<Output> {
+        self.check(path)?;
+        Ok(Output::create(path, self.overwrite())?)
+    }
+}

@@ -1,0 +1,29 @@
+//! `catamaran completions`.
+
+use anyhow::Result;
+use clap::CommandFactory as _;
+use clap_complete::{Shell, generate};
+
+use crate::Cli;
+use crate::report::row;
+
+/// Print the completions of a shell, for its configuration.
+///
+/// Examples: `catamaran completions bash > ~/.local/share/bash-completion/completions/catamaran`;
+/// `catamaran completions zsh > ~/.zfunc/_catamaran`;
+/// `catamaran completions fish > ~/.config/fish/completions/catamaran.fish`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    shell: Shell,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let mut script = Vec::new();
+    generate(args.shell, &mut Cli::command(), "catamaran", &mut script);
+    let script = String::from_utf8(script)?;
+    let script = script.trim_end();
+    row!("completions", shell = args.shell.to_string(), script = script; "{script}")
+}

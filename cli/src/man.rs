@@ -1,0 +1,53 @@
+//! `catamaran man`.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::{Command, CommandFactory as _};
+use clap_mangen::Man;
+
+use crate::Cli;
+use crate::common::Force;
+use crate::report::status;
+
+/// Write man pages, one for each command.
+///
+/// Example: `catamaran man -o ~/.local/share/man/man1`, then `man catamaran-ata`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The folder for all pages.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    force: Force,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let mut command = Cli::command().disable_help_subcommand(true);
+    command.build();
+    let mut pages = Vec::new();
+    collect(command, &mut pages);
+    let path = |page: &Man| args.output.join(page.get_filename());
+    pages.iter().try_for_each(|page| args.force.check(&path(page)))?;
+    let folder = args.output.display().to_string();
+    std::fs::create_dir_all(&args.output).with_context(|| folder.clone())?;
+    for page in &pages {
+        let mut text = Vec::new();
+        page.render(&mut text)?;
+        let mut output = args.force.create(&path(page))?;
+        output.write_all(&text).map_err(|e| output.error(e))?;
+        output.commit()?;
+    }
+    let count = pages.len();
+    status!("written", path = folder, files = count; "{folder}: {count} files")
+}
+
+/// The pages of a command and of those below it.
+fn collect(command: Command, pages: &mut Vec<Man>) {
+    for below in command.get_subcommands().filter(|below| !below.is_hide_set()) {
+        collect(below.clone(), pages);
+    }
+    pages.push(Man::new(command));
+}

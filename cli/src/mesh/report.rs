@@ -1,0 +1,228 @@
+//! What `mesh` prints.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Result;
+use catamaran::Par;
+use catamaran::mesh::io::MeshFile;
+use catamaran::mesh::{Comparison, Genus, OneSided, Problem, RepairStep, TriMesh, Validation};
+use serde_json::{Value, json};
+
+use crate::input;
+use crate::report::{report, row, status};
+
+/// Reports what a mesh is made of, and what is wrong with it.
+pub fn validation(found: &Validation) -> Result<()> {
+    row!(
+        "validation",
+        vertices = found.vertices,
+        edges = found.edges,
+        boundary_edges = found.boundary_edges,
+        faces = found.faces,
+        components = found.components,
+        loops = found.boundary_loops,
+        euler_characteristic = found.euler_characteristic,
+        genus = found.genus.map(genus),
+        orientable = found.genus.map(|genus| matches!(genus, Genus::Orientable(_))),
+        problems = found.problems.iter().map(problem).collect::<Vec<_>>();
+        "{found}"
+    )
+}
+
+/// A problem: its kind, and the elements that have it.
+fn problem(problem: &Problem) -> Value {
+    match problem {
+        Problem::UnreferencedVertex(vertex) => {
+            json!({"kind": "unreferenced_vertex", "vertex": vertex})
+        }
+        Problem::NonManifoldEdge { ends, faces } => {
+            json!({"kind": "non_manifold_edge", "ends": ends, "faces": faces})
+        }
+        Problem::NonManifoldVertex { vertex, fans } => {
+            json!({"kind": "non_manifold_vertex", "vertex": vertex, "fans": fans})
+        }
+        Problem::RepeatedFace { face, first } => {
+            json!({"kind": "repeated_face", "face": face, "first": first})
+        }
+        Problem::ZeroArea(face) => json!({"kind": "zero_area", "face": face}),
+        Problem::Inconsistent { ends, faces } => {
+            json!({"kind": "inconsistent", "ends": ends, "faces": faces})
+        }
+        Problem::NotOrientable { why } => json!({"kind": "not_orientable", "reason": why}),
+        other => json!({"kind": "other", "reason": other.to_string()}),
+    }
+}
+
+/// Returns the number of handles, or of cross-caps.
+pub fn genus(genus: Genus) -> usize {
+    match genus {
+        Genus::Orientable(number) | Genus::NonOrientable(number) => number,
+    }
+}
+
+/// Reports what a step of a repair did.
+pub fn repair(step: &RepairStep) -> Result<()> {
+    let counts: Vec<(&str, usize)> = match *step {
+        RepairStep::Welded { vertices, faces, colors, .. } => {
+            vec![("joined_vertices", vertices), ("collapsed_faces", faces), ("lost_colors", colors)]
+        }
+        RepairStep::ClosedSeams { vertices, colors, ambiguous } => vec![
+            ("joined_vertices", vertices),
+            ("lost_colors", colors),
+            ("ambiguous_edges", ambiguous),
+        ],
+        RepairStep::DroppedDuplicates { faces, .. } => vec![("dropped_faces", faces)],
+        RepairStep::DroppedDegenerate { joined, flipped, faces, .. } => {
+            vec![("joined_vertices", joined), ("flipped_edges", flipped), ("dropped_faces", faces)]
+        }
+        RepairStep::Compacted { vertices } => vec![("dropped_vertices", vertices)],
+        RepairStep::Cut { edges, vertices } => {
+            vec![("cut_edges", edges), ("split_vertices", vertices)]
+        }
+        RepairStep::KeptLargest { components, faces }
+        | RepairStep::DroppedSpecks { components, faces, .. } => {
+            vec![("dropped_components", components), ("dropped_faces", faces)]
+        }
+        RepairStep::FilledHoles { holes, faces, left } => {
+            vec![("filled_holes", holes), ("new_faces", faces), ("left_loops", left)]
+        }
+        RepairStep::Oriented { faces, not_orientable, .. } => {
+            vec![("flipped_faces", faces), ("not_orientable_parts", not_orientable)]
+        }
+        _ => vec![],
+    };
+    // The name of the step is a column of its own, as labels are.
+    let line = step.to_string();
+    let (name, what) = line.split_once(' ').unwrap_or((&line, ""));
+    report!(
+        "repair": name,
+        step = name,
+        changed = step.changed(),
+        counts = counts.iter().copied().collect::<BTreeMap<_, _>>();
+        "{}",
+        what.trim_start()
+    )
+}
+
+/// Reports on the mesh beside another one.
+pub fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
+    let other = input::mesh(path)?.mesh;
+    let there = other.validate();
+    let between = Comparison::between(mesh, &other, Par::all())?;
+    let longest = |mesh: &TriMesh| {
+        let [low, high] = mesh.bounding_box().unwrap_or_default();
+        (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
+    };
+    let path = path.display().to_string();
+    status!("compared", path = path; "{path}")?;
+    let side = longest(mesh);
+    let line = |label: &str, far: &OneSided| {
+        let OneSided { largest, mean, angle, .. } = far;
+        report!(
+            "distance": label,
+            direction = label,
+            largest = largest,
+            largest_share = largest / side,
+            mean = mean,
+            mean_share = mean / side,
+            normals_degrees = angle;
+            "largest distance {largest:.4e} ({:.4e} of the longest side), mean \
+             {mean:.4e} ({:.4e}), normals {angle:.2} degrees",
+            largest / side,
+            mean / side
+        )
+    };
+    line("to it", &between.out)?;
+    line("from it", &between.back)?;
+    let far = between.out.largest.max(between.back.largest);
+    let share = far / side;
+    report!(
+        "hausdorff": "Hausdorff",
+        distance = far,
+        share = share;
+        "{far:.4e} ({share:.4e} of the longest side)"
+    )?;
+    let areas = [mesh.area(), other.area()];
+    let both = [found, &there];
+    let columns = |label: &str, [own, other]: [Option<String>; 2]| {
+        let known = |text: Option<String>| text.unwrap_or_else(|| "unknown".into());
+        format!("{label:<12}{:<24}{}", known(own), known(other))
+    };
+    let counts = |label, count: fn(&Validation) -> usize| {
+        columns(label, both.map(|v| Some(count(v).to_string())))
+    };
+    row!(
+        "comparison",
+        vertices = both.map(|v| v.vertices),
+        faces = both.map(|v| v.faces),
+        area = areas,
+        components = both.map(|v| v.components),
+        loops = both.map(|v| v.boundary_loops),
+        genus = both.map(|v| v.genus.map(genus)),
+        problems = both.map(|v| v.problems.len());
+        "{}",
+        [
+            counts("vertices", |v| v.vertices),
+            counts("faces", |v| v.faces),
+            columns("area", areas.map(|area| Some(area.to_string()))),
+            counts("components", |v| v.components),
+            columns("loops", both.map(|v| v.boundary_loops.map(|loops| loops.to_string()))),
+            columns("genus", both.map(|v| v.genus.map(|genus| genus.to_string()))),
+            counts("problems", |v| v.problems.len()),
+        ]
+        .join("\n")
+    )
+}
+
+/// Reports sizes and qualities.
+pub fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
+    let mesh = &file.mesh;
+    let area = mesh.area();
+    report!("area", area = area; "{area}")?;
+    let oriented =
+        |p: &Problem| !matches!(p, Problem::Inconsistent { .. } | Problem::NonManifoldEdge { .. });
+    if found.is_closed() && found.faces > 0 && found.problems.iter().all(oriented) {
+        let volume = mesh.volume();
+        let note = if volume < 0.0 { ", faces clockwise from outside" } else { "" };
+        report!("volume", volume = volume; "{volume}{note}")?;
+    }
+    if let Some([low, high]) = mesh.bounding_box() {
+        report!("box", low = low, high = high; "{low:?} to {high:?}")?;
+    }
+    let intersecting = mesh.intersecting_faces(Par::all()).len();
+    report!("intersect", faces = intersecting; "{intersecting} faces with others")?;
+    let qualities = mesh.qualities();
+    if !qualities.is_empty() {
+        let count = qualities.len() as f64;
+        let mean = qualities.iter().sum::<f64>() / count;
+        let least = qualities.iter().copied().fold(1.0, f64::min);
+        let slivers = 100.0 * qualities.iter().filter(|&&q| q < 0.1).count() as f64 / count;
+        report!(
+            "quality",
+            mean = mean,
+            least = least,
+            below_a_tenth_percent = slivers;
+            "{mean:.3} mean, {least:.3} least, {slivers:.2} % below 0.1 (1: equilateral)"
+        )?;
+    }
+    let extras = [
+        (file.uv.is_some(), "texture coordinates"),
+        (file.normals.is_some(), "normals"),
+        (file.colors.is_some(), "colours"),
+    ];
+    let extras: Vec<_> =
+        extras.into_iter().filter(|(there, _)| *there).map(|(_, what)| what).collect();
+    if !extras.is_empty() {
+        report!("attributes", names = extras; "{}", extras.join(", "))?;
+    }
+    if file.collapsed_faces > 0 {
+        let count = file.collapsed_faces;
+        report!(
+            "left_out": "left out",
+            collapsed_faces = count;
+            "facets with two equal corners: {count}"
+        )?;
+    }
+    Ok(())
+}

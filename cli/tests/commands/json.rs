@@ -1,0 +1,146 @@
+//! `--json` and `--quiet`: what commands print for programs.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value};
+
+use crate::common::{Folder, table};
+use crate::lines::{LINES, folder_for, inputs};
+
+/// Further lines, whose records those of [`LINES`] lack.
+const MORE: &[&str] = &[
+    "ata a.npy --explain --verify",
+    "ata a.mtx --explain",
+    "ata a.npy -o c.npy --explain --scheme exact --covariance",
+    "ata a.npy -o c.npy --checkpoint sums --resume",
+    "lstsq a.npy w.npy",
+    "mesh sphere.ply --repair --orient --compare torus.obj --drop-specks 0.1 --fill-holes 3",
+    "decimate sphere.ply -n 40 -o out.ply --report",
+    "spectrum sphere.ply -k 4 --via-decimation 60",
+    "filter sphere.ply --low-pass 9 --order 2 -k 5 -o out.ply",
+    "wilt --grow 20 --hours 3 --frames 1 -o out --motion 0.1 --soil 10 --mesh none",
+    "wilt plant.txt --fit weights.csv -o out",
+    "curve torus.obj --samples samples.txt --region r.csv --cut pieces/",
+    "newton --volume --size 9 --basins 4 -o basin.ply",
+    "unions predict left.off right.off --localize sphere.ply",
+];
+
+/// Records of a text, each a JSON object with a name and keys in `snake_case`.
+fn records(line: &str, text: &str) -> Vec<Map<String, Value>> {
+    let is_key = |key: &str| {
+        key.starts_with(|c: char| c.is_ascii_lowercase())
+            && key.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+    };
+    let record = |text: &str| -> Map<String, Value> {
+        let record: Map<String, Value> = serde_json::from_str(text)
+            .unwrap_or_else(|e| panic!("{line}: {e} where one JSON object is expected: {text}"));
+        assert!(text.starts_with("{\"record\":"), "{line}: {text}");
+        assert!(record["record"].as_str().is_some_and(is_key), "{line}: {text}");
+        assert!(record.keys().all(|key| is_key(key)), "{line}: {text}");
+        record
+    };
+    text.lines().map(record).collect()
+}
+
+/// The records that a line prints in this folder.
+fn run(folder: &Folder, line: &str) -> Vec<Map<String, Value>> {
+    records(line, &folder.succeed(&format!("--json {line}")))
+}
+
+/// The records of a name.
+fn named<'a>(records: &'a [Map<String, Value>], name: &str) -> Vec<&'a Map<String, Value>> {
+    records.iter().filter(|record| record["record"] == name).collect()
+}
+
+/// `lines::every_command_has_a_line` asks for a line for each command; that of `demo` is in
+/// `demo.rs`.
+#[test]
+fn every_command_prints_json_lines() {
+    inputs().write("weights.csv", "time_h,weight_g\n0,30\n1,29\n2,28.2\n3,27.5\n");
+    let is_told =
+        |line: &&&str| !["demo", "--picture", "--render"].iter().any(|word| line.contains(*word));
+    for line in LINES.iter().filter(is_told).chain(MORE) {
+        let found = run(&folder_for(line), line);
+        assert!(!found.is_empty(), "{line}: no record");
+    }
+}
+
+#[test]
+fn tables_are_records_with_all_rows() {
+    let folder = Folder::new();
+    let (m, n) = (90, 60);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
+    let found = run(&folder, "svd a.npy");
+    let values = named(&found, "singular_value");
+    assert_eq!(values.len(), n);
+    let value = |i: usize| values[i]["value"].as_f64().unwrap();
+    assert!((1..n).all(|i| value(i) <= value(i - 1)));
+    assert!((0..n).all(|i| values[i]["number"] == i));
+    // The text has as many as a screen.
+    assert!(folder.succeed("svd a.npy").contains("... and 10 more"));
+
+    let rank = named(&found, "rank");
+    assert_eq!((&rank[0]["columns"], rank.len()), (&Value::from(n), 1));
+    assert!(named(&found, "time")[0]["seconds"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn problems_of_a_mesh_are_told_by_kind_and_element() {
+    let folder = Folder::new();
+    folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nf 3 1 2\n");
+    let found = run(&folder, "mesh a.obj");
+    let validation = named(&found, "validation")[0];
+    assert_eq!(validation["vertices"], 4);
+    let kinds: BTreeMap<&str, &Value> = validation["problems"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|problem| (problem["kind"].as_str().unwrap(), problem))
+        .collect();
+    assert_eq!(kinds["unreferenced_vertex"]["vertex"], 3);
+    assert_eq!(kinds["repeated_face"]["first"], 0);
+}
+
+#[test]
+fn what_is_not_finite_is_null() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1\n1\n");
+    folder.write("b.csv", "2\n2\n");
+    let found = run(&folder, "lstsq a.csv b.csv");
+    let coefficient = named(&found, "coefficient")[0];
+    assert_eq!((&coefficient["value"], &coefficient["t"]), (&Value::from(2.0), &Value::Null));
+}
+
+#[test]
+fn json_of_lstsq_is_lines_without_a_file() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1\n2\n");
+    let lines = folder.succeed("--json lstsq a.csv a.csv");
+    assert!(!records("lstsq", &lines).is_empty());
+    for line in ["lstsq a.csv a.csv --json", "lstsq --json-lines a.csv a.csv"] {
+        assert_eq!(records(line, &folder.succeed(line)).len(), lines.lines().count(), "{line}");
+    }
+    assert!(folder.succeed("lstsq a.csv a.csv --json x.json").contains("written     x.json"));
+    assert!(folder.fail("lstsq --json a.csv a.csv --by-column 0").contains("give --json last"));
+}
+
+#[test]
+fn quiet_leaves_results_only() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2\n3,4\n");
+    assert_eq!(folder.succeed("ata a.csv -o c.csv --quiet"), "");
+    let check = folder.succeed("ata a.csv -o c.csv --verify --force --quiet");
+    assert!(check.starts_with("check       passed") && check.lines().count() == 1, "{check}");
+    let all = folder.succeed("svd a.csv");
+    let results = folder.succeed("--quiet svd a.csv");
+    assert!(all.ends_with(&results) && results.starts_with("rank "), "{results}");
+    let found = records("svd", &folder.succeed("svd a.csv --quiet --json"));
+    assert!(named(&found, "time").is_empty() && named(&found, "singular_value").len() == 2);
+    // Notes stay.
+    folder.write("b.csv", "1,1\n2,2\n3,3\n");
+    let run = folder.run("lstsq b.csv --by-column 1 --columns 0..2 --quiet");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    folder.write("b.csv", "1,1,5\n2,2,6\n3,3,8\n");
+    let run = folder.run("lstsq b.csv --by-column 2 --quiet");
+    assert!(run.stderr.contains("note: b.csv: column"), "{}", run.stderr);
+}
