@@ -123,7 +123,7 @@ pub fn run<'a>(
     report!(
         "deviation",
         weight_grams = grams,
-        height_millimeters = (!height.is_empty()).then(|| 1e3 * found.height_deviation);
+        height_millimeters = (!height.is_empty()).then_some(1e3 * found.height_deviation);
         "{grams:.4} g of a weight{height}"
     )?;
     let others = others(&found, &classes);
