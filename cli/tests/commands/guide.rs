@@ -60,6 +60,11 @@ fn the_commands_of_the_pages_on_matrices_run() {
 }
 
 #[test]
+fn the_commands_of_the_page_on_the_command_line_run() {
+    run(include_str!("../../../docs/guide/command-line.md"), 4);
+}
+
+#[test]
 fn the_commands_of_the_page_on_decimation_run() {
     run(include_str!("../../../docs/guide/decimation.md"), 4);
 }
