@@ -35,21 +35,17 @@ pub fn run(args: &Args) -> Result<()> {
         Some(isa) => vec![isa],
         None => Isa::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
     };
-    let mut measured = Vec::new();
-    let bar = Bar::new("measuring");
-    for (i, &isa) in isas.iter().enumerate() {
-        bar.step(i as f64 / isas.len() as f64)?;
-        measured.push((isa, Rates::measure(isa)?));
-    }
-    bar.step(1.0)?;
-    drop(bar);
     head(format_args!("One core, measured (built in):"))?;
     head(format_args!(
         "{:10}{:>18}{:>18}{:>18}{:>18}",
         "", "GFLOP/s f64", "GB/s read", "GB/s pack", "GB/s update"
     ))?;
-    for (isa, rates) in &measured {
-        let [found, default] = [values(rates), values(&Rates::of(*isa))];
+    let mut measured = Vec::new();
+    let bar = Bar::new("measuring");
+    for (i, &isa) in isas.iter().enumerate() {
+        bar.step(i as f64 / isas.len() as f64)?;
+        let rates = Rates::measure(isa)?;
+        let [found, default] = [values(&rates), values(&Rates::of(isa))];
         let cell = |i: usize| format!("{:.1} ({:.1})", found[i], default[i]);
         row!(
             "rates",
@@ -66,7 +62,10 @@ pub fn run(args: &Args) -> Result<()> {
             cell(2),
             cell(3)
         )?;
+        measured.push((isa, rates));
     }
+    bar.step(1.0)?;
+    drop(bar);
     if !args.dry_run {
         for (isa, rates) in &measured {
             let path = rates.save(*isa)?.display().to_string();

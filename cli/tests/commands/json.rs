@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use catamaran::mesh::families;
+use catamaran::mesh::vector::dot;
 use serde_json::{Map, Value};
 
 use crate::common::{Folder, table};
@@ -20,10 +22,18 @@ const MORE: &[&str] = &[
     "filter sphere.ply --low-pass 9 --order 2 -k 5 -o out.ply",
     "wilt --grow 20 --hours 3 --frames 1 -o out --motion 0.1 --soil 10 --mesh none",
     "wilt plant.txt --fit weights.csv -o out",
-    "curve torus.obj --samples samples.txt --region r.csv --cut pieces/",
+    "curve sphere.ply --samples ring.txt --region r.csv --cut pieces/",
     "newton --volume --size 9 --basins 4 -o basin.ply",
-    "unions predict left.off right.off --localize sphere.ply",
+    "unions predict left.off right.off --localize template.ply",
 ];
+
+/// The vertices of the sphere of the inputs two edges from its first one, a line each.
+fn ring() -> String {
+    let sphere = families::icosphere(2).unwrap();
+    let angle = |p: &[f64; 3]| dot(*p, sphere.vertices()[0]).acos();
+    let is_near = |&i: &usize| (0.5..0.7).contains(&angle(&sphere.vertices()[i]));
+    (0..sphere.vertices().len()).filter(is_near).map(|i| format!("{i}\n")).collect()
+}
 
 /// Records of a text, each a JSON object with a name and keys in `snake_case`.
 fn records(line: &str, text: &str) -> Vec<Map<String, Value>> {
@@ -56,6 +66,8 @@ fn named<'a>(records: &'a [Map<String, Value>], name: &str) -> Vec<&'a Map<Strin
 /// `demo.rs`.
 #[test]
 fn every_command_prints_json_lines() {
+    inputs().write("ring.txt", ring());
+    inputs().succeed("unions template -o template.ply");
     inputs().write("weights.csv", "time_h,weight_g\n0,30\n1,29\n2,28.2\n3,27.5\n");
     let is_told =
         |line: &&&str| !["demo", "--picture", "--render"].iter().any(|word| line.contains(*word));
