@@ -126,7 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
         .with_context(|| format!("{}: can't be decimated to {n}", args.input.display()))?;
     let elapsed = start.elapsed();
     drop(bar);
-    tell(args, &input, &found, elapsed, par)?;
+    report_result(args, &input, &found, elapsed, par)?;
 
     if let Some(output) = weights {
         let path = output.path().display().to_string();
@@ -191,7 +191,7 @@ fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
     args.n.context("-n is needed")
 }
 
-fn tell(
+fn report_result(
     args: &Args,
     input: &MeshFile,
     found: &Decimation,
@@ -217,9 +217,9 @@ fn tell(
         oriented = repairs.oriented;
         "{repairs}"
     )?;
-    tell_topology("topology", Some(found.before))?;
+    report_topology("topology", Some(found.before))?;
     if found.after != Some(found.before) {
-        tell_topology("changed to", found.after)?;
+        report_topology("changed to", found.after)?;
     }
     let intersecting = found.mesh.intersecting_faces(par).len();
     let before = match args.report || intersecting > 0 {
@@ -283,7 +283,7 @@ fn tell(
 }
 
 /// Reports the topology of a mesh; none where it is not a manifold.
-fn tell_topology(label: &str, topology: Option<Topology>) -> Result<()> {
+fn report_topology(label: &str, topology: Option<Topology>) -> Result<()> {
     let text = topology.map_or("no manifold".into(), |topology| topology.to_string());
     status!(
         "topology": label,

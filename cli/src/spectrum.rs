@@ -1,7 +1,7 @@
 //! `catamaran spectrum`.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::decimate::{DecimateOptions, decimate};
@@ -97,15 +97,73 @@ pub fn run(args: &Args) -> Result<()> {
     ranks.end(done)
 }
 
-fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    if args.via_decimation.is_some() {
+impl Args {
+    /// Refuses `--via-decimation` where it does not work.
+    fn check_decimation(&self, ranks: &Ranks) -> Result<()> {
+        if self.via_decimation.is_none() {
+            return Ok(());
+        }
         if ranks.size() > 1 {
             bail!("--via-decimation: one process does it, with --threads");
         }
-        if args.boundary == Edge::Dirichlet {
+        if self.boundary == Edge::Dirichlet {
             bail!("--via-decimation: functions that are zero at the boundary are not for it");
         }
+        Ok(())
     }
+
+    fn laplacian_options(&self) -> LaplacianOptions {
+        LaplacianOptions::new()
+            .kind(self.laplacian.kind())
+            .mass(match self.mass {
+                Mass::Lumped => MassKind::Barycentric,
+                Mass::Full => MassKind::Consistent,
+            })
+            .boundary(match self.boundary {
+                Edge::Neumann => Boundary::Neumann,
+                Edge::Dirichlet => Boundary::Dirichlet,
+            })
+            .par(self.laplacian.par())
+    }
+}
+
+/// Reports eigenvalues, and how they were found in this time.
+fn report_pairs(args: &Args, results: &Results<'_>, time: Duration) -> Result<()> {
+    status!(
+        "eigenpairs",
+        count = args.k,
+        seconds = time.as_secs_f64();
+        "{} in {}",
+        args.k,
+        seconds(time)
+    )?;
+    if results.slices > 1 {
+        status!("slices", count = results.slices; "{}", results.slices)?;
+    }
+    if let Some(n) = args.via_decimation {
+        status!("decimation", vertices = n; "to {n} vertices: the pairs are approximate")?;
+    }
+    let (_, largest) = results.worst.unwrap_or_default();
+    report!("residual", largest = largest; "{largest:.1e} at most")?;
+    let pairs = results.values.iter().zip(&results.residuals).enumerate();
+    let listed = shown(SHOWN).min(args.k);
+    for (i, (value, residual)) in pairs.take(listed) {
+        row!(
+            "eigenvalue",
+            number = i,
+            value = value,
+            residual = residual;
+            "{i:>10}  {value:<22.15e} {residual:.1e}"
+        )?;
+    }
+    if listed < args.k {
+        head(format_args!("{:>10}  {:.15e}", args.k - 1, results.values[args.k - 1]))?;
+    }
+    Ok(())
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
+    args.check_decimation(ranks)?;
     let path = args.output.as_deref().filter(|_| ranks.is_first());
     let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
     let picture = match ranks.is_first() {
@@ -117,17 +175,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
 
     let start = Instant::now();
     let file = args.laplacian.repair.read(&args.input)?;
-    let options = LaplacianOptions::new()
-        .kind(args.laplacian.kind())
-        .mass(match args.mass {
-            Mass::Lumped => MassKind::Barycentric,
-            Mass::Full => MassKind::Consistent,
-        })
-        .boundary(match args.boundary {
-            Edge::Neumann => Boundary::Neumann,
-            Edge::Dirichlet => Boundary::Dirichlet,
-        })
-        .par(par);
+    let options = args.laplacian_options();
     let operator = laplacian(&file.mesh, &options).with_context(|| name.to_string())?;
     let (rows, vertices) = (operator.kept.len(), operator.vertices);
     status!(
@@ -177,38 +225,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         other => anyhow::Error::from(other).context(name.to_string()),
     })?;
     drop(bar);
-    let time = start.elapsed();
-    status!(
-        "eigenpairs",
-        count = args.k,
-        seconds = time.as_secs_f64();
-        "{} in {}",
-        args.k,
-        seconds(time)
-    )?;
-    if results.slices > 1 {
-        status!("slices", count = results.slices; "{}", results.slices)?;
-    }
-    if let Some(n) = args.via_decimation {
-        status!("decimation", vertices = n; "to {n} vertices: the pairs are approximate")?;
-    }
-    let (worst, largest) = results.worst.unwrap_or_default();
-    report!("residual", largest = largest; "{largest:.1e} at most")?;
-    let pairs = results.values.iter().zip(&results.residuals).enumerate();
-    let listed = shown(SHOWN).min(args.k);
-    for (i, (value, residual)) in pairs.take(listed) {
-        row!(
-            "eigenvalue",
-            number = i,
-            value = value,
-            residual = residual;
-            "{i:>10}  {value:<22.15e} {residual:.1e}"
-        )?;
-    }
-    if listed < args.k {
-        head(format_args!("{:>10}  {:.15e}", args.k - 1, results.values[args.k - 1]))?;
-    }
-
+    report_pairs(args, &results, start.elapsed())?;
     if let (Some(picture), Some(mesh)) = (picture, mesh) {
         let titles: Vec<_> = results.values.iter().map(|value| format!("{value:.4}")).collect();
         let panel =
@@ -216,6 +233,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         let panels: Vec<_> = results.drawn.iter().zip(&titles).map(panel).collect();
         args.picture.draw(picture, &args.input, &panels)?;
     }
+    let (worst, largest) = results.worst.unwrap_or_default();
     results.finish()?;
     if largest <= tolerance || args.via_decimation.is_some() {
         return Ok(());

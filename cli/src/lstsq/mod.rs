@@ -93,7 +93,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         LeastSquaresOptions::new().ridge(args.ridge).intercept(args.intercept).par(args.gram.par());
     let name = || args.gram.input().display().to_string();
     let found = LeastSquares::from_gram(&gram, targets.len(), &options).with_context(name)?;
-    tell_dependent(args, &columns, &found)?;
+    report_dependent(args, &columns, &found)?;
     let rows = gram.rows();
     let solution = Solution { found, columns, targets, intercept: args.intercept, rows };
     solution.print()?;
@@ -162,7 +162,7 @@ fn rows(args: &Args) -> Result<Rows> {
 }
 
 /// Refuses columns that depend on others, if asked to, or notes them.
-fn tell_dependent(args: &Args, columns: &[String], found: &LeastSquares) -> Result<()> {
+fn report_dependent(args: &Args, columns: &[String], found: &LeastSquares) -> Result<()> {
     if found.dependent.is_empty() {
         return Ok(());
     }

@@ -12,13 +12,15 @@ use std::fs::{self, File};
 use std::io::{BufReader, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::Error;
 use catamaran::io::Output;
 use catamaran::mesh::io::{Attribute, Labels, MeshFile};
-use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
+use catamaran::texture::slime::{
+    Coverage, Mask, Options, Simulation, Surface, atlas, fitted, smallest_size,
+};
 use catamaran::texture::{Look, MaterialMaps, Preset};
 
 use crate::common::{Force, Threads};
@@ -208,8 +210,15 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(output) = outputs.render {
         args.draw(&file, &simulation, maps.as_ref())?.write_png(output)?;
     }
-    if done > first {
-        let step = time / (done - first);
+    report_steps(time, done - first, &simulation.coverage(par))?;
+    let (folder, count) = (args.output.display().to_string(), files.len());
+    status!("written", path = folder, files = count; "{folder}: {count} files")
+}
+
+/// Reports the time of so many steps, and what they left.
+fn report_steps(time: Duration, steps: u32, species: &[Coverage]) -> Result<()> {
+    if steps > 0 {
+        let step = time / steps;
         status!(
             "time",
             seconds = time.as_secs_f64(),
@@ -219,8 +228,8 @@ pub fn run(args: &Args) -> Result<()> {
             seconds(step)
         )?;
     }
-    for (s, c) in simulation.coverage(par).iter().enumerate() {
-        let (coverage, presence) = (100.0 * c.coverage, 100.0 * c.presence);
+    for (s, Coverage { coverage, presence }) in species.iter().enumerate() {
+        let (coverage, presence) = (100.0 * coverage, 100.0 * presence);
         report!(
             "species": &format!("species {s}"),
             number = s,
@@ -229,8 +238,7 @@ pub fn run(args: &Args) -> Result<()> {
             "coverage {coverage:.2} %, presence {presence:.2} %"
         )?;
     }
-    let (folder, count) = (args.output.display().to_string(), files.len());
-    status!("written", path = folder, files = count; "{folder}: {count} files")
+    Ok(())
 }
 
 /// The files besides frames.

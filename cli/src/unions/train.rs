@@ -152,10 +152,10 @@ pub fn run(args: &Args) -> Result<()> {
         }
     }
     save(&trainer)?;
-    tell_written(args)
+    report_written(args)
 }
 
-fn tell_written(args: &Args) -> Result<()> {
+fn report_written(args: &Args) -> Result<()> {
     let path = args.output.display().to_string();
     status!("written", path = path; "{path}")
 }
@@ -211,7 +211,7 @@ fn thesis(args: &Args) -> Result<()> {
     let found = Transformer::train(&examples.training, &examples.validation, &options, &mut watch)?;
     told?;
     found.write(output)?;
-    tell_written(args)
+    report_written(args)
 }
 
 /// The file called as the output with something behind it.

@@ -51,15 +51,15 @@ pub fn run(args: &Args) -> Result<()> {
         let fitted = fit::run(&plant, &measured, args.fit_options(tissue), classes)?;
         create_folder()?;
         fitted.write(file)?;
-        return tell_written(args, names.len());
+        return report_written(args, names.len());
     }
     let bar = Bar::new("wilting");
     let simulation =
         simulate(&plant, &args.weather(&plant)?, Progress::new(&|done| bar.update(done)))?;
     drop(bar);
     let poses = &simulation.poses;
-    tell_frames(&simulation)?;
-    tell_water(&simulation)?;
+    report_frames(&simulation)?;
+    report_water(&simulation)?;
 
     // Everything is there before the first file appears.
     create_folder()?;
@@ -84,16 +84,16 @@ pub fn run(args: &Args) -> Result<()> {
     for (name, pose) in names.iter().filter(|name| name.starts_with("plant-")).zip(poses) {
         meshes::write(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
     }
-    tell_written(args, names.len())
+    report_written(args, names.len())
 }
 
-fn tell_written(args: &Args, files: usize) -> Result<()> {
+fn report_written(args: &Args, files: usize) -> Result<()> {
     let folder = args.output.display().to_string();
     status!("written", path = folder, files = files; "{folder}: {files} files")
 }
 
 /// Reports how the frames were computed.
-fn tell_frames(simulation: &Simulation) -> Result<()> {
+fn report_frames(simulation: &Simulation) -> Result<()> {
     let (frames, iterations) = (simulation.poses.len(), simulation.iterations);
     let Some(effort) = &simulation.effort else {
         return status!(
@@ -122,7 +122,7 @@ fn tell_frames(simulation: &Simulation) -> Result<()> {
 }
 
 /// Reports where the water is in the end, and where it went.
-fn tell_water(simulation: &Simulation) -> Result<()> {
+fn report_water(simulation: &Simulation) -> Result<()> {
     let end = simulation.poses.len() - 1;
     let grams = |i: usize| 1e3 * simulation.water[i].iter().sum::<f64>();
     let (first, last) = (grams(0), grams(end));

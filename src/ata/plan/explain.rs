@@ -13,7 +13,9 @@ impl Display for Plan {
         let (m, n, k) = (self.problem.m, self.problem.n, self.problem.k);
         match self.problem.op {
             Op::Syrk => writeln!(f, "C = A^T A, A {m} x {n}, {}", self.scalar)?,
-            Op::Gemmt => writeln!(f, "C = A^T W A, A {m} x {n}, {}", self.scalar)?,
+            Op::Gemmt => {
+                writeln!(f, "one triangle of C = A^T B, A and B {m} x {n}, {}", self.scalar)?;
+            }
             Op::Gemm => writeln!(f, "C = A^T B, A {m} x {n}, B {m} x {k}, {}", self.scalar)?,
         }
         match &self.strategy {
