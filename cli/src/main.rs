@@ -77,7 +77,7 @@ struct Cli {
     quiet: bool,
     /// Print a JSON object a line on stdout (JSON Lines) instead of text; each has the name of what
     /// it says as `record`.
-    #[arg(long = "json", id = "json_lines", global = true, help_heading = common::HEADING)]
+    #[arg(long, global = true, help_heading = common::HEADING)]
     json: bool,
     #[command(subcommand)]
     command: Command,

@@ -11,11 +11,10 @@ use catamaran::io::Output;
 use clap::ArgGroup;
 
 use self::output::Solution;
-use crate::common::HEADING;
 use crate::gram::{GramArgs, Pass, Table};
 use crate::output as files;
 use crate::ranks::Ranks;
-use crate::report::{note, use_json};
+use crate::report::note;
 use crate::rows::open;
 
 /// Solve min |W^(1/2) (A X - B)|^2 + L |X|^2 for tall A (m x n) and B (m x k) in files.
@@ -57,24 +56,14 @@ pub struct Args {
     /// Fail when columns depend on others.
     #[arg(long)]
     refuse_dependent: bool,
-    /// Write the arrays to this .npz file, .h5 where HDF5 is built in, or as text to .json.
+    /// Write the arrays to this .npz file, .h5 where HDF5 is built in, or the result with the names
+    /// of columns to .json; may be given several times.
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Without FILE: print a JSON object a line on stdout (JSON Lines) instead of text. With FILE:
-    /// write the result, with the names of columns, to this .json file.
-    #[arg(long, value_name = "FILE", num_args = 0..=1, help_heading = HEADING)]
-    json: Option<Option<PathBuf>>,
-    /// `--json` without FILE, whatever follows.
-    // Stands in for the option of all commands, which has the name of the one above.
-    #[arg(long, hide = true)]
-    json_lines: bool,
+    output: Vec<PathBuf>,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    if matches!(args.json, Some(None)) {
-        use_json();
-    }
     let ranks = Ranks::join()?;
     let done = run_as(args, &ranks);
     ranks.end(done)
@@ -84,7 +73,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
         bail!("--ridge must be finite and at least 0, and not {}", args.ridge);
     }
-    let outputs = if ranks.is_first() { start(args)? } else { Outputs::default() };
+    let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
     args.gram.check(ranks)?;
     let Rows { table, columns, targets } = rows(args)?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
@@ -97,43 +86,27 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let rows = gram.rows();
     let solution = Solution { found, columns, targets, intercept: args.intercept, rows };
     solution.print()?;
-    if let Some(output) = outputs.arrays {
-        solution.write_arrays(output)?;
-    }
-    for output in outputs.json.into_iter().flatten() {
-        solution.write_json(output)?;
+    for output in outputs {
+        match is_json(output.path()) {
+            true => solution.write_json(output)?,
+            false => solution.write_arrays(output)?,
+        }
     }
     pass.end()
 }
 
-/// The files to write, already begun.
-#[derive(Default)]
-struct Outputs {
-    arrays: Option<Output>,
-    json: [Option<Output>; 2],
+fn is_json(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 
-fn start(args: &Args) -> Result<Outputs> {
+/// Begins the files to write.
+fn start(args: &Args) -> Result<Vec<Output>> {
     let force = args.gram.force;
-    let is_json =
-        |path: &Path| path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"));
-    let mut outputs = Outputs::default();
-    if let Some(path) = &args.output {
-        match is_json(path) {
-            true => outputs.json[0] = Some(force.create(path)?),
-            false => outputs.arrays = Some(files::arrays(path, force)?),
-        }
-    }
-    if let Some(Some(path)) = &args.json {
-        if !is_json(path) {
-            bail!(
-                "{}: must be called .json (to print JSON Lines, give --json last)",
-                path.display()
-            );
-        }
-        outputs.json[1] = Some(force.create(path)?);
-    }
-    Ok(outputs)
+    let begin = |path: &PathBuf| match is_json(path) {
+        true => force.create(path),
+        false => files::arrays(path, force),
+    };
+    args.output.iter().map(begin).collect()
 }
 
 /// The rows of `[A B]`, and what their columns are called.

@@ -124,19 +124,6 @@ fn what_is_not_finite_is_null() {
 }
 
 #[test]
-fn json_of_lstsq_is_lines_without_a_file() {
-    let folder = Folder::new();
-    folder.write("a.csv", "1\n2\n");
-    let lines = folder.succeed("--json lstsq a.csv a.csv");
-    assert!(!records("lstsq", &lines).is_empty());
-    for line in ["lstsq a.csv a.csv --json", "lstsq --json-lines a.csv a.csv"] {
-        assert_eq!(records(line, &folder.succeed(line)).len(), lines.lines().count(), "{line}");
-    }
-    assert!(folder.succeed("lstsq a.csv a.csv --json x.json").contains("written     x.json"));
-    assert!(folder.fail("lstsq --json a.csv a.csv --by-column 0").contains("give --json last"));
-}
-
-#[test]
 fn quiet_leaves_results_only() {
     let folder = Folder::new();
     folder.write("a.csv", "1,2\n3,4\n");

@@ -22,7 +22,7 @@ pub const LINES: &[&str] = &[
     "ata a.npy -o c.csv.gz --scheme exact --verify",
     "ata a.csv -o c.mtx",
     "ata-merge a.sums a.sums -o c.npy --accumulator sums",
-    "lstsq a.npy w.npy -o x.npz --json x.json --weights w.csv --intercept --block-rows 16",
+    "lstsq a.npy w.npy -o x.npz -o x.json --weights w.csv --intercept --block-rows 16",
     "lstsq a.csv --by-column 7,0 -o x.json",
     "pca a.npy -k 3 -o pca.npz --scores --picture scree.svg --weights w.npy",
     "svd a.npy -o svd.npz --left",
