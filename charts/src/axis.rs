@@ -23,6 +23,8 @@ pub struct Axis {
 pub enum Scale {
     /// Evenly.
     Linear,
+    /// Evenly, with labels at whole numbers only.
+    Whole,
     /// By decimal logarithms.
     Log10,
     /// By binary logarithms.
@@ -35,6 +37,11 @@ impl Axis {
     /// Creates a linear axis over the range of the data.
     pub fn linear(title: impl Into<String>) -> Self {
         Self { title: title.into(), scale: Scale::Linear, range: None }
+    }
+
+    /// Creates a linear axis over the range of the data, with labels at whole numbers only.
+    pub fn whole(title: impl Into<String>) -> Self {
+        Self { scale: Scale::Whole, ..Self::linear(title) }
     }
 
     /// Creates a logarithmic axis over the range of the data, with labels at powers of ten and
@@ -87,13 +94,15 @@ impl Axis {
         }
         if self.range.is_none() {
             match scale {
-                Scale::Linear if from_zero => [low, high] = [low.min(0.0), high.max(0.0)],
+                Scale::Linear | Scale::Whole if from_zero => {
+                    [low, high] = [low.min(0.0), high.max(0.0)]
+                }
                 Scale::Log10 if from_zero && high - low > 1.0 => {
                     [low, high] = [low.floor(), high.ceil()];
                 }
                 Scale::Log10 => [low, high] = [low - 0.03, high + 0.03],
                 Scale::Log2 => [low, high] = [low - 0.5, high + 0.5],
-                Scale::Linear | Scale::Names(_) => {}
+                Scale::Linear | Scale::Whole | Scale::Names(_) => {}
             }
         }
         if low >= high {
@@ -106,7 +115,7 @@ impl Axis {
 impl Scale {
     fn place(&self, value: f64) -> f64 {
         match self {
-            Self::Linear | Self::Names(_) => value,
+            Self::Linear | Self::Whole | Self::Names(_) => value,
             Self::Log10 => value.log10(),
             Self::Log2 => value.log2(),
         }
@@ -114,7 +123,7 @@ impl Scale {
 
     fn value(&self, place: f64) -> f64 {
         match self {
-            Self::Linear | Self::Names(_) => place,
+            Self::Linear | Self::Whole | Self::Names(_) => place,
             Self::Log10 => 10_f64.powf(place),
             Self::Log2 => place.exp2(),
         }
@@ -123,7 +132,8 @@ impl Scale {
     /// Values with labels between two places, at most [`MOST_LABELS`] of numbers.
     fn ticks(&self, low: f64, high: f64) -> Vec<f64> {
         match self {
-            Self::Linear => linear_ticks(low, high),
+            Self::Linear => linear_ticks(low, high, 0.0),
+            Self::Whole => linear_ticks(low, high, 1.0),
             Self::Names(names) => (0..names.len()).map(|i| i as f64).collect(),
             Self::Log2 => {
                 let powers = low.ceil() as i32..=high.floor() as i32;
@@ -135,9 +145,9 @@ impl Scale {
     }
 }
 
-/// Round numbers one, two or five times a power of ten apart.
-fn linear_ticks(low: f64, high: f64) -> Vec<f64> {
-    let rough = (high - low) / MOST_LABELS as f64;
+/// Round numbers one, two or five times a power of ten apart, and at least `least`.
+fn linear_ticks(low: f64, high: f64, least: f64) -> Vec<f64> {
+    let rough = f64::max(least, (high - low) / MOST_LABELS as f64);
     let power = 10_f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|s| *s >= rough);
     let step = step.unwrap_or(10.0 * power);
@@ -215,9 +225,13 @@ mod tests {
     #[test]
     fn linear_ticks_are_round_and_cover_the_range() {
         let tenths = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
-        assert_eq!(linear_ticks(0.0, 1.0), tenths);
-        assert_eq!(linear_ticks(-3.0, 2.0), [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0]);
-        assert_eq!(linear_ticks(7.0, 93.0), [10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0]);
+        assert_eq!(linear_ticks(0.0, 1.0, 0.0), tenths);
+        assert_eq!(linear_ticks(-3.0, 2.0, 0.0), [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0]);
+        assert_eq!(linear_ticks(0.5, 3.5, 1.0), [1.0, 2.0, 3.0]);
+        assert_eq!(
+            linear_ticks(7.0, 93.0, 0.0),
+            [10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0]
+        );
     }
 
     #[test]

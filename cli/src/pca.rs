@@ -156,11 +156,11 @@ fn scree(found: &PrincipalComponents) -> Chart {
         .collect();
     let together = Series::curve("together", [0x88; 3], points(&sums));
     Chart::new(
-        Axis::linear("component").range(0.0, ratio.len() as f64),
+        Axis::whole("component").range(0.5, ratio.len() as f64 + 0.5),
         Axis::linear("share of the variance").range(0.0, 1.05),
         vec![
-            Series { line: Line::Dashed, ..together },
-            Series::curve("each", [0x1f, 0x6f, 0xeb], points(ratio)),
+            Series { line: Line::Dashed, dots: true, ..together },
+            Series { dots: true, ..Series::curve("each", [0x1f, 0x6f, 0xeb], points(ratio)) },
         ],
     )
 }

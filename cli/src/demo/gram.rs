@@ -92,7 +92,7 @@ fn describe(fits: &[Fit]) -> Station {
         Series::curve(way.name, way.color, fits.iter().filter_map(error).collect())
     };
     let chart = Chart::new(
-        Axis::linear("degree"),
+        Axis::whole("degree"),
         Axis::log10("largest relative error"),
         WAYS.iter().enumerate().map(curve).collect(),
     );

@@ -10,7 +10,7 @@ pub fn chart(history: &[Epoch]) -> Chart {
         Series::curve(name, color, points)
     };
     Chart::new(
-        Axis::linear("epochs").range(0.0, history.len().saturating_sub(1) as f64),
+        Axis::whole("epochs").range(0.0, history.len().saturating_sub(1) as f64),
         Axis::log10("mean error of logarithms"),
         vec![
             curve("training", [0x1d, 0x4e, 0xd8], |epoch| epoch.training),
