@@ -4,6 +4,7 @@
 use super::geometry::{Area, Geometry};
 use super::in_place::InPlace;
 use super::operands::Source;
+use super::pack::Panels;
 use super::tile::Row;
 
 /// The steps of a packed product, for one instruction set and scalar.
@@ -26,7 +27,7 @@ pub(crate) trait Kernel<T>: Sync {
     ///
     /// # Safety
     /// As there.
-    unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: *mut T, panel_stride: usize);
+    unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: Panels<T>);
 }
 
 /// Instantiates the algorithm: `instantiate!(Kernel, scalar, Vectors, attributes)`. The kernel
@@ -73,21 +74,19 @@ macro_rules! instantiate {
                 &self,
                 sources: &[super::operands::Source<'_, $t>],
                 area: &super::geometry::Area,
-                out: *mut $t,
-                panel_stride: usize,
+                out: super::pack::Panels<$t>,
             ) {
                 $($enable)*
                 unsafe fn pack(
                     sources: &[super::operands::Source<'_, $t>],
                     area: &super::geometry::Area,
-                    out: *mut $t,
-                    panel_stride: usize,
+                    out: super::pack::Panels<$t>,
                 ) {
                     // SAFETY: the caller's promise.
-                    unsafe { super::pack::pack::<$vectors>(sources, area, out, panel_stride) }
+                    unsafe { super::pack::pack::<$vectors>(sources, area, out) }
                 }
                 // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
-                unsafe { pack(sources, area, out, panel_stride) }
+                unsafe { pack(sources, area, out) }
             }
         }
     };

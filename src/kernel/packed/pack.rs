@@ -2,14 +2,37 @@
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 
-use super::geometry::{Area, piece};
+use super::geometry::{Area, CACHE_LINE, line_len, piece};
 use super::operands::Source;
 use super::vectors::{Vectors, low_bits};
 use crate::base::Real;
 
+/// Where panels are written.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Panels<T> {
+    pub start: *mut T,
+    /// Scalars from one panel to the next.
+    pub stride: usize,
+    /// Whether to write past the caches; `start` must be the start of a cache line then.
+    pub past_caches: bool,
+}
+
+impl<T> Panels<T> {
+    /// Creates panels that are written into the caches.
+    pub fn new(start: *mut T, stride: usize) -> Self {
+        Self { start, stride, past_caches: false }
+    }
+
+    /// Returns the same panels from scalar `offset` on.
+    fn at(self, offset: usize) -> Self {
+        Self { start: self.start.wrapping_add(offset), ..self }
+    }
+}
+
 /// Writes the panels that hold columns `area.cols` of the sum of `sources`, rows `area.rows`: the
-/// i-th panel at `out + i * panel_stride`, row after row, WIDTH columns each. What a source lacks
-/// counts as zero, and so do the columns between the end of the area and that of its last panel.
+/// i-th panel at `out.start + i * out.stride`, row after row, WIDTH columns each. What a source
+/// lacks counts as zero, and so do the columns between the end of the area and that of its last
+/// panel.
 ///
 /// # Safety
 /// `out` has room for all panels.
@@ -17,8 +40,7 @@ use crate::base::Real;
 pub(super) unsafe fn pack<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
     area: &Area,
-    out: *mut V::Scalar,
-    panel_stride: usize,
+    out: Panels<V::Scalar>,
 ) {
     // SAFETY: the caller's promise.
     unsafe {
@@ -41,13 +63,11 @@ pub(super) unsafe fn pack<V: Vectors>(
         macro_rules! by_rows {
             ($scaled:expr) => {
                 match *sources {
-                    [a] => pack_rows::<V, 1, $scaled>(&[a], &common, out, panel_stride),
-                    [a, b] => pack_rows::<V, 2, $scaled>(&[a, b], &common, out, panel_stride),
-                    [a, b, c] => pack_rows::<V, 3, $scaled>(&[a, b, c], &common, out, panel_stride),
-                    [a, b, c, d] => {
-                        pack_rows::<V, 4, $scaled>(&[a, b, c, d], &common, out, panel_stride)
-                    }
-                    _ => pack_many_rows::<V>(sources, &common, out, panel_stride),
+                    [a] => pack_rows::<V, 1, $scaled>(&[a], &common, out),
+                    [a, b] => pack_rows::<V, 2, $scaled>(&[a, b], &common, out),
+                    [a, b, c] => pack_rows::<V, 3, $scaled>(&[a, b, c], &common, out),
+                    [a, b, c, d] => pack_rows::<V, 4, $scaled>(&[a, b, c, d], &common, out),
+                    _ => pack_many_rows::<V>(sources, &common, out),
                 }
             };
         }
@@ -55,16 +75,16 @@ pub(super) unsafe fn pack<V: Vectors>(
             0 => {}
             _ if scaled == 0 => by_rows!(false),
             _ if scaled == sources.len() => by_rows!(true),
-            _ => pack_many_rows::<V>(sources, &common, out, panel_stride),
+            _ => pack_many_rows::<V>(sources, &common, out),
         }
         if columns < area.cols.len() {
             let rest = Area { cols: common.cols.end..area.cols.end, ..area.clone() };
             let panels = columns / V::WIDTH;
-            pack_elements::<V>(sources, &rest, out.add(panels * panel_stride), panel_stride);
+            pack_elements::<V>(sources, &rest, out.at(panels * out.stride));
         }
         if columns > 0 && rows < area.rows.len() {
             let rest = Area { rows: common.rows.end..area.rows.end, ..common };
-            pack_elements::<V>(sources, &rest, out.add(rows * V::WIDTH), panel_stride);
+            pack_elements::<V>(sources, &rest, out.at(rows * V::WIDTH));
         }
     }
 }
@@ -77,11 +97,13 @@ const ROWS_AHEAD: usize = 6;
 unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
     sources: &[Source<'_, V::Scalar>; N],
     area: &Area,
-    out: *mut V::Scalar,
-    panel_stride: usize,
+    out: Panels<V::Scalar>,
 ) {
     // SAFETY: the caller's promise.
     unsafe {
+        // A row of a panel that ends within a line would leave the line half written.
+        let past_caches = out.past_caches && V::WIDTH.is_multiple_of(line_len::<V::Scalar>());
+        debug_assert!(!past_caches || out.start.addr().is_multiple_of(CACHE_LINE));
         let (columns, first) = (area.cols.len(), area.cols.start);
         let full = columns / V::WIDTH;
         let scales =
@@ -93,17 +115,22 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
                 sum_of::<V, N, SCALED>(sources, &rows, &scales, at, mask)
             };
             for panel in 0..full {
-                let to = out.add(panel * panel_stride + k * V::WIDTH);
+                let to = out.start.add(panel * out.stride + k * V::WIDTH);
                 for j in 0..V::COUNT {
                     let at = panel * V::WIDTH + j * V::LANES;
                     for s in 0..N {
                         V::prefetch(ahead[s].wrapping_add(at));
                     }
-                    V::store(to.add(j * V::LANES), sum(at, None));
+                    let (to, sum) = (to.add(j * V::LANES), sum(at, None));
+                    if past_caches {
+                        V::store_past_caches(to, sum);
+                    } else {
+                        V::store(to, sum);
+                    }
                 }
             }
             if full * V::WIDTH < columns {
-                let to = out.add(full * panel_stride + k * V::WIDTH);
+                let to = out.start.add(full * out.stride + k * V::WIDTH);
                 for j in 0..V::COUNT {
                     let at = full * V::WIDTH + j * V::LANES;
                     let vector = match columns.saturating_sub(at) {
@@ -114,6 +141,9 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
                     V::store(to.add(j * V::LANES), vector);
                 }
             }
+        }
+        if past_caches {
+            V::fence();
         }
     }
 }
@@ -153,8 +183,7 @@ unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
 unsafe fn pack_many_rows<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
     area: &Area,
-    out: *mut V::Scalar,
-    panel_stride: usize,
+    out: Panels<V::Scalar>,
 ) {
     // SAFETY: as for `pack_rows`.
     unsafe {
@@ -175,7 +204,7 @@ unsafe fn pack_many_rows<V: Vectors>(
                     }
                     sum = V::mul_add(V::splat(s.coefficient), term, sum);
                 }
-                V::store(out.add(panel * panel_stride + k * V::WIDTH + within), sum);
+                V::store(out.start.add(panel * out.stride + k * V::WIDTH + within), sum);
             }
         }
     }
@@ -193,8 +222,7 @@ fn ahead_of<T>(source: &Source<'_, T>, row: usize, col: usize) -> *const T {
 unsafe fn pack_elements<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
     area: &Area,
-    out: *mut V::Scalar,
-    panel_stride: usize,
+    out: Panels<V::Scalar>,
 ) {
     /// Rows taken together, so that columns stored one after another are read in order.
     const ROWS: usize = 16;
@@ -203,7 +231,7 @@ unsafe fn pack_elements<V: Vectors>(
         let panels = area.cols.len().div_ceil(V::WIDTH);
         for panel in 0..panels {
             let cols = piece(&area.cols, panel, V::WIDTH);
-            let to = out.add(panel * panel_stride);
+            let to = out.start.add(panel * out.stride);
             for first in (0..area.rows.len()).step_by(ROWS) {
                 let count = ROWS.min(area.rows.len() - first);
                 let to = to.add(first * V::WIDTH);

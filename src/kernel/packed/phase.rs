@@ -8,6 +8,7 @@ use super::geometry::{Area, Geometry, line_len, piece};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
 use super::operands::Product;
+use super::pack::Panels;
 use super::target::{Target, wanted_of};
 use super::tile::{Row, Side};
 use crate::base::{Latch, Real, SharedPtr};
@@ -29,6 +30,8 @@ pub(super) struct Plan<'a, T> {
     left_panels: usize,
     right_panels: usize,
     in_place: bool,
+    /// Whether packed chunks are larger than the caches.
+    past_caches: bool,
     items: Vec<Item>,
     /// The targets after the first chunk.
     later: Vec<Target<T>>,
@@ -42,6 +45,10 @@ struct Item {
     /// Entries that somebody wants, roughly.
     cost: usize,
 }
+
+/// Bytes of a packed chunk beyond which the third-level cache of a core does not keep it until it
+/// is multiplied: writing it past the caches then saves reading its lines first. Measured on Zen 5.
+const CACHED_BYTES: usize = 16 << 20;
 
 /// Panels of a piece of packing.
 const GROUP: usize = 8;
@@ -71,7 +78,18 @@ impl<'a, T: Real> Plan<'a, T> {
         let in_place = product.in_place(geometry);
         let left_panels = if in_place { 0 } else { left_panels };
         let right_panels = if in_place || shape.same { 0 } else { right_panels };
-        Self { product, geometry, blocking, left_panels, right_panels, in_place, items, later }
+        let packed_bytes = blocking.packed_len(geometry, shape) * size_of::<T>();
+        Self {
+            product,
+            geometry,
+            blocking,
+            left_panels,
+            right_panels,
+            in_place,
+            past_caches: packed_bytes > CACHED_BYTES,
+            items,
+            later,
+        }
     }
 
     /// Returns whether any entry of the product is wanted.
@@ -162,7 +180,7 @@ impl<T: Real> Phase<'_, '_, T> {
     /// # Safety
     /// Nobody else uses that part of the memory.
     pub unsafe fn pack(&self, kernel: &dyn Kernel<T>, i: usize) -> f64 {
-        let Plan { geometry, product, .. } = self.plan;
+        let Plan { geometry, product, past_caches, .. } = self.plan;
         let (left_groups, right_groups) = self.plan.groups();
         let (b, group) = (i / (left_groups + right_groups), i % (left_groups + right_groups));
         let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
@@ -172,10 +190,11 @@ impl<T: Real> Phase<'_, '_, T> {
             (1, group - left_groups, product.shape.cols)
         };
         let panel_stride = rows.len() * geometry.width;
-        let out = self.at(starts[side] + group * GROUP * panel_stride);
+        let start = self.at(starts[side] + group * GROUP * panel_stride);
+        let out = Panels { past_caches: *past_caches, ..Panels::new(start, panel_stride) };
         let cols = piece(&(0..width), group, GROUP * geometry.width);
         // SAFETY: the group's panels lie in the memory, which `packed_len` has measured.
-        unsafe { kernel.pack(product.sources(side), &Area { rows, cols }, out, panel_stride) };
+        unsafe { kernel.pack(product.sources(side), &Area { rows, cols }, out) };
         0.0
     }
 

@@ -47,7 +47,7 @@ pub(crate) fn scratch_len<T: Real>(
 const BUFFERS: usize = 2;
 
 /// The next `len` scalars on a cache line of their own.
-fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
+pub(super) fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
     let piece = arena.take(len + line_len::<T>());
     let skipped = piece.as_ptr().align_offset(CACHE_LINE).min(line_len::<T>());
     &mut piece[skipped..skipped + len]

@@ -8,6 +8,7 @@ use super::geometry::{Area, Geometry};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
 use super::operands::{Shape, Source};
+use super::pack::Panels;
 use super::target::Target;
 use super::tile::{Row, Side};
 use super::write::LARGEST_TILE;
@@ -135,9 +136,10 @@ unsafe fn multiply_packed<T: Real>(
         let area = |columns| Area { rows: first..first + steps, cols: 0..columns };
         // SAFETY: the panels of `most` rows fit the memory.
         unsafe {
-            kernel.pack(&[left], &area(rows), packed, panel_stride);
+            kernel.pack(&[left], &area(rows), Panels::new(packed, panel_stride));
             if !same {
-                kernel.pack(&[right], &area(cols), packed.wrapping_add(own), panel_stride);
+                let out = Panels::new(packed.wrapping_add(own), panel_stride);
+                kernel.pack(&[right], &area(cols), out);
             }
         }
         for corner in (0..rows).step_by(height) {

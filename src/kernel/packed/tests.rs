@@ -5,9 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::{MatMut, MatRef};
 
-use super::geometry::Area;
+use super::geometry::{Area, line_len};
+use super::pack::Panels;
+use super::schedule::aligned;
 use super::*;
-use crate::base::{Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
+use crate::base::{Arena, Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
 
 /// The isas that this machine has.
 fn isas() -> impl Iterator<Item = Isa> {
@@ -489,6 +491,19 @@ fn depths_of_several_blocks_and_chunks_are_exact() {
     in_both_precisions!(check_depths);
 }
 
+/// Chunks of more than 16 MiB: narrow products, so that the oracle is fast.
+fn check_past_caches<T: Operand>(rng: &mut Rng) {
+    for (rows, cols) in [(4, 700), (700, 5)] {
+        let product = spec(general(6200, rows, cols), (2, 1), (2, 1), rng);
+        case::<T>(vec![product], PLENTY, rng).check(&[1, 3]);
+    }
+}
+
+#[test]
+fn chunks_that_are_written_past_the_caches_are_exact() {
+    in_both_precisions!(check_past_caches);
+}
+
 fn check_unwanted<T: Operand>(rng: &mut Rng) {
     let mut c = Stored::<T>::integers(Layout::Rows, 130, 130, rng);
     let a = Stored::integers(Layout::Rows, 700, 60, rng);
@@ -764,17 +779,19 @@ fn check_whole_panels<T: Operand>(rng: &mut Rng) {
         let kernel = T::kernel(isa);
         let width = kernel.geometry().width;
         for columns in 1..2 * width + 2 {
-            for count in [1, 2, 5] {
+            for (count, past_caches) in [(1, false), (1, true), (2, false), (3, true), (5, true)] {
                 let layout = pick(rng, &LAYOUTS[..3]);
                 let matrices: Vec<_> =
                     (0..count).map(|_| Stored::integers(layout, DEPTH, columns, rng)).collect();
                 let sources: Vec<_> = matrices.iter().map(|m| source(T::ONE, m.view())).collect();
                 let panel_stride = DEPTH * width;
-                let mut panels =
-                    vec![T::from_f64(f64::NAN); columns.div_ceil(width) * panel_stride];
+                let len = columns.div_ceil(width) * panel_stride;
+                let mut panels = vec![T::from_f64(f64::NAN); len + line_len::<T>()];
+                let panels = aligned(&mut Arena::new(&mut panels), len);
                 let area = Area { rows: 0..DEPTH, cols: 0..columns };
-                // SAFETY: there is room for all panels.
-                unsafe { kernel.pack(&sources, &area, panels.as_mut_ptr(), panel_stride) };
+                let out = Panels { past_caches, ..Panels::new(panels.as_mut_ptr(), panel_stride) };
+                // SAFETY: there is room for all panels, from the start of a cache line on.
+                unsafe { kernel.pack(&sources, &area, out) };
                 for (at, &x) in panels.iter().enumerate() {
                     let (row, column) =
                         (at % panel_stride / width, at / panel_stride * width + at % width);

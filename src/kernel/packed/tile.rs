@@ -33,6 +33,9 @@ impl<T> Side<T> {
     }
 }
 
+/// Most targets whose entries are prefetched while a tile is computed: it has no steps for more.
+const MOST_FETCHED: usize = 4;
+
 /// A row of tiles: ROWS columns of the left side times some panels of the right side, one after
 /// another.
 pub(crate) struct Row<'r, T> {
@@ -99,15 +102,21 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                 count: share,
                 lines: 1,
             };
-            let then = match row.targets.first() {
-                Some(target) => target.stream(V::ROWS, V::WIDTH, row.corner, col),
-                None => {
-                    let line = const { line_len::<V::Scalar>() };
-                    let start = row.next_right.wrapping_add(j * row.next_lines * line);
-                    Stream { start, stride: line as isize, count: row.next_lines, lines: 1 }
-                }
+            let line = const { line_len::<V::Scalar>() };
+            let right = Stream {
+                start: row.next_right.wrapping_add(j * row.next_lines * line),
+                stride: line as isize,
+                count: row.next_lines,
+                lines: 1,
             };
-            let (ahead, all) = (&[then, left], V::mask(low_bits(V::LANES)));
+            // First what this tile will need itself.
+            let mut streams = [left; MOST_FETCHED + 1];
+            streams[0] = right;
+            for (stream, target) in streams.iter_mut().zip(row.targets).take(MOST_FETCHED) {
+                *stream = target.stream(V::ROWS, V::WIDTH, row.corner, col);
+            }
+            let ahead = &streams[..=row.targets.len().clamp(1, MOST_FETCHED)];
+            let all = V::mask(low_bits(V::LANES));
             match count {
                 1 => tile.store::<V, ROWS, 1>(tile.multiply::<V, ROWS, 1, false>(all, ahead)),
                 2 if COUNT > 2 => {

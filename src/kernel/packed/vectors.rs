@@ -28,6 +28,16 @@ pub(super) trait Vectors {
     /// # Safety
     /// `to` points to room for [`Vectors::LANES`] scalars.
     unsafe fn store(to: *mut Self::Scalar, vector: Self::Vector);
+    /// Stores past the caches, in no order with other stores before [`Vectors::fence`].
+    ///
+    /// # Safety
+    /// As for [`Vectors::store`]; `to` is aligned to a vector.
+    unsafe fn store_past_caches(to: *mut Self::Scalar, vector: Self::Vector) {
+        // SAFETY: the caller's promise.
+        unsafe { Self::store(to, vector) }
+    }
+    /// Orders the stores past the caches before every later store.
+    fn fence() {}
     /// The mask of the lanes whose bits are set; bits beyond the lanes do not matter.
     ///
     /// # Safety

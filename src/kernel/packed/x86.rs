@@ -9,7 +9,7 @@ use super::vectors::Vectors;
 macro_rules! vectors {
     (
         $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr, masked_stores: $masked_stores:expr,
-        $splat:ident, $load:ident, $store:ident,
+        $splat:ident, $load:ident, $store:ident, $stream:ident,
         $m:ident, $mask:ident, $load_masked:ident, $store_masked:ident,
         $fma:ident, $add:ident, $mul:ident, $div:ident, $min:ident, $max:ident
     ) => {
@@ -38,6 +38,16 @@ macro_rules! vectors {
             unsafe fn store(to: *mut $t, vector: $v) {
                 // SAFETY: the caller's promise.
                 unsafe { $store(to, vector) }
+            }
+            #[inline(always)]
+            unsafe fn store_past_caches(to: *mut $t, vector: $v) {
+                // SAFETY: the caller's promise.
+                unsafe { $stream(to, vector) }
+            }
+            #[inline(always)]
+            fn fence() {
+                // SAFETY: every x86-64 CPU has the instruction.
+                unsafe { _mm_sfence() }
             }
             #[inline(always)]
             unsafe fn mask(bits: u64) -> $m {
@@ -143,26 +153,27 @@ unsafe fn load_f32x16(from: *const f32, mask: __mmask16) -> __m512 {
 // 8 x 3 sums, 3 vectors of the right panel and one of the left: 28 of 32 registers.
 vectors!(
     Avx512F64, f64, __m512d, 8, rows: 8, masked_stores: true,
-    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd,
+    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_stream_pd,
     __mmask8, mask_8_bits, load_f64x8, _mm512_mask_storeu_pd,
     _mm512_fmadd_pd, _mm512_add_pd, _mm512_mul_pd, _mm512_div_pd, _mm512_min_pd, _mm512_max_pd
 );
 vectors!(
     Avx512F32, f32, __m512, 16, rows: 8, masked_stores: true,
-    _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps,
+    _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_stream_ps,
     __mmask16, mask_16_bits, load_f32x16, _mm512_mask_storeu_ps,
     _mm512_fmadd_ps, _mm512_add_ps, _mm512_mul_ps, _mm512_div_ps, _mm512_min_ps, _mm512_max_ps
 );
-// 4 x 3 sums, 3 and 1: all 16 registers.
+// 4 x 3 sums, 3 and 1: all 16 registers. Panels are not written past the caches: their rows end
+// within lines.
 vectors!(
     Avx2F64, f64, __m256d, 4, rows: 4, masked_stores: false,
-    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd,
+    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_storeu_pd,
     __m256i, mask_4_lanes, _mm256_maskload_pd, _mm256_maskstore_pd,
     _mm256_fmadd_pd, _mm256_add_pd, _mm256_mul_pd, _mm256_div_pd, _mm256_min_pd, _mm256_max_pd
 );
 vectors!(
     Avx2F32, f32, __m256, 8, rows: 4, masked_stores: false,
-    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps,
+    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_storeu_ps,
     __m256i, mask_8_lanes, _mm256_maskload_ps, _mm256_maskstore_ps,
     _mm256_fmadd_ps, _mm256_add_ps, _mm256_mul_ps, _mm256_div_ps, _mm256_min_ps, _mm256_max_ps
 );

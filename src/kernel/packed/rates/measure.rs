@@ -11,6 +11,7 @@ use crate::kernel::packed::isa::Isa;
 use crate::kernel::packed::kernel::Kernel;
 use crate::kernel::packed::operand::sealed::Kernels;
 use crate::kernel::packed::operands::Source;
+use crate::kernel::packed::pack::Panels;
 use crate::kernel::packed::target::{Destination, Part, Target};
 use crate::kernel::packed::tile::{Row, Side};
 
@@ -220,7 +221,7 @@ fn pack(
         let area = Area { rows: 0..DEPTH, cols: columns(i) };
         assert_eq!(area.cols.len(), item);
         // SAFETY: the piece holds whole panels of as many columns.
-        unsafe { kernel.pack(sources, &area, piece.as_mut_ptr(), stride) };
+        unsafe { kernel.pack(sources, &area, Panels::new(piece.as_mut_ptr(), stride)) };
     }
     bytes as f64
 }
