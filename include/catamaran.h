@@ -51,8 +51,8 @@ extern "C" {
 /* ==== Status, version, memory =============================================================== */
 /**
  * @defgroup status Status, version, memory
- * Every function that can fail returns a status; what the build can do and what version it is;
- * scratch memory that is kept between calls.
+ * Functions that can fail return a status. Others report the capabilities and the version of the
+ * build, or free scratch memory that is kept between calls.
  * @code{.c}
  * if (cata_memory_release() != CATA_OK) {
  *     fprintf(stderr, "%s\n", cata_last_error_message());
@@ -62,7 +62,7 @@ extern "C" {
  * @{
  */
 
-/** What a call returns. A value, once given a meaning, keeps it for ever. */
+/** What a call returns. A value with a meaning keeps it forever. */
 typedef int32_t cata_status;
 
 #define CATA_OK 0 /**< Done. */
@@ -72,13 +72,15 @@ typedef int32_t cata_status;
 #define CATA_ERR_NON_FINITE 4 /**< A NaN or an infinity where only finite numbers are allowed. */
 #define CATA_ERR_NOT_CONVERGED 5 /**< An iteration ended before it reached its tolerance. */
 #define CATA_ERR_IO 6 /**< A file could not be read or written. */
-#define CATA_ERR_OUT_OF_MEMORY 7 /**< Memory could not be had. */
-#define CATA_ERR_BACKEND 8 /**< A BLAS back end could not be loaded, or refused. */
+#define CATA_ERR_OUT_OF_MEMORY 7 /**< Memory could not be allocated. */
+#define CATA_ERR_BACKEND 8 /**< A BLAS back end could not be loaded, or refused a request. */
 #define CATA_ERR_CANCELLED 9 /**< The progress callback asked to stop. */
 #define CATA_ERR_UNSUPPORTED 10 /**< This build or version can't do it (cata_capabilities). */
 #define CATA_ERR_PANIC 11 /**< A bug in Catamaran, caught; the library stays usable. */
-#define CATA_ERR_RANK 12 /**< Another rank failed, or does not fit; the message names it. */
-#define CATA_ERR_MESH 13 /**< A mesh or plant is not one; the message names the element. */
+
+/** Another rank failed, or its arguments disagree; the message names it. */
+#define CATA_ERR_RANK 12
+#define CATA_ERR_MESH 13 /**< A mesh or plant is invalid; the message names the element. */
 
 /** Returns the message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty
  * when none has. A call that succeeds leaves it alone. Never NULL.
@@ -87,8 +89,8 @@ typedef int32_t cata_status;
  * thread's end; do not free it. */
 const char *cata_last_error_message(void);
 
-/** Returns the name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is
- * none. Static, never NULL; do not free it. */
+/** Returns the name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for any other value.
+ * Static, never NULL; do not free it. */
 const char *cata_status_name(cata_status status);
 
 #define CATA_CAP_OPENBLAS 1 /**< Bit of cata_capabilities: OpenBLAS is linked in. */
@@ -108,8 +110,7 @@ const char *cata_version_string(void);
  * absent capability exist, and return CATA_ERR_UNSUPPORTED. */
 uint64_t cata_capabilities(void);
 
-/** Gives back the memory that products keep for the next one, at most 1 GiB, but for what is in
- * use. */
+/** Frees the memory that products keep for later products, at most 1 GiB, except what is in use. */
 cata_status cata_memory_release(void);
 
 /** @} */
@@ -127,7 +128,7 @@ cata_status cata_memory_release(void);
  * @{
  */
 
-/** A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything
+/** A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to continue; anything
  * else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
  *
  * It is called from any thread that works for the call, one call at a time: each begins after
@@ -162,7 +163,7 @@ typedef struct cata_backend cata_backend;
  * no such file or it is not such a library. */
 cata_status cata_backend_load(const char *path, cata_backend **backend);
 
-/** Gets the OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS. */
+/** Gets the OpenBLAS that the library was linked with; needs CATA_CAP_OPENBLAS. */
 cata_status cata_backend_openblas(cata_backend **backend);
 
 /** Returns the short name of a back end, such as "openblas" or the file name of a loaded library,
@@ -192,7 +193,7 @@ void cata_backend_free(cata_backend *backend); /**< Frees a back end. */
 #define CATA_LOWER 122 /**< `uplo`: the triangle on and below the diagonal. */
 #define CATA_BOTH 123 /**< `uplo`: both, equal; with beta != 0 the old lower one is read. */
 
-#define CATA_SCHEME_AUTO 0 /**< `scheme`: the fastest within the accuracy asked for. */
+#define CATA_SCHEME_AUTO 0 /**< `scheme`: the fastest within the requested accuracy. */
 #define CATA_SCHEME_CLASSICAL 1 /**< `scheme`: no fast products, blocks over the back end. */
 #define CATA_SCHEME_ATA2 2 /**< `scheme`: AtA over Strassen's, 2 x 2, down to the cache. */
 #define CATA_SCHEME_WINOGRAD 3 /**< `scheme`: 2 x 2 over Winograd's variant of Strassen's. */
@@ -213,8 +214,8 @@ void cata_backend_free(cata_backend *backend); /**< Frees a back end. */
 typedef struct cata_ata_params {
     size_t struct_size; /**< sizeof(cata_ata_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
     /** Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
      * choice. */
     size_t leaf;
@@ -227,7 +228,7 @@ typedef struct cata_ata_params {
      * otherwise, and not NaN. CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13
      * from 8 on, and 14 otherwise (float: 8, 6 and 7). */
     double error_factor;
-    /** What computes the small products; NULL: the built-in one. Borrowed during the call. */
+    /** Back end of the small products; NULL: the built-in one. Borrowed during the call. */
     const cata_backend *backend;
     int32_t scheme; /**< CATA_SCHEME_*. */
     /** 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than
@@ -261,11 +262,11 @@ cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
 cata_status cata_ata_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_ata_f64, in float. */
+/** Computes cata_ata_f64 in float. */
 cata_status cata_ata_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_ata_f64, with A in float, in blocks: sums and products are in double. C holds
+/** Computes cata_ata_f64 with A in float, in blocks: sums and products are in double. C holds
  * unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too. */
 cata_status cata_ata_f32_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const float *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
@@ -274,17 +275,17 @@ cata_status cata_ata_f32_f64(int32_t layout, int32_t uplo, size_t m, size_t n, d
 cata_status cata_ata_scratch_len_f64(size_t m, size_t n, const cata_ata_params *params,
     size_t *len);
 
-/** As cata_ata_scratch_len_f64, in float. */
+/** Gets the length as cata_ata_scratch_len_f64 does, in float. */
 cata_status cata_ata_scratch_len_f32(size_t m, size_t n, const cata_ata_params *params,
     size_t *len);
 
-/** Computes cata_ata_f64 in scratch of the caller, of any values and at least the length that
- * cata_ata_scratch_len_f64 says. It is overwritten. */
+/** Computes cata_ata_f64 in scratch of the caller, with any contents and at least the length from
+ * cata_ata_scratch_len_f64. It is overwritten. */
 cata_status cata_ata_with_scratch_f64(int32_t layout, int32_t uplo, size_t m, size_t n,
     double alpha, const double *a, size_t lda, double beta, double *c, size_t ldc, double *scratch,
     size_t scratch_len, const cata_ata_params *params);
 
-/** As cata_ata_with_scratch_f64, in float. */
+/** Computes cata_ata_with_scratch_f64 in float. */
 cata_status cata_ata_with_scratch_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, float *scratch,
     size_t scratch_len, const cata_ata_params *params);
@@ -293,7 +294,7 @@ cata_status cata_ata_with_scratch_f32(int32_t layout, int32_t uplo, size_t m, si
 cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_aat_f64, in float. */
+/** Computes cata_aat_f64 in float. */
 cata_status cata_aat_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
@@ -304,14 +305,14 @@ cata_status cata_aat_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float
  * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
  *   from 0, each at most once, and the entries of A there.
  * - `weights`: m finite elements, read; NULL: all 1.
- * - `params`: `threads` and `progress` count, the rest is checked only.
+ * - `params`: `threads` and `progress` are used, the rest is only checked.
  *
  * The rest as in cata_ata_f64. */
 cata_status cata_ata_sparse_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const size_t *row_starts, const size_t *columns, const double *entries, const double *weights,
     double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_ata_sparse_f64, with A and C in float; weights and sums are in double. */
+/** Computes cata_ata_sparse_f64 with A and C in float; weights and sums are in double. */
 cata_status cata_ata_sparse_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const size_t *row_starts, const size_t *columns, const float *entries, const double *weights,
     float beta, float *c, size_t ldc, const cata_ata_params *params);
@@ -322,7 +323,7 @@ cata_status cata_atb_f64(int32_t layout, size_t m, size_t n, size_t k, double al
     const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
     const cata_ata_params *params);
 
-/** As cata_atb_f64, in float. */
+/** Computes cata_atb_f64 in float. */
 cata_status cata_atb_f32(int32_t layout, size_t m, size_t n, size_t k, float alpha, const float *a,
     size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
     const cata_ata_params *params);
@@ -331,17 +332,17 @@ cata_status cata_atb_f32(int32_t layout, size_t m, size_t n, size_t k, float alp
 cata_status cata_atb_scratch_len_f64(size_t m, size_t n, size_t k, const cata_ata_params *params,
     size_t *len);
 
-/** As cata_atb_scratch_len_f64, in float. */
+/** Gets the length as cata_atb_scratch_len_f64 does, in float. */
 cata_status cata_atb_scratch_len_f32(size_t m, size_t n, size_t k, const cata_ata_params *params,
     size_t *len);
 
-/** Computes cata_atb_f64 in scratch of the caller, of any values and at least the length that
- * cata_atb_scratch_len_f64 says. It is overwritten. */
+/** Computes cata_atb_f64 in scratch of the caller, with any contents and at least the length from
+ * cata_atb_scratch_len_f64. It is overwritten. */
 cata_status cata_atb_with_scratch_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
     const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
     double *scratch, size_t scratch_len, const cata_ata_params *params);
 
-/** As cata_atb_with_scratch_f64, in float. */
+/** Computes cata_atb_with_scratch_f64 in float. */
 cata_status cata_atb_with_scratch_f32(int32_t layout, size_t m, size_t n, size_t k, float alpha,
     const float *a, size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
     float *scratch, size_t scratch_len, const cata_ata_params *params);
@@ -367,7 +368,7 @@ cata_status cata_atb_with_scratch_f32(int32_t layout, size_t m, size_t n, size_t
 cata_status cata_aha_c64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_aha_c64, in float: `float complex` and `std::complex<float>`. */
+/** Computes cata_aha_c64 in float: `float complex` and `std::complex<float>`. */
 cata_status cata_aha_c32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
@@ -380,7 +381,7 @@ cata_status cata_ahb_c64(int32_t layout, size_t m, size_t n, size_t k, const dou
     const double *a, size_t lda, const double *b, size_t ldb, const double *beta, double *c,
     size_t ldc, const cata_ata_params *params);
 
-/** As cata_ahb_c64, in float: `float complex` and `std::complex<float>`. */
+/** Computes cata_ahb_c64 in float: `float complex` and `std::complex<float>`. */
 cata_status cata_ahb_c32(int32_t layout, size_t m, size_t n, size_t k, const float *alpha,
     const float *a, size_t lda, const float *b, size_t ldb, const float *beta, float *c, size_t ldc,
     const cata_ata_params *params);
@@ -388,7 +389,7 @@ cata_status cata_ahb_c32(int32_t layout, size_t m, size_t n, size_t k, const flo
 /** Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
  * vectors (Freivalds 1977), in time proportional to rounds (m n + n^2), on the calling thread.
  * CATA_OK whether C passed or not.
- * - `uplo`: the part of C that is looked at.
+ * - `uplo`: the part of C that is checked.
  * - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
  *   probability at most 2^-rounds.
  * - `seed`: of the random vectors; the same seed gives the same answer.
@@ -400,7 +401,7 @@ cata_status cata_verify_f64(int32_t layout, int32_t uplo, size_t m, size_t n, do
     const double *a, size_t lda, const double *c, size_t ldc, int32_t rounds, uint64_t seed,
     int32_t *passed, double *residual, double *tolerance);
 
-/** As cata_verify_f64, for a product in float. The check itself is in double. */
+/** Checks a product in float as cata_verify_f64. The check itself is in double. */
 cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const float *a, size_t lda, const float *c, size_t ldc, int32_t rounds, uint64_t seed,
     int32_t *passed, double *residual, double *tolerance);
@@ -410,8 +411,8 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 /* ==== Least squares, principal components, singular values ================================== */
 /**
  * @defgroup gram Least squares, principal components, singular values
- * From a Gram matrix in extended precision, which one or two passes over the rows yield: as
- * accurate as an orthogonal factorisation.
+ * Results from a Gram matrix in extended precision, computed in one or two passes over the rows,
+ * as accurate as by an orthogonal factorisation.
  * @code{.c}
  * double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
  * cata_lstsq(CATA_ROW_MAJOR, 3, 2, 1, a, 2, b, 1, NULL, x, 1, NULL, NULL);
@@ -424,23 +425,23 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 typedef struct cata_lstsq_params {
     size_t struct_size; /**< sizeof(cata_lstsq_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
-     * after them cannot be cancelled. */
+    /** Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
+     * cannot be cancelled. */
     cata_progress progress;
-    void *progress_user; /**< Handed to `progress`. */
-    /** Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept
-     * is not a part of X. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** Multiple of |X|^2 that is added to the minimised sum; finite, at least 0. The intercept is
+     * not a part of X. */
     double ridge;
     int32_t intercept; /**< 1: a constant is fitted for each target too. 0: none. */
-    /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message
-     * names them. 0: of all solutions the one of least norm is returned. */
+    /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
+     * them. 0: the solution of least norm is returned. */
     int32_t refuse_dependent;
 } cata_lstsq_params;
 
-/** What is known of a least-squares solution beside X. The caller sets `struct_size` and the
- * pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
- * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof
- * result};` asks for those fields alone. */
+/** Results of least squares beside X. The caller sets `struct_size` and the pointers, each to an
+ * array of its own or to NULL where it is not wanted; the call writes the arrays and the fields
+ * after them. `cata_lstsq_result result = {.struct_size = sizeof result};` requests those fields
+ * alone. */
 typedef struct cata_lstsq_result {
     size_t struct_size; /**< sizeof(cata_lstsq_result). */
     /** k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding
@@ -484,7 +485,7 @@ cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size
  * - `b`: B, m x k, read, with leading dimension `ldb`.
  * - `weights`: m finite numbers, at least 0, read; NULL: all 1.
  * - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
- *   looked at for `result.standard_errors` only.
+ *   used for `result.standard_errors` only.
  * - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted.
  *   Standard errors take a few times as long as X, and no time when they are not wanted. */
 cata_status cata_lstsq(int32_t layout, size_t m, size_t n, size_t k, const double *a, size_t lda,
@@ -495,10 +496,10 @@ cata_status cata_lstsq(int32_t layout, size_t m, size_t n, size_t k, const doubl
 typedef struct cata_pca_params {
     size_t struct_size; /**< sizeof(cata_pca_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
-     * after them cannot be cancelled. */
+    /** Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
+     * cannot be cancelled. */
     cata_progress progress;
-    void *progress_user; /**< Handed to `progress`. */
+    void *progress_user; /**< Passed to `progress`. */
     /** 1: columns are divided by their standard deviations; those without variance are not. 0:
      * none is. */
     int32_t standardize;
@@ -513,7 +514,7 @@ cata_status cata_pca_params_init(cata_pca_params *params, size_t struct_size);
  * - `count`: number of components, at most n.
  * - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
  *   component, orthonormal, the most variance first; the first of the largest entries of a row
- *   is positive. NULL where not wanted; `ldcomponents` is then not looked at.
+ *   is positive. NULL where not wanted; `ldcomponents` is then ignored.
  * - `explained_variance`: count elements, written: the variance along each component, with the
  *   divisor m - 1; NULL where not wanted.
  * - `explained_variance_ratio`: count elements, written: the same, divided by the variance of
@@ -532,10 +533,10 @@ cata_status cata_pca(int32_t layout, size_t m, size_t n, const double *a, size_t
 typedef struct cata_gram_params {
     size_t struct_size; /**< sizeof(cata_gram_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
-     * after them cannot be cancelled. */
+    /** Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
+     * cannot be cancelled. */
     cata_progress progress;
-    void *progress_user; /**< Handed to `progress`. */
+    void *progress_user; /**< Passed to `progress`. */
 } cata_gram_params;
 /** Fills a struct with the defaults. */
 cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
@@ -551,7 +552,7 @@ cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
  *   far as the precision can tell. NULL where not wanted.
  * - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for
  *   each value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then
- *   not looked at. */
+ *   ignored. */
 cata_status cata_svd(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
     double *values, double *v, size_t ldv, const cata_gram_params *params);
 
@@ -565,7 +566,7 @@ cata_status cata_svd(int32_t layout, size_t m, size_t n, const double *a, size_t
  * - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
  * - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
  *   written, with C rounded to double; the rest is neither read nor written. NULL where not
- *   wanted; `ldhigh` is then not looked at.
+ *   wanted; `ldhigh` is then ignored.
  * - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
  * - `exact`: one int32_t, written: 1 or 0; NULL where not wanted. */
 cata_status cata_gram_extended(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
@@ -597,8 +598,7 @@ cata_status cata_gram_orthogonality(int32_t layout, size_t m, size_t n, const do
  * - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
  * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64.
  * - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
- *   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked
- *   at.
+ *   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then ignored.
  *
  * Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names.
  * A and R are unspecified after CATA_ERR_PANIC. */
@@ -637,29 +637,29 @@ cata_status cata_ata_rows_f64(int32_t layout, int32_t uplo, size_t m, size_t n, 
     const double *a, size_t lda, const double *weights, int32_t centering, const double *center,
     double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_ata_rows_f64, in float; the mean is summed in double. */
+/** Computes cata_ata_rows_f64 in float; the mean is summed in double. */
 cata_status cata_ata_rows_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, const float *weights, int32_t centering, const float *center,
     float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-#define CATA_SUMS_FLOAT 0 /**< `sums`: in double, to a few last bits. */
+#define CATA_SUMS_FLOAT 0 /**< `sums`: in double, up to rounding. */
 
 /** `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads
  * and machines, and rows can be removed. */
 #define CATA_SUMS_EXACT 1
 #define CATA_SUMS_EXTENDED 2 /**< `sums`: exact, for least squares and the like. */
 
-/** X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made
- * by cata_accumulator_new or cata_accumulator_read. */
+/** The sums X^T W X of rows X that come in blocks, with weights W, and results from them at any
+ * time. Made by cata_accumulator_new or cata_accumulator_read. */
 typedef struct cata_accumulator cata_accumulator;
 
-/** What an accumulator adds, and how. */
+/** The kind of sums of an accumulator, their bounds, and threads. */
 typedef struct cata_accumulator_params {
     size_t struct_size; /**< sizeof(cata_accumulator_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of progress, of each call that adds rows or removes them; NULL: nobody. */
+    /** Progress callback of each call that adds or removes rows; NULL: none. */
     cata_progress progress;
-    void *progress_user; /**< Handed to `progress`. */
+    void *progress_user; /**< Passed to `progress`. */
     /** Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is less. */
     const double *lower;
     /** Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is more. */
@@ -682,22 +682,22 @@ cata_status cata_accumulator_new(size_t n, const cata_accumulator_params *params
 cata_status cata_accumulator_read(const char *path, const cata_accumulator_params *params,
     cata_accumulator **accumulator);
 
-/** Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is
- * replaced when all is written, and stays otherwise. */
+/** Writes an accumulator to a file, to continue elsewhere. A file of that name is replaced after
+ * everything has been written, and stays otherwise. */
 cata_status cata_accumulator_write(const cata_accumulator *accumulator, const char *path);
 
 void cata_accumulator_free(cata_accumulator *accumulator); /**< Frees an accumulator. */
 
 /** Adds the rows of A, m x n.
  *
- * After an error within the rows, such as a cancelled call, the accumulator is of no use any
- * more, and says so; a first row or weight that is refused leaves it as it was.
+ * After an error within the rows, such as a cancelled call, the accumulator must not be used any
+ * more, and its calls fail; a first row or weight that is invalid leaves it unchanged.
  * - `weights`: m finite numbers, read; NULL: all 1. */
 cata_status cata_accumulator_add(cata_accumulator *accumulator, int32_t layout, size_t m,
     const double *a, size_t lda, const double *weights);
 
-/** Removes rows that were added, with the same weights, from sums of integers: what is left are
- * the bytes of sums that never had them. Otherwise as cata_accumulator_add. */
+/** Removes rows that were added, with the same weights, from sums of integers; the sums then have
+ * the bytes of sums without these rows. Otherwise as cata_accumulator_add. */
 cata_status cata_accumulator_remove(cata_accumulator *accumulator, int32_t layout, size_t m,
     const double *a, size_t lda, const double *weights);
 
@@ -705,7 +705,7 @@ cata_status cata_accumulator_remove(cata_accumulator *accumulator, int32_t layou
  * CATA_CAP_HDF5. Otherwise as cata_accumulator_add. */
 cata_status cata_accumulator_add_file(cata_accumulator *accumulator, const char *path);
 
-/** Adds the rows of another accumulator of the same kind, which stays as it is. */
+/** Adds the rows of another accumulator of the same kind, which is not changed. */
 cata_status cata_accumulator_merge(cata_accumulator *accumulator, const cata_accumulator *other);
 
 /** Gets the number of rows, the sum of their weights, and the mean of each column (n elements; 0
@@ -755,21 +755,21 @@ cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t la
 #define CATA_BOUNDARY_NEUMANN 0 /**< `boundary`: the normal derivative is zero there. */
 #define CATA_BOUNDARY_DIRICHLET 1 /**< `boundary`: functions are zero there. */
 
-/** How eigenpairs are computed, and of which Laplacian where it is that of a mesh. */
+/** How eigenpairs are computed, and the Laplacian if they are those of a mesh. */
 typedef struct cata_eigs_params {
     size_t struct_size; /**< sizeof(cata_eigs_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
     size_t max_restarts; /**< Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60. */
     uint64_t seed; /**< Seed of the starting vectors. */
     double tolerance; /**< Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9. */
-    /** With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not
-     * looked at. */
+    /** With `has_shift` 1: the eigenvalues nearest to this finite number are computed. Otherwise
+     * ignored. */
     double shift;
-    int32_t has_shift; /**< 1: `shift` counts; 0: the smallest eigenvalues are wanted. */
-    /** 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on
-     * until none is missing. 0: not asked for. */
+    int32_t has_shift; /**< 1: `shift` is used; 0: the smallest eigenvalues are computed. */
+    /** 1: counts the eigenvalues by one or two more factorisations, and continues until none is
+     * missing. 0: does not. */
     int32_t verify_count;
     int32_t laplacian; /**< Of meshes: CATA_LAPLACIAN_*. */
     int32_t mass; /**< Of meshes: CATA_MASS_*. */
@@ -778,7 +778,7 @@ typedef struct cata_eigs_params {
 
 /** Takes a slice of eigenpairs: `count` of them, as cata_eigs writes them, ascending within the
  * slice and from slice to slice; gone when it returns. It is called by the calling thread, and
- * returns 0 to go on, anything else to end the call with CATA_ERR_CANCELLED. */
+ * returns 0 to continue, anything else to end the call with CATA_ERR_CANCELLED. */
 typedef int32_t (*cata_eigs_slice)(size_t count, const double *eigenvalues,
     const double *eigenvectors, size_t ldv, const double *residuals, void *user);
 /** Fills a struct with the defaults. */
@@ -815,7 +815,7 @@ cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *c
  * cata_eigs all of them. In an interval there are as many as the difference of two counts, and
  * these are nearest to its middle as `shift`.
  * - `count`: one size_t, written.
- * - `params`: of it only `progress` is looked at, before and after the work. */
+ * - `params`: only `progress` is used, before and after the work. */
 cata_status cata_eigs_count(size_t n, const size_t *row_starts, const size_t *columns,
     const double *entries, const double *masses, double value, size_t *count,
     const cata_eigs_params *params);
@@ -831,10 +831,10 @@ cata_status cata_eigs_count(size_t n, const size_t *row_starts, const size_t *co
 typedef struct cata_ortho_params {
     size_t struct_size; /**< sizeof(cata_ortho_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
-    void *progress_user; /**< Handed to `progress`. */
-    /** A column is dropped when no more of it is left, relative to its length before, after what
-     * the columns before it span was taken away: 1e-13 to 1; 0: that of `method`. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** A column is dropped if its part orthogonal to the columns before it is at most this fraction
+     * of its length: 1e-13 to 1; 0: that of `method`. */
     double threshold;
     int32_t method; /**< CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED. */
 } cata_ortho_params;
@@ -847,7 +847,7 @@ cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size
  *   unspecified.
  * - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
  * - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of
- *   every column of A. NULL where not wanted; `ldr` is then not looked at.
+ *   every column of A. NULL where not wanted; `ldr` is then ignored.
  * - `kept`: c elements; the first `*rank` are written: the columns that Q is made of,
  *   ascending, from 0. NULL where not wanted.
  * - `rank`: one size_t, written.
@@ -863,7 +863,7 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
  * extended precision.)
  * - `a`, `masses`: as there; A becomes Q.
  * - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
- * - `params`: `threads` and `progress` are looked at. */
+ * - `params`: `threads` and `progress` are used. */
 cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a, size_t lda,
     const double *masses, double *r, size_t ldr, const cata_ortho_params *params);
 
@@ -913,7 +913,7 @@ cata_status cata_mesh_eigs_sliced(size_t n_vertices, const double *vertices, siz
  * - `mask`: n_vertices elements: 1 for a vertex of the part, 0 for any other.
  * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
  * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
- * - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only. */
+ * - `params`: the Laplacian, `threads` and `progress` are used, the rest is only checked. */
 cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, const uint8_t *mask, size_t k, double *eigenvalues,
     const cata_eigs_params *params);
@@ -950,15 +950,14 @@ typedef struct cata_decimation cata_decimation;
 typedef struct cata_decimation_params {
     size_t struct_size; /**< sizeof(cata_decimation_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
     int32_t method; /**< CATA_DECIMATION_*. */
     int32_t lloyd; /**< Passes that move samples to the centroids of their cells; 0: none. */
     /** Passes that flip edges and move vertices of the result; 0: 12, or CATA_NO_PASSES. */
     int32_t relaxation;
-    /** With `has_first` 1: the vertex that the first sample is. Else not looked at. */
-    uint32_t first;
-    int32_t has_first; /**< 1: `first` counts; 0: the lowest vertex that a face has. */
+    uint32_t first; /**< With `has_first` 1: the vertex of the first sample. Otherwise ignored. */
+    int32_t has_first; /**< 1: `first` is used; 0: the lowest vertex that a face has. */
     /** 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
      * they are kept. */
     int32_t cut_narrow_handles;
@@ -971,9 +970,9 @@ cata_status cata_decimation_params_init(cata_decimation_params *params, size_t s
 
 /** Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
  * boundary loops and genus of the input. The input is cut along edges of more than two faces
- * first, and edges longer than those of the result are split, so that n may also be more than
- * the input has. No step makes faces intersect that did not. What can't be is refused, and the
- * message says why.
+ * first, and edges longer than those of the result are split, so that n may also be more than the
+ * input has. No step makes faces intersect that did not. Impossible requests return an error, and
+ * the message says why.
  * - `n`: vertices of the result. With fewer than the topology needs, CATA_ERR_ARGUMENT.
  * - `decimation`: one pointer, written. */
 cata_status cata_decimation_new(size_t n_vertices, const double *vertices, size_t n_faces,
@@ -988,8 +987,8 @@ void cata_decimation_free(cata_decimation *decimation); /**< Frees a decimation.
 cata_status cata_decimation_size(const cata_decimation *decimation, size_t *n_vertices,
     size_t *n_faces, int32_t *repaired);
 
-/** Gets the vertices and faces of the result, as many as cata_decimation_size says; NULL where not
- * wanted. */
+/** Gets the vertices and faces of the result, as many as cata_decimation_size returns; NULL where
+ * not wanted. */
 cata_status cata_decimation_get(const cata_decimation *decimation, double *vertices,
     uint32_t *faces);
 
@@ -1007,8 +1006,8 @@ cata_status cata_decimation_places(const cata_decimation *decimation, uint32_t *
 cata_status cata_decimation_carry(const cata_decimation *decimation, size_t width,
     const double *values, double *carried);
 
-/** Computes values of the result's vertices at the vertices of the input, the other way: each is
- * the mean of those of a face near it, 0 at vertices without a face. */
+/** Computes values of the result's vertices at the vertices of the input: each is the mean of those
+ * of a face near it, 0 at vertices without a face. */
 cata_status cata_decimation_prolong(const cata_decimation *decimation, size_t width,
     const double *values, double *prolonged);
 
@@ -1025,7 +1024,7 @@ cata_status cata_decimation_carry_uv(const cata_decimation *decimation, const do
  * - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex,
  *   UINT32_MAX for those that no face has. NULL where not wanted.
  * - `distances`: n_vertices elements, written: how far it is. NULL where not wanted.
- * - `params`: `first` and `progress` count, the rest is checked only. On the calling thread. */
+ * - `params`: `first` and `progress` are used, the rest is only checked. On the calling thread. */
 cata_status cata_decimation_farthest_points(size_t n_vertices, const double *vertices,
     size_t n_faces, const uint32_t *faces, size_t n, uint32_t *samples, uint32_t *nearest,
     float *distances, const cata_decimation_params *params);
@@ -1053,9 +1052,9 @@ cata_status cata_decimation_farthest_points(size_t n_vertices, const double *ver
  */
 
 #define CATA_CURVE_CLOSED 0 /**< `outcome`: the curve is closed, or all curves are. */
-#define CATA_CURVE_OPEN 1 /**< `outcome`: the curve is open, as was asked for. */
-#define CATA_CURVE_BLOCKED 2 /**< `outcome`: from a sample no way led on. */
-#define CATA_CURVE_CLOSE_BLOCKED 3 /**< `outcome`: no way led back to the first sample. */
+#define CATA_CURVE_OPEN 1 /**< `outcome`: the curve is open, as requested. */
+#define CATA_CURVE_BLOCKED 2 /**< `outcome`: no path leaves one of the samples. */
+#define CATA_CURVE_CLOSE_BLOCKED 3 /**< `outcome`: no path leads back to the first sample. */
 #define CATA_CURVE_DISCONNECTED 4 /**< `outcome`: samples are on several components. */
 #define CATA_CURVE_STEINER 0 /**< `points`: vertices, and new ones on edges where needed. */
 #define CATA_CURVE_VERTICES 1 /**< `points`: vertices of the mesh alone. */
@@ -1070,9 +1069,9 @@ typedef struct cata_curves cata_curves;
 /** How curves are found. They are found on the calling thread. */
 typedef struct cata_curve_params {
     size_t struct_size; /**< sizeof(cata_curve_params). */
-    size_t threads; /**< Of no effect. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
-    void *progress_user; /**< Handed to `progress`. */
+    size_t threads; /**< Ignored. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
     /** With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5. */
     size_t candidates;
     size_t start; /**< With `faithful` 1: the number of the sample that the curve starts at. */
@@ -1094,8 +1093,8 @@ cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size
 cata_status cata_curve_solver_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, cata_curve_solver **solver);
 
-/** As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become
- * vertices, numbered from n_vertices on, which cut their faces.
+/** Creates a solver as cata_curve_solver_new, for samples that need not be vertices: those inside
+ * of faces become vertices, numbered from n_vertices on, which cut their faces.
  * - `count`: number of places.
  * - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
  * - `weights`: 3 `count` elements, read: barycentric coordinates in the face, or x, y, z.
@@ -1106,9 +1105,9 @@ cata_status cata_curve_solver_new_at(size_t n_vertices, const double *vertices, 
 
 void cata_curve_solver_free(cata_curve_solver *solver); /**< Frees a solver. */
 
-/** Finds the curves that samples without an order are of, neither meeting themselves nor each
- * other. The same samples give the same curves, bit for bit. CATA_OK also when there is no
- * complete curve, as cata_curves_outcome then says.
+/** Finds the curves through unordered samples; they meet neither themselves nor each other. The
+ * same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve:
+ * see cata_curves_outcome.
  * - `samples`: `count` elements, read: vertices, at least 3, none twice. */
 cata_status cata_curve_solver_find(cata_curve_solver *solver, size_t count, const uint32_t *samples,
     const cata_curve_params *params, cata_curves **curves);
@@ -1161,13 +1160,13 @@ cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
  * its masses: eigenfunctions (cata_basis_new) or their products (cata_basis_products). */
 typedef struct cata_basis cata_basis;
 
-/** How bases of products are made, and other work of this chapter is done. */
+/** Options of bases of products, and of the other calls of this chapter. */
 typedef struct cata_basis_params {
     size_t struct_size; /**< sizeof(cata_basis_params). */
-    size_t threads; /**< Threads, at most; 0: all. A basis keeps it for its own calls. */
-    /** Told of progress; NULL: nobody. A basis does not keep it: its own calls are short. */
+    size_t threads; /**< Threads, at most; 0: all. A basis keeps this for its own calls. */
+    /** Progress callback; NULL: none. A basis does not keep it: its own calls are short. */
     cata_progress progress;
-    void *progress_user; /**< Handed to `progress`. */
+    void *progress_user; /**< Passed to `progress`. */
     size_t order; /**< Of products: most factors, at most 255; 1: eigenfunctions alone; 0: 2. */
     /** Of products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer. */
     int32_t method;
@@ -1191,7 +1190,8 @@ cata_status cata_basis_new(size_t n, size_t k, const double *masses, const doubl
 cata_status cata_basis_products(const cata_basis *eigenfunctions, const cata_basis_params *params,
     cata_basis **basis);
 
-void cata_basis_free(cata_basis *basis); /**< Frees a basis; a cata_map_fit that uses it goes on. */
+/** Frees a basis; a cata_map_fit that uses it stays valid. */
+void cata_basis_free(cata_basis *basis);
 
 /** Gets the sizes of a basis: vertices, functions, and all products that they were made of, 0 for a
  * basis of cata_basis_new. Each is NULL where not wanted. */
@@ -1232,7 +1232,7 @@ cata_status cata_basis_split(const cata_basis *basis, int32_t layout, size_t cou
  * target. */
 typedef struct cata_map_fit cata_map_fit;
 
-/** Creates a fit that knows nothing yet, with the threads of `source`. */
+/** Creates an empty fit, with the threads of `source`. */
 cata_status cata_map_fit_new(const cata_basis *source, const cata_basis *target,
     cata_map_fit **fit);
 
@@ -1286,8 +1286,8 @@ cata_status cata_map_points(const cata_basis *source, const cata_basis *target, 
 cata_status cata_map_from_points(const cata_basis *source, const cata_basis *target,
     const uint32_t *points, int32_t layout, double *c, size_t ldc, const cata_basis_params *params);
 
-/** Carries functions over along points, through the products of eigenfunctions: what
- * cata_basis_products of both, cata_map_from_points and cata_transfer_map do in turns.
+/** Carries functions over along points, through the products of eigenfunctions: the same as
+ * cata_basis_products of both, cata_map_from_points and cata_transfer_map in turn.
  * - `source`, `target`: of cata_basis_new, the constant among the eigenfunctions.
  * - `points`: n_target elements: the vertex of the source of each vertex of the target.
  * - `f`: F, n_source x count; `g`: G, n_target x count, written. */
@@ -1320,7 +1320,7 @@ cata_status cata_transfer_details(size_t n_vertices, const double *vertices, siz
  * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
  *   the mesh; 0: they are not.
  * - `signature`: k elements, written: ascending.
- * - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only. */
+ * - `params`: the Laplacian, `threads` and `progress` are used, the rest is only checked. */
 cata_status cata_shape_dna(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t k, int32_t normalized, double *signature,
     const cata_eigs_params *params);
@@ -1355,12 +1355,12 @@ cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
 /** The spectral union operator: a network with its weights. */
 typedef struct cata_unions cata_unions;
 
-/** How the union of parts is located. */
+/** Threads and progress of cata_unions_locate. */
 typedef struct cata_unions_params {
     size_t struct_size; /**< sizeof(cata_unions_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
 } cata_unions_params;
 
 /** Creates the network that predicts spectra of unions.
@@ -1427,26 +1427,26 @@ cata_status cata_unions_interpolate(const double *first, const double *second, d
 #define CATA_PLANT_LEAF 1 /**< A kind of segments: a vein of a leaf, which loses water. */
 #define CATA_PLANT_PINNED 2 /**< Added to a kind: the segment is held where it is. */
 
-/** The water in a plant: its constants, the present, and what it takes to go on. */
+/** The water in a plant: its constants, the current state, and the data of the time steps. */
 typedef struct cata_plant cata_plant;
 
 /** The constants of the water and the stiffness of a plant. */
 typedef struct cata_plant_params {
     size_t struct_size; /**< sizeof(cata_plant_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress. */
-    void *progress_user; /**< Handed to `progress`. */
-    double loss; /**< What leaves lose, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5. */
-    double intake; /**< What the root takes from the soil, in kg / s. */
+    cata_progress progress; /**< Progress callback. */
+    void *progress_user; /**< Passed to `progress`. */
+    double loss; /**< Loss of leaves, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5. */
+    double intake; /**< Water that the root takes from the soil, in kg / s. */
     /** Conductance of a segment, as a part of that of a pipe as wide; 0: 1e-9. */
     double conductance;
     double modulus; /**< Pressure in full cells, in Pa; 0: 1e6. */
     double viscosity; /**< Viscosity of the sap, in Pa s; 0: 1e-3. */
     double density; /**< Water in a cubic metre of full tissue, in kg; 0: 1000. */
     double elasticity_full; /**< Modulus of elasticity of full cells, in Pa; 0: 5e7. */
-    double elasticity_dry; /**< That of dry ones; 0: 3e5. */
-    double elasticity_steepness; /**< How steeply it falls in between; 0: 10. */
-    /** The relative water content at which it falls most steeply; 0: 0.75. */
+    double elasticity_dry; /**< Modulus of elasticity of dry cells, in Pa; 0: 3e5. */
+    double elasticity_steepness; /**< Steepness of the curve between these; 0: 10. */
+    /** The relative water content at which the curve is steepest; 0: 0.75. */
     double elasticity_shift;
     /** 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9). */
     int32_t elasticity_literal;
@@ -1472,7 +1472,7 @@ cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
  * (polylines), each also as .gz or .xz. `path` is in UTF-8. */
 cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
 
-/** Grows a plant of n >= 1 nodes by chance, the same for the same seed. */
+/** Grows a random plant of n >= 1 nodes, the same for the same seed. */
 cata_status cata_plant_grow(size_t n, uint64_t seed, const cata_plant_params *params,
     cata_plant **plant);
 
@@ -1485,13 +1485,13 @@ size_t cata_plant_size(const cata_plant *plant);
 cata_status cata_plant_segments(const cata_plant *plant, size_t n, double *tails, double *radii,
     uint32_t *parents, int32_t *kinds, double *base);
 
-/** Gets the water of every node when its cells are full, in kg: how a healthy plant begins. */
+/** Gets the water of every node when its cells are full, in kg: the state of a healthy plant. */
 cata_status cata_plant_full_water(const cata_plant *plant, size_t n, double *water);
 
-/** Sets what all leaves lose, in kg / (s m^2), from now on: another weather. */
+/** Sets the loss of all leaves, in kg / (s m^2), from now on. */
 cata_status cata_plant_set_loss(cata_plant *plant, double loss);
 
-/** Sets what the root takes from the soil, in kg / s, from now on. */
+/** Sets the water that the root takes from the soil, in kg / s, from now on. */
 cata_status cata_plant_set_intake(cata_plant *plant, double intake);
 
 /** Multiplies the conductance between a node, not the root, and its parent by `factor`, from
@@ -1502,8 +1502,8 @@ cata_status cata_plant_weaken(cata_plant *plant, size_t node, double factor);
  * Dense, of order n^3: for small plants. */
 cata_status cata_plant_rates(const cata_plant *plant, size_t n, double *rates);
 
-/** Computes the water of every node `seconds` after it was `water`, at once, without time steps.
- * `water`, `result` (written): n elements in kg each, which may be the same. */
+/** Computes the water of every node `seconds` after it was `water`, without time steps. `water`,
+ * `result` (written): n elements in kg each, which may be the same. */
 cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const double *water,
     double seconds, double *result);
 
@@ -1517,12 +1517,12 @@ cata_status cata_plant_water_curve(const cata_plant *plant, size_t n, const doub
     size_t n_times, const double *times, size_t n_intervals, const double *intervals,
     double *result);
 
-/** Makes `water`, n elements in kg, the present, from which cata_plant_step goes on in steps of
- * `step` seconds; NULL: full cells. */
+/** Makes `water`, n elements in kg, the current state, from which cata_plant_step continues in
+ * steps of `step` seconds; NULL: full cells. */
 cata_status cata_plant_start(cata_plant *plant, size_t n, const double *water, double step);
 
-/** Goes `count` steps ahead; what was changed since the last step counts from now on. `water`:
- * n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done. */
+/** Computes `count` steps; changes since the last step apply from now on. `water`: n elements,
+ * written: in kg; NULL: not wanted. Steps before a cancelled one are done. */
 cata_status cata_plant_step(cata_plant *plant, size_t count, size_t n, double *water);
 
 /** Computes the modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic
@@ -1537,18 +1537,17 @@ typedef struct cata_plant_rods cata_plant_rods;
 typedef struct cata_plant_rods_params {
     size_t struct_size; /**< sizeof(cata_plant_rods_params). */
     size_t threads; /**< Threads, at most; rods take one. */
-    cata_progress progress; /**< Told of progress. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback. */
+    void *progress_user; /**< Passed to `progress`. */
     double gravity[3]; /**< In m / s^2; all 0: 0, 0, -9.81. */
     double poisson; /**< Poisson's ratio, above -1 and at most 0.5; 0: 0.3. */
-    /** What a cubic metre of tissue weighs without its water, in kg; 0: 100. */
-    double dry_density;
+    double dry_density; /**< Mass of a cubic metre of tissue without its water, in kg; 0: 100. */
     /** Of cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8. */
     double tolerance;
-    size_t iterations; /**< Its iterations, at most; 0: 200. */
+    size_t iterations; /**< Most iterations of cata_plant_rods_relax; 0: 200. */
     double step; /**< Seconds of a step of cata_plant_rods_step; 0: 1 / 60. */
-    size_t step_iterations; /**< Its iterations; 0: 3. */
-    double damping; /**< The rate at which velocities wear off, in 1 / s; 0: 1. */
+    size_t step_iterations; /**< Iterations of cata_plant_rods_step; 0: 3. */
+    double damping; /**< The rate at which velocities decay, in 1 / s; 0: 1. */
 } cata_plant_rods_params;
 /** Fills a struct with the defaults. */
 cata_status cata_plant_rods_params_init(cata_plant_rods_params *params, size_t struct_size);
@@ -1573,13 +1572,13 @@ cata_status cata_plant_rods_set_pose(cata_plant_rods *rods, size_t n, const doub
 cata_status cata_plant_rods_pose(const cata_plant_rods *rods, size_t n, double *heads,
     double *tails, double *rotations);
 
-/** Turns the pose into one near it in which stiffness and weight are in balance, at rest.
- * `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures
- * it; NULL where not wanted. After an error the pose is as far as it came. */
+/** Moves the pose to one near it in which stiffness and weight are in balance, at rest.
+ * `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures it;
+ * NULL where not wanted. After an error the pose is that of the last iteration. */
 cata_status cata_plant_rods_relax(cata_plant_rods *rods, size_t *iterations, double *residual);
 
-/** Lets the plant move for `count` steps. `gap`: written: the largest between a segment and
- * what it grows on, in metres; NULL: not wanted. Those before a cancelled one are done. */
+/** Lets the plant move for `count` steps. `gap`: written: the largest between a segment and its
+ * parent, in metres; NULL: not wanted. Steps before a cancelled one are done. */
 cata_status cata_plant_rods_step(cata_plant_rods *rods, size_t count, double *gap);
 
 /** Gets the pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
@@ -1628,30 +1627,30 @@ cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods
 /** Slime moulds on a surface. */
 typedef struct cata_slime cata_slime;
 
-/** What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
+/** Properties of slime moulds (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
  * hundredths of the square root of the area of the surface, times in seconds. */
 typedef struct cata_slime_params {
     size_t struct_size; /**< sizeof(cata_slime_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told after each step. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback, called after each step. */
+    void *progress_user; /**< Passed to `progress`. */
     size_t agents; /**< Number of agents, below 2^32; 0: 1,000,000. */
     size_t species; /**< Number of species, from 1 to 15; 0: 1. */
     size_t size; /**< Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048. */
     /** An OpenCL device (see Devices), which keeps agents and textures between calls; NULL: the
      * processor. The bytes are the same where devices round as processors do. */
     const char *device;
-    uint32_t seed; /**< Of all randomness. */
+    uint32_t seed; /**< Seed of all random numbers. */
     /** 0: steps that are exact; else the number of sub-steps that are projected (thesis,
      * algorithm 3.1). */
     uint32_t substeps;
     double time_step; /**< Seconds of a step; 0: 1 / 30. */
     double movement_speed; /**< Hundredths a second, such as 1 to 2; 0: 1.5. */
     double turn_speed; /**< Degrees a second; 0: 1800. */
-    /** From an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1. */
+    /** Distance from an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1. */
     double vision_distance;
-    double vision_angle; /**< Between sensors, in degrees, such as 10 to 50; 0: 30. */
-    double evaporation_rate; /**< What evaporates in a second, such as 0.2 to 1; 0: 0.4. */
+    double vision_angle; /**< Angle between sensors, in degrees, such as 10 to 50; 0: 30. */
+    double evaporation_rate; /**< Part that evaporates in a second, such as 0.2 to 1; 0: 0.4. */
     double diffusion_rate; /**< Blurs a second; 0: 6. */
     int32_t turns; /**< One of CATA_SLIME_TURNS_*. */
     int32_t blur; /**< One of CATA_SLIME_BLUR_*. */
@@ -1674,7 +1673,7 @@ cata_status cata_slime_new(size_t n_vertices, const double *vertices, size_t n_f
 
 void cata_slime_free(cata_slime *slime); /**< Frees a simulation. */
 
-/** Goes `steps` steps ahead. Those before a cancelled one are done. */
+/** Computes `steps` steps. Those before a cancelled one are done. */
 cata_status cata_slime_step(cata_slime *slime, uint32_t steps);
 
 /** Gets the texels of a side of a texture, species, triangles, and steps that are done; NULL where
@@ -1714,20 +1713,20 @@ cata_status cata_slime_uv(const cata_slime *slime, double *uv);
 #define CATA_NEWTON_THESIS 0 /**< Equation 7.3: from -1 (at a root) to the iterations. */
 #define CATA_NEWTON_SHADER 1 /**< That of the thesis authors' shader: from 0 to 1. */
 
-/** A fractal that points can be asked of. */
+/** A Newton fractal, which is evaluated at points. */
 typedef struct cata_newton cata_newton;
 
-/** What a Newton fractal is of. */
+/** The polynomial of a Newton fractal, and how it is evaluated. */
 typedef struct cata_newton_params {
     size_t struct_size; /**< sizeof(cata_newton_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress. */
-    void *progress_user; /**< Handed to `progress`. */
+    cata_progress progress; /**< Progress callback. */
+    void *progress_user; /**< Passed to `progress`. */
     size_t root_count; /**< Roots of the polynomial, at most 64; 0: it is z^`power` - 1. */
     /** 2 `root_count` elements: real and imaginary part of each root, within 1e4 of 0. */
     const double *roots;
     const char *device; /**< An OpenCL device (see Devices); NULL: the processor. */
-    double scale; /**< What points are multiplied by after `offset` and `w` are added; 0: 1. */
+    double scale; /**< Factor of points after `offset` and `w` are added; 0: 1. */
     double theta; /**< The theta of the gradient, from -10 to 20; 0: 3.5. */
     double w; /**< The fourth coordinate of all points, which cata_newton_set_w changes. */
     double offset[3]; /**< Added to x, y and z of each point. */
@@ -1745,7 +1744,7 @@ cata_status cata_newton_new(const cata_newton_params *params, cata_newton **newt
 
 void cata_newton_free(cata_newton *newton); /**< Frees a fractal. */
 
-/** Changes the fourth coordinate of all points, as time goes on. */
+/** Changes the fourth coordinate of all points. */
 cata_status cata_newton_set_w(cata_newton *newton, double w);
 
 /** Computes the fractal at points in space, such as the vertices of a mesh.
@@ -1755,8 +1754,8 @@ cata_status cata_newton_set_w(cata_newton *newton, double w);
 cata_status cata_newton_points(const cata_newton *newton, size_t count, const float *positions,
     uint16_t *roots, float *convergence);
 
-/** Computes the same on the plane z = 0: at the centres of the pixels of a picture `extent` wide,
- * at most 65,536 a side and less than 2^31 in all, rows from the top (large y). */
+/** Computes the fractal on the plane z = 0: at the centres of the pixels of a picture `extent`
+ * wide, at most 65,536 a side and less than 2^31 in all, rows from the top (large y). */
 cata_status cata_newton_plane(const cata_newton *newton, uint32_t width, uint32_t height,
     double center_x, double center_y, double extent, uint16_t *roots, float *convergence);
 
@@ -1828,11 +1827,11 @@ typedef struct cata_symmetric cata_symmetric;
  * The library never initialises or finalises MPI. MPI is called by the thread that calls; other
  * threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
  *
- * Collective functions are called by all ranks of the world, in the same order and with the
- * same numbers unless said otherwise; `params` may differ in `threads` and progress. An error
- * on one rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message
- * that names the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so
- * does, unless the communicator has another error handler, an error of MPI itself. */
+ * Collective functions are called by all ranks of the world, in the same order and with the same
+ * numbers unless said otherwise; `params` may differ in `threads` and progress. If one rank fails,
+ * every rank returns an error: its own there, CATA_ERR_RANK on the others, with a message that
+ * names the rank, except for a world that is NULL. A panic aborts the job (MPI_Abort); so does, by
+ * default, an error of MPI itself. */
 typedef struct cata_world cata_world;
 
 /** What a rank has sent and received: words are matrix entries. The few numbers by which ranks
@@ -1877,7 +1876,7 @@ cata_status cata_world_set_longest_message(const cata_world *world, size_t entri
 cata_status cata_world_ata_rows_f64(const cata_world *world, int32_t layout, size_t m, size_t n,
     double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/** As cata_world_ata_rows_f64, in float. */
+/** Computes cata_world_ata_rows_f64 in float. */
 cata_status cata_world_ata_rows_f32(const cata_world *world, int32_t layout, size_t m, size_t n,
     float alpha, const float *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
@@ -1898,7 +1897,7 @@ cata_status cata_world_ata_columns(const cata_world *world, int32_t layout, size
     double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
 /** Computes C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D,
- * or by dealing rows of A, whichever should be faster. Collective. The result depends, by
+ * or by distributing rows of A, whichever should be faster. Collective. The result depends, by
  * rounding, on the number of ranks. C is untouched after an error in arguments, unspecified in its
  * wanted part after any other.
  * - `alpha`: the same on all ranks.
@@ -1924,8 +1923,8 @@ cata_status cata_world_ata_cyclic(const cata_world *world, int32_t uplo, double 
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/** As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and
- * N_ of `desc_c` are A's M_. */
+/** Computes C := alpha A A^T + beta C as cata_world_ata_cyclic, m x m; PDSYRK with TRANS = 'N'. M_
+ * and N_ of `desc_c` are A's M_. */
 cata_status cata_world_aat_cyclic(const cata_world *world, int32_t uplo, double alpha,
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
@@ -1949,15 +1948,15 @@ cata_status cata_world_gram_schmidt(const cata_world *world, int32_t layout, siz
     double *a, size_t lda, const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);
 
-/** Computes cata_ortho_cholesky_qr likewise. */
+/** Computes cata_ortho_cholesky_qr for rows that are distributed in the same way. */
 cata_status cata_world_cholesky_qr(const cata_world *world, int32_t layout, size_t own, size_t c,
     double *a, size_t lda, const double *masses, double *r, size_t ldr,
     const cata_ortho_params *params);
 
-/** Returns the rows and columns of a distributed matrix. Local. */
+/** Gets the number of rows and columns of a distributed matrix. Local. */
 cata_status cata_symmetric_n(const cata_symmetric *symmetric, size_t *n);
 
-/** Frees the part that this rank has of a distributed matrix. Local. */
+/** Frees the part of a distributed matrix that this rank holds. Local. */
 void cata_symmetric_free(cata_symmetric *symmetric);
 
 /** Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x
@@ -1966,7 +1965,7 @@ void cata_symmetric_free(cata_symmetric *symmetric);
 cata_status cata_symmetric_gather_f64(const cata_symmetric *symmetric, const cata_world *world,
     size_t root, int32_t layout, int32_t uplo, double *c, size_t ldc);
 
-/** As cata_symmetric_gather_f64, of floats. */
+/** Gathers a matrix of floats as cata_symmetric_gather_f64. */
 cata_status cata_symmetric_gather_f32(const cata_symmetric *symmetric, const cata_world *world,
     size_t root, int32_t layout, int32_t uplo, float *c, size_t ldc);
 
@@ -1979,7 +1978,7 @@ cata_status cata_symmetric_verify_f64(const cata_symmetric *symmetric, const cat
     size_t lda, int32_t rounds, uint64_t seed, int32_t *passed, double *residual,
     double *tolerance);
 
-/** As cata_symmetric_verify_f64, for a product in float; the check itself is in double. */
+/** Checks a product in float as cata_symmetric_verify_f64; the check itself is in double. */
 cata_status cata_symmetric_verify_f32(const cata_symmetric *symmetric, const cata_world *world,
     int32_t spread, int32_t layout, size_t rows, size_t cols, double alpha, const float *a,
     size_t lda, int32_t rounds, uint64_t seed, int32_t *passed, double *residual,

@@ -1,4 +1,4 @@
-//! Errors of contenders, entry by entry, as rows: of the table on the screen and of the record.
+//! Errors of contenders, entry by entry, as rows of the table on the screen and of the record.
 
 use crate::input::{Distribution, Shape};
 use crate::reference::EntryError;
@@ -6,9 +6,9 @@ use crate::reference::EntryError;
 /// Errors over the lower triangle of a result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// The largest.
+    /// The largest error.
     pub largest: f64,
-    /// The mean.
+    /// The mean error.
     pub mean: f64,
 }
 
@@ -36,18 +36,18 @@ pub struct Row {
     pub scalar: &'static str,
     /// Distribution of the entries of A.
     pub distribution: Distribution,
-    /// Its name.
+    /// Name of the contender.
     pub contender: String,
-    /// Its errors.
+    /// Errors of the contender.
     pub errors: Errors,
-    /// Largest error over that of the yardstick.
+    /// Largest error over that of the reference contender.
     pub ratio: f64,
 }
 
 /// The column names of the record.
 pub const CSV_HEADER: &str = "m,n,type,distribution,contender,max_error,mean_error,max_ratio";
 
-/// The column names on the screen.
+/// Returns the column names on the screen.
 pub fn header() -> String {
     format!(
         "{:>8} {:>6} {:>4} {:<12} {:<24} {:>9} {:>9} {:>7}",
@@ -56,7 +56,7 @@ pub fn header() -> String {
 }
 
 impl Row {
-    /// A line of the record.
+    /// Returns a line of the record.
     pub fn csv(&self) -> String {
         let Self { shape: Shape { m, n }, scalar, distribution, contender, errors, ratio } = self;
         format!(
@@ -90,7 +90,7 @@ mod tests {
     fn the_mean_is_that_of_the_triangle() {
         let whole = [(0, 0, 4.0), (1, 0, 1.0), (1, 1, 7.0)];
         assert_eq!(summary(whole, 2), Errors { largest: 7.0, mean: 4.0 });
-        // A diagonal sampled too often does not pull.
+        // A diagonal that is sampled too often does not bias the mean.
         let sample = [(0, 0, 6.0), (1, 1, 6.0), (2, 2, 6.0), (2, 0, 2.0)];
         assert_eq!(summary(sample, 3), Errors { largest: 6.0, mean: 4.0 });
         assert_eq!(summary([(0, 0, 3.0)], 1), Errors { largest: 3.0, mean: 3.0 });

@@ -1,10 +1,11 @@
-//! The picture of a race: speed over the yardstick, one chart per type and thread count.
+//! The picture of a race: speed over the reference contender, one chart for each type and thread
+//! count.
 
 use catamaran_charts::{Axis, Chart, Line, Rule, Series};
 
 use crate::table::Row;
 
-/// `1 thread`, `2 threads`.
+/// Returns `1 thread` or `2 threads`.
 pub(crate) fn count_threads(threads: usize) -> String {
     format!("{threads} thread{}", if threads == 1 { "" } else { "s" })
 }
@@ -42,7 +43,7 @@ pub fn svg(rows: &[Row], formula: &str, yardstick: &str) -> String {
     catamaran_charts::svg(&panels.into_iter().map(chart).collect::<Vec<_>>())
 }
 
-/// The different items, in order of appearance.
+/// Returns the different items, in order of appearance.
 pub(crate) fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     let mut found = Vec::new();
     for item in items {

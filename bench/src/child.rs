@@ -1,4 +1,4 @@
-//! Contenders in processes of their own: seconds and memory of one call each.
+//! Runs contenders in separate processes, and reads seconds and memory of one call each.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,20 +6,20 @@ use std::process::Command;
 use crate::Result;
 use crate::race::median;
 
-/// What a process said of its call: seconds, bytes that it took at most beside its input, and
-/// whatever follows.
+/// The report of a process on its call: seconds, peak memory in addition to its input, and further
+/// numbers.
 #[derive(Debug, Clone)]
 pub struct Report {
-    /// Seconds of the call alone.
+    /// Seconds of the call itself.
     pub seconds: f64,
-    /// Bytes of memory at the peak, less those before the call.
+    /// Bytes of memory at the peak, minus those before the call.
     pub bytes: f64,
     /// Further numbers.
     pub rest: Vec<f64>,
 }
 
 impl Report {
-    /// The line that [`run`] reads.
+    /// Returns the line that [`run`] reads.
     pub fn line(seconds: f64, bytes: u64, rest: &[f64]) -> String {
         let rest: Vec<_> = rest.iter().map(f64::to_string).collect();
         format!("{seconds} {bytes} {}", rest.join(" "))
@@ -62,7 +62,7 @@ fn named(program: &Path, arguments: &[&str]) -> String {
     format!("{} {}", program.display(), arguments.join(" "))
 }
 
-/// Reports of us and of a rival, in turns.
+/// Reports of this library and of a rival, in turns.
 pub struct Duel(Vec<[Report; 2]>);
 
 impl Duel {
@@ -86,46 +86,46 @@ impl Duel {
         (0..repeat.max(1)).map(turn).collect::<Result<_>>().map(Self)
     }
 
-    /// Medians of seconds: ours and theirs.
+    /// Returns medians of seconds: ours and theirs.
     pub fn seconds(&self) -> [f64; 2] {
         [0, 1].map(|who| median(self.0.iter().map(|pair| pair[who].seconds).collect()))
     }
 
-    /// Medians of bytes: ours and theirs.
+    /// Returns medians of bytes: ours and theirs.
     pub fn bytes(&self) -> [f64; 2] {
         [0, 1].map(|who| median(self.0.iter().map(|pair| pair[who].bytes).collect()))
     }
 
-    /// Their seconds over ours: the median over the repetitions.
+    /// Returns the ratio of their seconds to ours: the median over the repetitions.
     pub fn ratio(&self) -> f64 {
         median(self.0.iter().map(|[ours, theirs]| theirs.seconds / ours.seconds).collect())
     }
 
-    /// Further numbers of the first repetition: ours and theirs.
+    /// Returns the further numbers of the first repetition: ours and theirs.
     pub fn rest(&self) -> [&[f64]; 2] {
         [0, 1].map(|who| self.0[0][who].rest.as_slice())
     }
 }
 
-/// The Python that scripts/rivals made, if it has scipy.
+/// Returns the Python of scripts/rivals, if it has scipy.
 pub fn python(rivals: &Path) -> Option<PathBuf> {
     let python = rivals.join("bin/python");
     let found = Command::new(&python).args(["-c", "import scipy"]).output();
     found.is_ok_and(|output| output.status.success()).then_some(python)
 }
 
-/// A script of bench/rivals.
+/// Returns the path of a script of bench/rivals.
 pub fn script(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("rivals").join(name).display().to_string()
 }
 
-/// From now on the peak of [`memory`] is that of what follows.
+/// Resets the peak of [`memory`].
 pub fn forget_peak() {
-    // Without it, the peak is that of reading the input, if that took more.
+    // Without the reset, the peak could be that of reading the input.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }
 
-/// Bytes of memory of this process: now, and at the peak.
+/// Returns bytes of memory of this process: now, and at the peak.
 pub fn memory() -> [u64; 2] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     ["VmRSS:", "VmHWM:"].map(|key| {

@@ -1,5 +1,5 @@
-//! Who races: a library's `syrk` or `gemm`, faer, or `catamaran::ata` and `catamaran::atb`. One
-//! thing is timed, and it is the same for all: the product, row-major, into memory that exists.
+//! The contenders: `syrk` or `gemm` of a library, faer, and `catamaran::ata` and `catamaran::atb`.
+//! For all of them, the race times the same: the product, row-major, into existing memory.
 
 use std::fmt;
 use std::sync::Arc;
@@ -25,13 +25,13 @@ const LOWER: i32 = 122;
 
 /// A scalar that every contender can compute with.
 pub trait Scalar: BlasReal {
-    /// The rival's `syrk` of this precision.
+    /// Returns the rival's `syrk` of this precision.
     fn syrk(rival: &Rival) -> Syrk<Self>;
-    /// The rival's `gemm` of this precision.
+    /// Returns the rival's `gemm` of this precision.
     fn gemm(rival: &Rival) -> Gemm<Self>;
-    /// The lower triangle of C := A^T A by faer.
+    /// Computes the lower triangle of C := A^T A by faer.
     fn faer_syrk(a: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par);
-    /// C := A^T B by faer.
+    /// Computes C := A^T B by faer.
     fn faer_gemm(a: MatRef<'_, Self>, b: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par);
 }
 
@@ -79,19 +79,19 @@ scalar!(f64, dsyrk, dgemm);
 pub enum Contender {
     /// A library, called directly.
     Cblas {
-        /// Which one.
+        /// The library.
         rival: Arc<Rival>,
-        /// Its routine; `None`: that of the product. The other one that makes sense is `gemm` for
-        /// A^T A, all of which it computes.
+        /// The routine; `None` for that of the product. `gemm` also computes A^T A, including its
+        /// upper triangle.
         routine: Option<Operation>,
     },
     /// faer's products.
     Faer,
-    /// Ours.
+    /// This library.
     Ours {
-        /// What it is called here, after `cata:`.
+        /// Its name in the race, after `cata:`.
         name: String,
-        /// How it computes; its threads are those of the race.
+        /// Its options; its threads are those of the race.
         options: Box<AtaOptions<'static>>,
     },
 }
@@ -110,16 +110,16 @@ impl fmt::Display for Contender {
 }
 
 impl Contender {
-    /// Whether it is not ours.
+    /// Returns whether the contender is not this library.
     pub fn is_rival(&self) -> bool {
         !matches!(self, Self::Ours { .. })
     }
 
-    /// Computes the product of A and B `calls` times on `threads` threads; the time it took. B is A
-    /// in A^T A.
+    /// Computes the product of A and B `calls` times on `threads` threads; returns the time. For
+    /// A^T A, B is A.
     ///
     /// # Errors
-    /// Whatever `ata` and `atb` refuse.
+    /// The errors of `ata` and `atb`.
     pub fn run<T: Scalar>(
         &self,
         operation: Operation,
@@ -169,7 +169,7 @@ impl Contender {
         }
     }
 
-    /// What `ata` or `atb` will do, if this is ours.
+    /// Returns the plan of `ata` or `atb`; `None` for other contenders.
     pub fn plan<T: Scalar>(&self, operation: Operation, Shape { m, n }: Shape) -> Option<Plan> {
         let Self::Ours { options, .. } = self else { return None };
         match operation {
@@ -180,7 +180,7 @@ impl Contender {
     }
 }
 
-/// The call of a library that computes the product into C.
+/// Returns the call of a library that computes the product into C.
 ///
 /// # Errors
 /// When a side does not fit its 32-bit integers.
@@ -208,14 +208,14 @@ fn cblas_call<T: Scalar>(
         }
     })
 }
-/// The scheme of that name.
+/// Returns the scheme of this name.
 ///
 /// # Errors
-/// When there is none: they are listed.
+/// When there is no such scheme; the error lists all schemes.
 pub fn scheme_named(name: &str) -> std::result::Result<SchemeChoice, String> {
     let known = SchemeChoice::NAMES;
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|&(_, scheme)| scheme).ok_or_else(|| {
-        format!("{name}: no such scheme; there are {}", known.map(|(name, _)| name).join(", "))
+        format!("{name}: no such scheme, must be one of {}", known.map(|(name, _)| name).join(", "))
     })
 }

@@ -1,17 +1,17 @@
-//! Pictures of numbers over numbers: panels of curves or points.
+//! Plots of numbers over numbers: panels of curves or points.
 
 use catamaran_charts::{Axis, Chart, Line, Series};
 
 /// A panel.
 #[derive(Debug, Clone)]
 pub struct Plot {
-    /// What is shown.
+    /// The title.
     pub title: String,
-    /// What is across.
+    /// The label of the horizontal axis.
     pub across: String,
-    /// A logarithmic axis upwards.
+    /// Whether the vertical axis is logarithmic.
     pub logarithmic: bool,
-    /// Points without lines between them.
+    /// Whether points have no lines between them.
     pub scattered: bool,
     /// A name, and points (x, y).
     pub series: Vec<(String, Vec<(f64, f64)>)>,

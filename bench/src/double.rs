@@ -8,7 +8,7 @@ pub struct DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// Adds `x * y`: the product exactly (by fma), the sum by Knuth's two-sum (1969).
+    /// Adds `x * y`: the product is exact (by fma), the sum is Knuth's two-sum (1969).
     #[inline(always)]
     pub fn add_product(&mut self, x: f64, y: f64) {
         let product = x * y;
@@ -20,12 +20,12 @@ impl DoubleDouble {
         self.lo += sum_error + product_error;
     }
 
-    /// `x` minus this.
+    /// Returns `x` minus this number.
     pub fn distance_from(self, x: f64) -> f64 {
         (x - self.hi) - self.lo
     }
 
-    /// The nearest f64, almost.
+    /// Returns the nearest f64, almost always.
     pub fn to_f64(self) -> f64 {
         self.hi + self.lo
     }
@@ -39,7 +39,7 @@ mod tests {
     fn double_double_keeps_what_double_loses() {
         let mut sum = DoubleDouble::default();
         let e = f64::EPSILON;
-        // (1 + e)^2 - 1 = 2 e + e^2, whose last term no f64 sum of these terms can hold.
+        // (1 + e)^2 - 1 = 2 e + e^2, whose last term no f64 sum of these terms represents.
         sum.add_product(1.0 + e, 1.0 + e);
         sum.add_product(-1.0, 1.0);
         assert_eq!(sum.distance_from(2.0 * e), -e * e);

@@ -1,4 +1,4 @@
-//! Matrices that contenders in processes of their own find in a folder.
+//! Exchanges matrices with contenders in other processes, in files of a folder.
 
 use std::path::Path;
 
@@ -10,32 +10,32 @@ use crate::Result;
 /// Writes the matrix NAME of a folder, as .npy.
 ///
 /// # Errors
-/// Those of the file.
+/// The errors of the file.
 pub fn put(folder: &Path, name: &str, matrix: MatRef<'_, f64>) -> Result<()> {
     let output = Output::create(&folder.join(format!("{name}.npy")), Overwrite::Replace)?;
     Ok(write(output, matrix)?)
 }
 
-/// [`put`] of a column.
+/// Writes a column as [`put`] writes a matrix.
 ///
 /// # Errors
-/// Those of the file.
+/// The errors of the file.
 pub fn put_vector(folder: &Path, name: &str, values: &[f64]) -> Result<()> {
     put(folder, name, MatRef::from_column_major_slice(values, values.len(), 1))
 }
 
-/// The matrix NAME of a folder.
+/// Reads the matrix NAME of a folder.
 ///
 /// # Errors
-/// Those of the file; when its numbers are not doubles.
+/// The errors of the file, and when its numbers are not doubles.
 pub fn get(folder: &Path, name: &str) -> Result<Mat<f64>> {
     match read(&folder.join(format!("{name}.npy")), &ReadOptions::default())? {
         Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),
-        _ => Err(format!("{name}: not doubles").into()),
+        _ => Err(format!("{name}: the numbers must be doubles").into()),
     }
 }
 
-/// The first column of the matrix NAME of a folder.
+/// Reads the first column of the matrix NAME of a folder.
 ///
 /// # Errors
 /// As [`get`].

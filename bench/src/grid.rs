@@ -1,4 +1,4 @@
-//! The grid: many shapes of A, and at each of them ours against the best rival.
+//! The grid: many shapes of A, with this library against the best rival at each of them.
 
 use std::fmt;
 
@@ -9,8 +9,8 @@ use crate::product::Operation;
 use crate::race::Outcome;
 
 /// The default grid: for each n the values of m. In f64 it should take about a quarter of an hour
-/// with one and with two threads, on cores of 100 GFLOP/s: over half of that goes into the five
-/// shapes of 1e11 operations and more. Sides that are no powers of two are among them on purpose.
+/// with one and with two threads, on cores of 100 GFLOP/s: over half of the time is spent on the
+/// five shapes of 1e11 operations and more. Some sides are no powers of two on purpose.
 const GRID: [(usize, &[usize]); 24] = [
     (16, &[16, 128, 1024, 16_000, 160_000]),
     (32, &[2, 32, 320, 3200, 320_000]),
@@ -38,7 +38,7 @@ const GRID: [(usize, &[usize]); 24] = [
     (16_384, &[1024]),
 ];
 
-/// The shapes of the default grid.
+/// Returns the shapes of the default grid.
 pub fn shapes() -> Vec<Shape> {
     let of_n = |(n, rows): &(usize, &[usize])| {
         let n = *n;
@@ -47,7 +47,7 @@ pub fn shapes() -> Vec<Shape> {
     GRID.iter().flat_map(of_n).collect()
 }
 
-/// Above this ratio of times ours is behind: less is noise.
+/// Ratio of times above which this library is behind: smaller differences are noise.
 pub const BEHIND: f64 = 1.03;
 
 /// One shape, type and thread count.
@@ -61,30 +61,30 @@ pub struct Row {
     pub threads: usize,
     /// Repetitions measured.
     pub repetitions: usize,
-    /// Our median seconds of a call.
+    /// Median seconds of our calls.
     pub seconds: f64,
     /// Our effective speed: `m n^2 / seconds`.
     pub gflops: f64,
     /// The rival with the least median.
     pub rival: String,
-    /// Its median seconds of a call.
+    /// Its median seconds.
     pub rival_seconds: f64,
-    /// Our time over the rival's; the median of paired ratios.
+    /// Ratio of our time to the rival's; the median of paired ratios.
     pub ratio: f64,
-    /// What our plan does ([`catamaran::Plan::scheme`]).
+    /// The scheme of our plan ([`catamaran::Plan::scheme`]).
     pub scheme: String,
     /// The instruction set of our kernels, or `-`.
     pub isa: String,
     /// Our largest error, relative to the largest norms of columns of A.
     pub error: f64,
-    /// The rival's.
+    /// The rival's largest error.
     pub rival_error: f64,
 }
 
 /// The column names of the record.
 pub const CSV_HEADER: &str = "m,n,type,threads,repetitions,median_s,gflops,rival,rival_median_s,time_ratio,scheme,isa,error,rival_error";
 
-/// The column names on the screen.
+/// Returns the column names on the screen.
 pub fn header() -> String {
     format!(
         "{:>8} {:>6} {:>4} {:>2} {:>4} {:>10} {:>8}  {:<16} {:>10} {:>6}  {:<20} {:<8} {:>9} {:>9}",
@@ -105,15 +105,15 @@ pub fn header() -> String {
     )
 }
 
-/// The rival with the least median among those that were not dropped on the way.
+/// Returns the rival with the least median among those that were not dropped.
 pub fn best_rival(outcomes: &[Outcome]) -> Option<&Outcome> {
     let rivals = || outcomes.iter().filter(|o| o.is_rival && !o.seconds.is_empty());
     let most = rivals().map(|o| o.seconds.len()).max()?;
     rivals().filter(|o| o.seconds.len() == most).min_by(|x, y| x.median().total_cmp(&y.median()))
 }
 
-/// The row of one race, in which ours followed this plan; `None` when nobody or no rival was
-/// measured.
+/// Returns the row of one race, in which ours followed this plan; `None` when ours or all rivals
+/// were not measured.
 pub fn row(
     outcomes: &[Outcome],
     plan: Option<&Plan>,
@@ -141,7 +141,7 @@ pub fn row(
 }
 
 impl Row {
-    /// A line of the record.
+    /// Returns a line of the record.
     pub fn csv(&self) -> String {
         let Self { shape: Shape { m, n }, scalar, threads, repetitions, .. } = self;
         let Self { rival, scheme, isa, .. } = self;
@@ -166,22 +166,22 @@ impl fmt::Display for Row {
     }
 }
 
-/// What many rows come down to.
+/// A summary of many rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// Number of rows.
     pub rows: usize,
     /// Geometric mean of the time ratios.
     pub mean: f64,
-    /// The largest one.
+    /// The largest time ratio.
     pub worst: f64,
-    /// Its shape.
+    /// The shape of the largest ratio.
     pub worst_shape: Shape,
     /// Rows above [`BEHIND`].
     pub behind: usize,
 }
 
-/// Summarises; `None` without rows.
+/// Summarises rows; returns `None` without rows.
 pub fn summarise<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<Summary> {
     let rows: Vec<_> = rows.into_iter().collect();
     let worst = rows.iter().max_by(|x, y| x.ratio.total_cmp(&y.ratio))?;

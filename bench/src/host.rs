@@ -1,5 +1,5 @@
-//! The machine and the process: what a record must say of them, and the environment the rivals
-//! need before they are loaded.
+//! Describes the machine and the process for a record, and sets the environment that rivals need
+//! before they are loaded.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,7 +10,7 @@ use crate::Result;
 use crate::library::{Rival, find};
 use crate::peak::Peak;
 
-/// The model of the CPU, as Linux names it.
+/// Returns the model of the CPU, as Linux names it.
 pub fn cpu_model() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     field(&info, "model name").unwrap_or("unknown CPU").to_owned()
@@ -21,18 +21,18 @@ fn field<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     Some(line.split_once(':')?.1.trim())
 }
 
-/// The cores of the machine, which may be more than this process may use.
+/// Returns the number of cores of the machine, which may be more than this process may use.
 pub fn cores() -> usize {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     info.lines().filter(|line| line.starts_with("processor")).count().max(1)
 }
 
-/// A folder name for machines like this one: CPU model and cores.
+/// Returns a folder name for machines like this one: CPU model and cores.
 pub fn kind() -> String {
     kind_of(&cpu_model(), cores())
 }
 
-/// Today, as `2026-11-23`, in UTC.
+/// Returns today's date, as `2026-11-23`, in UTC.
 pub fn date() -> String {
     output("date", &["-u", "+%Y-%m-%d"])
 }
@@ -44,7 +44,7 @@ fn kind_of(model: &str, cores: usize) -> String {
     format!("{}-{cores}c", words.join("-"))
 }
 
-/// What a reader of a record must know about where it was made.
+/// Returns the description of the host of a record.
 pub fn describe(rivals: &[&Rival]) -> String {
     let info = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let flags = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -69,7 +69,7 @@ pub fn describe(rivals: &[&Rival]) -> String {
     text
 }
 
-/// The line about the speed limit of a core, measured before and after everything else.
+/// Returns the line about the speed limit of a core, measured before and after everything else.
 pub fn describe_peak(before: Peak, after: Peak) -> String {
     format!(
         "peak      {:.1} GFLOP/s before, {:.1} after (one core, f64 multiply-adds, {})\n",
@@ -83,8 +83,8 @@ fn output(program: &str, arguments: &[&str]) -> String {
         .map_or_else(|_| "unknown".into(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
 }
 
-/// Starts this program anew when the environment is not the one the rivals must find: most read
-/// it as they are loaded, and setting it in a running process is too late.
+/// Restarts this program when the environment is not the one that the rivals need: most read it
+/// when they are loaded, and setting it in a running process is too late.
 ///
 /// # Errors
 /// When the program can't be started again.
@@ -96,7 +96,8 @@ pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<(
         ("MKL_THREADING_LAYER", if intel { "INTEL" } else { "GNU" }),
         ("MKL_INTERFACE_LAYER", "LP64"),
         ("MKL_DYNAMIC", "FALSE"),
-        // Idle threads of one contender must not spin into the time of the next: 1 ms, 2^20 cycles.
+        // Idle threads of one contender must not spin during the time of the next: 1 ms, 2^20
+        // cycles.
         ("KMP_BLOCKTIME", "1"),
         ("OPENBLAS_THREAD_TIMEOUT", "20"),
     ];
@@ -106,7 +107,7 @@ pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<(
     let mut unwanted = vec!["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"];
     match openblas {
         Kernels::OfOldLibrary if intel_avx512() => wanted.push(("OPENBLAS_CORETYPE", "SkylakeX")),
-        // A kernel set forced on OpenBLAS makes a slower rival of it.
+        // A kernel set forced on OpenBLAS makes it slower.
         _ => unwanted.push("OPENBLAS_CORETYPE"),
     }
     let right = wanted.iter().all(|(k, v)| std::env::var(k).is_ok_and(|x| x == *v))
@@ -122,17 +123,19 @@ pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<(
     Err(std::os::unix::process::CommandExt::exec(&mut again).into())
 }
 
-/// Who chooses the kernels of OpenBLAS.
+/// The origin of the choice of OpenBLAS's kernels.
 #[derive(Clone, Copy)]
 pub enum Kernels {
-    /// The library itself.
+    /// The library.
     OfLibrary,
-    /// We do, on Intel CPUs with AVX-512: that of the system may be older than the CPU, and then
-    /// takes those of Prescott (Debian 12 on Emerald Rapids: 13 GFLOP/s of pdsyrk on one core).
+    /// This program, on Intel CPUs with AVX-512: the library of the system may be older than the
+    /// CPU, and then takes the kernels of Prescott (Debian 12 on Emerald Rapids: 13 GFLOP/s of
+    /// pdsyrk on one core).
     OfOldLibrary,
 }
 
-/// BLIS goes by the model number, which virtual machines change, and then falls back to AVX2.
+/// Returns whether BLIS needs help: it selects kernels by the model number, which virtual machines
+/// change, and then falls back to AVX2.
 fn intel_avx512() -> bool {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     field(&info, "vendor_id") == Some("GenuineIntel") && cpu_features().contains(&"avx512f")

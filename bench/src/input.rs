@@ -1,4 +1,4 @@
-//! What is multiplied: seeded random matrices.
+//! The operands: seeded random matrices.
 
 use std::str::FromStr;
 
@@ -59,7 +59,7 @@ impl std::fmt::Display for Shape {
     }
 }
 
-/// A, row-major.
+/// Returns A, row-major.
 pub fn matrix<T: Real>(shape: Shape, distribution: Distribution, seed: u64) -> Vec<T> {
     let mut rng = Rng::new(seed);
     let powers: Vec<f64> = match distribution {
@@ -80,7 +80,7 @@ pub fn matrix<T: Real>(shape: Shape, distribution: Distribution, seed: u64) -> V
     a
 }
 
-/// The powers of two that scale the columns of [`Distribution::Graded`].
+/// Returns the powers of two that scale the columns of [`Distribution::Graded`].
 fn graded_powers<T: Real>(n: usize, rng: &mut Rng) -> Vec<f64> {
     // The products of any two columns must stay within the range of T.
     let most = if size_of::<T>() == 8 { 100 } else { 30 };
@@ -88,12 +88,12 @@ fn graded_powers<T: Real>(n: usize, rng: &mut Rng) -> Vec<f64> {
     (0..n).map(|_| 2f64.powi((rng.uniform() * exponents as f64) as i32 - most)).collect()
 }
 
-/// "phi-lognormal" of the papers on Ozaki's scheme.
+/// Returns a number of the distribution "phi-lognormal" of the papers on Ozaki's scheme.
 fn lognormal(phi: f64, rng: &mut Rng) -> f64 {
     (rng.uniform() - 0.5) * (phi * rng.normal()).exp()
 }
 
-/// Where real inputs are: CATAMARAN_DATA, ../shared by default.
+/// Returns the folder of real inputs: CATAMARAN_DATA, by default ../shared.
 pub fn data_folder() -> std::path::PathBuf {
     std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), Into::into)
 }

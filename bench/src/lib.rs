@@ -1,5 +1,5 @@
 //! Races of `catamaran::ata` and `catamaran::atb` against other libraries on the same machine,
-//! their errors beside those of others, and the parts of both.
+//! their errors in comparison, and the parts of both.
 //!
 //! See README.md of this package for how to run it and what the columns mean.
 
@@ -29,5 +29,5 @@ pub mod surface_curves;
 pub mod table;
 pub mod textures;
 
-/// The result of everything here; a message is all that its user needs.
+/// The result of all functions here; the message of an error is all that users need.
 pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;

@@ -1,4 +1,4 @@
-//! Rival libraries: where they are, and their `syrk` and `gemm` called directly.
+//! Rival libraries: finds them, and calls their `syrk` and `gemm` directly.
 
 use std::ffi::{CStr, c_char, c_int};
 use std::path::{Path, PathBuf};
@@ -40,8 +40,8 @@ pub type Gemm<T> = unsafe extern "C" fn(
     ldc: c_int,
 );
 
-/// Every symbol of the library before the process' own: what MKL makes global must not end up
-/// inside another BLAS.
+/// Resolves every symbol in the library before the process: the global symbols of MKL must not end
+/// up inside another BLAS.
 #[cfg(target_os = "linux")]
 const RTLD_DEEPBIND: c_int = 8;
 #[cfg(not(target_os = "linux"))]
@@ -56,11 +56,11 @@ enum SetThreads {
 
 /// A loaded CBLAS library.
 pub struct Rival {
-    /// `mkl`, `openblas`, `blis`, or what the user called it.
+    /// `mkl`, `openblas`, `blis`, or the name that the user gave.
     pub name: String,
     /// Its file.
     pub path: PathBuf,
-    /// What it says of itself.
+    /// The version that it reports.
     pub version: String,
     /// `cblas_dsyrk`.
     pub dsyrk: Syrk<f64>,
@@ -74,7 +74,8 @@ pub struct Rival {
     _library: Library,
 }
 
-/// The file of the library `name`: in `folder` as `scripts/rivals` fills it, else the system's.
+/// Returns the file of the library `name`: in `folder` as `scripts/rivals` fills it, otherwise that
+/// of the system.
 pub fn find(name: &str, folder: &Path) -> Option<PathBuf> {
     let system = Path::new("/usr/lib/x86_64-linux-gnu");
     match name {
@@ -108,9 +109,9 @@ impl Rival {
     /// Loads the library at `path`.
     ///
     /// # Errors
-    /// When it can't be loaded or lacks a symbol.
+    /// When the library can't be loaded or lacks a symbol.
     pub fn load(name: &str, path: &Path) -> Result<Self> {
-        // libmkl_rt finds its other libraries through the process, so it can't be bound deep.
+        // libmkl_rt finds its other libraries through the process, so it can't be bound deeply.
         let deep = if name == "mkl" { 0 } else { RTLD_DEEPBIND };
         // SAFETY: runs the library's initialisers; the user named it as a BLAS to be trusted.
         let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | deep) }?;
@@ -120,12 +121,12 @@ impl Rival {
             let prefix = ["", "scipy_"]
                 .into_iter()
                 .find(|p| symbol::<Syrk<f64>>(&library, &format!("{p}cblas_dsyrk")).is_some())
-                .ok_or_else(|| format!("{}: no cblas_dsyrk", path.display()))?;
+                .ok_or_else(|| format!("{}: has no cblas_dsyrk", path.display()))?;
             let set_threads = ["MKL_Set_Num_Threads", &format!("{prefix}openblas_set_num_threads")]
                 .iter()
                 .find_map(|s| symbol(&library, s).map(SetThreads::Int))
                 .or_else(|| symbol(&library, "bli_thread_set_num_threads").map(SetThreads::Dim))
-                .ok_or_else(|| format!("{}: no known thread control", path.display()))?;
+                .ok_or_else(|| format!("{}: has no known thread control", path.display()))?;
             let missing = |s: &str| format!("{}: no {s}", path.display());
             let [dsyrk, ssyrk, dgemm, sgemm] =
                 ["dsyrk", "ssyrk", "dgemm", "sgemm"].map(|s| format!("{prefix}cblas_{s}"));
@@ -155,7 +156,7 @@ impl Rival {
     }
 }
 
-/// The symbol `name` as a `T`.
+/// Returns the symbol `name` as a `T`.
 ///
 /// # Safety
 /// `T` must be the pointer type of that symbol.

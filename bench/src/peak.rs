@@ -1,4 +1,4 @@
-//! The speed limit of one core: multiply-adds in f64 that touch nothing but registers.
+//! Measures the speed limit of one core: multiply-adds in f64 on registers only.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ pub struct Peak {
     pub instructions: &'static str,
 }
 
-/// Windows of a millisecond or so: the best one is what other programs disturbed least.
+/// Number of windows of about a millisecond: other programs disturbed the best one least.
 const WINDOWS: usize = 50;
 const PASSES: usize = 100_000;
 
@@ -24,8 +24,8 @@ pub fn measure() -> Peak {
     })
 }
 
-/// Measures for as long as `duration` on the calling thread, all windows: what is left of a core
-/// that others use too, so that the speeds of threads that measure at the same time may be added.
+/// Measures for as long as `duration` on the calling thread, all windows: the share of a core that
+/// others use, too, so that the speeds of threads that measure at the same time can be added.
 pub fn sustained(duration: Duration) -> Peak {
     of_windows(|window| {
         let start = Instant::now();
@@ -38,8 +38,8 @@ pub fn sustained(duration: Duration) -> Peak {
     })
 }
 
-/// The speed for the seconds of a window that `seconds` finds by calling its argument, which passes
-/// one.
+/// Returns the speed from the seconds of a window. `seconds` calls its argument, which runs one
+/// window.
 fn of_windows(seconds: impl Fn(&dyn Fn() -> f64) -> f64) -> Peak {
     let peak = |instructions, flops: usize, run: &dyn Fn() -> f64| {
         let window = || {
@@ -63,8 +63,8 @@ fn of_windows(seconds: impl Fn(&dyn Fn() -> f64) -> f64) -> Peak {
     peak("portable", FLOPS_PORTABLE, &|| portable(PASSES))
 }
 
-/// What every chain multiplies by and adds: x := x / 2 + 1 stays near 2, far from slow numbers.
-/// Hidden from the compiler, which would compute the result itself.
+/// Returns the factor and the term of all chains: x := x / 2 + 1 stays near 2, far from denormal
+/// numbers. They are hidden from the compiler, which would compute the result itself.
 fn factor_and_term() -> (f64, f64) {
     black_box((0.5, 1.0))
 }
@@ -72,7 +72,7 @@ fn factor_and_term() -> (f64, f64) {
 const CHAINS_PORTABLE: usize = 16;
 const FLOPS_PORTABLE: usize = CHAINS_PORTABLE * 2;
 
-/// A multiplication and an addition, for CPUs without fused ones.
+/// Computes a multiplication and an addition, for CPUs without fused ones.
 fn portable(passes: usize) -> f64 {
     let (factor, term) = factor_and_term();
     let mut chains = [0.0; CHAINS_PORTABLE];
@@ -95,7 +95,7 @@ mod x86 {
 
     use super::factor_and_term;
 
-    // Independent chains: enough for two units of latency 5, few enough for the registers.
+    // Independent chains: enough for two units of latency 5, and few enough for the registers.
     const CHAINS_AVX512: usize = 16;
     const CHAINS_AVX2: usize = 12;
     pub const FLOPS_AVX512: usize = CHAINS_AVX512 * 8 * 2;

@@ -1,4 +1,4 @@
-//! What is computed: a product of given operands, all of them row-major.
+//! The computed product and its operands, all of them row-major.
 
 use faer::MatRef;
 
@@ -14,7 +14,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// Its formula.
+    /// Returns the formula of the product.
     pub fn formula(self) -> &'static str {
         match self {
             Self::Syrk => "A^T A",
@@ -22,7 +22,7 @@ impl Operation {
         }
     }
 
-    /// The routine of BLAS that computes it.
+    /// Returns the routine of BLAS that computes the product.
     pub fn name(self) -> &'static str {
         match self {
             Self::Syrk => "syrk",
@@ -30,7 +30,7 @@ impl Operation {
         }
     }
 
-    /// Operations of the classical algorithm: m n^2 or 2 m n^2.
+    /// Returns the number of operations of the classical algorithm: m n^2 or 2 m n^2.
     pub fn flops(self, Shape { m, n }: Shape) -> f64 {
         let square = m as f64 * n as f64 * n as f64;
         match self {
@@ -39,7 +39,7 @@ impl Operation {
         }
     }
 
-    /// Entries of C that are computed.
+    /// Returns the number of entries of C that are computed.
     pub fn entries(self, n: usize) -> usize {
         match self {
             Self::Syrk => n * (n + 1) / 2,
@@ -57,32 +57,32 @@ pub struct Product<'a, T> {
 }
 
 impl<'a, T> Product<'a, T> {
-    /// A^T A; A m x n.
+    /// Creates the product A^T A; A is m x n.
     pub fn syrk(shape: Shape, a: &'a [T]) -> Self {
         Self { operation: Operation::Syrk, shape, operands: [a, a] }
     }
 
-    /// A^T B; A and B m x n.
+    /// Creates the product A^T B; A and B are m x n.
     pub fn gemm(shape: Shape, a: &'a [T], b: &'a [T]) -> Self {
         Self { operation: Operation::Gemm, shape, operands: [a, b] }
     }
 
-    /// Its kind.
+    /// Returns the kind of product.
     pub fn operation(&self) -> Operation {
         self.operation
     }
 
-    /// Shape of A, and of B.
+    /// Returns the shape of A and of B.
     pub fn shape(&self) -> Shape {
         self.shape
     }
 
-    /// A and B, which is A in A^T A.
+    /// Returns A and B, which is A in A^T A.
     pub fn operands(&self) -> [&'a [T]; 2] {
         self.operands
     }
 
-    /// Views of [`Self::operands`].
+    /// Returns views of [`Self::operands`].
     pub fn views(&self) -> [MatRef<'a, T>; 2] {
         let Shape { m, n } = self.shape;
         self.operands.map(|x| MatRef::from_row_major_slice(x, m, n))

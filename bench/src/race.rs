@@ -1,5 +1,5 @@
-//! The race: every contender once per repetition, in rotating order, on the same operands, so that
-//! what the machine does meanwhile strikes all of them alike.
+//! The race: every contender runs once per repetition, in rotating order, on the same operands, so
+//! that disturbances of the machine affect all of them alike.
 
 use std::time::{Duration, Instant};
 
@@ -12,19 +12,19 @@ use crate::input::Shape;
 use crate::product::Product;
 use crate::reference::Reference;
 
-/// How a race is run.
+/// The rules of a race.
 pub struct Rules {
-    /// Repetitions.
+    /// Number of repetitions.
     pub repeat: usize,
-    /// No repetition starts that is not expected to end by then.
+    /// A repetition starts only if it is expected to end by then.
     pub deadline: Option<Instant>,
-    /// A rival that is slower than the fastest one by more than this factor takes no part in the
-    /// repetitions to come; `None`: all rivals take part in all of them.
+    /// A rival that is slower than the fastest one by more than this factor takes no part in
+    /// further repetitions; `None` if all rivals take part in all of them.
     pub patience: Option<f64>,
 }
 
 impl Rules {
-    /// Whether the deadline has passed.
+    /// Returns whether the deadline has passed.
     pub fn time_is_up(&self) -> bool {
         self.deadline.is_some_and(|d| Instant::now() > d)
     }
@@ -33,29 +33,28 @@ impl Rules {
 /// The outcome for one contender.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Its name.
+    /// Name of the contender.
     pub contender: String,
-    /// Whether it is not ours.
+    /// Whether the contender is not this library.
     pub is_rival: bool,
-    /// Seconds per call, one per repetition that it took part in: the first ones.
+    /// Seconds per call, one for each repetition in which the contender took part: the first ones.
     pub seconds: Vec<f64>,
     /// Largest relative error of any of its runs.
     pub error: f64,
 }
 
-/// Length of a timed sample, at least: shorter calls are repeated within it.
+/// Least length of a timed sample: shorter calls are repeated within it.
 const SAMPLE_SECONDS: f64 = 0.05;
-/// Length of a run that tells how long a call takes, at least.
+/// Least length of a run that measures how long a call takes.
 const TRIAL_SECONDS: f64 = 1e-3;
-/// Seconds of samples that a rival has before it may be found too slow: two short samples or a
-/// long one.
+/// Seconds of samples of a rival before it may count as too slow: two short samples or a long one.
 const FAIR_SECONDS: f64 = 1.5 * SAMPLE_SECONDS;
-/// Threads of the contender before are asleep after this.
+/// Time after which the threads of the previous contender are asleep.
 const PAUSE: Duration = Duration::from_millis(20);
-/// Side of the leading blocks of A and B that everyone warms up on.
+/// Side of the leading blocks of A and B on which all contenders warm up.
 const WARM_UP_SIDE: usize = 1024;
 
-/// Runs the race. Fewer repetitions, even none, come back when the deadline is near.
+/// Runs the race. Near the deadline, it returns fewer repetitions, or none.
 ///
 /// # Errors
 /// A wrong result ends the race.
@@ -95,7 +94,7 @@ pub fn race<T: Scalar>(
             let time = contender.run(operation, corners, c, calls, threads, team);
             time.map(|t| t.as_secs_f64() / calls as f64)
         };
-        // The first call pays for threads and buffers.
+        // The first call includes the creation of threads and buffers.
         seconds(1)?;
         let rough = seconds(1)?;
         let trial = seconds(calls_within(TRIAL_SECONDS, rough))?;
@@ -131,7 +130,7 @@ pub fn race<T: Scalar>(
     Ok(outcomes)
 }
 
-/// Which of the outcomes, of samples of so many calls, are those of rivals that take longer than
+/// Returns which outcomes, from this number of calls per sample, are those of rivals slower than
 /// the fastest rival by more than `patience`.
 fn too_slow(outcomes: &[Outcome], calls: &[usize], patience: f64) -> Vec<bool> {
     let rivals = outcomes.iter().filter(|o| o.is_rival);
@@ -143,30 +142,31 @@ fn too_slow(outcomes: &[Outcome], calls: &[usize], patience: f64) -> Vec<bool> {
     outcomes.iter().zip(calls).map(slow).collect()
 }
 
-/// How many calls of `one_call` seconds last `seconds`, at least one. No call takes less than the
-/// clock can tell.
+/// Returns how many calls of `one_call` seconds last `seconds`, at least one. A call takes at least
+/// the resolution of the clock.
 fn calls_within(seconds: f64, one_call: f64) -> usize {
     (seconds / one_call.max(1e-7)).ceil() as usize
 }
 
 impl Outcome {
-    /// Median seconds.
+    /// Returns the median seconds.
     pub fn median(&self) -> f64 {
         median(self.seconds.clone())
     }
 
-    /// Seconds of the fastest repetition, which other programs disturbed least.
+    /// Returns the seconds of the fastest repetition, which other programs disturbed least.
     pub fn best(&self) -> f64 {
         self.seconds.iter().copied().fold(f64::NAN, f64::min)
     }
 
-    /// How many times faster than `other`: the median over the repetitions, each of which saw both.
+    /// Returns the speed relative to `other`: the median over the repetitions, each of which
+    /// measured both.
     pub fn ratio_to(&self, other: &Self) -> f64 {
         median(self.seconds.iter().zip(&other.seconds).map(|(own, other)| other / own).collect())
     }
 }
 
-/// The median; NaN of nothing.
+/// Returns the median; NaN for no values.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     match values.len() {

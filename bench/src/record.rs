@@ -1,4 +1,4 @@
-//! What a command leaves behind: numbers, the host they are from, and pictures.
+//! Writes the results of a command: numbers, the host, and pictures.
 
 use std::fmt::Display;
 use std::fs::{self, OpenOptions};
@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{Result, host};
 
-/// Writes the files, each a name and its text, into `bench/record/<host kind>-<date>/`; that
-/// folder.
+/// Writes the files, each a name and its text, into `bench/record/<host kind>-<date>/`; returns
+/// that folder.
 ///
 /// # Errors
 /// When a file can't be written.
@@ -21,9 +21,8 @@ pub fn write(files: &[(&str, String)]) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Puts a line into the table `NAME.csv`, in the place of the line that has the same first `keys`
-/// fields if there is one, the `picture` of the table into `NAME.svg`, and `host` into host.txt;
-/// returns their folder.
+/// Puts a line into the table `NAME.csv`, which replaces a line with the same first `keys` fields,
+/// the `picture` of the table into `NAME.svg`, and `host` into host.txt; returns their folder.
 ///
 /// # Errors
 /// When a file can't be written, or the table has other columns.
@@ -44,13 +43,13 @@ pub fn put(
     write(&[(&names[0], table), (&names[1], picture), ("host.txt", host)])
 }
 
-/// Where [`put`] keeps the table `NAME.csv`.
+/// Returns where [`put`] keeps the table `NAME.csv`.
 pub fn table(name: &str) -> PathBuf {
     folder().join(format!("{name}.csv"))
 }
 
-/// Checks that lines under `header` can be appended to the table `path`: that it is empty, is not
-/// there, or begins with this header.
+/// Returns an error unless lines under `header` can be appended to the table `path`: the table is
+/// missing or empty, or begins with this header.
 ///
 /// # Errors
 /// When the file has another header, or can't be read.
@@ -64,8 +63,8 @@ pub fn check_header(path: &Path, header: &str) -> Result<()> {
     }
 }
 
-/// Appends `line` to the table `path`, after `header` when it is new or empty, by one write: lines
-/// of jobs that end at the same time don't mix.
+/// Appends `line` to the table `path`, after `header` when it is new or empty, by a single write,
+/// so that lines of jobs that end at the same time do not mix.
 ///
 /// # Errors
 /// As [`check_header`], or when the file can't be written.
@@ -78,8 +77,8 @@ pub fn append(path: &Path, header: &str, line: &str) -> Result<()> {
     Ok(file.write_all(text.as_bytes()).map_err(place)?)
 }
 
-/// The table `old`, empty at first, with one more line, or another one with the same first fields;
-/// `None` if it has another header.
+/// Returns the table `old`, which may be empty, with one more line, which replaces a line with the
+/// same first fields; `None` if the table has another header.
 fn with_line(old: &str, header: &str, keys: usize, line: &str) -> Option<String> {
     let (first, lines) = old.split_once('\n').unwrap_or((header, ""));
     let key = |line: &str| line.split(',').take(keys).map(str::to_owned).collect::<Vec<_>>();
@@ -96,7 +95,7 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("record").join(name)
 }
 
-/// A file of comma-separated values.
+/// Returns a file of comma-separated values.
 pub fn csv(header: &str, lines: impl IntoIterator<Item = impl Display>) -> String {
     lines.into_iter().fold(format!("{header}\n"), |text, line| format!("{text}{line}\n"))
 }

@@ -1,4 +1,4 @@
-//! The right answer: entries of a product in double-double, and how far a result is from them.
+//! The reference result: entries of a product in double-double, and the errors of a result.
 
 use catamaran::Real;
 use catamaran::base::Rng;
@@ -8,16 +8,16 @@ use crate::double::DoubleDouble;
 use crate::input::Shape;
 use crate::product::{Operation, Product};
 
-/// Entries of C, and where they are.
+/// Entries of C, and their positions.
 pub struct Reference {
     entries: Vec<(usize, usize)>,
     values: Vec<DoubleDouble>,
     /// Euclidean norms of the columns of A.
     left_norms: Vec<f64>,
-    /// Those of B.
+    /// Euclidean norms of the columns of B.
     right_norms: Vec<f64>,
     n: usize,
-    /// Above this relative error a result is wrong, not inaccurate.
+    /// Relative error above which a result is wrong, not inaccurate.
     tolerance: f64,
 }
 
@@ -32,14 +32,15 @@ pub struct EntryError {
     pub error: f64,
 }
 
-/// Products in all that the entries may cost; those of a larger C are sampled.
+/// Largest number of products for all entries; the entries of a larger C are sampled.
 const MOST_PRODUCTS: usize = 1_000_000_000;
-/// Entries that are computed in one walk through A and B, at most: their sums fit the second cache.
+/// Largest number of entries that are computed in one pass through A and B: their sums fit the
+/// second-level cache.
 const PIECE: usize = 16_384;
 
 impl Reference {
-    /// The reference for `product`: all entries, or at most `sample` random ones where all would be
-    /// too many.
+    /// Creates the reference for `product`: all entries, or at most `sample` random ones where all
+    /// would be too many.
     pub fn new<T: Real>(product: &Product<'_, T>, sample: usize, seed: u64) -> Self {
         let shape = product.shape();
         let entries = entries(product.operation(), shape, sample, seed);
@@ -56,28 +57,28 @@ impl Reference {
         Self { entries, values, left_norms, right_norms, n: shape.n, tolerance }
     }
 
-    /// Makes a result that is not written show.
+    /// Fills a result with values that show up if they are not overwritten.
     pub fn poison<T: Real>(&self, c: &mut [T]) {
         for &(i, j) in &self.entries {
             c[i * self.n + j] = T::from_f64(f64::NAN);
         }
     }
 
-    /// `max |C - C_ref|` over the entries, relative to the largest norms of a column of A and of B;
-    /// for A^T A that is relative to the largest entry of C. C n x n, row-major.
+    /// Returns `max |C - C_ref|` over the entries, relative to the largest norms of a column of A
+    /// and of B; for A^T A this is relative to the largest entry of C. C is n x n, row-major.
     ///
     /// # Errors
-    /// When that is no rounding error.
+    /// When the error is larger than any rounding error.
     pub fn check<T: Real>(&self, c: &[T]) -> Result<f64, String> {
         let largest = |norms: &[f64]| norms.iter().copied().fold(0.0, f64::max);
         let scale = largest(&self.left_norms) * largest(&self.right_norms);
         self.errors(c, |_, _| scale).try_fold(0.0, |worst, entry| Ok(entry?.error.max(worst)))
     }
 
-    /// `|C_ij - C_ref_ij| / (|a_i| |b_j|)` for every entry; C n x n, row-major.
+    /// Returns `|C_ij - C_ref_ij| / (|a_i| |b_j|)` for every entry; C is n x n, row-major.
     ///
     /// # Errors
-    /// When one is no rounding error.
+    /// When an error is larger than any rounding error.
     pub fn entry_errors<T: Real>(&self, c: &[T]) -> Result<Vec<EntryError>, String> {
         self.errors(c, |i, j| self.left_norms[i] * self.right_norms[j]).collect()
     }
@@ -90,7 +91,7 @@ impl Reference {
         self.entries.iter().zip(&self.values).map(move |(&(row, column), value)| {
             let computed = c[row * self.n + column];
             let distance = value.distance_from(computed.to_f64()).abs();
-            // Columns of zeros have products without any error.
+            // Columns of zeros have exact products.
             let error = if distance == 0.0 { 0.0 } else { distance / scale(row, column) };
             if error <= self.tolerance {
                 return Ok(EntryError { row, column, error });
@@ -117,7 +118,7 @@ fn entries(
         .map(|s| {
             let (i, j) = (index(), index());
             match operation {
-                // Every eighth on the diagonal, where the largest entries are.
+                // Every eighth entry is on the diagonal, where the largest entries are.
                 Operation::Syrk if s % 8 == 0 => (i, i),
                 Operation::Syrk => (i.max(j), i.min(j)),
                 Operation::Gemm => (i, j),
@@ -126,7 +127,7 @@ fn entries(
         .collect()
 }
 
-/// Euclidean norms of the columns of A, n columns, row-major.
+/// Returns the Euclidean norms of the columns of A, n columns, row-major.
 fn column_norms<T: Real>(a: &[T], n: usize) -> Vec<f64> {
     let mut squares = vec![0.0; n];
     for row in a.chunks_exact(n) {
@@ -206,7 +207,8 @@ mod tests {
 
     #[test]
     fn errors_are_relative_to_the_columns() {
-        // Columns of norms 1 and 2^-40: an error in C[1, 1] that the largest entry would hide.
+        // Columns of norms 1 and 2^-40: an error in C[1, 1] that is small relative to the largest
+        // entry.
         let small = 2f64.powi(-40);
         let a = [1.0, 0.0, 0.0, small];
         let reference = Reference::new(&Product::syrk(Shape { m: 2, n: 2 }, &a), 1, 1);

@@ -1,5 +1,5 @@
-//! A^T A on up to 65,536 ranks as the plans predict it: seconds, and words that a rank sends or
-//! receives.
+//! Predictions of the plans for A^T A on up to 65,536 ranks: seconds, and words that a rank sends
+//! or receives.
 
 use catamaran::ata::distributed::{Cost, Machine, Mode, lower_bound, predict};
 use catamaran_charts::{Axis, Chart, Series};
@@ -7,7 +7,7 @@ use catamaran_charts::{Axis, Chart, Series};
 use crate::chart::distinct;
 use crate::input::Shape;
 
-/// Ranks: powers of two up to here.
+/// Largest number of ranks, a power of two.
 const MOST: usize = 1 << 16;
 
 /// A mode at one shape and number of ranks.
@@ -15,17 +15,17 @@ const MOST: usize = 1 << 16;
 pub struct Row {
     /// Shape of A.
     pub shape: Shape,
-    /// Ranks.
+    /// Number of ranks.
     pub ranks: usize,
-    /// What the mode costs.
+    /// The cost of the mode.
     pub cost: Cost,
     /// Words that some rank must send or receive in any mode.
     pub least_words: f64,
-    /// Seconds of nothing but an even share of the products.
+    /// Seconds of an even share of the products alone.
     pub least_seconds: f64,
 }
 
-/// All modes at these shapes, on 1, 2, 4, ... 65,536 ranks of `machine`.
+/// Returns all modes at these shapes, on 1, 2, 4, ... 65,536 ranks of `machine`.
 pub fn rows(shapes: &[Shape], machine: &Machine) -> Vec<Row> {
     let ranks = || (0..=MOST.ilog2()).map(|k| 1_usize << k);
     let of_shape = |&shape: &Shape| {
@@ -49,7 +49,7 @@ pub const CSV_HEADER: &str = "m,n,ranks,mode,words,least_words,messages,products
 seconds,least_seconds";
 
 impl Row {
-    /// The values under [`CSV_HEADER`].
+    /// Returns the values under [`CSV_HEADER`].
     pub fn csv(&self) -> String {
         let Self { shape, ranks, cost, least_words, least_seconds } = self;
         let Cost { mode, words, messages, products, memory, seconds } = cost;
@@ -61,7 +61,7 @@ impl Row {
     }
 }
 
-/// A name, and what is drawn.
+/// A name, and the values to draw.
 type Curve = (&'static str, fn(&Row) -> f64);
 
 /// Draws the rows as an SVG document: two charts for each shape, all axes logarithmic.
@@ -85,7 +85,7 @@ pub fn svg(rows: &[Row], machine: &Machine) -> String {
     catamaran_charts::svg(&charts.collect::<Vec<_>>())
 }
 
-/// One curve for each mode, a grey one for the least possible.
+/// Draws one curve for each mode, and a grey one for the least possible.
 fn chart(
     title: String,
     unit: &str,

@@ -1,4 +1,4 @@
-//! The picture of a grid: a point per shape, one panel per type and thread count.
+//! The picture of a grid: a point for each shape, one panel for each type and thread count.
 
 use catamaran_charts::{Axis, Chart, Line, Rule, Series};
 
@@ -6,7 +6,7 @@ use crate::chart::{count_threads, distinct};
 use crate::grid::{BEHIND, Row, summarise};
 use crate::input::Shape;
 
-/// What m / n is below, and how that is called.
+/// Upper bounds of m / n, and the names of the classes.
 const CLASSES: [(f64, &str); 6] = [
     (0.75, "m/n < 3/4"),
     (1.5, "m/n < 3/2"),

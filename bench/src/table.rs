@@ -1,4 +1,4 @@
-//! Outcomes of a race as rows: of the table on the screen and of the record.
+//! Outcomes of a race as rows of the table on the screen and of the record.
 
 use crate::input::Shape;
 use crate::product::Operation;
@@ -13,30 +13,30 @@ pub struct Row {
     pub scalar: &'static str,
     /// Threads.
     pub threads: usize,
-    /// Its name.
+    /// Name of the contender.
     pub contender: String,
     /// Repetitions measured.
     pub repetitions: usize,
     /// Median seconds of a call.
     pub seconds: f64,
-    /// Seconds of the fastest one.
+    /// Seconds of the fastest repetition.
     pub best: f64,
-    /// Effective speed: the classical operations / median t.
+    /// Effective speed: the operations of the classical algorithm over the median seconds.
     pub gflops: f64,
-    /// Times faster than the yardstick; the median of paired ratios.
+    /// Speed relative to the reference contender; the median of paired ratios.
     pub ratio: f64,
-    /// The yardstick's fastest time over that of this one.
+    /// Ratio of the fastest time of the reference contender to that of this one.
     pub best_ratio: f64,
     /// Largest error, relative to the largest norms of columns of A and B.
     pub error: f64,
-    /// Error over that of the yardstick.
+    /// Error over that of the reference contender.
     pub error_ratio: f64,
 }
 
 /// The column names of the record.
 pub const CSV_HEADER: &str = "m,n,type,threads,contender,repetitions,median_s,best_s,gflops,ratio,best_ratio,error,error_ratio";
 
-/// The column names on the screen.
+/// Returns the column names on the screen.
 pub fn header() -> String {
     format!(
         "{:>8} {:>6} {:>4} {:>2}  {:<24} {:>4} {:>10} {:>8} {:>6} {:>6} {:>9} {:>6}",
@@ -55,7 +55,7 @@ pub fn header() -> String {
     )
 }
 
-/// The rows of one race; `yardstick` is the index of the contender that ratios refer to.
+/// Returns the rows of one race; `yardstick` is the index of the contender to which ratios refer.
 pub fn rows(
     outcomes: &[Outcome],
     operation: Operation,
@@ -85,7 +85,7 @@ pub fn rows(
 }
 
 impl Row {
-    /// A line of the record.
+    /// Returns a line of the record.
     pub fn csv(&self) -> String {
         let Self { shape: Shape { m, n }, scalar, threads, contender, repetitions, .. } = self;
         format!(

@@ -14,7 +14,7 @@ pub struct Axis {
     pub title: String,
     /// How values are spread.
     pub scale: Scale,
-    /// First and last value; `None`: those of the data, and 0 if the scale is linear and upwards.
+    /// First and last value; `None`: those of the data, and 0 on a linear vertical axis.
     pub range: Option<[f64; 2]>,
 }
 
@@ -68,13 +68,13 @@ impl Axis {
         self
     }
 
-    /// Whether the axis has a place for a value: zero has no logarithm.
+    /// Returns whether the axis can show a value: zero has no logarithm.
     pub(crate) fn shows(&self, value: f64) -> bool {
         self.scale.place(value).is_finite()
     }
 
-    /// The coordinates for values that this axis shows. With `from_zero` a linear axis without a
-    /// range includes 0, and a logarithmic one begins and ends at powers of ten.
+    /// Returns the coordinates for values that this axis shows. With `from_zero` a linear axis
+    /// without a range includes 0, and a logarithmic one begins and ends at powers of ten.
     pub(crate) fn coordinates(
         &self,
         values: impl Iterator<Item = f64>,
@@ -129,7 +129,7 @@ impl Scale {
         }
     }
 
-    /// Values with labels between two places, at most [`MOST_LABELS`] of numbers.
+    /// Returns the values with labels between two places, at most [`MOST_LABELS`] of numbers.
     fn ticks(&self, low: f64, high: f64) -> Vec<f64> {
         match self {
             Self::Linear => linear_ticks(low, high, 0.0),
@@ -145,7 +145,7 @@ impl Scale {
     }
 }
 
-/// Round numbers one, two or five times a power of ten apart, and at least `least`.
+/// Returns round numbers one, two or five times a power of ten apart, and at least `least`.
 fn linear_ticks(low: f64, high: f64, least: f64) -> Vec<f64> {
     let rough = f64::max(least, (high - low) / MOST_LABELS as f64);
     let power = 10_f64.powf(rough.log10().floor());
@@ -157,8 +157,8 @@ fn linear_ticks(low: f64, high: f64, least: f64) -> Vec<f64> {
     (first..).map(tick).take_while(|value| *value <= high + 1e-9 * step).collect()
 }
 
-/// The densest of some sets of round numbers that has at most [`MOST_LABELS`] between two decimal
-/// logarithms; every so many powers of ten if all are too dense.
+/// Returns the densest of some sets of round numbers that has at most [`MOST_LABELS`] between two
+/// decimal logarithms, or every n-th power of ten if all sets are too dense.
 fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
     const DIGITS: [&[f64]; 4] = [
         &[1.0, 1.1, 1.2, 1.3, 1.5, 1.7, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],

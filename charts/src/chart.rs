@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::axis::Axis;
 
-/// Pixels.
+/// Widths and heights in pixels.
 const WIDTH: u32 = 900;
 const LEGEND: i32 = 190;
 const LINE: i32 = 18;
@@ -42,7 +42,7 @@ pub struct Series {
     pub line: Line,
     /// Whether each point has a dot. A series of one point always has one.
     pub dots: bool,
-    /// Values of x and y. Those without a place on the axes are left out.
+    /// Values of x and y. Points that the axes cannot show are left out.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -69,7 +69,7 @@ pub struct Rule {
 }
 
 impl Chart {
-    /// Creates a chart without a title and rules.
+    /// Creates a chart without a title or rules.
     pub fn new(x: Axis, y: Axis, series: Vec<Series>) -> Self {
         Self { title: String::new(), x, y, series, rules: Vec::new() }
     }
@@ -81,8 +81,8 @@ impl Series {
         Self { name: name.into(), color, line: Line::Solid, dots: false, points }
     }
 
-    /// Colour number `index` of those that colour-blind readers can tell apart (Okabe and Ito
-    /// 2008); again from the first after seven.
+    /// Returns colour number `index` of those that colour-blind readers can tell apart (Okabe and
+    /// Ito 2008); the colours repeat after seven.
     pub fn color(index: usize) -> Rgb {
         const COLORS: [Rgb; 7] = [
             [0x00, 0x72, 0xb2],
@@ -111,12 +111,12 @@ pub fn svg(charts: &[Chart]) -> String {
     document
 }
 
-/// Why nothing is drawn.
+/// The reason why drawing failed.
 pub(crate) type DrawError<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-/// Where something is drawn.
+/// The area in which something is drawn.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Draws on a white ground.
+/// Draws on a white background.
 pub(crate) fn document_of<'a>(
     document: &'a mut String,
     size: (u32, u32),

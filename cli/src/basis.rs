@@ -15,18 +15,19 @@ use crate::shape::{LaplacianArgs, Mode};
 /// Compute a basis of functions on a mesh: the products of its first eigenfunctions,
 /// orthogonalised.
 ///
-/// Writes the arrays `functions` (a row for each vertex, a column for each function), `r` (the
-/// coefficients of every product in them), `kept` (the product that each comes from), `factors` (of
-/// every product: eigenfunctions, from 1; 0 where there are fewer), `eigenvalues` and `mass`.
+/// Writes the arrays `functions` (a row for each vertex, a column for each function of the basis),
+/// `r` (the coefficients of every product in the basis), `kept` (for each function, the index of
+/// the product that it comes from), `factors` (for every product, the numbers of its eigenfunctions
+/// from 1, filled up with 0), `eigenvalues` and `mass`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// Eigenfunctions that are multiplied, the constant one not counted.
+    /// Number of eigenfunctions to multiply, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 30)]
     k: usize,
-    /// Most factors of a product.
+    /// Largest number of factors in a product.
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
     /// How products are orthogonalised.
@@ -34,7 +35,7 @@ pub struct Args {
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the basis goes: .npz.
+    /// Output file of the basis: .npz.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]

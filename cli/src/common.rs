@@ -13,14 +13,14 @@ pub const HEADING: &str = "Common options";
 /// How many threads a command uses.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Threads {
-    /// Threads, at most 4 for each core; all cores of the affinity mask by default. Does not change
-    /// the result.
+    /// Number of threads, at most 4 for each core. Does not change the result [default: all cores
+    /// of the affinity mask].
     #[arg(long, value_name = "N", help_heading = HEADING)]
     threads: Option<NonZeroUsize>,
 }
 
 impl Threads {
-    /// Returns the number that was asked for.
+    /// Returns the number that `--threads` asks for.
     pub fn asked(self) -> Option<usize> {
         self.threads.map(NonZeroUsize::get)
     }

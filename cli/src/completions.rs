@@ -7,14 +7,14 @@ use clap_complete::{Shell, generate};
 use crate::Cli;
 use crate::report::row;
 
-/// Print the completions of a shell, for its configuration.
+/// Print the completion script of a shell.
 ///
 /// Examples: `catamaran completions bash > ~/.local/share/bash-completion/completions/catamaran`;
 /// `catamaran completions zsh > ~/.zfunc/_catamaran`;
 /// `catamaran completions fish > ~/.config/fish/completions/catamaran.fish`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The shell.
+    /// Shell to print the script for.
     #[arg(value_name = "SHELL")]
     shell: Shell,
 }

@@ -26,51 +26,52 @@ use crate::report::{note, report, row, seconds, status};
 /// Decimate a mesh to a number of vertices, uniformly.
 ///
 /// The result has exactly that many vertices, is a manifold, and has the components, boundary loops
-/// and genus of the input; what can't be is refused, with the reason. Faces do not intersect unless
-/// those of the input do or there are too few to do better, which is said. Edges longer than those
-/// of the result are split first. Colours, texture coordinates, materials and groups are carried
-/// over; normals are not.
+/// and genus of the input. Impossible requests return an error that says why. Faces of the result
+/// intersect only if those of the input do or if the vertices are too few to avoid it; a note says
+/// so. Edges that are longer than those of the result are split first. Colours, texture
+/// coordinates, materials and groups are carried over; normals are not.
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("size").required(true))]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Vertices of the result.
+    /// Number of vertices of the result.
     #[arg(short, value_name = "N", group = "size")]
     n: Option<usize>,
-    /// Vertices of the result as a part of those of the input, above 0.
+    /// Number of vertices of the result as a fraction of those of the input, above 0.
     #[arg(long, value_name = "R", group = "size")]
     ratio: Option<f64>,
-    /// Faces of the result: to one face where the mesh is closed, about where it has a boundary.
+    /// Number of faces of the result: exact to one face for a closed mesh, approximate for a mesh
+    /// with a boundary.
     #[arg(long, value_name = "F", group = "size")]
     faces: Option<usize>,
-    /// The length that edges of the result have about, in units of the input.
+    /// Approximate length of the edges of the result, in units of the mesh.
     #[arg(long, value_name = "LENGTH", group = "size")]
     edge_length: Option<f64>,
-    /// Where the result goes: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
+    /// Output file: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Passes that move samples to the centroids of their cells [default: 0].
+    /// Number of passes that move samples to the centroids of their cells [default: 0].
     #[arg(long, value_name = "N")]
     lloyd: Option<usize>,
-    /// Passes that flip edges and move vertices of the result [default: 12].
+    /// Number of passes that flip edges and move vertices of the result [default: 12].
     #[arg(long, value_name = "N")]
     relax: Option<usize>,
     /// Cut handles that are too narrow for the triangles of the result, and close their ends.
     #[arg(long)]
     cut_handles: bool,
-    /// How faces are found and vertices placed.
+    /// Method that finds faces and places vertices.
     #[arg(long, value_name = "METHOD", default_value = "uniform")]
     method: Kind,
-    /// The first sample, a vertex from 0; the lowest by default.
+    /// Vertex of the first sample, numbered from 0 [default: the lowest vertex that a face has].
     #[arg(long, value_name = "VERTEX")]
     first: Option<u32>,
-    /// Write the matrix that takes functions on the result to the input, .mtx: a row for each
-    /// vertex of the input, a column for each of the result.
+    /// Write the matrix that takes functions on the result to functions on the input, .mtx: a row
+    /// for each vertex of the input, a column for each vertex of the result.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
-    /// Report on uniformity, and on the distance from the input.
+    /// Print measures of uniformity and of the distance from the input.
     #[arg(long)]
     report: bool,
     #[command(flatten)]
@@ -85,9 +86,10 @@ pub struct Args {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Kind {
-    /// Manifold, relaxed, exactly N vertices.
+    /// A manifold with exactly N vertices, relaxed.
     Uniform,
-    /// The thesis literally: farthest points, every three-cycle of cells a face.
+    /// The algorithm of the thesis as printed: farthest points, and a face for every three-cycle of
+    /// cells.
     Thesis,
 }
 
@@ -98,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(args.force)?;
     let weights = match &args.weights {
         Some(path) if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mtx")) => {
-            bail!("{}: weights must be called .mtx", path.display())
+            bail!("{}: the name of --weights must end in .mtx", path.display())
         }
         Some(path) => Some(args.force.create(path)?),
         None => None,
@@ -123,7 +125,7 @@ pub fn run(args: &Args) -> Result<()> {
         .progress(&update);
     let start = Instant::now();
     let found = decimate(&input.mesh, n, &options)
-        .with_context(|| format!("{}: can't be decimated to {n}", args.input.display()))?;
+        .with_context(|| format!("{}: can't be decimated to {n} vertices", args.input.display()))?;
     let elapsed = start.elapsed();
     drop(bar);
     report_result(args, &input, &found, elapsed, par)?;
@@ -157,6 +159,7 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = path; "{path}")
 }
 
+/// Reads a mesh, repairs it, and reports its size.
 pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     let start = Instant::now();
     let file = repair.read(path)?;
@@ -228,7 +231,7 @@ fn report_result(
     };
     if intersecting > before {
         let more = intersecting - before;
-        note(format_args!("{more} faces more intersect others than did before: try another -n"));
+        note(format_args!("{more} more faces intersect others than in the input: try another -n"));
     }
     if !args.report {
         return Ok(());
@@ -253,7 +256,7 @@ fn report_result(
         "{quality}"
     )?;
     if found.after.is_some_and(|after| after.components > 1) {
-        // Specks have the fewest faces that they can, which says nothing of the rest.
+        // Specks have as few faces as they can, which says nothing about the rest.
         let largest = repair(found.mesh.clone().into(), &RepairOptions::new().keep_largest(1))?;
         let Quality { area_variation, mean_quality, .. } = Quality::of(&largest.file.mesh);
         report!(
@@ -279,12 +282,12 @@ fn report_result(
         "{chamfer:.4e}, eq. 5.8 as printed {printed_chamfer:.4e}"
     )?;
     let length = edge_length_for(found.mesh.area(), vertices)?;
-    report!("edges", length = length; "{length:.4e} long, were all triangles equilateral")
+    report!("edges", length = length; "{length:.4e} long if all triangles were equilateral")
 }
 
-/// Reports the topology of a mesh; none where it is not a manifold.
+/// Reports the topology of a mesh; `None` stands for a mesh that is not a manifold.
 fn report_topology(label: &str, topology: Option<Topology>) -> Result<()> {
-    let text = topology.map_or("no manifold".into(), |topology| topology.to_string());
+    let text = topology.map_or("not a manifold".into(), |topology| topology.to_string());
     status!(
         "topology": label,
         of = if label == "topology" { "input" } else { "output" },
@@ -295,7 +298,7 @@ fn report_topology(label: &str, topology: Option<Topology>) -> Result<()> {
     )
 }
 
-/// Matrix Market, coordinates.
+/// Writes a sparse matrix as Matrix Market coordinates.
 fn write_sparse(mut output: Output, matrix: &CsMat<f64>) -> Result<()> {
     let written = sprs::io::write_matrix_market_to_bufwrite(&mut output, matrix);
     written.map_err(|e| output.error(e))?;

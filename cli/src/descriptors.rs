@@ -19,36 +19,40 @@ use crate::progress::Bar;
 use crate::report::status;
 use crate::shape::LaplacianArgs;
 
-/// Eigenfunctions, and scales, unless given.
+/// The default of -k.
 const K: usize = 100;
+/// The default of --scales.
 const SCALES: usize = 100;
 
-/// Describe the vertices of a mesh by numbers that tell them apart, in a row for each vertex.
+/// Compute shape descriptors of the vertices of a mesh: numbers that distinguish them, in a row for
+/// each vertex.
 ///
-/// Heat kernel, wave kernel and global point signatures are of eigenfunctions and thus the same for
-/// any pose; SHOT is of the normals nearby, and the same for rigid motions.
+/// Heat kernel, wave kernel and global point signatures are computed from eigenfunctions, and thus
+/// are the same for any pose. SHOT is computed from the normals nearby, and is the same for rigid
+/// motions.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// What vertices are described by.
+    /// Kind of descriptor.
     #[arg(long, value_name = "KIND")]
     kind: Kind,
-    /// Eigenfunctions, the constant one not counted; not for shot [default: 100].
+    /// Number of eigenfunctions, without the constant one; not for shot [default: 100].
     #[arg(short, value_name = "K", value_parser = parse::at_least_one)]
     k: Option<usize>,
-    /// Columns of hks and wks: times in equal ratios, or energies, over the range of the
-    /// eigenvalues [default: 100].
+    /// Number of columns of hks (times in equal ratios) and of wks (energies), over the range of
+    /// the eigenvalues [default: 100].
     #[arg(long, value_name = "N", value_parser = parse::at_least_one)]
     scales: Option<usize>,
-    /// Radius of the ball that a vertex sees, in the unit of the mesh; for shot, which needs it.
+    /// Radius of the ball around a vertex that shot describes, in units of the mesh; required for
+    /// shot, and for shot only.
     #[arg(long, value_name = "R")]
     radius: Option<f64>,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the table goes, a vertex a row (.npy, .csv, .tsv, .txt or .mtx, and .gz after it); a
-    /// picture shows its first column.
+    /// Output file of the table, with a row for each vertex (.npy, .csv, .tsv, .txt or .mtx, and
+    /// .gz after it); --picture shows its first column.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -96,17 +100,17 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = path; "{path}")
 }
 
-/// Refuses options that the kind has no use for.
+/// Refuses options that do not apply to the kind.
 fn check(args: &Args) -> Result<()> {
     let is_shot = args.kind == Kind::Shot;
     if is_shot != args.radius.is_some() {
-        bail!("--radius goes with --kind shot, which needs it, and with no other");
+        bail!("--radius is required for --kind shot, and is for that kind only");
     }
     if is_shot && args.k.is_some() {
-        bail!("-k: --kind shot has no eigenfunctions");
+        bail!("-k: --kind shot uses no eigenfunctions");
     }
     if args.scales.is_some() && !matches!(args.kind, Kind::Hks | Kind::Wks) {
-        bail!("--scales goes with --kind hks and wks only");
+        bail!("--scales is for --kind hks and --kind wks only");
     }
     Ok(())
 }

@@ -9,12 +9,12 @@ use crate::info::WIDTH;
 use crate::info::first;
 use crate::report::row;
 
-/// Where the work is done.
+/// The device that does the work.
 #[derive(clap::Args)]
 pub struct DeviceArgs {
-    /// Where it is computed: `cpu` (without OpenCL), or an OpenCL device by its number or a part of
-    /// its name, as `catamaran info` lists them; `opencl` is the first GPU, or else the first
-    /// device.
+    /// Device that computes: `cpu` (without OpenCL), or an OpenCL device by its number or a part of
+    /// its name, as `catamaran info` lists them; `opencl` is the first GPU, or the first device if
+    /// there is no GPU.
     #[arg(long, value_name = "cpu|NAME", default_value = "cpu")]
     device: String,
 }
@@ -23,12 +23,12 @@ pub struct DeviceArgs {
 #[cfg(feature = "opencl")]
 pub type Device = catamaran::opencl::Device;
 
-/// There is none in this build.
+/// A device, of which this build has none.
 #[cfg(not(feature = "opencl"))]
 pub enum Device {}
 
 impl DeviceArgs {
-    /// The device; `None` for the processor without OpenCL.
+    /// Opens the device; `None` stands for the CPU without OpenCL.
     pub fn open(&self) -> Result<Option<Device>> {
         match self.device.as_str() {
             "cpu" => Ok(None),
@@ -45,16 +45,16 @@ fn opened(name: &str) -> Result<Device> {
 
 #[cfg(not(feature = "opencl"))]
 fn opened(name: &str) -> Result<Device> {
-    anyhow::bail!("--device {name}: OpenCL is not in this build (--features opencl)")
+    anyhow::bail!("--device {name}: OpenCL is not in this build (build with --features opencl)")
 }
 
-/// What a device is called.
+/// Returns the name of a device.
 #[cfg(feature = "opencl")]
 pub fn name(device: &Device) -> &str {
     &device.info().name
 }
 
-/// What a device is called.
+/// Returns the name of a device.
 #[cfg(not(feature = "opencl"))]
 pub fn name(device: &Device) -> &str {
     match *device {}
@@ -88,7 +88,7 @@ pub fn report() -> Result<()> {
 /// Reports that there is no device, for `catamaran info`.
 #[cfg(not(feature = "opencl"))]
 pub fn report() -> Result<()> {
-    none("not in this build (--features opencl)")
+    none("not in this build (build with --features opencl)")
 }
 
 fn none(why: &str) -> Result<()> {

@@ -16,29 +16,30 @@ use crate::picture::{Paint, PictureArgs};
 use crate::report::{report, seconds, status};
 use crate::shape::LaplacianArgs;
 
-/// Compute the distance of every vertex of a mesh from the nearest of some vertices.
+/// Compute the distance of every vertex of a mesh from the nearest of the vertices of --from.
 ///
-/// Distances are in the unit of the mesh; infinite for vertices that no face or edge connects to
-/// any of these.
+/// Distances are in units of the mesh. The distance is infinite for a vertex that no path of faces
+/// or edges connects to a vertex of --from.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// The vertices that distances are from, numbered from 0, with commas between them.
+    /// Vertices that distances are measured from, numbered from 0 and separated by commas.
     #[arg(long, value_name = "VERTEX,...", value_delimiter = ',', required = true)]
     from: Vec<u32>,
-    /// Over the faces, accurate to a few per cent (the heat method), or exactly along edges, which
-    /// is longer.
+    /// Method: over the faces, accurate to a few per cent (heat, the heat method), or exactly along
+    /// edges, which gives longer distances (edges).
     #[arg(long, value_name = "METHOD", default_value = "heat")]
     method: How,
-    /// How long heat flows in the heat method, in units of the squared mean edge length; more is
-    /// smoother, and reaches farther.
+    /// Time that heat flows in the heat method, in units of the squared mean edge length; a longer
+    /// time gives smoother distances and reaches farther.
     #[arg(long, value_name = "T", default_value_t = 1.0)]
     time: f64,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the distances go, a vertex a row (.npy, .csv, .tsv, .txt or .mtx, and .gz after it).
+    /// Output file of the distances, with a row for each vertex (.npy, .csv, .tsv, .txt or .mtx,
+    /// and .gz after it).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -85,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     )?;
 
     if let Some(picture) = picture {
-        // What is not a number is grey.
+        // NaN is drawn in grey.
         let shown = |&distance: &f64| if distance.is_finite() { distance } else { f64::NAN };
         let values: Vec<f64> = distances.iter().map(shown).collect();
         args.picture.draw(picture, &args.mesh, &[(&mesh, Paint::Values(&values), "distance")])?;

@@ -21,64 +21,68 @@ use crate::progress::Bar;
 use crate::report::{note, status};
 use crate::shape::{self, LaplacianArgs, Shape};
 
-/// Frequencies up to this share of the highest are zero: those of constants, and rounding.
+/// Frequencies up to this share of the highest count as zero: rounding leaves those of constants
+/// there.
 const ZERO: f64 = 1e-9;
 
 /// The default of --share.
 const SHARE: f64 = 0.1;
 
-/// A component that is smaller than this share of what it was is a point, but for rounding.
+/// A component that is smaller than this share of its former size is a point, up to rounding.
 const POINT: f64 = 1e-9;
 
 /// Filter the shape of a mesh, or functions on it, by frequencies.
 ///
 /// Frequencies are eigenvalues, or the Dirichlet energies of orthogonalised products of
-/// eigenfunctions; they are counted in ascending order, from the constant, number 0. On a mesh of
-/// several components the functions that are constant on each are number 0 all together, so that
-/// what keeps it leaves every component in its place.
+/// eigenfunctions (--order). They are numbered in ascending order, and the constant function has
+/// number 0. On a mesh with several components all functions that are constant on each component
+/// have number 0, so that a filter that keeps number 0 leaves every component in its place.
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("response").args(["low_pass", "high_pass", "band", "heat", "sharpen", "coefficient"]).required(true))]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// Keep the first COUNT frequencies and nothing else.
+    /// Keep the first COUNT frequencies only.
     #[arg(long, value_name = "COUNT")]
     low_pass: Option<usize>,
-    /// Take the first COUNT frequencies away.
+    /// Remove the first COUNT frequencies.
     #[arg(long, value_name = "COUNT")]
     high_pass: Option<usize>,
-    /// Keep the frequencies from number FIRST (from 0) to before number END.
+    /// Keep the frequencies from number FIRST, counted from 0, up to but without number END.
     #[arg(long, value_name = "FIRST..END", value_parser = crate::parse::columns)]
     band: Option<std::ops::Range<usize>>,
-    /// Smooth as heat does in the time T, as a part of the area.
+    /// Smooth as heat flow does in the time T, as a fraction of the surface area.
     #[arg(long, value_name = "T")]
     heat: Option<f64>,
-    /// Add what heat takes away in the time T, as a part of the area.
+    /// Sharpen: add what heat flow removes in the time T, as a fraction of the surface area.
     #[arg(long, value_name = "T")]
     sharpen: Option<f64>,
-    /// How many times --sharpen adds it [default: 1].
+    /// Factor of what --sharpen adds [default: 1].
     #[arg(long, value_name = "A")]
     amount: Option<f64>,
-    /// Change one coefficient: add the function of frequency NUMBER, from 1, to every coordinate.
+    /// Change one coefficient: add a multiple of the function of frequency NUMBER, from 1, to every
+    /// coordinate.
     #[arg(long, value_name = "NUMBER")]
     coefficient: Option<usize>,
-    /// How large the change by --coefficient is, as a part of the distances from the centre, or of
-    /// the functions without their means; in mean squares [default: 0.1].
+    /// Size of the change by --coefficient, as a fraction of the root mean square of the
+    /// coordinates (or of the functions) about their means [default: 0.1].
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     share: Option<f64>,
-    /// Eigenfunctions, the constant one not counted.
+    /// Number of eigenfunctions, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 100)]
     k: usize,
-    /// Most factors of a product; 1 filters by eigenfunctions alone.
+    /// Largest number of factors in a product; 1 filters by eigenfunctions alone.
     #[arg(long, value_name = "N", default_value_t = 1)]
     order: usize,
-    /// Filter these functions, in columns, a row for each vertex, instead of the coordinates.
+    /// Filter the functions in this table (a row for each vertex, a column for each function)
+    /// instead of the coordinates.
     #[arg(long, value_name = "F")]
     functions: Option<PathBuf>,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the mesh goes (.obj, .ply, .off, .stl), or the functions (.npy, .csv, ...).
+    /// Output file: the mesh (.obj, .ply, .off, .stl, .glb or .gltf), or the functions (.npy, .csv,
+    /// ...).
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -89,13 +93,13 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    // The parser does not ask for one of a group that excludes another.
+    // clap does not enforce `requires` for an option of a group whose options exclude each other.
     for (option, given, needed, is_there) in [
         ("--amount", args.amount, "--sharpen", args.sharpen.is_some()),
         ("--share", args.share, "--coefficient", args.coefficient.is_some()),
     ] {
         if given.is_some() && !is_there {
-            bail!("{option} goes with {needed} only");
+            bail!("{option} is for {needed} only");
         }
     }
     if args.functions.is_some() {
@@ -138,7 +142,7 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = path; "{path}")
 }
 
-/// The orthogonal basis of products, and its frequencies.
+/// Returns the orthogonal basis of products, and its frequencies.
 fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
@@ -160,7 +164,7 @@ fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
     Ok((basis.into_basis(), energies))
 }
 
-/// What is left of the functions `f`, in a basis whose functions have these frequencies.
+/// Filters the functions `f` in a basis whose functions have these frequencies.
 fn filtered(args: &Args, basis: &Basis, frequencies: &[f64], f: &Mat<f64>) -> Result<Mat<f64>> {
     let numbers = numbers(frequencies);
     let Some(number) = args.coefficient else {
@@ -169,10 +173,10 @@ fn filtered(args: &Args, basis: &Basis, frequencies: &[f64], f: &Mat<f64>) -> Re
     };
     let share = args.share.unwrap_or(SHARE);
     if !share.is_finite() {
-        bail!("--share must be finite, is {share}");
+        bail!("--share {share}: a finite number is needed");
     }
     if number == 0 {
-        bail!("--coefficient 0: that of the constant moves the mesh and nothing else");
+        bail!("--coefficient 0: the constant function only moves the mesh; give a number from 1");
     }
     let Some(function) = numbers.iter().position(|&n| n == number) else {
         let last = numbers.iter().max().copied().unwrap_or(0);
@@ -182,7 +186,7 @@ fn filtered(args: &Args, basis: &Basis, frequencies: &[f64], f: &Mat<f64>) -> Re
     Ok(add_coefficient(basis, f.as_ref(), function, amount)?)
 }
 
-/// The norm of the columns of `f` without their means: the root of its mean square over the
+/// Returns the norm of the columns of `f` without their means: the root of its mean square over the
 /// columns.
 fn deviation(basis: &Basis, f: &Mat<f64>) -> Result<f64> {
     let (mass, par) = (basis.mass(), Par::Seq);
@@ -198,7 +202,7 @@ fn deviation(basis: &Basis, f: &Mat<f64>) -> Result<f64> {
     Ok((squares / f.ncols().max(1) as f64).sqrt())
 }
 
-/// The number of the frequency of each function, from 0 and ascending; all that are zero are
+/// Numbers the frequencies of the functions, ascending from 0; all frequencies that are zero have
 /// number 0.
 fn numbers(frequencies: &[f64]) -> Vec<usize> {
     let mut ascending: Vec<usize> = (0..frequencies.len()).collect();
@@ -213,7 +217,7 @@ fn numbers(frequencies: &[f64]) -> Vec<usize> {
     numbers
 }
 
-/// A gain for each function, and that for what is beyond them.
+/// Returns a gain for each function, and the gain for what is outside of the basis.
 fn gains(
     args: &Args,
     basis: &Basis,
@@ -236,9 +240,7 @@ fn gains(
     let time = args.heat.or(args.sharpen).unwrap_or_default();
     let amount = args.amount.unwrap_or(1.0);
     if !(time.is_finite() && time >= 0.0 && amount.is_finite()) {
-        bail!(
-            "--heat and --sharpen need a time that is finite and at least 0, and a finite amount"
-        );
+        bail!("--heat and --sharpen need a finite time of at least 0, and --amount must be finite");
     }
     let time = time * basis.area()?;
     let response = match args.heat {
@@ -248,7 +250,7 @@ fn gains(
     Ok((frequencies.iter().map(|&f| response.gain(f)).collect(), response.limit()))
 }
 
-/// Says how many components of the mesh are no more than points now: none of their own frequencies
+/// Notes how many components of the mesh have become points, because none of their own frequencies
 /// was kept.
 fn note_points(before: &TriMesh, after: &TriMesh) {
     let components = Components::new(before);
@@ -263,7 +265,7 @@ fn note_points(before: &TriMesh, after: &TriMesh) {
     }
 }
 
-/// The longest side of the box of each component.
+/// Returns the longest side of the bounding box of each component.
 fn sizes(mesh: &TriMesh, components: &Components) -> Vec<f64> {
     let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; components.len()];
     for (p, &component) in mesh.vertices().iter().zip(components.of_vertices()) {

@@ -17,29 +17,31 @@ use crate::progress::Bar;
 use crate::report::{report, seconds, status};
 use crate::shape::column;
 
-/// Sample a mesh: each vertex is the farthest, along edges, from those before it.
+/// Sample a mesh by farthest points: each sample is the vertex that is farthest, along edges, from
+/// the samples before it.
 ///
-/// The first K samples are the same for any N.
+/// The first K samples are the same for every N of at least K.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Samples, at least 1.
+    /// Number of samples, at least 1.
     #[arg(short, value_name = "N", value_parser = parse::at_least_one)]
     n: usize,
-    /// The first sample, a vertex from 0; the lowest that a face has by default.
+    /// Vertex of the first sample, numbered from 0 [default: the lowest vertex that a face has].
     #[arg(long, value_name = "VERTEX")]
     first: Option<u32>,
-    /// Where the samples go, an integer a row: the number of a vertex, from 0 (.npy, .csv, ...).
+    /// Output file of the samples, a row for each: the number of its vertex, from 0 (.npy, .csv,
+    /// ...).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Write for each vertex of the mesh the number of its cell, an integer from 0, -1 for vertices
-    /// without a face (.npy, .csv, ...).
+    /// Write the number of the cell of each vertex of the mesh: an integer from 0, or -1 for a
+    /// vertex without a face (.npy, .csv, ...).
     #[arg(long, value_name = "FILE")]
     cells: Option<PathBuf>,
-    /// Write for each vertex of the mesh its distance from the sample of its cell, along edges,
-    /// infinite for vertices without a face (.npy, .csv, ...).
+    /// Write the distance of each vertex of the mesh from the sample of its cell, along edges and
+    /// in units of the mesh; infinite for a vertex without a face (.npy, .csv, ...).
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
     #[command(flatten)]

@@ -8,14 +8,14 @@ use catamaran::kernel::{int8, packed};
 use crate::report::{head, row};
 use crate::{backend, device};
 
-/// Columns of a label.
+/// Width of a label, in characters.
 pub const WIDTH: usize = 14;
 
 /// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and
-/// of the exact path, what `tune` has measured, and the OpenCL devices.
+/// of the exact path, the rates that `tune` measured, and the OpenCL devices.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Also load this CBLAS library and say what it is.
+    /// Also load this CBLAS library and print its description.
     #[arg(long, value_name = "LIBRARY")]
     backend: Option<String>,
 }
@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Result<()> {
     device::report()
 }
 
-/// The label of the first line of a block; none for others.
+/// Returns the label on the first line of a block, and an empty one on the others.
 pub fn first(line: usize, label: &'static str) -> &'static str {
     if line == 0 { label } else { "" }
 }
@@ -57,7 +57,7 @@ pub fn first(line: usize, label: &'static str) -> &'static str {
 fn back_end(name: &str) -> Result<()> {
     let label = "back end";
     if name == "openblas" && cfg!(not(feature = "openblas")) {
-        let what = "openblas: not in this build (--features openblas)";
+        let what = "openblas: not in this build (build with --features openblas)";
         return row!("back_end", name = name, available = false; "{label:WIDTH$}{what}");
     }
     let found = backend::find(name)?;
@@ -72,7 +72,7 @@ fn back_end(name: &str) -> Result<()> {
     )
 }
 
-/// What becomes of the kernels of an instruction set.
+/// Reports whether the kernels of an instruction set are used, available or refused.
 fn kernels(label: &str, isa: &str, refusal: Option<&'static str>, is_best: bool) -> Result<()> {
     let state = refusal.unwrap_or(if is_best { "used" } else { "available" });
     row!(
@@ -84,7 +84,7 @@ fn kernels(label: &str, isa: &str, refusal: Option<&'static str>, is_best: bool)
     )
 }
 
-/// Where the planner has the rates of an instruction set from.
+/// Reports where the planner takes the rates of an instruction set from.
 fn rates(label: &str, isa: packed::Isa) -> Result<()> {
     let path = Rates::path(isa).filter(|path| path.exists());
     let loaded = path.as_ref().map(|path| Rates::load(path, isa));
@@ -104,7 +104,7 @@ fn rates(label: &str, isa: packed::Isa) -> Result<()> {
     )
 }
 
-/// What the CPU calls itself.
+/// Returns the name that the CPU reports.
 pub fn cpu_model() -> String {
     #[cfg(target_arch = "x86_64")]
     if let Some(brand) = raw_cpuid::CpuId::new().get_processor_brand_string() {

@@ -1,4 +1,4 @@
-//! Files that commands read: each within the memory it may take, and meshes repaired where the
+//! Reads the files of commands, within the memory that each may take, and repairs meshes where the
 //! repair is unambiguous.
 
 use std::ffi::OsString;
@@ -15,28 +15,28 @@ use crate::parse;
 use crate::progress::Bar;
 use crate::report::note;
 
-/// How the mesh of a command is made ready for it.
+/// How a command repairs the mesh that it reads.
 ///
-/// Without these options a command repairs what has one sensible outcome, and says so: split
-/// surfaces are welded, repeated faces and faces without area removed.
+/// Without these options a command makes the repairs that have one sensible outcome, and prints a
+/// note about each: it welds split surfaces, and removes repeated faces and faces without area.
 #[derive(Debug, Clone, clap::Args)]
 pub struct MeshArgs {
-    /// Join vertices of the mesh that are at most TOLERANCE apart, a length; with equal positions
-    /// where no TOLERANCE is given. `seams`, the default: with equal positions along boundary edges
-    /// that are in one place, two and two.
+    /// Join vertices of the mesh that are at most TOLERANCE apart, in units of the mesh; without
+    /// TOLERANCE, vertices with equal positions. `seams`, the default without this option, joins
+    /// vertices with equal positions only where exactly two boundary edges coincide.
     #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
           value_parser = parse::weld, conflicts_with = "strict")]
     weld: Option<Weld>,
-    /// Leave out components of the mesh with less than this share of its area, from 0 to 1: specks
-    /// around a scan.
+    /// Drop components of the mesh with less than this share of its area, from 0 to 1, such as
+    /// specks around a scan.
     #[arg(long, value_name = "SHARE", conflicts_with = "strict")]
     drop_specks: Option<f64>,
-    /// Refuse a mesh that needs repair, instead of repairing it with a note.
+    /// Fail if the mesh needs repair, instead of repairing it with a note.
     #[arg(long)]
     strict: bool,
 }
 
-/// A file of text, or stdin where it is called `-`.
+/// A text file, or stdin if the name is `-`.
 #[derive(Debug, Clone)]
 pub struct TextFile(PathBuf);
 
@@ -51,15 +51,15 @@ impl TextFile {
         self.0.as_os_str() == "-"
     }
 
-    /// Returns what it is called in messages.
+    /// Returns the name of the file for messages.
     pub fn name(&self) -> String {
         if self.is_stdin() { "stdin".into() } else { self.0.display().to_string() }
     }
 
-    /// Reads all of it.
+    /// Reads the whole file.
     ///
     /// # Errors
-    /// It can't be read, or is no text.
+    /// The file can't be read, or is not UTF-8 text.
     pub fn read(&self) -> Result<String> {
         let text = match self.is_stdin() {
             true => std::io::read_to_string(std::io::stdin()),
@@ -69,27 +69,28 @@ impl TextFile {
     }
 }
 
-/// What `--max-memory` says.
+/// The value of `--max-memory`, in bytes.
 static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
 
-/// Keeps the value of `--max-memory`, in bytes.
+/// Stores the value of `--max-memory`, in bytes.
 pub fn limit_memory(bytes: Option<usize>) {
     if let Some(bytes) = bytes {
         MAX_MEMORY.get_or_init(|| bytes as u64);
     }
 }
 
-/// Bytes of memory that a file may take, unless the library decides.
+/// Returns the memory that an input file may take, in bytes; `None` leaves the limit to the
+/// library.
 pub fn max_memory() -> Option<u64> {
     MAX_MEMORY.get().copied()
 }
 
-/// How files are read, without a progress bar.
+/// Returns the options for reading a file without a progress bar.
 pub fn source<'a>() -> SourceOptions<'a> {
     SourceOptions::new().max_memory(max_memory())
 }
 
-/// Reads a mesh, shows a progress bar meanwhile, and passes the notes of the reader on.
+/// Reads a mesh with a progress bar, and prints the notes of the reader.
 pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
@@ -107,7 +108,7 @@ pub fn pass_on(file: &MeshFile, path: &Path) {
 }
 
 impl MeshArgs {
-    /// Reads a mesh and repairs what is unambiguous; notes on stderr say what.
+    /// Reads a mesh and makes the unambiguous repairs; notes on stderr say which.
     ///
     /// # Errors
     /// Those of [`mesh`]; with `--strict` the first culprit of a mesh that needs repair.
@@ -115,7 +116,7 @@ impl MeshArgs {
         self.apply(mesh(path)?, path)
     }
 
-    /// The same for a mesh that was read from `path`.
+    /// Repairs a mesh that was read from `path`, as [`MeshArgs::read`] does.
     ///
     /// # Errors
     /// As [`MeshArgs::read`].
@@ -143,23 +144,23 @@ impl MeshArgs {
             let count = found.file.mesh.vertices().len();
             let flags = flags(&found.report);
             note(format_args!(
-                "{name}: vertex numbers are those of the repaired mesh, which has {count} \
-                 vertices: `catamaran mesh {name}{flags} -o FILE` writes it"
+                "{name}: vertex numbers refer to the repaired mesh, which has {count} vertices; \
+                 `catamaran mesh {name}{flags} -o FILE` writes it"
             ));
         }
         Ok(found.file)
     }
 }
 
-/// What repairs did, a line for each that changed something or could not.
+/// Returns a line for each repair that changed something or was ambiguous.
 fn notes(report: &RepairReport) -> Vec<String> {
     let line = |step: &RepairStep| match step {
         RepairStep::ClosedSeams { vertices: 0, ambiguous, .. } if *ambiguous > 0 => Some(format!(
-            "{ambiguous} boundary edges are in one place, three or more, and stay apart (--weld \
+            "{ambiguous} boundary edges stay apart, as three or more of them coincide (--weld \
              joins them)"
         )),
         step if step.changed() => {
-            // Without the name of the step, which is a column of its own.
+            // Without the name of the step, which is in a separate column.
             let line = step.to_string();
             Some(line.split_once("  ").map_or(line.as_str(), |(_, what)| what.trim()).to_owned())
         }
@@ -168,7 +169,7 @@ fn notes(report: &RepairReport) -> Vec<String> {
     report.steps.iter().filter_map(line).collect()
 }
 
-/// The options of `mesh` that do what these steps did.
+/// Returns the options of `catamaran mesh` that repeat these repairs.
 fn flags(report: &RepairReport) -> String {
     let flag = |step: &RepairStep| match step {
         RepairStep::Welded { tolerance, .. } if *tolerance > 0.0 => format!(" --weld={tolerance}"),

@@ -49,7 +49,7 @@ use anyhow::{Context, Result};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-/// What the process returns, for the help text.
+/// The exit codes of the process, for the help text.
 const EXIT_CODES: &str = "\
 Exit codes:
   0    success
@@ -61,8 +61,8 @@ Exit codes:
 #[derive(Parser)]
 #[command(name = "catamaran", version, about, arg_required_else_help = true, after_help = EXIT_CODES)]
 struct Cli {
-    /// Memory that a file read may take, for what it unpacks to and for what its header announces;
-    /// default a hundred times its size, or 1 GiB if that is more.
+    /// Most memory that one input file may take, in GiB: what it unpacks to, or what its header
+    /// announces [default: a hundred times the size of the file, at least 1 GiB].
     #[arg(
         long,
         global = true,
@@ -71,12 +71,12 @@ struct Cli {
         help_heading = common::HEADING
     )]
     max_memory: Option<usize>,
-    /// Print results only: neither what was done nor progress. Notes and errors go to stderr all
-    /// the same.
+    /// Print results only, without status lines and progress bars. Notes and errors still go to
+    /// stderr.
     #[arg(long, global = true, help_heading = common::HEADING)]
     quiet: bool,
-    /// Print a JSON object a line on stdout (JSON Lines) instead of text; each has the name of what
-    /// it says as `record`.
+    /// Print JSON Lines on stdout instead of text: one object for each record, with the name of the
+    /// record in `record`.
     #[arg(long, global = true, help_heading = common::HEADING)]
     json: bool,
     #[command(subcommand)]
@@ -114,7 +114,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    // Before anything else needs memory.
+    // Before any other code allocates memory.
     let watched = shortage::watch();
     let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
@@ -126,14 +126,14 @@ fn main() -> ExitCode {
     }
     let done = watched
         .and_then(|()| signals::watch())
-        .context("the thread that waits for signals can't be started")
+        .context("the handling of signals can't be started")
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
         report::complain(format_args!("cancelled"));
         return signals::exit_code();
     }
-    // The reader of our output has gone, as in `catamaran info | head -1`: nobody to tell.
+    // The reader of stdout is gone, as in `catamaran info | head -1`: nobody can read a message.
     if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {
         return ExitCode::SUCCESS;
     }
@@ -141,12 +141,13 @@ fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Parses the command line; exits where that is wrong.
+/// Parses the command line; exits with status 2 if it is wrong.
 fn parse_command_line() -> Cli {
     let mut command = Cli::command();
     let mut matches = command.get_matches_mut();
     if let Some(option) = stdio::dash(&command, &matches) {
-        let what = format!("{option}: name a file, whose ending says the format, instead of `-`");
+        let what =
+            format!("{option}: `-` is not accepted; the name of a file must select its format");
         command.error(ErrorKind::ValueValidation, what).exit();
     }
     Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit())

@@ -16,7 +16,7 @@ use crate::report::status;
 /// Example: `catamaran man -o ~/.local/share/man/man1`, then `man catamaran-ata`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The folder for all pages.
+    /// Folder for the pages.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[command(flatten)]
@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = folder, files = count; "{folder}: {count} files")
 }
 
-/// The pages of a command and of those below it.
+/// Collects the pages of a command and of its subcommands.
 fn collect(command: Command, pages: &mut Vec<Man>) {
     for below in command.get_subcommands().filter(|below| !below.is_hide_set()) {
         collect(below.clone(), pages);

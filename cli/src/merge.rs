@@ -15,26 +15,28 @@ use crate::parse;
 use crate::progress::Bar;
 use crate::report::status;
 
-/// Compute C of the rows of several files or machines from the sums that `ata --accumulator` keeps.
+/// Compute C = A^T A of the rows of several files or machines from the sums that `ata
+/// --accumulator` writes.
 ///
-/// Holds two of them in memory. The order of the files changes last bits only, and nothing of exact
-/// sums (`ata --reproducible`).
+/// Two files of sums are in memory at a time. The order of the files changes only the rounding of
+/// C, and nothing for exact sums (`ata --reproducible`).
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("result").args(["output", "accumulator"]).required(true).multiple(true))]
 pub struct Args {
-    /// The sums, all of the same columns, precision and centring.
+    /// Files of sums, all with the same columns, precision and centring.
     #[arg(value_name = "ACC", required = true)]
     inputs: Vec<PathBuf>,
-    /// Where C goes, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
+    /// Output file of C, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
     #[arg(short, long, value_name = "C")]
     output: Option<PathBuf>,
-    /// Where the sums of all go, for another merge.
+    /// Output file of the merged sums, for another merge.
     #[arg(long, value_name = "FILE")]
     accumulator: Option<PathBuf>,
-    /// Triangle of C to compute; the other one is zero in the output.
+    /// Triangle of C to compute; the other triangle is zero in the output.
     #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
     uplo: Uplo,
-    /// Divide by the number of rows less 1: the sample covariance, of centred sums without weights.
+    /// Divide by the number of rows minus 1, for the sample covariance; needs centred sums without
+    /// weights.
     #[arg(long)]
     covariance: bool,
     #[command(flatten)]
@@ -91,7 +93,7 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
             bail!("--covariance needs centred sums without weights (ata --center)");
         }
         if rows < 2 {
-            bail!("{rows} rows have no covariance; at least 2 do");
+            bail!("--covariance: {rows} rows, where at least 2 are needed");
         }
         1.0 / (rows - 1) as f64
     } else {
@@ -108,15 +110,18 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
     }
 }
 
-/// The sums in a file, when they are whole.
+/// Reads the sums in a file, and refuses sums that are not complete.
 fn read<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
     let sum = files::read_accumulator::<T>(path)?;
     let (rows, all) = (sum.rows(), sum.expected_rows());
     if rows < all {
-        bail!("{}: a checkpoint at row {rows} of {all}: finish it by ata --resume", path.display());
+        bail!(
+            "{}: a checkpoint at row {rows} of {all}: finish it with `catamaran ata --resume`",
+            path.display()
+        );
     }
     if sum.strip() != (0..sum.ncols()) {
-        bail!("{}: not of all of C", path.display());
+        bail!("{}: has the sums of a strip of C, not of all of C", path.display());
     }
     Ok(sum)
 }

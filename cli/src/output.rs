@@ -1,4 +1,4 @@
-//! Files that commands write.
+//! Writes the files of commands.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -11,14 +11,14 @@ use catamaran_charts::Chart;
 use crate::common::Force;
 use crate::report;
 
-/// Writes a mesh, and names on stderr what the format of its name has no place for.
+/// Writes a mesh, and prints a note about attributes that the format can't store.
 pub fn mesh(output: Output, file: &MeshFile) -> catamaran::Result<()> {
     let path = output.path().to_owned();
     let left_out = MeshFormat::of(&path)?.left_out(file);
     meshes::write(output, file)?;
     if !left_out.is_empty() {
         let what = left_out.join(", ");
-        report::note(format_args!("{}: no place in this format for {what}", path.display()));
+        report::note(format_args!("{}: this format can't store {what}", path.display()));
     }
     Ok(())
 }
@@ -30,7 +30,7 @@ pub fn chart(mut output: Output, chart: &Chart) -> Result<()> {
     Ok(output.commit()?)
 }
 
-/// Starts a file of several arrays, whose name says what it is.
+/// Starts a file of several arrays, whose name selects the format.
 pub fn arrays(path: &Path, force: Force) -> Result<Output> {
     check_arrays_name(path)?;
     force.create(path)

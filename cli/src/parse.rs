@@ -1,4 +1,4 @@
-//! Values of options.
+//! Parsers of the values of options.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use catamaran::{Accuracy, SchemeChoice, Uplo};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 
-/// lower, upper or both.
+/// Parses `lower`, `upper` or `both`.
 pub fn uplo() -> impl clap::builder::TypedValueParser<Value = Uplo> {
     PossibleValuesParser::new(["lower", "upper", "both"]).map(|name| match name.as_str() {
         "lower" => Uplo::Lower,
@@ -17,7 +17,7 @@ pub fn uplo() -> impl clap::builder::TypedValueParser<Value = Uplo> {
     })
 }
 
-/// A scheme by its name.
+/// Parses the name of a scheme.
 pub fn scheme() -> impl clap::builder::TypedValueParser<Value = SchemeChoice> {
     PossibleValuesParser::new(SchemeChoice::NAMES.map(|(name, _)| name)).map(|name| {
         let found = SchemeChoice::NAMES.into_iter().find(|(known, _)| *known == name);
@@ -25,13 +25,13 @@ pub fn scheme() -> impl clap::builder::TypedValueParser<Value = SchemeChoice> {
     })
 }
 
-/// The name of a scheme.
+/// Returns the name of a scheme.
 pub fn scheme_name(scheme: SchemeChoice) -> &'static str {
     let found = SchemeChoice::NAMES.into_iter().find(|(_, known)| *known == scheme);
     found.map_or("another", |(name, _)| name)
 }
 
-/// A name, or a factor.
+/// Parses the name of an accuracy, or a factor.
 pub fn accuracy(text: &str) -> Result<Accuracy, String> {
     match text {
         "max" => Ok(Accuracy::Max),
@@ -47,25 +47,25 @@ pub fn accuracy(text: &str) -> Result<Accuracy, String> {
     }
 }
 
-/// FIRST..END.
+/// Parses a range `FIRST..END`.
 pub fn columns(text: &str) -> Result<Range<usize>, String> {
     let bounds = text.split_once("..").map(|(first, end)| (first.parse(), end.parse()));
     match bounds {
         Some((Ok(first), Ok(end))) if first <= end => Ok(first..end),
-        _ => Err("expected FIRST..END, such as 0..64".into()),
+        _ => Err("expected FIRST..END with FIRST <= END, such as 0..64".into()),
     }
 }
 
-/// Minutes, fractions of them too.
+/// Parses a number of minutes, which may have a fraction.
 pub fn minutes(text: &str) -> Result<Duration, String> {
     let minutes = text.parse::<f64>().ok().map(|m| Duration::try_from_secs_f64(60.0 * m));
     match minutes {
         Some(Ok(time)) => Ok(time),
-        _ => Err("expected a number of minutes that is not negative".into()),
+        _ => Err("expected a number of minutes of at least 0".into()),
     }
 }
 
-/// GiB, fractions of them too, as bytes.
+/// Parses a number of GiB, which may have a fraction, and returns bytes.
 pub fn gibibytes(text: &str) -> Result<usize, String> {
     match text.parse::<f64>() {
         Ok(gib) if gib > 0.0 && gib.is_finite() => Ok((gib * f64::from(1 << 30)) as usize),
@@ -73,16 +73,16 @@ pub fn gibibytes(text: &str) -> Result<usize, String> {
     }
 }
 
-/// A number of frames: each is a file, of which a folder should not hold more.
+/// Parses a number of frames: each may be a file, of which a folder should not hold more.
 pub fn frame_count(text: &str) -> Result<usize, String> {
     const MOST: usize = 100_000;
     match text.parse() {
         Ok(count) if count <= MOST => Ok(count),
-        _ => Err(format!("expected a number of at most {MOST}")),
+        _ => Err(format!("expected a whole number of at most {MOST}")),
     }
 }
 
-/// A number of things of which there must be one.
+/// Parses a whole number of at least 1.
 pub fn at_least_one(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if count > 0 => Ok(count),
@@ -90,14 +90,11 @@ pub fn at_least_one(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Which vertices are joined: a distance, or `seams`.
+/// Parses what `--weld` joins: vertices within a distance, or `seams`.
 pub fn weld(text: &str) -> Result<Weld, String> {
     match text.parse() {
         _ if text == "seams" => Ok(Weld::Seams),
         Ok(length) if length >= 0.0 && f64::is_finite(length) => Ok(Weld::Within(length)),
-        _ => {
-            Err("expected a length that is not negative, or `seams`; a file goes before --weld"
-                .into())
-        }
+        _ => Err("expected a length of at least 0, or `seams`; name a file before --weld".into()),
     }
 }

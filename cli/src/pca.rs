@@ -16,26 +16,26 @@ use crate::report::{head, report, row, shown, status};
 /// Compute the principal components of the rows of a matrix in a file.
 ///
 /// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
-/// bounds, once for the sums in extended precision. The file has the arrays `components` (k x n),
-/// `explained_variance`, `explained_variance_ratio` and `singular_values` (k each), `mean` and
-/// `scale` (n each). Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
+/// bounds, once for the sums in extended precision. The output file has the arrays `components` (k
+/// x n), `explained_variance`, `explained_variance_ratio` and `singular_values` (k each), `mean`
+/// and `scale` (n each). Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
     gram: GramArgs,
-    /// Number of components; by default all.
+    /// Number of components [default: all].
     #[arg(short, value_name = "NUMBER")]
     k: Option<usize>,
-    /// As few components as explain this share of the variance, such as 0.95.
+    /// Keep as few components as explain this share of the variance, from 0 to 1, such as 0.95.
     #[arg(long, value_name = "SHARE", conflicts_with = "k")]
     variance: Option<f64>,
     /// Divide each column by its standard deviation.
     #[arg(long)]
     standardize: bool,
-    /// Divide scores by the root of the variance that they explain.
+    /// Divide the scores of each component by the square root of its variance.
     #[arg(long, requires = "scores")]
     whiten: bool,
-    /// File of m weights, none of them negative, that count as repetitions of rows.
+    /// File of m weights, each at least 0, which count as repetitions of rows.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
     /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
@@ -92,7 +92,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
 fn start_picture(args: &Args) -> Result<Option<Output>> {
     let Some(path) = &args.picture else { return Ok(None) };
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-        bail!("{}: a scree plot must be called .svg", path.display());
+        bail!("{}: the name of a scree plot must end in .svg", path.display());
     }
     args.gram.force.create(path).map(Some)
 }
@@ -142,7 +142,7 @@ fn write(args: &Args, output: Output, table: &Table, found: &PrincipalComponents
     status!("written", path = path; "{path}")
 }
 
-/// The share of the variance of each component, and of all up to it.
+/// Draws the share of the variance of each component, and of all components up to it.
 fn scree(found: &PrincipalComponents) -> Chart {
     let ratio = &found.explained_variance_ratio;
     let points = |values: &[f64]| (1..).map(f64::from).zip(values.iter().copied()).collect();

@@ -14,7 +14,7 @@ const STEPS: u64 = 1000;
 pub struct Bar(ProgressBar);
 
 impl Bar {
-    /// A bar named `label`.
+    /// Returns a bar with the label `label`.
     pub fn new(label: &'static str) -> Self {
         let style = ProgressStyle::with_template("{msg:>9} [{bar:40}] {percent:>3} %  {eta}")
             .unwrap_or_else(|_| ProgressStyle::default_bar())
@@ -35,14 +35,14 @@ impl Bar {
         if position > before {
             self.0.set_position(position);
             if before == 0 {
-                // What a run that was resumed begins with took no time.
+                // The part that a resumed run starts with took no time.
                 self.0.reset_eta();
             }
         }
         if check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// [`Bar::update`] between two parts of the work.
+    /// Updates the bar between two parts of the work.
     ///
     /// # Errors
     /// [`catamaran::Error::Cancelled`] after a signal.

@@ -14,14 +14,14 @@ use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs_sliced};
 
 use crate::report::status;
 
-/// This process among the others; alone without `mpirun`.
+/// This process and its rank; the only process without `mpirun`.
 pub struct Ranks {
     #[cfg(feature = "mpi")]
     // Dropped in this order: MPI ends last.
     mpi: Option<(catamaran::mpi::World, mpi::environment::Universe)>,
 }
 
-/// What Open MPI, and MPICH and its relatives, tell the processes that they start.
+/// Variables in which Open MPI, and MPICH and its derivatives, pass the number of processes.
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
 
 fn started_by_mpirun() -> bool {
@@ -31,10 +31,12 @@ fn started_by_mpirun() -> bool {
 
 #[cfg(not(feature = "mpi"))]
 impl Ranks {
-    /// Refuses `mpirun`: every process would do all of the work.
+    /// Refuses `mpirun`, under which every process would do all of the work.
     pub fn join() -> Result<Self> {
         if started_by_mpirun() {
-            anyhow::bail!("this program was built without MPI: build it with --features mpi");
+            anyhow::bail!(
+                "mpirun: this program was built without MPI; build it with --features mpi"
+            );
         }
         Ok(Self {})
     }
@@ -43,22 +45,22 @@ impl Ranks {
         0
     }
 
-    /// The number of processes.
+    /// Returns the number of processes.
     pub fn size(&self) -> usize {
         1
     }
 
-    /// The sums of all processes, on the first one.
+    /// Merges the sums of all processes, and returns them on the first one.
     pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
         Ok(Some(sum))
     }
 
-    /// The bounds of the rows of all processes.
+    /// Returns the bounds of the rows of all processes.
     pub fn common_bounds<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
         Ok(bounds)
     }
 
-    /// The eigenpairs, in slices that fit into `memory` bytes.
+    /// Computes the eigenpairs in slices that fit into `memory` bytes.
     pub fn eigenpairs(
         &self,
         stiffness: &CsMat<f64>,
@@ -70,10 +72,10 @@ impl Ranks {
         eigs_sliced(stiffness.view(), mass, options, memory, sink)
     }
 
-    /// Waits for all.
+    /// Waits for all processes.
     pub fn wait(&self) {}
 
-    /// Passes the result on.
+    /// Returns the result.
     pub fn end(self, done: Result<()>) -> Result<()> {
         done
     }
@@ -101,12 +103,12 @@ impl Ranks {
         self.mpi.as_ref().map_or(0, |(world, _)| world.rank())
     }
 
-    /// The number of processes.
+    /// Returns the number of processes.
     pub fn size(&self) -> usize {
         self.mpi.as_ref().map_or(1, |(world, _)| world.size())
     }
 
-    /// The sums of all processes, on the first one.
+    /// Merges the sums of all processes, and returns them on the first one.
     pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
         match &self.mpi {
             Some((world, _)) => Ok(catamaran::mpi::merge_accumulators(world, sum)?),
@@ -114,7 +116,7 @@ impl Ranks {
         }
     }
 
-    /// The bounds of the rows of all processes, on each.
+    /// Returns the bounds of the rows of all processes, on each of them.
     pub fn common_bounds<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
         match &self.mpi {
             Some((world, _)) => Ok(catamaran::mpi::agree_bounds(world, &bounds)?),
@@ -122,8 +124,8 @@ impl Ranks {
         }
     }
 
-    /// The eigenpairs: alone in slices that fit into `memory` bytes; of several processes all at
-    /// once, with all rows of the vectors on the first one and none on the others.
+    /// Computes the eigenpairs. One process computes them in slices that fit into `memory` bytes;
+    /// several processes compute all at once, and the first one gets all rows of the vectors.
     pub fn eigenpairs(
         &self,
         stiffness: &CsMat<f64>,
@@ -146,7 +148,7 @@ impl Ranks {
         sink(Eigenpairs { vectors: vectors.unwrap_or_else(Mat::new), ..found })
     }
 
-    /// Waits for all.
+    /// Waits for all processes.
     pub fn wait(&self) {
         use mpi::collective::CommunicatorCollectives;
         if let Some((world, _)) = &self.mpi {
@@ -154,8 +156,8 @@ impl Ranks {
         }
     }
 
-    /// Passes the result on; an error on one of several processes ends all of them, or they would
-    /// wait for ever.
+    /// Returns the result. An error on one of several processes ends all of them, because the
+    /// others would wait for ever.
     pub fn end(self, done: Result<()>) -> Result<()> {
         use mpi::topology::Communicator;
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
@@ -170,7 +172,7 @@ impl Ranks {
 }
 
 impl Ranks {
-    /// Whether this process is the one that writes and reports.
+    /// Returns whether this process is the one that writes and reports.
     pub fn is_first(&self) -> bool {
         self.rank() == 0
     }
@@ -180,13 +182,14 @@ impl Ranks {
         status!("ranks", count = self.size(); "{}, each with its part of the rows", self.size())
     }
 
-    /// The rows that this process takes, of `m`.
+    /// Returns the rows of `m` that this process takes.
     pub fn share(&self, m: usize) -> Range<usize> {
         let bound = |rank: usize| m / self.size() * rank + (m % self.size()).min(rank);
         bound(self.rank())..bound(self.rank() + 1)
     }
 
-    /// Which of how many, for names and labels; `None` when alone.
+    /// Returns the rank and the number of processes, for names and labels; `None` for a single
+    /// process.
     pub fn label(&self) -> Option<String> {
         (self.size() > 1).then(|| format!("{}-of-{}", self.rank(), self.size()))
     }

@@ -24,18 +24,18 @@ const QUIET: u8 = 1;
 /// Nothing but errors.
 const SILENT: u8 = 2;
 
-/// One of the three.
+/// The current volume: [`ALL`], [`QUIET`] or [`SILENT`].
 static VOLUME: AtomicU8 = AtomicU8::new(ALL);
 
 /// Whether lines are JSON.
 static JSON: AtomicBool = AtomicBool::new(false);
 
-/// Leaves out what was done, and progress bars (`--quiet`).
+/// Suppresses status lines and progress bars (`--quiet`).
 pub fn be_quiet() {
     VOLUME.fetch_max(QUIET, Ordering::Relaxed);
 }
 
-/// Leaves out everything but errors, where another process prints the same.
+/// Suppresses everything but errors, because another process prints the same lines.
 #[cfg(feature = "mpi")]
 pub fn be_silent() {
     VOLUME.fetch_max(SILENT, Ordering::Relaxed);
@@ -46,19 +46,18 @@ pub fn use_json() {
     JSON.store(true, Ordering::Relaxed);
 }
 
-/// Returns whether there are progress bars and lines about what was done.
+/// Returns whether progress bars and status lines are suppressed.
 pub fn is_quiet() -> bool {
     VOLUME.load(Ordering::Relaxed) > ALL
 }
 
-/// Returns how many rows of a table are printed: as many as a screen has room for, `most`, and all
-/// of them as JSON.
+/// Returns how many rows of a table are printed: `most` as text, and all of them as JSON.
 pub fn shown(most: usize) -> usize {
     if JSON.load(Ordering::Relaxed) { usize::MAX } else { most }
 }
 
 /// Prints a result: `report!("record": "label", key = value; "text {}", argument)`. The label, in a
-/// column of its own before the text, is the name of the record where none is given.
+/// separate column before the text, is the name of the record by default.
 macro_rules! report {
     ($record:literal $(: $label:expr)? $(, $key:ident = $value:expr)*; $($text:tt)+) => {
         $crate::report::print(
@@ -70,7 +69,7 @@ macro_rules! report {
     };
 }
 
-/// Prints a line about what was done, which `--quiet` leaves out; otherwise as [`report!`].
+/// Prints a status line, which `--quiet` suppresses; otherwise like [`report!`].
 macro_rules! status {
     ($record:literal $(: $label:expr)? $(, $key:ident = $value:expr)*; $($text:tt)+) => {
         $crate::report::print(
@@ -82,15 +81,14 @@ macro_rules! status {
     };
 }
 
-/// Prints a result whose text has no label, or one of its own: `row!("record", key = value;
-/// "text")`.
+/// Prints a result without a label column: `row!("record", key = value; "text")`.
 macro_rules! row {
     ($record:literal $(, $key:ident = $value:expr)*; $($text:tt)+) => {
         $crate::report::report!($record: "" $(, $key = $value)*; $($text)+)
     };
 }
 
-/// Values with names, converted when they are needed.
+/// Names and values, converted when they are needed.
 macro_rules! fields {
     ($($key:ident = $value:expr),*) => {
         &|| vec![$((stringify!($key), $crate::report::value(&$value))),*]
@@ -99,7 +97,7 @@ macro_rules! fields {
 
 pub(crate) use {fields, report, row, status};
 
-/// Whether `--quiet` leaves a line out.
+/// Whether `--quiet` suppresses a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Result,
@@ -114,12 +112,12 @@ pub struct Name<'a> {
 }
 
 impl<'a> Name<'a> {
-    /// A name that is the label too.
+    /// Returns a name that is also the label.
     pub const fn of(record: &'static str) -> Self {
         Self { record, label: record }
     }
 
-    /// The name with another label; none for the text of a row.
+    /// Returns the name with another label; an empty label prints the text alone.
     pub const fn with_label(self, label: &'a str) -> Self {
         Self { label, ..self }
     }
@@ -128,12 +126,12 @@ impl<'a> Name<'a> {
 /// Keys and values of a record.
 type Fields = Vec<(&'static str, Value)>;
 
-/// A value in a record; `null` where JSON has none, such as for NaN.
+/// Converts a value of a record; a value that JSON does not have, such as NaN, becomes `null`.
 pub fn value(value: &impl Serialize) -> Value {
     serde_json::to_value(value).unwrap_or(Value::Null)
 }
 
-/// Prints a record; what [`report!`], [`row!`] and [`status!`] call.
+/// Prints a record; [`report!`], [`row!`] and [`status!`] call this function.
 ///
 /// # Errors
 /// Stdout can't be written. A closed pipe, as in `... --report | head -1`, is no error: there may
@@ -157,7 +155,7 @@ pub fn print(
     }
 }
 
-/// Prints a line that only people need, such as the head of a table.
+/// Prints a line that JSON leaves out, such as the header of a table.
 ///
 /// # Errors
 /// As [`print`].
@@ -173,7 +171,7 @@ fn write_line(line: &str) -> Result<()> {
     }
 }
 
-/// A record as one JSON object, its name first.
+/// Returns a record as one JSON object, its name first.
 fn json(record: &'static str, fields: Fields) -> serde_json::Result<String> {
     struct Record(&'static str, Fields);
     impl Serialize for Record {
@@ -186,21 +184,23 @@ fn json(record: &'static str, fields: Fields) -> serde_json::Result<String> {
     serde_json::to_string(&Record(record, fields))
 }
 
-/// One line on stderr, after the program's name. It is written at once: other ranks write there
-/// too, and what is written in pieces gets mixed with theirs.
+/// Prints an error on stderr, after the name of the program. The line is one write: other ranks
+/// write to stderr too, and a line that is written in pieces would mix with theirs.
 pub fn complain(line: Arguments<'_>) {
-    // Nobody is left to tell that stderr is closed.
+    // A closed stderr leaves no place for a message.
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
 }
 
-/// A line on stderr about something that is no error; written at once, as those of [`complain`].
+/// Prints a note on stderr, in one write like [`complain`].
 pub fn note(line: Arguments<'_>) {
     if VOLUME.load(Ordering::Relaxed) < SILENT {
-        // Nobody is left to tell that stderr is closed.
+        // A closed stderr leaves no place for a message.
         let _ = io::stderr().write_all(format!("note: {line}\n").as_bytes());
     }
 }
-/// An error with its context. What the library says contains what its sources say.
+
+/// Returns the text of an error with its context. An error of the library already contains the text
+/// of its sources.
 pub fn message(error: &anyhow::Error) -> String {
     let mut message = String::new();
     for cause in error.chain() {
@@ -215,7 +215,7 @@ pub fn message(error: &anyhow::Error) -> String {
     message
 }
 
-/// A time with its unit.
+/// Formats a time with its unit.
 pub fn seconds(time: Duration) -> String {
     match time.as_secs_f64() {
         s if s < 1e-3 => format!("{:.1} us", s * 1e6),

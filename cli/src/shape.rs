@@ -1,4 +1,4 @@
-//! A mesh with its first eigenfunctions, as several subcommands need it.
+//! A mesh with its first eigenfunctions, for several subcommands.
 
 use std::path::Path;
 
@@ -17,11 +17,12 @@ use crate::input::{self, MeshArgs};
 use crate::progress::Bar;
 use crate::report::status;
 
-/// What the Laplacian is made of, and with how many threads.
+/// The options of the Laplacian.
 #[derive(clap::Args)]
 pub struct LaplacianArgs {
-    /// Triangles of the Laplacian: of the mesh, of its intrinsic Delaunay triangulation, or of that
-    /// of the tufted cover, for meshes with edges of many faces or faces without area.
+    /// Triangulation of the Laplacian: that of the mesh (cotan), its intrinsic Delaunay
+    /// triangulation (intrinsic), or that of its tufted cover (tufted), for meshes with edges of
+    /// more than two faces or with faces without area.
     #[arg(long, value_name = "KIND", default_value = "cotan")]
     laplacian: Kind,
     #[command(flatten)]
@@ -43,10 +44,10 @@ pub enum Mode {
     /// One pass of Gram-Schmidt, threshold 1e-2 (the thesis' ours).
     #[value(alias = "ours")]
     SinglePass,
-    /// Repeated until orthogonal, threshold 1e-9 (the thesis' ours*).
+    /// Gram-Schmidt, repeated until orthogonal, threshold 1e-9 (the thesis' ours*).
     #[value(alias = "ours*")]
     Reorthogonalized,
-    /// As many products as their numerical rank, at singular values of 1e-9.
+    /// As many products as their numerical rank, by singular values above 1e-9.
     RankRevealing,
 }
 
@@ -86,7 +87,10 @@ impl LaplacianArgs {
         let vertices = file.mesh.vertices().len();
         if len > vertices {
             let k = len - 1;
-            bail!("{}: {k} eigenfunctions and the constant of {vertices} vertices", path.display());
+            bail!(
+                "{}: {vertices} vertices, too few for {k} eigenfunctions and the constant one",
+                path.display()
+            );
         }
         check_components(&file.mesh, path, len)?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
@@ -118,8 +122,8 @@ impl LaplacianArgs {
     }
 }
 
-/// Refuses fewer eigenfunctions than components: each has a constant of its own, and what is left
-/// without moves to the origin.
+/// Refuses fewer eigenfunctions than components: each component has a constant function of its own,
+/// and a component without it would move to the origin.
 pub fn check_components(mesh: &TriMesh, path: &Path, len: usize) -> Result<()> {
     let components = Components::new(mesh).len();
     if len >= components {
@@ -128,13 +132,13 @@ pub fn check_components(mesh: &TriMesh, path: &Path, len: usize) -> Result<()> {
     bail!(
         "{}: {components} components, each with a constant function of its own: {len} \
          eigenfunctions are too few (--weld joins pieces that belong together, `catamaran mesh \
-         --component` takes one, and -k {} or more is enough)",
+         --component` extracts one, and -k {} or more is enough)",
         path.display(),
         components - 1
     )
 }
 
-/// A matrix of numbers with a row for each of `rows` vertices.
+/// Reads a matrix of numbers with a row for each of `rows` vertices.
 pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
     let matrix = dense(path)?;
     if matrix.nrows() != rows {
@@ -143,7 +147,7 @@ pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
     Ok(matrix)
 }
 
-/// A matrix of numbers.
+/// Reads a dense matrix of numbers.
 pub fn dense(path: &Path) -> Result<Mat<f64>> {
     match files::read(path, &ReadOptions::new().max_memory(input::max_memory()))? {
         Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),
@@ -155,12 +159,12 @@ pub fn dense(path: &Path) -> Result<Mat<f64>> {
     }
 }
 
-/// Vertex numbers as a matrix of one column, to be written.
+/// Returns vertex numbers as a matrix of one column.
 pub fn column(vertices: &[u32]) -> Mat<i64> {
     Mat::from_fn(vertices.len(), 1, |i, _| i64::from(vertices[i]))
 }
 
-/// A whole number of 0 and more for each of `rows` vertices.
+/// Reads a whole number of at least 0 for each of `rows` vertices.
 pub fn labels(path: &Path, rows: usize) -> Result<Vec<u32>> {
     let matrix = functions(path, rows)?;
     if matrix.ncols() != 1 {
@@ -175,8 +179,8 @@ pub fn labels(path: &Path, rows: usize) -> Result<Vec<u32>> {
     matrix.col(0).iter().enumerate().map(label).collect()
 }
 
-/// A matrix of vertex numbers, with this many columns, each column numbering vertices of a mesh of
-/// so many.
+/// Reads a matrix of vertex numbers: column j has numbers of vertices of a mesh with `counts[j]`
+/// vertices.
 pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
     let matrix = dense(path)?;
     if matrix.ncols() != counts.len() {
@@ -193,12 +197,12 @@ pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
     (0..matrix.nrows()).map(|i| (0..counts.len()).map(|j| vertex(i, j)).collect()).collect()
 }
 
-/// The mesh with its vertices moved; normals, which no longer fit, are left out.
+/// Returns the mesh with its vertices moved, without normals, which no longer fit.
 pub fn moved(mut file: MeshFile, positions: &Mat<f64>, path: &Path) -> Result<MeshFile> {
     if let Some(vertex) =
         (0..positions.nrows()).find(|&i| (0..3).any(|c| !positions[(i, c)].is_finite()))
     {
-        bail!("{}: vertex {vertex} would not be finite", path.display());
+        bail!("{}: the new position of vertex {vertex} is not finite", path.display());
     }
     let vertices = (0..positions.nrows()).map(|i| [0, 1, 2].map(|c| positions[(i, c)])).collect();
     file.mesh = TriMesh::new(vertices, file.mesh.faces().to_vec())?;

@@ -14,10 +14,10 @@ use crate::progress::Bar;
 use crate::report::{head, row, status};
 use crate::shape::LaplacianArgs;
 
-/// Compare triangle meshes by their spectra (ShapeDNA), whatever their pose and triangles.
+/// Compare triangle meshes by their spectra (ShapeDNA), independently of pose and triangulation.
 ///
-/// The signature of a mesh is its first eigenvalues. For each mesh, the others are listed, the
-/// nearest first, with the Euclidean distances of the signatures.
+/// The signature of a mesh is its first eigenvalues. For each mesh the command lists the other
+/// meshes, the nearest first, with the Euclidean distance of the signatures.
 #[derive(clap::Args)]
 pub struct Args {
     /// Meshes: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
@@ -26,26 +26,27 @@ pub struct Args {
     /// Compare this mesh with the others, instead of each with each.
     #[arg(long, value_name = "MESH")]
     query: Option<PathBuf>,
-    /// Eigenvalues of a signature.
+    /// Number of eigenvalues in a signature.
     #[arg(short, default_value_t = 20, value_name = "NUMBER")]
     k: usize,
-    /// How many of the nearest are listed.
+    /// Number of nearest meshes to list.
     #[arg(long, default_value_t = 5, value_name = "NUMBER")]
     nearest: usize,
-    /// Meshes of different size are different: don't multiply eigenvalues by the area.
+    /// Distinguish meshes of different size: do not multiply eigenvalues by the area.
     #[arg(long)]
     sized: bool,
-    /// Functions are zero at the boundary; without this their normal derivative is.
+    /// Use functions that are zero at the boundary (Dirichlet), instead of functions whose normal
+    /// derivative is zero there (Neumann).
     #[arg(long)]
     dirichlet: bool,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Write the signatures, a row a mesh (that of the query first): .npy, .csv, .tsv, .txt or
-    /// .mtx, and .gz after it.
+    /// Write the signatures, a row for each mesh (that of the query first): .npy, .csv, .tsv, .txt
+    /// or .mtx, and .gz after it.
     #[arg(long, value_name = "FILE")]
     signatures: Option<PathBuf>,
-    /// Write the table of distances, a row and a column a mesh (those of the query first),
-    /// likewise.
+    /// Write the table of distances, a row and a column for each mesh (those of the query first),
+    /// in the same formats.
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
     #[command(flatten)]
@@ -75,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let asked = if args.query.is_some() { 1 } else { names.len() };
     for (i, name) in names.iter().enumerate().take(asked) {
         head(format_args!("{}", name.display()))?;
-        // One more than is wanted: itself.
+        // One more than requested: the mesh itself.
         let nearest = retrieve(&found[i], &found, args.nearest.saturating_add(1), par)?;
         let others = nearest.iter().filter(|other| other.index != i).take(args.nearest);
         for other in others {

@@ -21,13 +21,13 @@ use catamaran::io::try_discard_unfinished;
 /// thread may be that thread, and then the wait is in vain.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// A line of its own, after the one in which the standard library says how many bytes it wanted.
+/// A separate line, after the one in which the standard library says how many bytes it wanted.
 const MESSAGE: &[u8] = b"catamaran: not enough memory\n";
 
 /// The system's allocator, which notes on which threads a request was refused.
 ///
-/// Not only whether the last one was: the standard library may print a backtrace before it aborts,
-/// for which there may be memory.
+/// The note covers all requests, not only the last: before the standard library aborts it may print
+/// a backtrace, for which there may be memory.
 struct Noting;
 
 #[global_allocator]
@@ -41,7 +41,7 @@ thread_local! {
 /// Set once a panic was due to a lack of memory or threads.
 static SHORT: AtomicBool = AtomicBool::new(false);
 
-/// Passes on what the system returned.
+/// Notes a refusal, and returns the block of the system.
 fn noted(block: *mut u8) -> *mut u8 {
     if block.is_null() {
         REFUSED.set(true);
@@ -84,7 +84,7 @@ pub fn watch() -> io::Result<()> {
         if REFUSED.get() || is_shortage(message_of(about.payload())) {
             SHORT.store(true, Ordering::Relaxed);
         }
-        // What follows a shortage is its consequence, and told as that.
+        // A panic after a shortage is its consequence, and [`guard`] reports it.
         if !SHORT.load(Ordering::Relaxed) {
             others(about);
         }
@@ -103,7 +103,7 @@ pub fn watch() -> io::Result<()> {
 /// Runs a command; a panic about a lack of memory or threads becomes an error.
 ///
 /// # Errors
-/// Those of the command, and that.
+/// Those of the command; a lack of memory or threads.
 pub fn guard(command: impl FnOnce() -> Result<()>) -> Result<()> {
     match panic::catch_unwind(AssertUnwindSafe(command)) {
         Ok(done) => done,
@@ -114,13 +114,14 @@ pub fn guard(command: impl FnOnce() -> Result<()>) -> Result<()> {
     }
 }
 
-/// What a panic says.
+/// Returns the message of a panic.
 fn message_of(payload: &(dyn Any + Send)) -> &str {
     let owned = || payload.downcast_ref().map(String::as_str);
     payload.downcast_ref::<&str>().copied().or_else(owned).unwrap_or_default()
 }
 
-/// Whether the standard library or rayon says so: EAGAIN for threads, ENOMEM for their stacks.
+/// Returns whether a message of the standard library or rayon is about a shortage: EAGAIN for
+/// threads, ENOMEM for their stacks.
 fn is_shortage(message: &str) -> bool {
     ["os error 11)", "os error 12)", "code: 11,", "code: 12,"].iter().any(|c| message.contains(c))
 }
@@ -131,7 +132,7 @@ fn is_shortage(message: &str) -> bool {
 extern "C" fn on_abort(_: libc::c_int) {
     static ABORTING: AtomicBool = AtomicBool::new(false);
     if ABORTING.swap(true, Ordering::Relaxed) {
-        // Another thread was first, and ends the process.
+        // Another thread aborted first, and ends the process.
         loop {
             thread::sleep(PATIENCE);
         }

@@ -21,13 +21,13 @@ use signal_hook::iterator::Signals;
 /// The time that a command has to stop by itself: with what the exit takes, less than a second.
 const GRACE: Duration = Duration::from_millis(600);
 
-/// Between two looks at what came after the first signal.
+/// The time between two checks for a second signal.
 const POLL: Duration = Duration::from_millis(10);
 
-/// The first signal that came; 0 before.
+/// The first signal that was received; 0 before.
 static RECEIVED: AtomicI32 = AtomicI32::new(0);
 
-/// Held while a command writes what it resumes from.
+/// Locked while a command writes the state that a later run resumes from.
 static SAVING: Mutex<()> = Mutex::new(());
 
 /// Watches for signals from now on.
@@ -50,27 +50,28 @@ pub fn watch() -> io::Result<()> {
     Ok(())
 }
 
-/// Reports a signal as an error: every command asks now and then.
+/// Returns an error after a signal; every command calls this function regularly.
 ///
 /// # Errors
-/// [`Error::Cancelled`] once a signal came.
+/// [`Error::Cancelled`] after a signal.
 pub fn check() -> catamaran::Result<()> {
     if RECEIVED.load(Ordering::Relaxed) == 0 { Ok(()) } else { Err(Error::Cancelled) }
 }
 
-/// The status of a cancelled command, as a shell reports it: 128 and the number of the signal.
+/// Returns the status of a cancelled command, as a shell reports it: 128 plus the number of the
+/// signal.
 pub fn status() -> u8 {
     // Without a signal nothing cancels a command.
     status_of(RECEIVED.load(Ordering::Relaxed))
 }
 
-/// [`status`] as an exit code.
+/// Returns [`status`] as an exit code.
 pub fn exit_code() -> ExitCode {
     ExitCode::from(status())
 }
 
-/// Lets the command outlive the first signal as long as the guard lives: it finishes its step and
-/// writes what it will be resumed from.
+/// Delays the end after the first signal while the guard lives: the command finishes its step and
+/// writes the state that a later run resumes from.
 pub fn finish_first() -> MutexGuard<'static, ()> {
     SAVING.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -101,7 +102,8 @@ fn status_of(signal: i32) -> u8 {
 
 fn is_ignored(signal: i32) -> io::Result<bool> {
     let mut action = std::mem::MaybeUninit::<libc::sigaction>::uninit();
-    // SAFETY: only asks; the place is as large as the answer, and is read only when it was written.
+    // SAFETY: the call only queries; `action` is as large as the result, and is read only after it
+    // was written.
     unsafe {
         if libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) != 0 {
             return Err(io::Error::last_os_error());

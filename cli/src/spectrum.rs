@@ -18,14 +18,14 @@ use crate::report::{head, note, report, row, seconds, shown, status};
 use crate::shape::LaplacianArgs;
 use crate::{output, parse};
 
-/// Eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
+/// Compute eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
 ///
-/// The file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k,
+/// The output file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k,
 /// orthonormal in the inner product of the mass matrix) and `residuals` (k), |W phi - lambda M phi|
 /// / |W phi|.
 ///
-/// Under `mpirun` (where MPI is built in) the eigenvectors are spread over the processes until they
-/// are written; each uses `--threads`.
+/// Under `mpirun` (where MPI is built in) the eigenvectors are distributed over the processes until
+/// they are written; each process uses `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
@@ -34,36 +34,39 @@ pub struct Args {
     /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Number of eigenpairs; at most as many as vertices that are not held at zero.
+    /// Number of eigenpairs, at most the number of free vertices: all, or with --boundary dirichlet
+    /// those that are not on the boundary.
     #[arg(short, default_value_t = 100, value_name = "NUMBER")]
     k: usize,
-    /// Those nearest to this number; the smallest unless given.
+    /// Compute the eigenvalues nearest to this number instead of the smallest ones.
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     shift: Option<f64>,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Mass matrix: a diagonal, or the inner product of linear functions.
+    /// Mass matrix: a diagonal (lumped), or the inner product of linear functions (full).
     #[arg(long, default_value = "lumped")]
     mass: Mass,
-    /// At the boundary the normal derivative is zero, or the function.
+    /// Condition at the boundary: the normal derivative is zero (neumann), or the function is zero
+    /// (dirichlet).
     #[arg(long, default_value = "neumann")]
     boundary: Edge,
-    /// Residual that every pair must reach, or the program fails once all is written. By default
-    /// 1e-9, or what rounding of the eigenvectors leaves where that is more, with a note.
+    /// Largest residual allowed: if a pair exceeds it, the command fails after it has written all
+    /// results [default: 1e-9; a pair that rounding keeps above it gives a note].
     #[arg(long, value_name = "NUMBER")]
     tolerance: Option<f64>,
-    /// Make sure, by another factorisation, that no eigenvalue is missing.
+    /// Check, by another factorisation, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
-    /// Gibibytes that the eigensolver may take. Where all pairs at once would take more, they are
-    /// found in slices of the spectrum and written as they come; counted, so that none is missing.
-    /// Not around a --shift.
+    /// Most memory of the eigensolver, in GiB. If all pairs at once would take more, they are
+    /// computed and written in slices of the spectrum, and a count of the eigenvalues makes sure
+    /// that none is missing. With --shift there are no slices, and too little memory is an error.
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes, default_value = "4.5")]
     memory: usize,
-    /// Approximate pairs, much sooner and in less memory: those of the mesh decimated to so many
-    /// vertices, taken back to all vertices and made better there. Eigenvalues come out too large:
-    /// by about 0.1 % on scans with even triangles where this number is 100 times --k, by several
-    /// per cent on long thin ones. With `--boundary neumann` only.
+    /// Compute approximate pairs, much faster and in less memory: those of the mesh decimated to
+    /// this number of vertices, interpolated to all vertices and improved there. Eigenvalues are
+    /// too large: by about 0.1 % for scans with even triangles and 100 times as many VERTICES as
+    /// pairs (-k), by several per cent for scans with long thin triangles. Works with `--boundary
+    /// neumann` only.
     #[arg(
         long,
         value_name = "VERTICES",
@@ -76,14 +79,14 @@ pub struct Args {
     force: Force,
 }
 
-/// Which mass matrix.
+/// The mass matrix.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Mass {
     Lumped,
     Full,
 }
 
-/// What holds at the boundary.
+/// The condition at the boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Edge {
     Neumann,
@@ -104,10 +107,10 @@ impl Args {
             return Ok(());
         }
         if ranks.size() > 1 {
-            bail!("--via-decimation: one process does it, with --threads");
+            bail!("--via-decimation runs in one process: use --threads instead of mpirun");
         }
         if self.boundary == Edge::Dirichlet {
-            bail!("--via-decimation: functions that are zero at the boundary are not for it");
+            bail!("--via-decimation needs --boundary neumann");
         }
         Ok(())
     }
@@ -127,7 +130,7 @@ impl Args {
     }
 }
 
-/// Reports eigenvalues, and how they were found in this time.
+/// Reports the eigenvalues and how they were computed, in `time`.
 fn report_pairs(args: &Args, results: &Results<'_>, time: Duration) -> Result<()> {
     status!(
         "eigenpairs",
@@ -221,7 +224,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     };
     found.map_err(|error| match error {
         catamaran::Error::NotConverged { .. } => anyhow::Error::from(error)
-            .context(format!("{name}: residuals of {tolerance:e} not reached")),
+            .context(format!("{name}: residuals of {tolerance:e} were not reached")),
         other => anyhow::Error::from(other).context(name.to_string()),
     })?;
     drop(bar);
@@ -243,7 +246,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
          of {tolerance:e}: rounding does not let the solver reach less"
     );
     if args.tolerance.is_some() {
-        // The first process has written all by then.
+        // The first process has written all results by then.
         ranks.wait();
         bail!(missed);
     }
@@ -253,7 +256,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     Ok(())
 }
 
-/// The pairs of the operator of a mesh from those of the mesh with n vertices.
+/// Computes pairs of the operator of a mesh from those of the mesh with n vertices.
 fn via_decimation(
     mesh: &TriMesh,
     n: usize,
@@ -268,7 +271,7 @@ fn via_decimation(
     eigs_two_level(operator.stiffness.view(), &operator.mass, weights.view(), &options)
 }
 
-/// These rows of a matrix.
+/// Returns the chosen rows of a matrix.
 fn rows(matrix: &CsMat<f64>, chosen: impl Iterator<Item = usize>) -> CsMat<f64> {
     let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     for row in chosen.filter_map(|i| matrix.outer_view(i)) {
@@ -279,14 +282,14 @@ fn rows(matrix: &CsMat<f64>, chosen: impl Iterator<Item = usize>) -> CsMat<f64> 
     CsMat::new((starts.len() - 1, matrix.cols()), starts, columns, values)
 }
 
-/// What becomes of the pairs, slice by slice.
+/// Collects and writes the pairs, slice by slice.
 struct Results<'a> {
     operator: &'a Laplacian,
     writer: Option<ArraysWriter>,
     path: String,
     values: Vec<f64>,
     residuals: Vec<f64>,
-    /// The pair with the largest residual, and that.
+    /// The number and the residual of the pair with the largest residual.
     worst: Option<(usize, f64)>,
     /// The first eigenfunctions.
     drawn: Vec<Vec<f64>>,
@@ -321,7 +324,7 @@ impl<'a> Results<'a> {
         }
         self.values.extend(&slice.values);
         self.residuals.extend(&slice.residuals);
-        // The others have no vectors.
+        // The other processes have no vectors.
         if !ranks.is_first() {
             return Ok(());
         }

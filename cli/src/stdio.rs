@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Command};
 
-/// Returns the first option whose file is called `-`, if there is one: names of files say what
-/// their format is. Options that read stdin have another type,
+/// Returns the first option whose file is called `-`, if there is one: the name of a file must
+/// select its format. Options that can read stdin have another type,
 /// [`TextFile`](crate::input::TextFile).
 pub fn dash(command: &Command, matches: &ArgMatches) -> Option<String> {
     let is_dash = |arg: &&Arg| {

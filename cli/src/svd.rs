@@ -17,8 +17,8 @@ use crate::report::{head, report, row, shown, status};
 ///
 /// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
 /// bounds, once for A^T A in extended precision, which keeps small singular values accurate. The
-/// file has the arrays `values` (n, descending; zeros where columns depend on others) and `v` (n x
-/// rank). Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
+/// output file has the arrays `values` (n, descending; zeros where columns depend on others) and
+/// `v` (n x rank). Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -27,8 +27,8 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Also write `u` (m x rank), A v / sigma, by one more pass over the rows. Columns of small
-    /// singular values are less accurate: their error is about 2^-53 times the largest value over
-    /// theirs.
+    /// singular values are less accurate: the error of a column is about 2^-53 times the largest
+    /// singular value over that of the column.
     #[arg(long, requires = "output")]
     left: bool,
 }
@@ -81,7 +81,7 @@ fn report_values(found: &SingularValues) -> Result<()> {
     Ok(())
 }
 
-/// Rows of U.
+/// Returns rows of U.
 fn left_vectors(rows: MatRef<'_, f64>, found: &SingularValues) -> catamaran::Result<Mat<f64>> {
     let (count, rank) = (rows.nrows(), found.rank());
     let mut left = Mat::new();

@@ -35,15 +35,15 @@ const SMOOTH: usize = 20;
 /// The time of heat kernels that --operators multiplies by, as a part of the area.
 const KERNEL_TIME: f64 = 1e-2;
 
-/// Wave kernel signatures that help landmarks.
+/// The number of wave kernel signatures that the functional map is fitted to.
 const SIGNATURES: usize = 50;
 
 /// Transfer functions, or the shape itself, from one mesh to another, through orthogonalised
 /// products of eigenfunctions.
 ///
-/// Which vertices correspond is given, or found from a few landmarks or from segments: by a
-/// functional map that fits them and wave kernel signatures, refined, and the vertices nearest
-/// under it.
+/// The correspondence of vertices is given, or computed from a few landmarks or from segments: a
+/// functional map is fitted to these and to wave kernel signatures, and refined; the vertices
+/// nearest under the map correspond.
 #[derive(clap::Args)]
 #[command(
     group = ArgGroup::new("what").args(["functions", "details"]).required(true),
@@ -53,53 +53,56 @@ const SIGNATURES: usize = 50;
         .multiple(true)
 )]
 pub struct Args {
-    /// The mesh that the functions are on: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
+    /// Source mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
-    /// The mesh that they go to.
+    /// Target mesh, in the same formats.
     #[arg(value_name = "TARGET")]
     target: PathBuf,
-    /// The functions, in columns, a row for each vertex of the source: .npy, .csv, .txt, ...
+    /// Table of the functions to transfer: a row for each vertex of the source, a column for each
+    /// function (.npy, .csv, .txt, ...).
     #[arg(long, value_name = "F")]
     functions: Option<PathBuf>,
-    /// Transfer the shape of the source instead, and write the target as a mesh that has it.
+    /// Transfer the shape of the source instead of functions, and write the deformed target.
     #[arg(long, value_name = "HOW")]
     details: Option<Details>,
-    /// Eigenfunctions of the smooth surface that --details heights starts from, the constant one
-    /// not counted [default: 20].
+    /// Number of eigenfunctions of the smooth surface that --details heights starts from, without
+    /// the constant one [default: 20].
     #[arg(long, value_name = "K")]
     smooth: Option<usize>,
-    /// Vertices of the same number correspond.
+    /// Let vertices with the same number correspond.
     #[arg(long, conflicts_with_all = ["points", "landmarks", "segments"])]
     identity: bool,
-    /// The corresponding vertex of the source, from 0, for each vertex of the target: a file with
-    /// one column.
+    /// File with one column: for each vertex of the target, the number of the corresponding vertex
+    /// of the source, from 0.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["landmarks", "segments"])]
     points: Option<PathBuf>,
-    /// Corresponding vertices, from 0: a file with two columns, source and target.
+    /// File with two columns: numbers of corresponding vertices of source and target, from 0.
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
-    /// Corresponding segments, with or instead of landmarks: files with a whole number for each
-    /// vertex, one of the source and one of the target, where the same numbers correspond.
+    /// Files with corresponding segments, with or instead of landmarks: one for the source and one
+    /// for the target, each with a whole number for each vertex. Segments with the same number
+    /// correspond.
     #[arg(long, value_names = ["SOURCE", "TARGET"], num_args = 2)]
     segments: Option<Vec<PathBuf>>,
-    /// Fit the functional map such that it commutes with multiplications too: by heat kernels
-    /// around landmarks, and by the indicators of segments. Slower, and needs fewer of them.
+    /// Also make the functional map commute with multiplication by heat kernels around landmarks
+    /// and by the indicators of segments. Slower, but needs fewer landmarks and segments.
     #[arg(long, conflicts_with_all = ["identity", "points"])]
     operators: bool,
-    /// How the functional map of landmarks or segments is refined.
+    /// Refinement of the functional map of landmarks or segments.
     #[arg(long, value_name = "HOW", default_value = "zoomout")]
     refine: Refine,
-    /// Eigenfunctions that refinement by zoomout ends with.
+    /// Number of eigenfunctions that --refine zoomout ends with.
     #[arg(long, value_name = "K", default_value_t = 100)]
     zoom: usize,
-    /// Eigenfunctions of the source that are multiplied, the constant one not counted.
+    /// Number of eigenfunctions of the source to multiply, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 30)]
     k: usize,
-    /// The same on the target; as on the source by default.
+    /// Number of eigenfunctions of the target to multiply, without the constant one [default: as
+    /// -k].
     #[arg(long, value_name = "K")]
     target_k: Option<usize>,
-    /// Most factors of a product; 1 transfers through eigenfunctions alone.
+    /// Largest number of factors in a product; 1 transfers through eigenfunctions alone.
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
     /// How products are orthogonalised.
@@ -107,11 +110,11 @@ pub struct Args {
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the functions on the target go (.npy, .csv, .tsv, .txt or .mtx, and .gz after it), or
-    /// the mesh (.obj, .ply, .off, .stl).
+    /// Output file: the functions on the target (.npy, .csv, .tsv, .txt or .mtx, and .gz after it),
+    /// or with --details the mesh (.obj, .ply, .off, .stl, .glb or .gltf).
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Where the correspondence that was used goes, as in --points.
+    /// Write the correspondence to this file, in the format of --points.
     #[arg(long, value_name = "FILE")]
     points_output: Option<PathBuf>,
     #[command(flatten)]
@@ -122,29 +125,30 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Refine {
-    /// The vertices nearest under the map.
+    /// No refinement: the vertices nearest under the map correspond.
     None,
-    /// By the orthogonal map that fits the points best, in turns.
+    /// Alternates between nearest vertices and the orthogonal map that fits them best.
     Icp,
-    /// Through more and more eigenfunctions.
+    /// Uses more and more eigenfunctions.
     Zoomout,
-    /// Through more and more orthogonalised products of the same few eigenfunctions, of at most
+    /// Uses more and more orthogonalised products of the same few eigenfunctions, with at most
     /// --order factors.
     Products,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Details {
-    /// Its coordinates: the target gets the shape and the pose of the source.
+    /// The coordinates of the source: the target gets its shape and its pose.
     Coordinates,
-    /// Its heights over a smooth surface: the target keeps its pose, and its own heights go.
+    /// The heights of the source over a smooth surface: the target keeps its pose, and loses its
+    /// own heights.
     Heights,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     if args.smooth.is_some() && args.details != Some(Details::Heights) {
-        bail!("--smooth goes with --details heights only");
+        bail!("--smooth is for --details heights only");
     }
     let create = |path: &Path| -> Result<Output> {
         files::check_name(path)?;
@@ -163,7 +167,7 @@ pub fn run(args: &Args) -> Result<()> {
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
     let source = args.laplacian.shape(&args.source, eigenfunctions(args, lens.0))?;
     let target = args.laplacian.shape(&args.target, eigenfunctions(args, lens.1))?;
-    // Refinement may have more of them than the transfer.
+    // Refinement may use more eigenfunctions than the transfer.
     shape::check_components(&source.file.mesh, &args.source, lens.0)?;
     shape::check_components(&target.file.mesh, &args.target, lens.1)?;
     let f = match &args.functions {
@@ -191,7 +195,7 @@ pub fn run(args: &Args) -> Result<()> {
                 functions = errors.len(),
                 mean_error_percent = mean,
                 errors_percent = errors.iter().map(|error| 100.0 * error).collect::<Vec<_>>();
-                "{} functions, on average {mean:.2} % from those of corresponding vertices",
+                "{} functions, on average {mean:.2} % from the values at corresponding vertices",
                 errors.len()
             )?;
             g
@@ -228,7 +232,7 @@ fn write_functions(
     Ok(files::write(output, g.as_ref())?)
 }
 
-/// Writes the target with its vertices at these positions.
+/// Writes the target with its vertices at the given positions.
 fn write_mesh(
     args: &Args,
     (output, picture): (Output, Option<Output>),
@@ -249,7 +253,7 @@ fn write_mesh(
     Ok(output::mesh(output, &moved)?)
 }
 
-/// Eigenfunctions that are computed, where the transfer itself needs `len`.
+/// Returns the number of eigenfunctions to compute, where the transfer itself needs `len`.
 fn eigenfunctions(args: &Args, len: usize) -> usize {
     let is_fitted = args.landmarks.is_some() || args.segments.is_some();
     let zoom = if is_fitted && args.refine == Refine::Zoomout { args.zoom } else { 0 };
@@ -258,12 +262,12 @@ fn eigenfunctions(args: &Args, len: usize) -> usize {
     len.max(zoom).max(smooth)
 }
 
-/// Eigenfunctions of the smooth surfaces of --details heights.
+/// Returns the number of eigenfunctions of the smooth surfaces of --details heights.
 fn smooth(args: &Args) -> usize {
     args.smooth.unwrap_or(SMOOTH).saturating_add(1)
 }
 
-/// The orthogonalised products of the first `len` eigenfunctions.
+/// Returns the orthogonalised products of the first `len` eigenfunctions.
 fn products(
     args: &Args,
     shape: &Shape,
@@ -279,7 +283,7 @@ fn products(
     Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
 }
 
-/// The coordinates of the target, with the heights of the source over its smooth surface.
+/// Returns the coordinates of the target with the heights of the source over its smooth surface.
 fn with_heights(
     args: &Args,
     source: &Shape,
@@ -300,7 +304,7 @@ fn with_heights(
     Ok(coordinates(&moved))
 }
 
-/// The vertex of the source for each vertex of the target.
+/// Returns the vertex of the source for each vertex of the target.
 fn correspondence(
     args: &Args,
     source: &Shape,
@@ -317,7 +321,7 @@ fn correspondence(
     }
     if args.identity {
         if n != m {
-            bail!("--identity needs as many vertices on both meshes, not {n} and {m}");
+            bail!("--identity needs meshes with equal numbers of vertices, not {n} and {m}");
         }
         return Ok((0..m as u32).collect());
     }
@@ -370,7 +374,7 @@ fn correspondence(
     })
 }
 
-/// Heat kernels around vertices, without a unit.
+/// Returns heat kernels around vertices, without a unit.
 fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
     let area = basis.basis().area()?;
     let kernel =
@@ -379,7 +383,7 @@ fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat
     Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| area * kernels[j][x]))
 }
 
-/// The indicators of the segments, which are on both meshes.
+/// Returns the indicators of the segments, which are on both meshes.
 fn indicators(labels: &[Vec<u32>; 2]) -> [Mat<f64>; 2] {
     let mut distinct = labels[0].clone();
     distinct.sort_unstable();
@@ -390,7 +394,7 @@ fn indicators(labels: &[Vec<u32>; 2]) -> [Mat<f64>; 2] {
     })
 }
 
-/// Wave kernel signatures of both, as on meshes of area 1.
+/// Returns the wave kernel signatures of both meshes, scaled to area 1.
 fn signatures(source: &Eigenbasis, target: &Eigenbasis, par: Par) -> Result<[Mat<f64>; 2]> {
     let normalised = |basis: &Eigenbasis| -> Result<(Vec<f64>, Mat<f64>)> {
         let area = basis.basis().area()?;

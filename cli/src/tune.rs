@@ -8,20 +8,21 @@ use clap::builder::TypedValueParser as _;
 use crate::progress::Bar;
 use crate::report::{head, row, status};
 
-/// Measure how fast this machine is, for the planner of the other commands.
+/// Measure the speed of this machine, for the planner of the other commands.
 ///
-/// Takes about half a second for each instruction set, on one core. Best while nothing else runs.
+/// Takes about half a second for each instruction set, on one core. Nothing else should run
+/// meanwhile.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Only this instruction set; all that the machine has unless given.
-    #[arg(long, value_name = "NAME", value_parser = instance_parser())]
+    /// Instruction set to measure [default: all that the machine has].
+    #[arg(long, value_name = "NAME", value_parser = isa_parser())]
     isa: Option<Isa>,
-    /// Keep nothing.
+    /// Print the rates without saving them.
     #[arg(long)]
     dry_run: bool,
 }
 
-fn instance_parser() -> impl clap::builder::TypedValueParser<Value = Isa> {
+fn isa_parser() -> impl clap::builder::TypedValueParser<Value = Isa> {
     PossibleValuesParser::new(Isa::ALL.map(Isa::name)).map(|name| {
         let found = Isa::ALL.into_iter().find(|isa| isa.name() == name);
         found.unwrap_or(Isa::Portable)
@@ -31,11 +32,11 @@ fn instance_parser() -> impl clap::builder::TypedValueParser<Value = Isa> {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let isas = match args.isa {
-        // Refused by the measurement, if at all, which says why.
+        // The measurement refuses what the machine lacks, and says why.
         Some(isa) => vec![isa],
         None => Isa::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
     };
-    head(format_args!("One core, measured (built in):"))?;
+    head(format_args!("Rates of one core: measured (built in)"))?;
     head(format_args!(
         "{:10}{:>18}{:>18}{:>18}{:>18}",
         "", "GFLOP/s f64", "GB/s read", "GB/s pack", "GB/s update"
@@ -75,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// In the order of the columns, in billions a second.
+/// Returns rates in the order of the columns, in billions per second.
 fn values(rates: &Rates) -> [f64; 4] {
     [rates.flops, rates.read_bytes, rates.pack_bytes, rates.update_bytes].map(|rate| rate / 1e9)
 }

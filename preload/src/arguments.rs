@@ -14,7 +14,7 @@ pub struct Wrong(pub usize);
 
 /// An integer of LP64 or ILP64.
 pub trait Integer: Copy + Into<i64> {
-    /// An extent, unless it is negative.
+    /// Returns the value as an extent, unless it is negative.
     fn extent(self) -> Option<usize> {
         usize::try_from(self.into()).ok()
     }
@@ -36,7 +36,7 @@ impl Trans {
         self != Self::No
     }
 
-    /// Whether elements of this kind are conjugated.
+    /// Returns whether elements of this kind are conjugated.
     fn conjugates<T: Element>(self) -> bool {
         T::IS_COMPLEX && self == Self::Conjugated
     }
@@ -89,8 +89,8 @@ fn other_triangle(uplo: Uplo) -> Uplo {
     if uplo == Uplo::Lower { Uplo::Upper } else { Uplo::Lower }
 }
 
-/// Scalars and matrices of `syrk`, or of `herk` where elements T are complex, as they were given:
-/// scalars S are real.
+/// Scalars and matrices of `syrk`, or of `herk` where elements T are complex, as the caller gave
+/// them. Scalars S are real.
 #[derive(Debug, Clone, Copy)]
 pub struct Syrk<S, T, I> {
     pub n: I,
@@ -104,18 +104,18 @@ pub struct Syrk<S, T, I> {
 }
 
 impl<S: Into<T>, T: Element, I: Integer> Syrk<S, T, I> {
-    /// The call of Fortran with these letters.
+    /// Returns the request of Fortran with these letters.
     pub fn fortran(self, uplo: u8, trans: u8) -> Result<Request<T>, Wrong> {
         self.request(0, false, letter_triangle(uplo), letter_trans(trans))
     }
 
-    /// The call of CBLAS with these numbers.
+    /// Returns the request of CBLAS with these numbers.
     pub fn cblas(self, order: i32, uplo: i32, trans: i32) -> Result<Request<T>, Wrong> {
         let by_rows = order_is_by_rows(order).ok_or(Wrong(1))?;
         self.request(1, by_rows, number_triangle(uplo), number_trans(trans))
     }
 
-    /// `before` are the arguments before `uplo`.
+    /// Returns the request; `before` is the number of arguments before `uplo`.
     fn request(
         self,
         before: usize,
@@ -147,7 +147,7 @@ impl<S: Into<T>, T: Element, I: Integer> Syrk<S, T, I> {
     }
 }
 
-/// Scalars and matrices of `gemm` and `gemmt`, as they were given; `m` of `gemmt` is `n`.
+/// Scalars and matrices of `gemm` and `gemmt`, as the caller gave them; `m` of `gemmt` is `n`.
 #[derive(Debug, Clone, Copy)]
 pub struct Gemm<T, I> {
     pub m: I,
@@ -174,24 +174,24 @@ impl<T: Element, I: Integer> Gemm<T, I> {
     const GEMM: Numbers = Numbers { trans: [1, 2], sides: [3, 4, 5], leading: [8, 10, 13] };
     const GEMMT: Numbers = Numbers { trans: [2, 3], sides: [4, 4, 5], leading: [8, 10, 13] };
 
-    /// The call of Fortran's `gemm` with these letters.
+    /// Returns the request of Fortran's `gemm` with these letters.
     pub fn fortran(self, trans_a: u8, trans_b: u8) -> Result<Request<T>, Wrong> {
         self.request(0, Self::GEMM, false, None, [trans_a, trans_b].map(letter_trans))
     }
 
-    /// The call of CBLAS' `gemm` with these numbers.
+    /// Returns the request of CBLAS' `gemm` with these numbers.
     pub fn cblas(self, order: i32, trans_a: i32, trans_b: i32) -> Result<Request<T>, Wrong> {
         let by_rows = order_is_by_rows(order).ok_or(Wrong(1))?;
         self.request(1, Self::GEMM, by_rows, None, [trans_a, trans_b].map(number_trans))
     }
 
-    /// The call of Fortran's `gemmt` with these letters.
+    /// Returns the request of Fortran's `gemmt` with these letters.
     pub fn fortran_triangle(self, uplo: u8, trans_a: u8, trans_b: u8) -> Result<Request<T>, Wrong> {
         let uplo = letter_triangle(uplo).ok_or(Wrong(1))?;
         self.request(0, Self::GEMMT, false, Some(uplo), [trans_a, trans_b].map(letter_trans))
     }
 
-    /// The call of CBLAS' `gemmt` with these numbers.
+    /// Returns the request of CBLAS' `gemmt` with these numbers.
     pub fn cblas_triangle(
         self,
         order: i32,
@@ -204,7 +204,7 @@ impl<T: Element, I: Integer> Gemm<T, I> {
         self.request(1, Self::GEMMT, by_rows, Some(uplo), [trans_a, trans_b].map(number_trans))
     }
 
-    /// `before` are the arguments before the first that `numbers` counts.
+    /// Returns the request; `before` is the number of arguments before those that `numbers` counts.
     fn request(
         self,
         before: usize,
@@ -221,7 +221,7 @@ impl<T: Element, I: Integer> Gemm<T, I> {
         let m = self.m.extent().ok_or(wrong(numbers.sides[0]))?;
         let n = self.n.extent().ok_or(wrong(numbers.sides[1]))?;
         let k = self.k.extent().ok_or(wrong(numbers.sides[2]))?;
-        // Sides of the matrices by columns: those of matrices by rows are exchanged.
+        // The sides are those of a matrix by columns; for a matrix by rows they are exchanged.
         let stored = |pointer, transposed: bool, rows, cols, given: I, number| {
             let (rows, cols) = if transposed != by_rows { (cols, rows) } else { (rows, cols) };
             let leading = leading(given, rows).ok_or(wrong(number))?;
@@ -250,7 +250,7 @@ impl<T: Element, I: Integer> Gemm<T, I> {
     }
 }
 
-/// A leading dimension of columns of so many rows, if it is long enough.
+/// Returns the leading dimension of columns of so many rows, if it is large enough.
 fn leading<I: Integer>(given: I, rows: usize) -> Option<usize> {
     given.extent().filter(|&leading| leading >= rows.max(1))
 }

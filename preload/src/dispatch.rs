@@ -1,4 +1,4 @@
-//! The way of a call: computed here, or forwarded.
+//! Decides whether a call is computed here or forwarded.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -15,8 +15,8 @@ use crate::{policy, product, report};
 /// Where no library is next, everything is computed here.
 ///
 /// # Safety
-/// The caller of BLAS owns the memory that the request names for the length of this call; `forward`
-/// takes the address for what it is.
+/// The caller of BLAS owns the memory that the request names for the length of this call. `forward`
+/// calls the address by the type of the symbol.
 pub unsafe fn call<T: Element>(
     entry: &'static Entry,
     request: Result<Request<T>, Wrong>,
@@ -52,7 +52,7 @@ pub unsafe fn call<T: Element>(
     }
 }
 
-/// Says once that a product is forwarded whose bytes were to be ours.
+/// Warns once that a product is forwarded although the mode promises our own results.
 fn warn_of_other_bytes(entry: &Entry, why: Why, settings: &Settings) {
     static SAID: AtomicBool = AtomicBool::new(false);
     let ours = matches!(settings.mode, Mode::Reproducible | Mode::Max);
@@ -63,10 +63,12 @@ fn warn_of_other_bytes(entry: &Entry, why: Why, settings: &Settings) {
     };
     if ours && !SAID.swap(true, Ordering::Relaxed) {
         let (name, mode) = (entry.name(), settings.mode.name());
-        complain(&format!("{name}: not {mode}, for {what}; said once"));
+        complain(&format!("{name}: forwarded in spite of mode {mode}: {what} (reported once)"));
     }
 }
 
+/// Computes the request, or returns why it is forwarded.
+///
 /// # Safety
 /// As [`call`].
 unsafe fn attempt<T: Element>(
@@ -79,7 +81,7 @@ unsafe fn attempt<T: Element>(
     unsafe { product::compute(request, &plan, settings.threads) }.map_err(|_| Why::Memory)
 }
 
-/// Does what the next library would have done.
+/// Does what the next library would do: computes the product, or reports the wrong argument.
 ///
 /// # Safety
 /// As [`call`].

@@ -18,7 +18,7 @@ pub enum Planned {
 }
 
 impl Planned {
-    /// [`Plan::expected_ratio`].
+    /// Returns [`Plan::expected_ratio`].
     pub fn expected_ratio(&self) -> f64 {
         match self {
             Self::Real(plan) => plan.expected_ratio(),
@@ -26,7 +26,7 @@ impl Planned {
         }
     }
 
-    /// [`Plan::isa`].
+    /// Returns [`Plan::isa`].
     pub fn isa(&self) -> Option<&'static str> {
         match self {
             Self::Real(plan) => plan.isa(),
@@ -34,7 +34,7 @@ impl Planned {
         }
     }
 
-    /// [`Plan::is_exact`].
+    /// Returns [`Plan::is_exact`].
     #[cfg(test)]
     pub fn is_exact(&self) -> bool {
         match self {
@@ -54,16 +54,17 @@ pub trait Element:
     /// Bytes of the real and of the imaginary part.
     const PART: usize;
 
-    /// The real part.
+    /// Returns the real part.
     fn real(self) -> Self;
 
-    /// A plan for products of this shape.
+    /// Returns a plan for products of this shape.
     fn plan(shape: &Shape, options: &AtaOptions<'_>) -> Result<Planned>;
 
-    /// Bytes that a product by `plan` takes on so many threads.
+    /// Returns the bytes that a product by `plan` takes on so many threads.
     fn scratch(plan: &Planned, threads: usize) -> usize;
 
-    /// `C := alpha L^T R + beta C`, with conjugates as in the plan, which is one of these elements.
+    /// Computes `C := alpha L^T R + beta C`, with conjugates as in the plan, which is for these
+    /// elements.
     fn multiply(
         plan: &Planned,
         alpha: Self,
@@ -75,7 +76,7 @@ pub trait Element:
     ) -> Result<()>;
 }
 
-/// What a plan of other elements would mean, of which none is passed.
+/// Message of a panic for a plan of other elements, which is never passed.
 const OTHER: &str = "a plan is one of the elements of its request";
 
 macro_rules! real {
@@ -141,7 +142,7 @@ macro_rules! complex {
                 let ([m, n, k], [left, right]) = (shape.sides, shape.conjugated);
                 let (plan, conjugated) = match shape.kind {
                     Kind::Symmetric => (ComplexPlan::aha::<$real>(k, m, options)?, !left),
-                    // It is exported for real elements only.
+                    // `gemmt` is exported for real elements only.
                     Kind::Triangle => unreachable!("gemmt of complex elements"),
                     _ if left != right => (ComplexPlan::ahb::<$real>(k, m, n, options)?, right),
                     _ => (ComplexPlan::atb::<$real>(k, m, n, options)?, right),

@@ -1,4 +1,4 @@
-//! An exported symbol: where the next library has it, and what became of its calls.
+//! An exported symbol: its address in the next library, and counts of its calls.
 
 use std::ffi::{CStr, c_void};
 use std::ptr::{self, NonNull};
@@ -62,12 +62,12 @@ impl Tally {
         self.nanoseconds.store(0, Ordering::Relaxed);
     }
 
-    /// Calls so far.
+    /// Returns the number of calls so far.
     pub fn calls(&self) -> u64 {
         self.calls.load(Ordering::Relaxed)
     }
 
-    /// Their seconds.
+    /// Returns the time of the calls in seconds.
     pub fn seconds(&self) -> f64 {
         self.nanoseconds.load(Ordering::Relaxed) as f64 * 1e-9
     }
@@ -85,18 +85,18 @@ pub struct Entry {
     ours: Tally,
     /// What was forwarded, by reason.
     forwarded: [Tally; Why::NAMES.len()],
-    /// The symbol that was counted for the first time before this one.
+    /// The symbol whose first call was counted before that of this one.
     earlier: AtomicPtr<Entry>,
 }
 
-/// The symbol that was counted for the first time last.
+/// The symbol whose first call was counted last.
 static LATEST: AtomicPtr<Entry> = AtomicPtr::new(ptr::null_mut());
 
-/// The end of the list, so that null means: not in the list.
+/// The end of the list. A null pointer means that a symbol is not in the list.
 static END: Entry = Entry::new(c"");
 
 impl Entry {
-    /// For the symbol `name`.
+    /// Creates the entry of the symbol `name`.
     pub const fn new(name: &'static CStr) -> Self {
         Self {
             name,
@@ -108,18 +108,19 @@ impl Entry {
         }
     }
 
-    /// The symbol.
+    /// Returns the name of the symbol.
     pub fn name(&self) -> String {
         self.name.to_string_lossy().into_owned()
     }
 
-    /// Where small calls go at once; `None` when [`Entry::next`] has to be asked.
+    /// Returns the address for small calls; `None` when [`Entry::next`] has to be called.
     #[inline(always)]
     pub fn quick(&self) -> Option<Code> {
         NonNull::new(self.quick.load(Ordering::Relaxed))
     }
 
-    /// Where the next library has it. With `quick`, small calls go there at once from now on.
+    /// Returns the address in the next library. With `quick`, small calls use it at once from now
+    /// on.
     pub fn next(&self, quick: bool) -> Option<Code> {
         let next = self.next.get();
         if quick && let Some(code) = next {
@@ -140,12 +141,12 @@ impl Entry {
         self.enlist();
     }
 
-    /// What was computed here.
+    /// Returns the calls that were computed here.
     pub fn ours(&self) -> &Tally {
         &self.ours
     }
 
-    /// What was forwarded, with the name of the reason.
+    /// Returns the calls that were forwarded, with the name of the reason.
     pub fn forwarded(&self) -> impl Iterator<Item = (&'static str, &Tally)> {
         Why::NAMES.iter().map(|(name, why)| (*name, &self.forwarded[*why as usize]))
     }
@@ -153,7 +154,7 @@ impl Entry {
     fn enlist(&'static self) {
         let own = ptr::from_ref(self).cast_mut();
         let end = ptr::from_ref(&END).cast_mut();
-        // Whoever changes it from null puts the symbol into the list.
+        // The thread that changes it from null puts the symbol into the list.
         let (order, failed) = (Ordering::AcqRel, Ordering::Relaxed);
         if self.earlier.compare_exchange(ptr::null_mut(), end, order, failed).is_err() {
             return;
@@ -170,7 +171,7 @@ impl Entry {
     }
 }
 
-/// The symbols that were called.
+/// Returns the symbols that were called.
 pub fn called() -> Vec<&'static Entry> {
     let mut found = Vec::new();
     let mut at = LATEST.load(Ordering::Acquire);
@@ -183,7 +184,7 @@ pub fn called() -> Vec<&'static Entry> {
     found
 }
 
-/// Forgets all calls, as in a process that was forked.
+/// Forgets all calls, for a process that was forked.
 pub fn forget_calls() {
     for entry in called() {
         entry.ours.clear();

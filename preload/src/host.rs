@@ -1,8 +1,8 @@
 //! The next library in line that has a symbol.
 //!
-//! Of a library that is linked, or loaded for all, `dlsym(RTLD_NEXT)` knows. An extension of Python
-//! is loaded for itself alone, and its BLAS with it: then every loaded object is asked, in the
-//! order of loading. No lock of ours is held meanwhile, for the loader has its own.
+//! `dlsym(RTLD_NEXT)` finds libraries that are linked or loaded globally. An extension of Python is
+//! loaded locally, and its BLAS with it: then every loaded object is searched, in the order of
+//! loading. No lock of this library is held meanwhile, because the loader has its own.
 
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::ptr::{self, NonNull};
@@ -17,18 +17,18 @@ pub struct Next {
     name: &'static CStr,
     /// Null as long as no library has it.
     found: AtomicPtr<c_void>,
-    /// Objects that had ever been loaded when nothing was found.
+    /// Number of objects that had ever been loaded when the last search found nothing.
     fruitless: AtomicU64,
 }
 
 impl Next {
-    /// For the symbol `name`, which this library has too.
+    /// Creates the search for the symbol `name`, which this library has too.
     pub const fn new(name: &'static CStr) -> Self {
         Self { name, found: AtomicPtr::new(ptr::null_mut()), fruitless: AtomicU64::new(0) }
     }
 
-    /// The address; `None` when no object has the symbol. Once found it stays, and its library too;
-    /// what was not found is looked for again after something was loaded.
+    /// Returns the address, or `None` when no object has the symbol. An address that was found
+    /// stays valid. A symbol that was not found is searched again after another object was loaded.
     pub fn get(&self) -> Option<Code> {
         let found = NonNull::new(self.found.load(Ordering::Acquire));
         if found.is_some() {
@@ -47,7 +47,7 @@ impl Next {
     }
 }
 
-/// The file that contains `code`, as the loader knows it.
+/// Returns the file that contains `code`, as the loader knows it.
 pub fn file_of(code: Code) -> String {
     match object_of(code) {
         // SAFETY: the loader's own string, of an object that stays.
@@ -69,7 +69,7 @@ fn object_of(code: Code) -> Option<libc::Dl_info> {
     (unsafe { libc::dladdr(code.as_ptr(), &raw mut info) } != 0).then_some(info)
 }
 
-/// Whether `code` is in this library.
+/// Returns whether `code` is in this library.
 fn is_ours(code: Code) -> bool {
     let here = NonNull::new(find as fn(&'static CStr) -> Option<Code> as *mut c_void);
     let base = |code| object_of(code).map(|info| info.dli_fbase);
@@ -83,7 +83,7 @@ fn find(name: &'static CStr) -> Option<Code> {
         .or_else(|| object_names().iter().find_map(|object| in_object(object, name)))
 }
 
-/// The symbol in a loaded object, or in what that object was linked with.
+/// Returns the symbol in a loaded object, or in what that object was linked with.
 fn in_object(object: &CStr, name: &CStr) -> Option<Code> {
     // SAFETY: strings that end; with this flag nothing is loaded, so no code runs.
     unsafe {
@@ -92,7 +92,7 @@ fn in_object(object: &CStr, name: &CStr) -> Option<Code> {
             return None;
         }
         let code = NonNull::new(libc::dlsym(handle, name.as_ptr())).filter(|&code| !is_ours(code));
-        // The handle of the library that is called from now on is kept, so that it stays loaded.
+        // The handle of the library whose symbol is used is kept, so that the library stays loaded.
         if code.is_none() {
             libc::dlclose(handle);
         }
@@ -117,7 +117,7 @@ fn each_object(visit: &mut dyn FnMut(&libc::dl_phdr_info) -> bool) {
     unsafe { libc::dl_iterate_phdr(Some(step), (&raw mut visit).cast()) };
 }
 
-/// The number of objects that have been loaded since the program began.
+/// Returns the number of objects that have been loaded since the program began.
 fn objects_loaded() -> u64 {
     let mut loaded = 0;
     each_object(&mut |info| {
@@ -127,7 +127,7 @@ fn objects_loaded() -> u64 {
     loaded
 }
 
-/// The names of all loaded objects but the program, in the order of loading.
+/// Returns the names of all loaded objects but the program, in the order of loading.
 fn object_names() -> Vec<CString> {
     let mut names = Vec::new();
     each_object(&mut |info| {

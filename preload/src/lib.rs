@@ -1,9 +1,9 @@
 //! `libcatamaran_blas.so`: a BLAS to put in front of another one, by `LD_PRELOAD` or by linking.
 //!
 //! It exports `?gemm` for real and complex matrices, `?syrk` and `?gemmt` (`?gemmtr`) for real and
-//! `?herk` for complex ones, in every spelling that programs use. Products that Catamaran is
-//! expected to compute faster it computes; all other calls go to the next library in line.
-//! docs/guide/blas.md is for users.
+//! `?herk` for complex ones, in every spelling that programs use. It computes the products for
+//! which Catamaran is expected to be faster; all other calls go to the next library in line.
+//! docs/guide/blas.md is the user's guide.
 //!
 //! A call passes the modules in this order:
 //!

@@ -11,14 +11,14 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The elements from the first to the last.
+    /// Returns the number of elements from the first to the last.
     fn span(&self) -> usize {
         (self.cols - 1) * self.leading + self.rows
     }
 }
 
-/// Whether `a` and `b`, of elements of `size` bytes, share an element. Parts of one larger matrix
-/// are told apart; where leading dimensions differ, matrices that lie between each other count as
+/// Returns whether `a` and `b`, of elements of `size` bytes, share an element. Parts of one larger
+/// matrix are told apart. Where leading dimensions differ, interleaved matrices count as
 /// overlapping.
 pub fn overlap(a: Extent, b: Extent, size: usize) -> bool {
     if a.rows.min(a.cols).min(b.rows).min(b.cols) == 0 {
@@ -34,7 +34,7 @@ pub fn overlap(a: Extent, b: Extent, size: usize) -> bool {
         return true;
     }
     // In columns of `leading` elements from the beginning of `a` on, `a` takes the first rows of
-    // the first columns. The rows of `b` may go on in the next column.
+    // the first columns. The rows of `b` may continue in the next column.
     let (column, row) =
         ((distance / size).div_euclid(leading), (distance / size).rem_euclid(leading));
     let meets = |first_row: i128, rows: i128, first_col: i128| {

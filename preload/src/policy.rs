@@ -1,6 +1,6 @@
 //! Which calls are computed here, and by which plan.
 //!
-//! A plan costs as much as a small product, so that each thread keeps those of its last shapes.
+//! A plan costs as much as a small product, so each thread keeps the plans of its last shapes.
 
 use std::any::TypeId;
 use std::cell::RefCell;
@@ -22,8 +22,8 @@ const LEAST_DEPTH: i64 = 32;
 /// Products of real numbers that are worth a plan, both triangles of a symmetric result counted.
 const LEAST_WORK: f64 = 4e6;
 
-/// Whether a call with sides m, n, k is too small for a look, or not valid: this is all that is
-/// asked of small products.
+/// Returns whether a call with sides m, n, k is too small for a plan, or not valid. This is the
+/// only check of small products.
 #[inline(always)]
 pub fn is_small(m: i64, n: i64, k: i64) -> bool {
     m < LEAST_SIDE || n < LEAST_SIDE || k < LEAST_DEPTH
@@ -78,19 +78,19 @@ pub fn plan<T: Element>(request: &Request<T>, settings: &Settings) -> catamaran:
     T::plan(&request.shape(), &options)
 }
 
-/// The time of a plan over that of our classical products from which the next library is expected
-/// to be faster.
+/// Returns the largest ratio of the time of a plan to that of our classical products for which the
+/// plan is expected to be faster than the next library.
 ///
-/// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits on
-/// processors of AMD; on others symmetric ones with less than so many columns are (figures 8.3 and
-/// 8.4 in bench/record, and preload/race.py). Where vectors are shorter nobody has measured yet:
-/// only what saves multiplications is computed here.
+/// With vectors of 512 bits, classical products are as fast as those of OpenBLAS or faster on
+/// processors of AMD; on other processors this holds for symmetric ones with less than `COLUMNS`
+/// columns (figures 8.3 and 8.4 in bench/record, and preload/race.py). Shorter vectors have not
+/// been measured yet: only plans that save multiplications are used there.
 fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
-    /// With more OpenBLAS takes 1 to 5 % less time.
+    /// With more columns OpenBLAS takes 1 to 5 % less time.
     const COLUMNS: usize = 2048;
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;
-    /// They lose, or nobody has measured.
+    /// They lose, or have not been measured.
     const NEVER: f64 = 0.0;
     /// Fast levels have to make up for slower kernels.
     const FAST: f64 = 0.93;
@@ -111,13 +111,12 @@ fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
     }
 }
 
-/// Whether complex products of this shape were measured to be as fast as those of OpenBLAS, or
-/// faster, where the vectors have 512 bits.
+/// Returns whether complex products of this shape were measured to be as fast as those of OpenBLAS,
+/// or faster, with vectors of 512 bits.
 ///
-/// Parts are copied into real matrices first: that counts for less the longer the sums and the
-/// wider the results are, and for more the shorter the numbers. Measured by preload/race.py on one
-/// core of Zen 5 (docs/guide/blas.md), and nowhere else: single precision takes 1.13 to 1.8 times
-/// as long.
+/// The parts are first copied into real matrices. The copies cost less, relatively, for longer sums
+/// and wider results, and more in single precision. They were measured by preload/race.py on one
+/// core of Zen 5 only (docs/guide/blas.md): single precision takes 1.13 to 1.8 times as long.
 fn complex_wins<T: Element>(shape: Shape) -> bool {
     /// Least sides from which double precision takes 0.99 of OpenBLAS' time or less.
     const GENERAL: usize = 512;
@@ -126,7 +125,7 @@ fn complex_wins<T: Element>(shape: Shape) -> bool {
     is_amd() && T::PART == 8 && shape.sides.iter().all(|&side| side >= least)
 }
 
-/// Whether the processor is one of AMD, as Linux has it.
+/// Returns whether the processor is one of AMD, according to Linux.
 fn is_amd() -> bool {
     static AMD: OnceLock<bool> = OnceLock::new();
     *AMD.get_or_init(|| {
@@ -146,7 +145,7 @@ struct Key {
 /// The plan of a request, or why it is not computed here.
 pub type Decision = Result<Arc<Planned>, Why>;
 
-/// The decision for `key`: that of the last time, or what `decide` returns.
+/// Returns the decision for `key`: that of the last time, or what `decide` returns.
 fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
     /// Shapes that a thread remembers; a program that alternates between more of them plans anew.
     const SHAPES: usize = 16;
@@ -161,7 +160,7 @@ fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
         return decision;
     }
     let decision = decide();
-    // While a thread ends there is nothing left to remember by.
+    // A thread that ends has no memory of plans any more.
     let _ = LAST.try_with(|last| {
         if let Ok(mut last) = last.try_borrow_mut() {
             if last.len() == SHAPES {

@@ -55,7 +55,7 @@ pub unsafe fn compute_apart<T: Element>(request: &Request<T>, plan: &Planned) ->
     let [rows, cols, _] = request.sides();
     let mut product = Mat::from_fn(rows, cols, |_, _| T::ZERO);
     {
-        // SAFETY: the caller's promise; C is not looked at while these views live.
+        // SAFETY: the caller's promise; C is not read while these views live.
         let (left, right) = unsafe { request.operands() };
         let Request { alpha, triangle, .. } = *request;
         run(plan, alpha, left, right, T::ZERO, product.as_mut(), triangle, Par::Seq)?;

@@ -8,7 +8,7 @@ use crate::host::file_of;
 use crate::settings::{Settings, complain};
 use crate::threads::watch_forks;
 
-/// Has the report printed when the process ends by `exit`.
+/// Makes the process print the report when it ends by `exit`.
 pub fn at_exit() {
     extern "C" fn print() {
         let settings = Settings::get();
@@ -32,7 +32,7 @@ pub fn at_exit() {
     }
 }
 
-/// The calls of a symbol; `None` when there were none.
+/// Returns the line of a symbol, or `None` when it was not called.
 fn line(entry: &Entry) -> Option<String> {
     let ours = entry.ours();
     let reasons: Vec<_> = entry.forwarded().filter(|(_, tally)| tally.calls() > 0).collect();

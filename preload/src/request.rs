@@ -23,7 +23,7 @@ pub struct Stored<T> {
 pub struct Side<T> {
     pub stored: Stored<T>,
     pub transposed: bool,
-    /// Of complex elements: whether the conjugates count.
+    /// For complex elements: whether they are conjugated.
     pub conjugated: bool,
 }
 
@@ -72,16 +72,18 @@ impl<T> Stored<T> {
 }
 
 impl<T> Side<T> {
-    /// Rows of the side, k.
+    /// Returns the rows of the side, k.
     fn depth(&self) -> usize {
         if self.transposed { self.stored.cols } else { self.stored.rows }
     }
 
-    /// Columns of the side.
+    /// Returns the columns of the side.
     fn width(&self) -> usize {
         if self.transposed { self.stored.rows } else { self.stored.cols }
     }
 
+    /// Returns a view of the side.
+    ///
     /// # Safety
     /// The memory of the operand is readable for `'a`, unless a side is 0.
     unsafe fn view<'a>(&self) -> MatRef<'a, T> {
@@ -95,7 +97,7 @@ impl<T> Side<T> {
 }
 
 impl<T: Element> Request<T> {
-    /// What a plan depends on.
+    /// Returns what a plan depends on.
     pub fn shape(&self) -> Shape {
         let kind = match (&self.right, self.triangle) {
             (None, _) => Kind::Symmetric,
@@ -107,36 +109,37 @@ impl<T: Element> Request<T> {
         Shape { kind, sides: self.sides(), conjugated: [left, right] }
     }
 
-    /// Whether C is Hermitian: imaginary parts of its diagonal are not read, and become zero.
+    /// Returns whether C is Hermitian: imaginary parts of its diagonal are not read, and become
+    /// zero.
     pub fn is_hermitian(&self) -> bool {
         T::IS_COMPLEX && self.right.is_none()
     }
 
-    /// m, n and k.
+    /// Returns m, n and k.
     pub fn sides(&self) -> [usize; 3] {
         let right = self.right.as_ref().unwrap_or(&self.left);
         [self.left.width(), right.width(), self.left.depth()]
     }
 
-    /// Products of real numbers, both triangles of a symmetric result counted.
+    /// Returns the products of real numbers, both triangles of a symmetric result counted.
     pub fn work(&self) -> f64 {
         let products: f64 = self.sides().iter().map(|&side| side as f64).product();
         if T::IS_COMPLEX { 4.0 * products } else { products }
     }
 
-    /// Whether nothing is multiplied: `C := beta C`.
+    /// Returns whether nothing is multiplied: `C := beta C`.
     pub fn is_trivial(&self) -> bool {
         self.alpha == T::ZERO || self.sides().contains(&0)
     }
 
-    /// Whether all elements are where elements of their size may be.
+    /// Returns whether all pointers are aligned for their elements.
     pub fn is_aligned(&self) -> bool {
         self.left.stored.pointer.is_aligned()
             && self.right.is_none_or(|right| right.stored.pointer.is_aligned())
             && self.c.is_aligned()
     }
 
-    /// Whether C shares memory with an operand.
+    /// Returns whether C shares memory with an operand.
     pub fn overlaps(&self) -> bool {
         let [rows, cols, _] = self.sides();
         let c = Extent { address: self.c.addr(), rows, cols, leading: self.c_leading };
@@ -146,7 +149,7 @@ impl<T: Element> Request<T> {
             .any(|side| overlap(side.stored.extent(), c, size_of::<T>()))
     }
 
-    /// L, and R when it is another matrix.
+    /// Returns L, and R when it is another matrix.
     ///
     /// # Safety
     /// The caller of BLAS owns the memory that it named for the length of the call, `'a`.
@@ -155,10 +158,10 @@ impl<T: Element> Request<T> {
         unsafe { (self.left.view(), self.right.map(|right| right.view())) }
     }
 
-    /// C.
+    /// Returns C.
     ///
     /// # Safety
-    /// As [`Request::operands`]; and nobody else has a view of C.
+    /// As [`Request::operands`]; and there is no other view of C.
     pub unsafe fn result<'a>(&self) -> MatMut<'a, T> {
         let [rows, cols, _] = self.sides();
         let c = if self.c.is_null() { NonNull::dangling().as_ptr() } else { self.c };

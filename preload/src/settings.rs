@@ -1,4 +1,4 @@
-//! What the environment asks for, read at the first call that is not forwarded at once.
+//! Settings from the environment, read at the first call that is not forwarded at once.
 
 use std::fmt::Display;
 use std::sync::OnceLock;
@@ -28,7 +28,7 @@ impl Mode {
         ("off", Self::Off),
     ];
 
-    /// Its name in the environment.
+    /// Returns its name in the environment.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, mode)| *mode == self).map_or("", |(name, _)| name)
     }
@@ -51,7 +51,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The settings of this process.
+    /// Returns the settings of this process.
     pub fn get() -> &'static Self {
         static SETTINGS: OnceLock<Settings> = OnceLock::new();
         SETTINGS.get_or_init(|| {
@@ -59,14 +59,14 @@ impl Settings {
         })
     }
 
-    /// Whether small products may be forwarded without a look at the settings.
+    /// Returns whether small products may be forwarded without a look at the settings.
     pub fn forwards_small(&self) -> bool {
         !self.verbose && matches!(self.mode, Mode::Auto | Mode::Off)
     }
 
     fn read(variable: &dyn Fn(&str) -> Option<String>) -> Self {
         let own_threads = read(variable, "CATAMARAN_NUM_THREADS", "a number from 1", count);
-        // A list gives the numbers of nested levels, of which we are the first.
+        // A list gives the numbers of nested levels; the first is that of BLAS.
         let first = |text: &str| count(text.split(',').next().unwrap_or_default());
         let threads = own_threads
             .or_else(|| read(variable, "OMP_NUM_THREADS", "a number from 1", first))
@@ -87,8 +87,7 @@ impl Settings {
     }
 }
 
-/// The value of a variable; `None`, with a line on standard error, when it is not what it should
-/// be.
+/// Returns the value of a variable, or `None`, with a line on standard error, if it is invalid.
 fn read<V>(
     variable: &dyn Fn(&str) -> Option<String>,
     name: &str,
@@ -102,7 +101,7 @@ fn read<V>(
     }
     let value = parse(text);
     if value.is_none() {
-        complain(&format!("{name}={text}: must be {wanted}; the default is taken"));
+        complain(&format!("{name}={text}: must be {wanted}; the default is used"));
     }
     value
 }

@@ -9,7 +9,7 @@
 //! | `scipy_dsyrk_64_`, `scipy_cblas_dsyrk64_` | 64 bits | wheels of numpy |
 //!
 //! Functions of Fortran take the lengths of their letters after all other arguments. Callers
-//! written in C leave these out; then whatever lies there is passed on, as a jump would.
+//! written in C leave these out; whatever is in their place is passed on, as by a jump.
 
 use std::ffi::CStr;
 use std::mem::transmute;
@@ -22,7 +22,7 @@ use crate::entry::Entry;
 use crate::host::Code;
 use crate::policy::is_small;
 
-/// A C string of a literal that ends with NUL.
+/// Returns the C string of a literal that ends with NUL.
 const fn c_str(text: &'static str) -> &'static CStr {
     match CStr::from_bytes_with_nul(text.as_bytes()) {
         Ok(text) => text,
@@ -142,7 +142,7 @@ macro_rules! cblas_gemm {
     };
 }
 
-// Scalars that are complex go by address.
+// Complex scalars are passed by address.
 macro_rules! cblas_complex_gemm {
     ($t:ty, $int:ty, $name:expr) => {
         export! {

@@ -1,7 +1,7 @@
 //! The threads of this library, for one call at a time.
 //!
 //! A call that finds them busy computes on its own thread: a program that calls from many threads
-//! at once has them already. A process that is forked gets new threads when it needs them.
+//! at once uses the cores already. A process that is forked gets new threads when it needs them.
 
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
@@ -19,8 +19,8 @@ struct Pool {
 /// The threads of this process; null before the first call, and in a child. Never freed.
 static POOL: AtomicPtr<Pool> = AtomicPtr::new(ptr::null_mut());
 
-/// Returns what `work` returns, called with `wanted` threads if they are idle, else with that of
-/// the caller.
+/// Calls `work` with `wanted` threads if they are idle, else with the thread of the caller, and
+/// returns its result.
 pub fn run<R: Send>(wanted: usize, work: impl FnOnce(Par) -> R + Send) -> R {
     if wanted > 1
         && let Some(pool) = pool(wanted)
@@ -46,7 +46,7 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// The threads, of which there are `count`; `None` where the system gives none.
+/// Returns the threads, `count` of them, or `None` where the system refuses them.
 fn pool(count: usize) -> Option<&'static Pool> {
     let existing = POOL.load(Ordering::Acquire);
     if !existing.is_null() {
@@ -60,7 +60,7 @@ fn pool(count: usize) -> Option<&'static Pool> {
         // SAFETY: as above.
         Ok(_) => Some(unsafe { &*pool }),
         Err(other) => {
-            // SAFETY: nobody else has seen ours; as above.
+            // SAFETY: no other thread has seen this pool; as above.
             unsafe {
                 drop(Box::from_raw(pool));
                 Some(&*other)
@@ -69,7 +69,7 @@ fn pool(count: usize) -> Option<&'static Pool> {
     }
 }
 
-/// Has children forget the threads, which they do not have, and the calls, which were not theirs.
+/// Makes children forget the threads, which they do not have, and the calls of their parent.
 pub fn watch_forks() {
     extern "C" fn in_child() {
         POOL.store(ptr::null_mut(), Ordering::Release);

@@ -1,4 +1,4 @@
-//! Signed sums of blocks: what a fast scheme pays for its saved products.
+//! Signed sums of blocks: the additions of fast schemes.
 //!
 //! Blocks of one sum may differ by a row or a column (odd sizes); a missing row or column counts
 //! as zero, so nothing is ever padded.
@@ -11,8 +11,8 @@ use faer::{MatMut, MatRef};
 use super::options::Uplo;
 use crate::base::{Real, Result, widest};
 
-/// `dst := reuse * dst + sum coefficient * block`, where no block is larger than `dst` and what a
-/// block lacks counts as zero. `reuse == 0` does not read `dst`.
+/// Computes `dst := reuse * dst + sum coefficient * block`, where no block is larger than `dst` and
+/// the missing entries of a smaller block count as zero. `reuse == 0` does not read `dst`.
 pub(crate) fn combine<T: Real>(dst: MatMut<'_, T>, reuse: T, terms: &[(T, MatRef<'_, T>)]) {
     let by_rows = dst.col_stride() == 1 || dst.row_stride() != 1;
     if by_rows {
@@ -49,7 +49,7 @@ fn combine_rows<T: Real>(mut dst: MatMut<'_, T>, reuse: T, terms: &[(T, MatRef<'
     }
 }
 
-/// Row `i` of [`combine`]: term after term, while the row stays in the first-level cache.
+/// Computes row `i` of [`combine`]: term after term, while the row is in the first-level cache.
 #[inline(always)]
 fn combine_row<T: Real>(dst: &mut [T], mut reuse: T, terms: &[(T, MatRef<'_, T>)], i: usize) {
     let mut terms = terms;
@@ -99,7 +99,7 @@ fn scale_row<T: Real>(dst: &mut [T], factor: T) {
     }
 }
 
-/// Row `i` of a view with contiguous rows; empty beyond its last row.
+/// Returns row `i` of a view with contiguous rows; empty beyond its last row.
 #[inline(always)]
 fn row<T>(view: MatRef<'_, T>, i: usize) -> &[T] {
     if i >= view.nrows() || view.ncols() == 0 {
@@ -110,7 +110,7 @@ fn row<T>(view: MatRef<'_, T>, i: usize) -> &[T] {
     unsafe { std::slice::from_raw_parts(view.ptr_at(i, 0), view.ncols()) }
 }
 
-/// As [`row`], mutable.
+/// Returns what [`row`] returns, mutable.
 #[inline(always)]
 fn row_mut<T>(view: MatMut<'_, T>, i: usize) -> &mut [T] {
     if i >= view.nrows() || view.ncols() == 0 {
@@ -122,26 +122,26 @@ fn row_mut<T>(view: MatMut<'_, T>, i: usize) -> &mut [T] {
     unsafe { std::slice::from_raw_parts_mut(view.ptr_at_mut(i, 0), view.ncols()) }
 }
 
-/// `dst := beta * dst + coefficient * src` where they overlap, and `beta * dst` where `src` ends
-/// first; `src` may be larger too. `beta == 0` does not read `dst`.
+/// Computes `dst := beta * dst + coefficient * src` where they overlap, and `beta * dst` where
+/// `src` ends first; `src` may be larger too. `beta == 0` does not read `dst`.
 pub(crate) fn accumulate<T: Real>(dst: MatMut<'_, T>, beta: T, coefficient: T, src: MatRef<'_, T>) {
     let src = src.submatrix(0, 0, src.nrows().min(dst.nrows()), src.ncols().min(dst.ncols()));
     combine(dst, beta, &[(coefficient, src)]);
 }
 
-/// `dst := beta dst`; `beta == 0` writes zeros without reading.
+/// Computes `dst := beta dst`; `beta == 0` writes zeros without reading.
 pub(crate) fn scale<T: Real>(dst: MatMut<'_, T>, beta: T) {
     if beta != T::ONE {
         combine(dst, beta, &[]);
     }
 }
 
-/// `dst := beta dst` on the lower triangle.
+/// Computes `dst := beta dst` on the lower triangle.
 pub(crate) fn scale_lower<T: Real>(dst: MatMut<'_, T>, beta: T) {
     accumulate_lower(dst, beta, T::ZERO, MatRef::from_column_major_slice(&[], 0, 0));
 }
 
-/// As [`accumulate`], on and below the diagonal of `dst` only.
+/// Computes [`accumulate`] on and below the diagonal of `dst` only.
 pub(crate) fn accumulate_lower<T: Real>(
     dst: MatMut<'_, T>,
     beta: T,
@@ -152,8 +152,8 @@ pub(crate) fn accumulate_lower<T: Real>(
     accumulate_lower_lines(dst, lines, beta, coefficient, src);
 }
 
-/// As [`accumulate_lower`], on those rows of `dst` if its rows are contiguous, else on those
-/// columns.
+/// Computes [`accumulate_lower`] on the given rows of `dst` if its rows are contiguous, else on the
+/// given columns.
 pub(crate) fn accumulate_lower_lines<T: Real>(
     mut dst: MatMut<'_, T>,
     lines: Range<usize>,
@@ -179,7 +179,7 @@ pub(crate) fn accumulate_lower_lines<T: Real>(
     }
 }
 
-/// Makes the triangles of `uplo` out of what `work` does to a lower one.
+/// Applies `work`, which computes a lower triangle, to the triangles of `uplo`.
 #[inline(always)]
 pub(crate) fn in_lower<T: Real>(
     mut c: MatMut<'_, T>,

@@ -1,4 +1,4 @@
-//! A^T A: options, a plan, its execution; rows from anywhere; and a check.
+//! A^T A: options, plans and their execution, rows from any source, and a probabilistic check.
 //!
 //! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. A call makes
 //! a [`Plan`] from the shape and the [`AtaOptions`], and runs it: `plan/` holds the data,
@@ -73,7 +73,7 @@ use crate::kernel::int8;
 ///
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
-/// [`Error::OutOfMemory`] when the scratch can't be had, [`Error::Cancelled`].
+/// [`Error::OutOfMemory`] when memory for the scratch is refused, [`Error::Cancelled`].
 pub fn ata<T: BlasReal>(
     alpha: T,
     a: MatRef<'_, T>,
@@ -84,8 +84,8 @@ pub fn ata<T: BlasReal>(
     run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options)
 }
 
-/// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they
-/// hold.
+/// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements with any
+/// contents.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata_scratch_len, ata_with_scratch, faer::Mat};
@@ -197,8 +197,8 @@ pub fn aat_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>
     ata_scratch_len::<T>(n, m, options)
 }
 
-/// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter); FastStrassen
-/// of the thesis' algorithm 8.1 under [`SchemeChoice::Ata2`].
+/// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter). With
+/// [`SchemeChoice::Ata2`] it is FastStrassen of the thesis' algorithm 8.1.
 ///
 /// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is
 /// not read, with `alpha == 0` A and B are not. The result is the same, bit for bit, for every
@@ -228,8 +228,8 @@ pub fn atb<T: BlasReal>(
     run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
 }
 
-/// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they
-/// hold.
+/// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements with any
+/// contents.
 ///
 /// ```
 /// use catamaran::{AtaOptions, atb_scratch_len, atb_with_scratch, faer::{Mat, mat}};
@@ -281,7 +281,7 @@ pub fn atb_scratch_len<T: BlasReal>(
     Ok(scratch_len::<T>(&Plan::atb::<T>(m, n, k, options)?, options.par))
 }
 
-/// The plan of `A^T A`.
+/// Returns the plan of `A^T A`.
 fn gram_plan<T: BlasReal>(
     a: MatRef<'_, T>,
     c: MatRef<'_, T>,
@@ -343,7 +343,7 @@ fn run_in<T: BlasReal>(
 /// ```
 ///
 /// # Errors
-/// As [`ata`]; [`Error::Argument`] when the machine refuses the instruction set.
+/// As [`ata`]; [`Error::Argument`] when the machine does not support the instruction set.
 pub fn exact_stages<T: BlasReal>(
     isa: int8::Isa,
     a: MatRef<'_, T>,

@@ -4,25 +4,25 @@ use std::sync::Arc;
 use crate::base::{Error, Par, Pin, Progress, Result};
 use crate::blas::{self, Backend};
 
-/// Which triangle of the symmetric result is wanted.
+/// Which triangle of the symmetric result is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Uplo {
-    /// The lower one; the strict upper one is neither read nor written.
+    /// The lower triangle; the strict upper one is neither read nor written.
     #[default]
     Lower,
-    /// The upper one; the strict lower one is neither read nor written.
+    /// The upper triangle; the strict lower one is neither read nor written.
     Upper,
-    /// Both, equal bit for bit. With `beta != 0` the old lower triangle is what is read.
+    /// Both triangles, equal bit for bit. With `beta != 0` the old lower triangle is read.
     Both,
 }
 
 /// What a product may cost in accuracy. Errors are in the maximum norm, relative to those of the
 /// classical algorithm on the same input.
 ///
-/// The exact path ([`SchemeChoice::Exact`]) takes a number N of moduli from it. With `P` their
-/// product and `u` the unit roundoff, an entry of `A^T B` is wrong by at most
-/// `(u + 4 sqrt(m / P) + 4 m / P) |a_i| |b_j|`, the Euclidean norms of its columns; expected are
-/// rather `(u / 2 + sqrt(2 / P)) |a_i| |b_j|`, for any m.
+/// The exact path ([`SchemeChoice::Exact`]) derives a number N of moduli from it. With `P` their
+/// product and `u` the unit roundoff, an entry of `A^T B` is wrong by at most `(u + 4 sqrt(m / P) +
+/// 4 m / P) |a_i| |b_j|`, with the Euclidean norms of its columns; the expected error is about `(u
+/// / 2 + sqrt(2 / P)) |a_i| |b_j|`, for any m.
 ///
 /// | | N, f64 | `sqrt(2 / P)` | N, f32 | `sqrt(2 / P)` |
 /// |---|---|---|---|---|
@@ -49,18 +49,18 @@ pub enum Accuracy {
 /// Which recursion to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SchemeChoice {
-    /// Whatever the planner expects to be fastest within the accuracy asked for.
+    /// The recursion that the planner expects to be fastest within the requested accuracy.
     #[default]
     Auto,
-    /// The same, but for the exact path.
+    /// As `Auto`, but without the exact path.
     Float,
-    /// No fast products: blocks over the back end.
+    /// No fast products: blocks computed by the back end.
     Classical,
     /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by a measured
     /// side.
     Ata2,
-    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant; with the native
-    /// kernels, which share no sums, over Strassen's: fewer of them.
+    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant. With the native
+    /// kernels, which share no sums, over Strassen's algorithm, which then has fewer.
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,
@@ -69,8 +69,8 @@ pub enum SchemeChoice {
     Kgp4,
     /// Their 3 x 3 scheme over Winograd's variant.
     Kgp3,
-    /// Integer products modulo small primes: one rounding of the columns, one of the result,
-    /// nothing between them. [`Accuracy`] says how fine the first is.
+    /// Integer products modulo small primes: one rounding of the columns, one of the result, and
+    /// none between them. [`Accuracy`] determines the unit of the first rounding.
     Exact,
 }
 
@@ -119,7 +119,7 @@ pub struct AtaOptions<'a> {
     pub tasks: Option<usize>,
     /// Bytes of scratch that plans aim at. [`AtaOptions::memory()`] sets it.
     pub memory: Option<usize>,
-    /// Told of progress; may cancel. [`AtaOptions::progress()`] sets it.
+    /// Progress callback, which may cancel. [`AtaOptions::progress()`] sets it.
     pub progress: Progress<'a>,
 }
 
@@ -163,11 +163,13 @@ impl fmt::Debug for AtaOptions<'_> {
 const MAX_TASKS: usize = 1 << 16;
 
 impl AtaOptions<'_> {
-    /// Calls `work` on the pinned threads, if they are to be.
+    /// Calls `work` on pinned threads, if [`AtaOptions::pin()`] requests them.
     pub(super) fn on_cores<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.par.on_cores(self.pin, work)
     }
 
+    /// Checks the options.
+    ///
     /// # Errors
     /// [`Error::Argument`] that names the option out of range.
     pub(super) fn check(&self) -> Result<()> {
@@ -179,7 +181,7 @@ impl AtaOptions<'_> {
             _ if self.reproducible
                 && !matches!(self.scheme, SchemeChoice::Auto | SchemeChoice::Exact) =>
             {
-                refuse("scheme", "only the exact one is reproducible on every machine")
+                refuse("scheme", "only the exact scheme is reproducible on every machine")
             }
             _ if self.leaf == Some(0) => refuse("leaf", "must be at least 1"),
             _ if self.tasks.is_some_and(|t| t == 0 || t > MAX_TASKS) => {
@@ -196,7 +198,7 @@ impl<'a> AtaOptions<'a> {
         Self::default()
     }
 
-    /// Sets which triangle of the result is wanted; [`Uplo::Lower`] by default.
+    /// Sets which triangle of the result is computed; [`Uplo::Lower`] by default.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Uplo, ata, faer::mat};
@@ -225,10 +227,10 @@ impl<'a> AtaOptions<'a> {
     /// Sets whether threads stay on one core each; [`Pin::No`] by default. The result does not
     /// depend on it.
     ///
-    /// With [`Pin::Cores`] a call runs on pinned threads of this library, which stay for later
+    /// With [`Pin::Cores`] a call runs on pinned threads of this library, which are kept for later
     /// calls with as many threads, and the calling thread waits. Calls at the same time share these
-    /// threads: pin where one call at a time has the machine for itself. [`Par::Seq`] and the
-    /// smallest products stay on the calling thread, wherever it is.
+    /// threads, so pin only where one call at a time uses the machine. [`Par::Seq`] and the
+    /// smallest products run on the calling thread, on any core.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Uplo, ata, base::Pin, faer::Mat};
@@ -269,7 +271,7 @@ impl<'a> AtaOptions<'a> {
         Self { accuracy, ..self }
     }
 
-    /// Returns whether the exact path is asked for by name: by [`AtaOptions::reproducible()`],
+    /// Returns whether the exact path is requested by name: by [`AtaOptions::reproducible()`],
     /// [`SchemeChoice::Exact`] or [`Accuracy::Max`]. Sums of blocks of rows are then exact too.
     pub fn asks_for_exact(&self) -> bool {
         self.reproducible
@@ -293,7 +295,7 @@ impl<'a> AtaOptions<'a> {
         Self { reproducible, ..self }
     }
 
-    /// Sets what computes the leaves; [`blas::native()`] by default.
+    /// Sets the back end that computes the leaves; [`blas::native()`] by default.
     pub fn backend(self, backend: Arc<dyn Backend>) -> Self {
         Self { backend, ..self }
     }
@@ -304,9 +306,9 @@ impl<'a> AtaOptions<'a> {
         Self { leaf: leaf.into(), ..self }
     }
 
-    /// Sets the number of tasks that C is split into, whatever the number of threads. `None`, the
-    /// default, decides by shape. The native kernels share C by items of their own and need none,
-    /// but for the schemes of the thesis, RXTX and Kgp3.
+    /// Sets the number of tasks that C is split into, whatever the number of threads. With `None`,
+    /// the default, the shape decides. The native kernels divide C in their own way and need no
+    /// tasks, except for the schemes of the thesis, RXTX and Kgp3.
     pub fn tasks(self, tasks: impl Into<Option<usize>>) -> Self {
         Self { tasks: tasks.into(), ..self }
     }
@@ -314,13 +316,13 @@ impl<'a> AtaOptions<'a> {
     /// Sets the bytes of scratch that plans over the native kernels and plans of the exact path aim
     /// at, for all threads together. `None`, the default, takes what is fastest.
     ///
-    /// Products of many rows may need more: [`planned_scratch_len`](super::planned_scratch_len) has
-    /// the number. A plan that goes on in smaller steps rounds otherwise, but for the exact path.
+    /// Products of many rows may need more: [`planned_scratch_len`](super::planned_scratch_len)
+    /// returns the number. A plan with smaller steps rounds differently, except on the exact path.
     pub fn memory(self, bytes: impl Into<Option<usize>>) -> Self {
         Self { memory: bytes.into(), ..self }
     }
 
-    /// Sets what is told of progress and may cancel; nobody by default.
+    /// Sets the callback that receives progress and may cancel; none by default.
     ///
     /// ```
     /// use std::ops::ControlFlow;

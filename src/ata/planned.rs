@@ -1,4 +1,4 @@
-//! Products by a plan that the caller made before: once for many products of one shape.
+//! Products by a plan that the caller has made, once for many products of one shape.
 
 use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
@@ -87,7 +87,7 @@ pub fn atb_planned<T: BlasReal>(
             Product { alpha, a: b, b: Some(a), beta, c: c.transpose_mut(), uplo: Some(Uplo::Lower) }
         }
         (Op::Gemmt, Uplo::Both) => {
-            let why = "a triangle of A^T B is the lower or the upper one".into();
+            let why = "must be lower or upper for one triangle of A^T B".into();
             return Err(Error::Argument { what: "uplo", why });
         }
     };
@@ -108,7 +108,7 @@ pub fn planned_scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
 }
 
 fn of_another(wanted: &str) -> Error {
-    Error::Argument { what: "plan", why: format!("it is not one of {wanted}") }
+    Error::Argument { what: "plan", why: format!("is not a plan of {wanted}") }
 }
 
 fn check<T: BlasReal>(
@@ -126,7 +126,7 @@ fn check<T: BlasReal>(
     Error::check_shape("C", (problem.n, problem.k), c.shape())
 }
 
-/// Executes a plan in scratch of its own.
+/// Executes a plan in scratch that it allocates.
 pub(super) fn run<T: BlasReal>(
     plan: &Plan,
     product: Product<'_, T>,

@@ -13,7 +13,7 @@
 use std::fmt;
 use std::sync::LazyLock;
 
-/// What a product of two sums of blocks has to deliver.
+/// The part of a product of two sums of blocks that is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ProductKind {
     /// All of it.
@@ -41,7 +41,7 @@ pub struct Term {
 /// One product of a scheme: `sum(outputs) += (sum left)^T (sum right)`.
 #[derive(Debug, Clone)]
 pub struct Product {
-    /// What of it is used.
+    /// The part of the product that is used.
     pub kind: ProductKind,
     /// Sum of blocks of A.
     pub left: Vec<Term>,
@@ -56,7 +56,7 @@ pub struct Product {
 pub struct Scheme {
     /// Its name.
     pub name: &'static str,
-    /// Computes only the lower triangle of C.
+    /// Whether only the lower triangle of C is computed.
     pub symmetric: bool,
     /// Block rows of A and B.
     pub inner: usize,
@@ -68,7 +68,7 @@ pub struct Scheme {
     pub products: Vec<Product>,
 }
 
-/// Names a scheme.
+/// The name of a scheme.
 ///
 /// ```
 /// use catamaran::ata::scheme::SchemeId;

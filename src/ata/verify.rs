@@ -9,17 +9,17 @@ use super::options::Uplo;
 use crate::base::{Error, Real, Result, Rng, Workspace};
 use crate::blas;
 
-/// More would prove nothing more.
+/// Most rounds: the probability of an error is 2^-1000 with these.
 const MAX_ROUNDS: u32 = 1000;
 
-/// What [`verify`] found.
+/// The result of [`verify`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verification {
-    /// `residual <= tolerance`, both finite.
+    /// Whether `residual <= tolerance`, both finite.
     pub passed: bool,
     /// Largest entry of `|C X - alpha A^T W (A X)|` over all random vectors.
     pub residual: f64,
-    /// What rounding may explain.
+    /// The residual that rounding may cause.
     pub tolerance: f64,
     /// Probability, over the random vectors, that a C with an entry wrong by more than twice the
     /// tolerance passes: 2^-rounds at most.
@@ -61,7 +61,7 @@ pub fn verify<T: Real>(
     verify_rows(alpha, &mut DenseRows(a), &RowOptions::new(), c, uplo, rounds, seed)
 }
 
-/// Checks `C = alpha X^T W X` of [`ata_rows`](super::ata_rows) in the way of [`verify`].
+/// Checks `C = alpha X^T W X` of [`ata_rows`](super::ata_rows) as [`verify`] does.
 ///
 /// ```
 /// use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify_rows};
@@ -148,13 +148,13 @@ pub(crate) fn check_rounds(rounds: u32) -> Result<()> {
     Err(Error::Argument { what: "rounds", why })
 }
 
-/// The random vectors: n x rounds.
+/// Returns the random vectors: n x rounds.
 pub(crate) fn signs(n: usize, rounds: u32, seed: u64) -> Mat<f64> {
     let mut rng = Rng::new(seed);
     Mat::from_fn(n, rounds as usize, |_, _| rng.sign())
 }
 
-/// What the residuals `z = C x - alpha A^T W (A x)`, n x rounds, say; `norms` are
+/// Returns the verdict on the residuals `z = C x - alpha A^T W (A x)`, n x rounds; `norms` are
 /// `sum_i |w_i| a_ij^2`.
 pub(crate) fn verdict<T: Real>(
     alpha: f64,
@@ -162,7 +162,7 @@ pub(crate) fn verdict<T: Real>(
     z: MatRef<'_, f64>,
     norms: &[f64],
 ) -> Verification {
-    // A NaN, once met, stays.
+    // A NaN is kept.
     let mut residual = 0.0_f64;
     for j in 0..z.ncols() {
         for i in 0..z.nrows() {

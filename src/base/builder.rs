@@ -1,10 +1,11 @@
 //! Setters of options.
 
-/// Defines `new` (the defaults) and a setter for each of the fields named, called as the field is.
-/// A field after `#[into]` takes whatever becomes its type; `par` gets `threads` too. A type
-/// parameter of the options is a [`Real`](crate::Real).
+/// Defines `new`, which returns the defaults, and a setter for each of the listed fields, named
+/// like the field. The setter of a field after `#[into]` takes any value that converts into its
+/// type; the field `par` also gets the setter `threads`. A type parameter of the options is a
+/// [`Real`](crate::Real).
 ///
-/// The form `setters only` leaves `new` to the type.
+/// With `setters only` the macro does not define `new`.
 macro_rules! builder {
     ($options:ident$(<$generic:lifetime $(, $scalar:ident)?>)? { $($fields:tt)* }) => {
         impl$(<$generic $(, $scalar: $crate::base::Real)?>)? $options$(<$generic $(, $scalar)?>)? {

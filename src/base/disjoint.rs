@@ -1,4 +1,4 @@
-//! Memory that several threads write, each its own part: the one type that all executors share.
+//! Shared access to memory of which each thread writes its own part.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -91,7 +91,7 @@ impl<'a, T> Disjoint<'a, T> {
         self.col_stride
     }
 
-    /// The address of the first entry of a block inside the matrix.
+    /// Returns the address of the first entry of a block inside the matrix.
     fn corner(&self, rows: &Range<usize>, cols: &Range<usize>) -> *mut T {
         assert!(rows.start <= rows.end && rows.end <= self.rows, "rows {rows:?} of {}", self.rows);
         assert!(cols.start <= cols.end && cols.end <= self.cols, "cols {cols:?} of {}", self.cols);
@@ -112,7 +112,7 @@ impl<'a, T> Disjoint<'a, T> {
     #[allow(clippy::mut_from_ref)]
     pub unsafe fn block(&self, rows: Range<usize>, cols: Range<usize>) -> MatMut<'_, T> {
         let corner = self.corner(&rows, &cols);
-        // SAFETY: the block lies inside the matrix, as asserted; the caller sees to the rest.
+        // SAFETY: the block lies inside the matrix, as asserted; the caller ensures disjointness.
         unsafe {
             let (down, across) = (self.row_stride, self.col_stride);
             MatMut::from_raw_parts_mut(corner, rows.len(), cols.len(), down, across)
@@ -126,11 +126,11 @@ impl<'a, T> Disjoint<'a, T> {
     #[allow(clippy::mut_from_ref)]
     pub unsafe fn get(&self, i: usize) -> &mut T {
         assert!(i < self.rows, "element {i} of {}", self.rows);
-        // SAFETY: inside the matrix; the caller sees to the rest.
+        // SAFETY: inside the matrix; the caller ensures disjointness.
         unsafe { &mut *self.start.at(i as isize * self.row_stride) }
     }
 
-    /// Elements of a slice.
+    /// Returns the given elements of a slice.
     ///
     /// # Safety
     /// No other part that is alive meanwhile overlaps them.
@@ -138,14 +138,14 @@ impl<'a, T> Disjoint<'a, T> {
     pub unsafe fn range(&self, elements: Range<usize>) -> &mut [T] {
         assert!(self.cols == 1 && self.row_stride == 1, "not a slice");
         let (start, count) = (self.corner(&elements, &(0..1)), elements.len());
-        // SAFETY: adjacent elements of the slice, as asserted; the caller sees to the rest.
+        // SAFETY: adjacent elements of the slice, as asserted; the caller ensures disjointness.
         unsafe { std::slice::from_raw_parts_mut(start, count) }
     }
 
     /// Returns entry `i` of the first column for reading.
     ///
     /// # Safety
-    /// Nobody writes it meanwhile.
+    /// No thread writes it meanwhile.
     pub unsafe fn read(&self, i: usize) -> &T {
         assert!(i < self.rows, "element {i} of {}", self.rows);
         // SAFETY: as in `get`.
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use crate::base::Par;
 
-    /// ThreadSanitizer watches this one (`scripts/test --sanitize`).
+    /// `scripts/test --sanitize` runs this test under ThreadSanitizer.
     #[test]
     fn blocks_written_by_many_threads_arrive_whole_and_once() {
         for (n, k, side) in [(0, 3, 2), (1, 1, 4), (37, 53, 8), (64, 64, 16)] {
@@ -196,7 +196,7 @@ mod tests {
             // SAFETY: each range is visited once.
             unsafe { shared.range(100 * i..100 * (i + 1)) }.sort_unstable();
         });
-        // SAFETY: nobody writes any more.
+        // SAFETY: no thread writes any more.
         assert!((0..1000).all(|i| unsafe { *shared.read(i) } == i));
     }
 
@@ -205,7 +205,7 @@ mod tests {
     fn a_block_beyond_the_matrix_is_refused() {
         let mut matrix = Mat::<f64>::zeros(4, 4);
         let shared = Disjoint::new(matrix.as_mut());
-        // SAFETY: never made.
+        // SAFETY: the call panics before it makes the block.
         let _ = unsafe { shared.block(3..5, 0..1) };
     }
 }

@@ -9,8 +9,8 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Everything that can fail, with the argument, file or rank at fault.
 ///
-/// A message is complete by itself: it contains what [`source`](StdError::source) says. A panic out
-/// of this crate is a bug of this crate.
+/// A message is complete: it includes the message of [`source`](StdError::source). A panic inside
+/// this crate is a bug in this crate.
 ///
 /// ```
 /// use std::error::Error as _;
@@ -65,32 +65,32 @@ pub enum Error {
         /// The error of the operating system, if there is one.
         cause: Option<Cause>,
     },
-    /// Memory for a result or a workspace could not be had.
+    /// Memory for a result or a workspace could not be allocated.
     OutOfMemory {
         /// The size of the request.
         bytes: usize,
     },
-    /// A triangle mesh or a plant is not one, or not of the kind that is asked for.
+    /// A triangle mesh or a plant is invalid, or not of the required kind.
     Mesh {
         /// What is wrong.
         what: String,
         /// The vertex, node, edge or face at fault, as in "face 12".
         element: String,
     },
-    /// A BLAS back end could not be loaded, or refused.
+    /// A BLAS back end could not be loaded, or it refused the request.
     Backend {
         /// The library.
         name: String,
-        /// What it said.
+        /// Why it failed.
         why: String,
         /// The error of the loader, if there is one.
         cause: Option<Cause>,
     },
-    /// Another rank of a distributed call failed, or does not fit the others.
+    /// A rank of a distributed call failed, or its arguments disagree with those of other ranks.
     Rank {
         /// The rank at fault, from 0.
         rank: usize,
-        /// What it said, or what is wrong with it.
+        /// Its error message, or what is wrong with its arguments.
         why: String,
     },
     /// The progress callback asked to stop. Outputs hold unspecified values.
@@ -182,7 +182,7 @@ impl Error {
         Self::Io { path: path.into(), line: None, what: e.to_string(), cause: Some(e.into()) }
     }
 
-    /// `Ok` when `got == expected`, else [`Error::Shape`].
+    /// Returns [`Error::Shape`] unless `got == expected`.
     pub(crate) fn check_shape(
         what: &'static str,
         expected: (usize, usize),

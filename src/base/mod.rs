@@ -1,4 +1,4 @@
-//! What everything stands on: scalars, errors, threads, workspaces, progress, randomness.
+//! Basics for all modules: scalars, errors, threads, workspaces, progress, random numbers.
 
 mod builder;
 mod disjoint;

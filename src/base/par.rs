@@ -1,4 +1,4 @@
-//! Threads: how many, who they are, and the one loop by which they share work.
+//! Threads: their number, pools of them, and the loop that distributes work among them.
 
 use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
@@ -26,14 +26,14 @@ use super::{Error, Result};
 pub enum Par {
     /// The calling thread only.
     Seq,
-    /// At most this many threads (at least 1): those of the rayon pool the call runs in, or a pool
-    /// made for the call when that one is smaller. More than [`Par::MOST_PER_CORE`] a core are
-    /// never used: they would only wait for each other.
+    /// At most this many threads (at least 1): those of the rayon pool that the call runs in, or of
+    /// a pool made for the call if that pool is smaller. At most [`Par::MOST_PER_CORE`] threads per
+    /// core are used, because more would only wait for each other.
     Threads(usize),
 }
 
 impl Par {
-    /// Threads for each core, at most.
+    /// Largest number of threads per core.
     pub const MOST_PER_CORE: usize = 4;
 
     /// Returns one thread for each core in the affinity mask of this process.
@@ -55,21 +55,21 @@ impl Par {
         }
     }
 
-    /// Calls `work` where its threads are to be: with [`Pin::Cores`] on one of as many pinned
-    /// threads, so that all threads of `work` are among them and the calling thread, which waits,
-    /// keeps its affinity mask.
+    /// Calls `work` on the calling thread or, with [`Pin::Cores`], on one of as many pinned
+    /// threads. In the second case all threads of `work` are pinned, and the calling thread, which
+    /// waits, keeps its affinity mask.
     pub(crate) fn on_cores<R: Send>(self, pin: Pin, work: impl FnOnce() -> R + Send) -> R {
         match (self, pin) {
             (Self::Seq, _) | (_, Pin::No) => work(),
             (Self::Threads(_), Pin::Cores) => match pinned(self.threads()) {
                 Ok(pool) => pool.run(work),
-                // As in `tickets`: no more threads to be had.
+                // As in `tickets`: the system gives no more threads.
                 Err(_) => work(),
             },
         }
     }
 
-    /// The same, with no more threads than there are pieces of work.
+    /// Returns the same setting, limited to one thread per piece of work.
     pub(crate) fn at_most(self, pieces: usize) -> Self {
         match self.threads().min(pieces) {
             0 | 1 => Self::Seq,
@@ -96,7 +96,7 @@ impl Par {
         });
     }
 
-    /// What `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
+    /// Returns what `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
     pub(crate) fn map_blocks<T: Send + Sync>(
         self,
         n: usize,
@@ -112,7 +112,7 @@ impl Par {
         results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 
-    /// [`tickets`] for workers without memory of their own.
+    /// Calls [`tickets`] with workers that have no memory of their own.
     pub(crate) fn tickets(self, count: usize, work: impl Fn(usize) -> ControlFlow<()> + Sync) {
         let mut workers = vec![(); self.at_most(count).threads()];
         tickets(&mut workers, count, |(), i| work(i));
@@ -123,9 +123,9 @@ impl Par {
 /// of `workers`; waits for all. Tickets are handed out in ascending order, and none after a
 /// `Break`.
 ///
-/// Which worker gets which ticket is a matter of chance, so that results must not depend on it. The
-/// calling thread is the first worker; a worker whose thread never starts leaves its tickets to
-/// others.
+/// Which worker gets which ticket varies from run to run, so results must not depend on it. The
+/// calling thread is the first worker. If the thread of a worker never starts, the other workers
+/// serve its tickets.
 pub(crate) fn tickets<W: Send>(
     workers: &mut [W],
     count: usize,
@@ -161,13 +161,13 @@ pub(crate) fn tickets<W: Send>(
     }
     match ThreadPool::new(wanted, Pin::No) {
         Ok(pool) => pool.run(|| run(first, others)),
-        // No more threads to be had: slower, but the same result.
+        // The system gives no more threads: slower, but the same result.
         Err(_) => serve(first),
     }
 }
 
-/// Whether the rayon pool that the caller is in, or else the global one, has that many. The global
-/// pool is started by this; where the system refuses its threads, rayon panics.
+/// Returns whether the rayon pool of the caller, or else the global pool, has at least `wanted`
+/// threads. This call starts the global pool; rayon panics where the system refuses its threads.
 fn enough_threads(wanted: usize) -> bool {
     std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= wanted)
 }
@@ -186,11 +186,11 @@ pub fn available_cores() -> usize {
     *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
 }
 
-/// A counter that threads wait for: it is over once it has been counted down to zero.
+/// A counter that threads wait for until it has been counted down to zero.
 #[derive(Debug)]
 pub(crate) struct Latch {
     left: AtomicUsize,
-    /// Threads asleep.
+    /// Number of threads asleep.
     asleep: Mutex<usize>,
     over: Condvar,
 }
@@ -204,7 +204,7 @@ impl Latch {
     /// Counts one piece as done. What its thread wrote is visible to the threads that wait.
     pub fn count_down(&self) {
         if self.left.fetch_sub(1, Ordering::AcqRel) == 1 {
-            // Under the lock: who has seen a piece left is asleep by now, and hears it.
+            // Under the lock: a thread that saw a piece left is asleep by now, and is woken.
             let asleep = self.asleep.lock().unwrap_or_else(PoisonError::into_inner);
             if *asleep > 0 {
                 self.over.notify_all();
@@ -216,8 +216,8 @@ impl Latch {
         self.left.load(Ordering::Acquire) == 0
     }
 
-    /// Waits until it is over: some microseconds awake, for the next piece of work usually is as
-    /// near, then asleep.
+    /// Waits until the count is zero: spins for some microseconds, because the next piece of work
+    /// usually ends that soon, then sleeps.
     pub fn wait(&self) {
         const SPINS: usize = 2000;
         const YIELDS: usize = 20;
@@ -239,26 +239,26 @@ impl Latch {
 /// Whether threads stay on one core each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pin {
-    /// The operating system moves them as it likes.
+    /// The operating system may move threads between cores.
     #[default]
     No,
     /// Thread `i` stays on the `i`-th core of the affinity mask (modulo their number), where the
     /// operating system allows it.
     ///
-    /// The mask is that of the process when cores were first asked for: the one that `taskset` or
-    /// the binding of `mpirun` gives it. Processes that share a mask share its first cores.
+    /// The mask is that of the process at the first call that needs it, as set by `taskset` or by
+    /// the binding of `mpirun`. Processes that share a mask share its first cores.
     Cores,
 }
 
-/// The cores of the affinity mask, in ascending order; none where they are not to be had. Asked for
-/// once, because a thread that is pinned sees one core only.
+/// Returns the cores of the affinity mask in ascending order, or none where the system does not
+/// report them. The mask is read once, because a pinned thread sees one core only.
 fn cores() -> &'static [CoreId] {
     static CORES: OnceLock<Vec<CoreId>> = OnceLock::new();
     CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
 }
 
-/// The pool of so many pinned threads, which stays: to start threads takes longer than a small
-/// product.
+/// Returns a pool of `threads` pinned threads. Pools are kept, because starting threads takes
+/// longer than a small product.
 fn pinned(threads: usize) -> Result<Arc<ThreadPool>> {
     static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -292,7 +292,7 @@ impl ThreadPool {
     /// Creates a pool of `threads` threads (at least 1).
     ///
     /// # Errors
-    /// [`Error::Argument`] when the operating system gives no more threads.
+    /// [`Error::Argument`] when the operating system refuses the threads.
     pub fn new(threads: usize, pin: Pin) -> Result<Self> {
         let mut builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
         if pin == Pin::Cores {
@@ -326,13 +326,13 @@ impl ThreadPool {
 mod tests {
     use super::*;
 
-    /// The cores that the calling thread may run on.
+    /// Returns the cores that the calling thread may run on.
     #[cfg(target_os = "linux")]
     fn mask() -> Vec<CoreId> {
         core_affinity::get_core_ids().unwrap()
     }
 
-    /// What threads that work at the same time see as their masks, with their numbers.
+    /// Returns the affinity masks that threads working at the same time see, with their numbers.
     #[cfg(target_os = "linux")]
     fn masks(threads: usize) -> Vec<(usize, Vec<CoreId>)> {
         let barrier = std::sync::Barrier::new(threads);
@@ -436,7 +436,7 @@ mod tests {
                 });
             }
             latch.count_down();
-            // Long enough for them to fall asleep.
+            // Long enough for the waiting threads to fall asleep.
             std::thread::sleep(std::time::Duration::from_millis(20));
             value.store(7, Ordering::Relaxed);
             latch.count_down();

@@ -1,9 +1,9 @@
-//! Types without padding, of which any bits are a value.
+//! Types without padding for which every bit pattern is a value.
 
-/// A type of which any bits are a value.
+/// A type for which every bit pattern is a value.
 ///
 /// # Safety
-/// That, and no padding.
+/// Every bit pattern of the type is a value, and the type has no padding.
 pub unsafe trait Plain: Copy + Send + Sync {}
 
 // SAFETY: as the trait asks.

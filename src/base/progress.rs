@@ -54,12 +54,12 @@ impl<'a, F: Fn(f64) -> ControlFlow<()> + Sync> From<&'a F> for Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Reports to nobody, and never stops.
+    /// Returns a progress that reports to no callback and never stops.
     pub const fn none() -> Self {
         Self { callback: None, start: 0.0, length: 1.0 }
     }
 
-    /// Reports to `callback`.
+    /// Returns a progress that reports to `callback`.
     ///
     /// ```
     /// use std::ops::ControlFlow;
@@ -131,7 +131,7 @@ impl<'a> Progress<'a> {
 pub(crate) struct Tracker<'a> {
     progress: Progress<'a>,
     total: f64,
-    /// Bits of the work done, an f64.
+    /// The work that is done: the bits of an f64.
     done: AtomicU64,
     /// The work that was reported; held during a call.
     reported: Mutex<f64>,
@@ -183,7 +183,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Ends the work once no thread works on it any more, and reports what has not been reported.
+    /// Reports the work that has not been reported yet. Call it when no thread works any more.
     ///
     /// # Errors
     /// [`Error::Cancelled`] when the callback asked to stop.

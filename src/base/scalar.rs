@@ -48,13 +48,13 @@ pub trait Real:
     /// `"f32"` or `"f64"`.
     const NAME: &'static str;
 
-    /// The nearest value to `x`.
+    /// Returns the nearest value to `x`.
     fn from_f64(x: f64) -> Self;
-    /// The value, exactly.
+    /// Returns the value, exactly.
     fn to_f64(self) -> f64;
-    /// |x|.
+    /// Returns |x|.
     fn abs(self) -> Self;
-    /// Neither NaN nor infinite.
+    /// Returns whether the value is neither NaN nor infinite.
     fn is_finite(self) -> bool;
 }
 

@@ -1,4 +1,4 @@
-/// Disjoint sets of the numbers from 0 to `count - 1` (Tarjan 1975), each known by its lowest
+/// Disjoint sets of the numbers from 0 to `count - 1` (Tarjan 1975), each identified by its lowest
 /// number.
 pub(crate) struct Sets {
     parent: Vec<u32>,
@@ -24,7 +24,7 @@ impl Sets {
     /// Unites the sets of `i` and `j`.
     pub fn join(&mut self, i: u32, j: u32) {
         let (i, j) = (self.find(i), self.find(j));
-        // The root is the lowest number, so that results have an order of their own.
+        // The root is the lowest number, so that results do not depend on the order of the calls.
         self.parent[i.max(j) as usize] = i.min(j);
     }
 }

@@ -1,10 +1,10 @@
-//! The widest registers there are, found at run time.
+//! Dispatch to the widest SIMD registers of this CPU at run time.
 
-/// Calls `work`, an `#[inline(always)]` closure, with the widest registers there are: the loops
-/// inside use them. Called once around a loop, not inside.
+/// Calls `work`, an `#[inline(always)]` closure, compiled for the widest SIMD registers of this
+/// CPU. Call this function once around a loop, not inside it.
 ///
-/// The bound makes the closure one that is called once: where `pulp` itself takes it, its body is
-/// inlined into a function of its own first, for the narrowest registers.
+/// The bound is `FnOnce` on purpose: where `pulp` itself takes the closure, its body is first
+/// inlined into a function of its own, compiled for the narrowest registers.
 #[inline(always)]
 pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
     struct Work<F>(F);

@@ -58,8 +58,8 @@ pub fn cpu_features() -> Vec<&'static str> {
     found
 }
 
-/// Bytes of the first and second-level data caches of a core: usual ones where the CPU does not
-/// say.
+/// Returns the bytes of the first and second-level data caches of a core, or usual sizes where the
+/// CPU does not report them.
 pub(crate) fn data_caches() -> [usize; 2] {
     static CACHES: OnceLock<[usize; 2]> = OnceLock::new();
     *CACHES.get_or_init(|| [data_cache(1).unwrap_or(32 << 10), data_cache(2).unwrap_or(1 << 20)])

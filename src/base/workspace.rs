@@ -39,7 +39,7 @@ impl<T: Real> Workspace<T> {
         Ok(workspace)
     }
 
-    /// A workspace on pages of the usual size, to measure what huge ones save.
+    /// Creates a workspace on pages of the usual size, to measure what huge pages save.
     pub(crate) fn on_small_pages(len: usize) -> Result<Self> {
         let bytes = len.saturating_mul(size_of::<T>());
         let slack = CACHE_LINE / size_of::<T>();
@@ -48,10 +48,10 @@ impl<T: Real> Workspace<T> {
         Ok(Self { skipped: buffer.as_ptr().align_offset(CACHE_LINE), buffer })
     }
 
-    /// Grows to at least `len` elements; what it held is lost.
+    /// Grows the workspace to at least `len` elements; its contents are lost.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`]; the old block is then gone.
+    /// [`Error::OutOfMemory`]; the old block is freed in that case too.
     pub fn reserve(&mut self, len: usize) -> Result<()> {
         if self.buffer.len() - self.skipped >= len {
             return Ok(());
@@ -78,7 +78,7 @@ impl<T: Real> Workspace<T> {
     }
 }
 
-/// An empty vector with room for `len` entries.
+/// Returns an empty vector with room for `len` entries.
 pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
@@ -87,7 +87,7 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     Ok(values)
 }
 
-/// `len` zeros; memory that can't be had is an error.
+/// Returns a vector of `len` zeros, or an error when memory is refused.
 pub(crate) fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
     let bytes = len.saturating_mul(size_of::<T>());
     let mut values = zeroed(len).ok_or(Error::OutOfMemory { bytes })?;
@@ -95,7 +95,7 @@ pub(crate) fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
     Ok(values)
 }
 
-/// `len` zeros, which the system provides when they are touched.
+/// Returns `len` zeros in memory that the system provides when it is touched.
 fn zeroed<T: Plain>(len: usize) -> Option<Vec<T>> {
     if len == 0 {
         return Some(Vec::new());
@@ -109,8 +109,8 @@ fn zeroed<T: Plain>(len: usize) -> Option<Vec<T>> {
     }
 }
 
-/// Asks for huge pages where `block` has room for two of them: the system clears those many times
-/// faster than small ones, when they are touched.
+/// Asks the system for huge pages where `block` has room for two of them: when they are touched,
+/// the system clears them many times faster than small ones.
 #[cfg(target_os = "linux")]
 fn ask_for_huge_pages<T>(block: &mut [T]) {
     if size_of_val(block) < 2 * HUGE_PAGE {
@@ -127,18 +127,18 @@ fn ask_for_huge_pages<T>(block: &mut [T]) {
 #[cfg(not(target_os = "linux"))]
 fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 
-/// Memory for the length of a call, with whatever an earlier one left in it.
+/// Memory for the duration of a call, with unspecified contents.
 ///
-/// Pages fresh from the system cost as much as the arithmetic on them, so that large blocks stay
-/// with the process, as in other BLAS libraries, until [`release_memory`].
+/// Fresh pages from the system cost as much as the arithmetic on them, so large blocks are kept for
+/// later calls, as in other BLAS libraries, until [`release_memory`].
 #[derive(Default)]
 pub(crate) struct Scratch(Workspace<f64>);
 
-/// Blocks that the next calls may have, in the order in which they came back. Nobody waits for
-/// them: a process that is forked while another thread has the lock would wait forever.
+/// Blocks that later calls may use, in the order in which they were returned. No call waits for the
+/// lock: in a process that is forked while another thread holds it, the wait would never end.
 static SPARE: Mutex<Vec<Workspace<f64>>> = Mutex::new(Vec::new());
 
-/// Bytes of a block that stays: smaller ones are the allocator's business, larger ones too much.
+/// Bytes of a block that is kept: the allocator handles smaller ones, larger ones are too much.
 const KEPT: std::ops::RangeInclusive<usize> = 4 << 20..=1 << 30;
 
 impl Scratch {
@@ -149,7 +149,7 @@ impl Scratch {
         Ok(scratch)
     }
 
-    /// Grows to at least `len` elements of T; what it held is lost.
+    /// Grows the block to at least `len` elements of T; its contents are lost.
     pub fn reserve<T: Real>(&mut self, len: usize) -> Result<()> {
         let len = len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>());
         if self.0.as_slice().len() < len {
@@ -176,7 +176,7 @@ impl Scratch {
                 blocks.push(own);
                 surplus(blocks)
             });
-            // Outside of the lock.
+            // Outside of the lock, because freeing large blocks takes time.
             drop(dropped);
         }
     }
@@ -188,15 +188,15 @@ impl Drop for Scratch {
     }
 }
 
-/// The smallest block of at least `len` elements, or the largest one, which then gives way to a
-/// larger one: there are no more blocks than were in use at a time.
+/// Takes the smallest block of at least `len` elements, or else the largest one, which then grows:
+/// there are never more blocks than were in use at the same time.
 fn take(blocks: &mut Vec<Workspace<f64>>, len: usize) -> Option<Workspace<f64>> {
     let len_of = |i: &usize| blocks[*i].as_slice().len();
     let fitting = (0..blocks.len()).filter(|i| len_of(i) >= len).min_by_key(len_of);
     fitting.or_else(|| (0..blocks.len()).max_by_key(len_of)).map(|i| blocks.remove(i))
 }
 
-/// The oldest blocks, without which those that stay have no more bytes than [`KEPT`] allows.
+/// Removes the oldest blocks, so that the others have no more bytes than [`KEPT`] allows.
 fn surplus(blocks: &mut Vec<Workspace<f64>>) -> Vec<Workspace<f64>> {
     let mut bytes = 0;
     let fit = |block: &&Workspace<f64>| {
@@ -215,7 +215,7 @@ fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
     }
 }
 
-/// Gives the memory back that products keep for the next one: at most 1 GiB.
+/// Frees the memory that products keep for later products: at most 1 GiB.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata, base::release_memory, faer::Mat};
@@ -257,7 +257,7 @@ impl<'a, T: Real> Arena<'a, T> {
     /// Takes the next `len` elements, whose contents are unspecified.
     ///
     /// # Panics
-    /// When fewer are left: the scratch query and the code disagree, which is a bug here.
+    /// When fewer are left: the scratch query and the code disagree, which is a bug in this crate.
     pub fn take(&mut self, len: usize) -> &'a mut [T] {
         let rest = std::mem::take(&mut self.rest);
         assert!(len <= rest.len(), "scratch query too small: {len} wanted, {} left", rest.len());
@@ -266,28 +266,29 @@ impl<'a, T: Real> Arena<'a, T> {
         piece
     }
 
-    /// The next `len` elements of another type, on a cache line of their own.
+    /// Takes the next `len` elements of another type, starting on a cache line of their own.
     ///
     /// # Panics
-    /// As [`Arena::take`], which wants [`Arena::len_of`] elements for this.
+    /// As [`Arena::take`]; this needs [`Arena::len_of`] elements.
     pub(crate) fn take_as<U: Plain>(&mut self, len: usize) -> &'a mut [U] {
         let piece = self.take(Self::len_of::<U>(len));
         let skipped = piece.as_ptr().cast::<u8>().align_offset(CACHE_LINE);
-        // SAFETY: `len_of` counts the bytes of `len` elements and of the way to the next cache
-        // line, which suits the alignment of U; any bits are a U, and a T when the borrow ends.
+        // SAFETY: `len_of` counts the bytes of `len` elements and of the padding before the next
+        // cache line, which suits the alignment of U; any bits are a U, and a T when the borrow
+        // ends.
         unsafe {
             let start = piece.as_mut_ptr().cast::<u8>().add(skipped);
             std::slice::from_raw_parts_mut(start.cast(), len)
         }
     }
 
-    /// Elements that [`Arena::take_as`] takes.
+    /// Returns the number of elements that [`Arena::take_as`] takes.
     pub(crate) fn len_of<U: Plain>(len: usize) -> usize {
         const { assert!(align_of::<U>() <= CACHE_LINE) };
         (len.saturating_mul(size_of::<U>()).saturating_add(CACHE_LINE)).div_ceil(size_of::<T>())
     }
 
-    /// Creates an arena over the rest. Its pieces return to this arena when it is dropped.
+    /// Creates an arena over the rest. When it is dropped, its pieces return to this arena.
     pub fn nested(&mut self) -> Arena<'_, T> {
         Arena { rest: &mut *self.rest }
     }
@@ -313,10 +314,10 @@ mod tests {
         assert!(arena.rest.is_empty());
     }
 
-    /// Pages of `memory` that something has touched.
+    /// Returns the number of pages of `memory` that have been touched.
     #[cfg(target_os = "linux")]
     fn touched(memory: &[f64]) -> usize {
-        // SAFETY: asks for a number.
+        // SAFETY: the call only returns a number.
         let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
         let mut pages = vec![0_u8; size_of_val(memory).div_ceil(page)];
         // SAFETY: mapped memory from a page's beginning on, and a byte for each of its pages.
@@ -356,7 +357,7 @@ mod tests {
         assert!(take(&mut blocks, 1).is_none());
         blocks.extend([300, 100].map(block));
         assert!(surplus(&mut blocks).is_empty());
-        // Nobody touches these pages.
+        // The test does not touch these pages.
         let large = KEPT.end() / size_of::<f64>() / 2;
         blocks.push(block(large));
         blocks.push(block(large - 1000));

@@ -1,4 +1,4 @@
-//! What a back end is.
+//! The trait of BLAS back ends.
 
 use super::kernels::Kernels;
 use super::native::Native;
@@ -21,24 +21,24 @@ pub struct Rates {
     pub add_bytes: f64,
 }
 
-/// A BLAS library, or what stands in for one.
+/// A BLAS library, or another implementation of its matrix products.
 pub trait Backend: Kernels<f32> + Kernels<f64> {
-    /// Short name, such as `native`, `openblas` or the file name of a loaded library.
+    /// Returns a short name, such as `native`, `openblas` or the file name of a loaded library.
     fn name(&self) -> &str;
 
-    /// Its version, or what it says of itself; may be empty.
+    /// Returns the version or the library's description of itself; may be empty.
     fn description(&self) -> &str;
 
-    /// What the planner assumes of it.
+    /// Returns the rates that the planner assumes.
     fn rates(&self) -> Rates;
 
-    /// Itself, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without this
-    /// trait.
+    /// Returns the back end itself if it is the kernels of this crate, which
+    /// [`ata`](mod@crate::ata) then uses without this trait.
     fn native(&self) -> Option<&Native> {
         None
     }
 
-    /// Holds the library at one thread until the guard is dropped: on the calling thread (MKL), or
+    /// Limits the library to one thread until the guard is dropped: on the calling thread (MKL), or
     /// in the process (others), where the last guard restores what the first one found.
     fn single_threaded(&self) -> ThreadGuard {
         ThreadGuard(None)
@@ -56,7 +56,7 @@ impl Drop for ThreadGuard {
     }
 }
 
-/// A scalar whose kernels a [`Backend`] has: picks them out of the trait object.
+/// A scalar for which a [`Backend`] has kernels; selects them from the trait object.
 ///
 /// ```
 /// use catamaran::{blas::{self, BlasReal}, faer::Mat};
@@ -67,7 +67,7 @@ impl Drop for ThreadGuard {
 /// assert_eq!(c[(0, 2)], 5.0);
 /// ```
 pub trait BlasReal: Real + int8::Operand + packed::Operand {
-    /// The kernels of this precision.
+    /// Returns the kernels of this precision.
     fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;
 }
 

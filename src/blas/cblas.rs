@@ -53,7 +53,7 @@ type Syrk<T> = unsafe extern "C" fn(
 type Dot =
     unsafe extern "C" fn(n: c_int, x: *const f64, inc_x: c_int, y: *const f64, inc_y: c_int) -> f64;
 
-/// How a library is held at one thread.
+/// How a library is limited to one thread.
 #[derive(Clone, Copy)]
 enum Threading {
     /// MKL: a count per calling thread, returns the previous one (0 = none set).
@@ -75,7 +75,7 @@ pub(super) struct Cblas {
     dsyrk: Syrk<f64>,
     ssyrk: Syrk<f32>,
     threading: Threading,
-    /// Calls that hold a process-wide count at one, and the count to put back after the last.
+    /// Calls that hold a process-wide count at one, and the count to restore after the last.
     holders: Arc<Mutex<(usize, i64)>>,
 }
 
@@ -85,12 +85,12 @@ impl Cblas {
         let refuse = |why: String| Error::Backend { name: name.clone(), why, cause: None };
         // SAFETY: runs the library's initialisers; the caller named it as a BLAS to be trusted.
         let library = unsafe { Library::new(path) }.map_err(|e| {
-            // What the loader said is in the source.
+            // The loader's own message is in the source.
             let said = std::error::Error::source(&e).map(ToString::to_string);
             let why = said.unwrap_or_else(|| e.to_string());
             Error::Backend { name: name.clone(), why, cause: Some(e.into()) }
         })?;
-        // Never unloaded: it may have threads of its own, and guards outlive the back end.
+        // Never unloaded: the library may have threads of its own, and guards outlive the back end.
         let library = ManuallyDrop::new(library);
         let prefix = ["", "scipy_"]
             .into_iter()
@@ -114,7 +114,7 @@ impl Cblas {
         let threading = threading(&library, prefix);
         let description = description(&library, prefix);
         if !has_32_bit_integers(ddot) || description.contains("USE64BITINT") {
-            return Err(refuse("its integers are not 32-bit (LP64)".into()));
+            return Err(refuse("its integers have 64 bits (ILP64), not 32 (LP64)".into()));
         }
         Ok(Self {
             name,
@@ -129,8 +129,9 @@ impl Cblas {
     }
 }
 
-/// Whether a library takes 32-bit integers: asks for a scalar product of length 2, which as a
-/// 64-bit integer is a negative length. That is legal too, and gives zero (reference BLAS, `ddot`).
+/// Returns whether a library takes 32-bit integers: asks for a scalar product of length 2, which as
+/// a 64-bit integer is a negative length. That is legal too, and gives zero (reference BLAS,
+/// `ddot`).
 fn has_32_bit_integers(ddot: Dot) -> bool {
     type WideDot = unsafe extern "C" fn(i64, *const f64, i64, *const f64, i64) -> f64;
     if size_of::<usize>() != 8 {
@@ -146,7 +147,7 @@ fn has_32_bit_integers(ddot: Dot) -> bool {
     product == 31.0
 }
 
-/// The symbol `name` as a `T`.
+/// Returns the symbol `name` as a `T`.
 ///
 /// # Safety
 /// `T` must be the pointer type of that symbol.
@@ -229,7 +230,7 @@ impl Cblas {
     }
 }
 
-/// A view as CBLAS sees it.
+/// The storage order of a view in the terms of CBLAS.
 #[derive(Clone, Copy)]
 struct Layout {
     /// Rows are contiguous (else columns are).
@@ -237,8 +238,8 @@ struct Layout {
     leading: c_int,
 }
 
-/// The CBLAS layout of an r x c view with these strides, if it has one. An extent of at most one
-/// makes its stride irrelevant.
+/// Returns the CBLAS layout of an r x c view with these strides, if it has one. An extent of at
+/// most one makes its stride irrelevant.
 fn layout(rows: usize, cols: usize, row_stride: isize, col_stride: isize) -> Option<Layout> {
     let leading = |stride: isize, lines: usize, length: usize| {
         let stride = if lines <= 1 { length.max(1) } else { usize::try_from(stride).ok()? };
@@ -428,8 +429,8 @@ impl Backend for Cblas {
     }
 }
 
-/// Sets a process-wide count to one for the first of its holders, and returns what puts it back
-/// after the last.
+/// Sets a process-wide count to one for its first holder, and returns a closure that restores the
+/// count after the last holder.
 fn hold(
     holders: &Arc<Mutex<(usize, i64)>>,
     get: impl Fn() -> i64,
@@ -456,7 +457,7 @@ fn hold(
     })
 }
 
-/// What computes operands that CBLAS can't express.
+/// Returns the back end for operands that CBLAS can't express.
 fn fallback() -> Native {
     let best = packed::Isa::best();
     Native::new(best, packed::Rates::of(best))
@@ -466,7 +467,7 @@ fn fallback() -> Native {
 mod tests {
     use super::*;
 
-    /// A scalar product for integers of one width, which refuses what BLAS calls illegal.
+    /// Defines a scalar product for integers of one width that rejects what BLAS calls illegal.
     macro_rules! ddot {
         ($name:ident, $integer:ty) => {
             extern "C" fn $name(

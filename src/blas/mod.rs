@@ -1,4 +1,4 @@
-//! BLAS back ends behind one trait: what computes the leaves of every recursion.
+//! BLAS back ends behind one trait. A back end computes the leaves of every recursion.
 //!
 //! | constructor | needs | note |
 //! |---|---|---|
@@ -38,7 +38,7 @@ pub use native::Native;
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn native() -> Arc<dyn Backend> {
-    // Every call of `ata` with default options asks for it: one allocation for all of them.
+    // Every call of `ata` with default options uses this back end: one allocation for all calls.
     static NATIVE: LazyLock<Arc<dyn Backend>> = LazyLock::new(|| native_on(Isa::best()));
     NATIVE.clone()
 }

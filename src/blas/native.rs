@@ -52,16 +52,16 @@ impl Native {
         self.rates
     }
 
-    /// Whether a product is over before it could be planned: at most about 30 microseconds.
+    /// Returns whether a product ends before it could be planned: at most about 30 microseconds.
     #[inline]
     pub(crate) fn is_small(&self, m: usize, n: usize, k: usize, same: bool) -> bool {
         is_small(Shape { depth: m, rows: n, cols: k, same })
     }
 
-    /// The part of `C := alpha A^T B + beta C`, B being A when `None`.
+    /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`.
     ///
-    /// Inlined into its three callers, so that a small product is not slowed down by what they
-    /// differ in.
+    /// The function is inlined into its three callers, so that a small product is not slowed down
+    /// by the differences between them.
     #[inline(always)]
     fn product<T: Operand>(
         self,
@@ -95,7 +95,7 @@ impl Native {
     }
 }
 
-/// [`Native::product`] of matrices that are worth packing block by block.
+/// Computes [`Native::product`] for matrices that are worth packing block by block.
 #[inline(never)]
 fn large_product<T: Operand>(
     kernel: &'static dyn Kernel<T>,
@@ -131,7 +131,7 @@ fn large_product<T: Operand>(
     unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
 }
 
-/// Some columns, as one side of a product.
+/// Returns some columns as one side of a product.
 fn side<T: Operand>(matrix: MatRef<'_, T>, first: usize, count: usize) -> Vec<Source<'_, T>> {
     vec![Source { coefficient: T::ONE, matrix: matrix.subcols(first, count), scale: None }]
 }

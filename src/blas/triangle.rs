@@ -7,8 +7,8 @@ use crate::base::Real;
 /// Order of the diagonal blocks that are computed whole and then halved.
 const DIAGONAL: usize = 96;
 
-/// The lower triangle of `C := alpha A^T B + beta C` out of general products: halves C until its
-/// diagonal blocks are small, and computes those in a buffer on the stack.
+/// Computes the lower triangle of `C := alpha A^T B + beta C` from general products: halves C until
+/// its diagonal blocks are small, and computes those in a buffer on the stack.
 pub(super) fn gemmt_by_gemm<T: Real>(
     kernels: &(impl Kernels<T> + ?Sized),
     alpha: T,
@@ -31,7 +31,7 @@ pub(super) fn gemmt_by_gemm<T: Real>(
     gemmt_by_gemm(kernels, alpha, a2, b2, beta, c22);
 }
 
-/// A diagonal block, whole. Not inlined, so that the recursion above does not carry its buffer.
+/// Computes a whole diagonal block. Not inlined, so the recursion above does not carry its buffer.
 #[inline(never)]
 fn diagonal_block<T: Real>(
     kernels: &(impl Kernels<T> + ?Sized),
@@ -48,7 +48,7 @@ fn diagonal_block<T: Real>(
     merge_lower(square.rb(), beta, c);
 }
 
-/// `C := M + beta C` on the lower triangle.
+/// Computes `C := M + beta C` on the lower triangle.
 fn merge_lower<T: Real>(m: MatRef<'_, T>, beta: T, mut c: MatMut<'_, T>) {
     for j in 0..c.ncols() {
         for i in j..c.nrows() {

@@ -18,7 +18,7 @@ use crate::gram::{LeastSquares, PrincipalComponents};
 use crate::io::{Output, Overwrite, RowFile, read_accumulator, write_accumulator};
 use crate::{AtaOptions, Uplo};
 
-/// `sums`: in double, to a few last bits.
+/// `sums`: in double, up to rounding.
 pub const CATA_SUMS_FLOAT: i32 = 0;
 /// `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads
 /// and machines, and rows can be removed.
@@ -26,7 +26,7 @@ pub const CATA_SUMS_EXACT: i32 = 1;
 /// `sums`: exact, for least squares and the like.
 pub const CATA_SUMS_EXTENDED: i32 = 2;
 
-/// What an accumulator adds, and how.
+/// The kind of sums of an accumulator, their bounds, and threads.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_accumulator_params {
@@ -34,9 +34,9 @@ pub struct cata_accumulator_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress, of each call that adds rows or removes them; NULL: nobody.
+    /// Progress callback of each call that adds or removes rows; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is less.
     pub lower: *const f64,
@@ -57,14 +57,14 @@ impl Versioned for cata_accumulator_params {
     const FIRST_SIZE: usize = offset_of!(Self, centered) + size_of::<i32>();
 }
 
-/// X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made
-/// by cata_accumulator_new or cata_accumulator_read.
+/// The sums X^T W X of rows X that come in blocks, with weights W, and results from them at any
+/// time. Made by cata_accumulator_new or cata_accumulator_read.
 pub struct cata_accumulator {
     sum: Accumulator<f64>,
     par: Par,
     progress: cata_progress,
     user: *mut c_void,
-    /// Why it is of no use any more.
+    /// Why it must not be used any more.
     broken: Option<String>,
 }
 
@@ -143,8 +143,8 @@ pub unsafe extern "C" fn cata_accumulator_read(
     })
 }
 
-/// Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is
-/// replaced when all is written, and stays otherwise.
+/// Writes an accumulator to a file, to continue elsewhere. A file of that name is replaced after
+/// everything has been written, and stays otherwise.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -172,8 +172,8 @@ pub unsafe extern "C" fn cata_accumulator_free(accumulator: *mut cata_accumulato
 
 /// Adds the rows of A, m x n.
 ///
-/// After an error within the rows, such as a cancelled call, the accumulator is of no use any
-/// more, and says so; a first row or weight that is refused leaves it as it was.
+/// After an error within the rows, such as a cancelled call, the accumulator must not be used any
+/// more, and its calls fail; a first row or weight that is invalid leaves it unchanged.
 ///
 /// - `weights`: m finite numbers, read; NULL: all 1.
 ///
@@ -192,8 +192,8 @@ pub unsafe extern "C" fn cata_accumulator_add(
     unsafe { change(accumulator, layout, m, a, lda, weights, false) }
 }
 
-/// Removes rows that were added, with the same weights, from sums of integers: what is left are
-/// the bytes of sums that never had them. Otherwise as cata_accumulator_add.
+/// Removes rows that were added, with the same weights, from sums of integers; the sums then have
+/// the bytes of sums without these rows. Otherwise as cata_accumulator_add.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -227,7 +227,7 @@ pub unsafe extern "C" fn cata_accumulator_add_file(
     })
 }
 
-/// Adds the rows of another accumulator of the same kind, which stays as it is.
+/// Adds the rows of another accumulator of the same kind, which is not changed.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -241,7 +241,7 @@ pub unsafe extern "C" fn cata_accumulator_merge(
         let others = unsafe { known(other) }?.sum.try_clone()?;
         // SAFETY: the caller's promise.
         let own = unsafe { known_mut(accumulator) }?;
-        // Checked on a copy, as sums that do not fit would be lost.
+        // Checked on a copy, because sums that do not fit would be lost.
         let mut merged = own.sum.try_clone()?;
         merged.merge(others)?;
         own.sum = merged;
@@ -435,7 +435,7 @@ impl cata_accumulator {
         match &self.broken {
             None => Ok(()),
             Some(why) => {
-                let why = format!("accumulator: of no use after an error: {why}");
+                let why = format!("accumulator: must not be used after an error: {why}");
                 Err(Failure::new(CATA_ERR_ARGUMENT, why))
             }
         }
@@ -468,6 +468,8 @@ unsafe fn change(
     })
 }
 
+/// Returns an accumulator that may still be used.
+///
 /// # Safety
 /// NULL or alive.
 unsafe fn known<'a>(accumulator: *const cata_accumulator) -> Result<&'a cata_accumulator, Failure> {
@@ -477,8 +479,10 @@ unsafe fn known<'a>(accumulator: *const cata_accumulator) -> Result<&'a cata_acc
     Ok(own)
 }
 
+/// Returns an accumulator that may still be used, to be changed.
+///
 /// # Safety
-/// NULL or alive, and nobody else uses it.
+/// NULL or alive, and no other thread uses it.
 unsafe fn known_mut<'a>(
     accumulator: *mut cata_accumulator,
 ) -> Result<&'a mut cata_accumulator, Failure> {

@@ -47,7 +47,7 @@ pub unsafe extern "C" fn cata_aha_c64(
     unsafe { aha(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// As cata_aha_c64, in float: `float complex` and `std::complex<float>`.
+/// Computes cata_aha_c64 in float: `float complex` and `std::complex<float>`.
 ///
 /// # Safety
 /// The pointers are as described at `cata_aha_c64`.
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn cata_ahb_c64(
     unsafe { ahb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
-/// As cata_ahb_c64, in float: `float complex` and `std::complex<float>`.
+/// Computes cata_ahb_c64 in float: `float complex` and `std::complex<float>`.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ahb_c64`.
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn cata_ahb_c32(
     unsafe { ahb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
-/// `cata_aha_*`.
+/// Implements `cata_aha_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -151,7 +151,7 @@ unsafe fn aha<T: BlasReal>(
     })
 }
 
-/// `cata_ahb_*`.
+/// Implements `cata_ahb_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.

@@ -54,7 +54,7 @@ pub unsafe extern "C" fn cata_ata_f64(
     unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// As cata_ata_f64, in float.
+/// Computes cata_ata_f64 in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn cata_ata_f32(
     unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// As cata_ata_f64, with A in float, in blocks: sums and products are in double. C holds
+/// Computes cata_ata_f64 with A in float, in blocks: sums and products are in double. C holds
 /// unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too.
 ///
 /// # Safety
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
             unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
         let work = |options: &AtaOptions<'_>| {
             if n == 0 {
-                return Ok(()); // m may be beyond counting
+                return Ok(()); // m may exceed the address space
             }
             let rows = &mut DenseRows(a);
             Ok(ata_rows(alpha, rows, &RowOptions::new(), beta, c, options)?)
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f64(
     unsafe { ata_scratch_len::<f64>(m, n, params, len) }
 }
 
-/// As cata_ata_scratch_len_f64, in float.
+/// Gets the length as cata_ata_scratch_len_f64 does, in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_scratch_len_f64`.
@@ -142,8 +142,8 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f32(
     unsafe { ata_scratch_len::<f32>(m, n, params, len) }
 }
 
-/// Computes cata_ata_f64 in scratch of the caller, of any values and at least the length that
-/// cata_ata_scratch_len_f64 says. It is overwritten.
+/// Computes cata_ata_f64 in scratch of the caller, with any contents and at least the length from
+/// cata_ata_scratch_len_f64. It is overwritten.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`. So is `scratch` here.
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f64(
     }
 }
 
-/// As cata_ata_with_scratch_f64, in float.
+/// Computes cata_ata_with_scratch_f64 in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_with_scratch_f64`.
@@ -245,7 +245,7 @@ pub unsafe extern "C" fn cata_aat_f64(
     unsafe { aat(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// As cata_aat_f64, in float.
+/// Computes cata_aat_f64 in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_aat_f64`.
@@ -267,7 +267,7 @@ pub unsafe extern "C" fn cata_aat_f32(
     unsafe { aat(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// `cata_ata_*`.
+/// Implements `cata_ata_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -295,7 +295,7 @@ unsafe fn ata<T: BlasReal>(
     })
 }
 
-/// `cata_aat_*`.
+/// Implements `cata_aat_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -323,7 +323,7 @@ unsafe fn aat<T: BlasReal>(
     })
 }
 
-/// `cata_ata_with_scratch_*`.
+/// Implements `cata_ata_with_scratch_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -357,7 +357,7 @@ unsafe fn ata_with_scratch<T: BlasReal>(
     })
 }
 
-/// `cata_ata_scratch_len_*`.
+/// Implements `cata_ata_scratch_len_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.

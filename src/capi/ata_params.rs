@@ -8,7 +8,7 @@ use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::{Pin, Progress};
 use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 
-/// `scheme`: the fastest within the accuracy asked for.
+/// `scheme`: the fastest within the requested accuracy.
 pub const CATA_SCHEME_AUTO: i32 = 0;
 /// `scheme`: no fast products, blocks over the back end.
 pub const CATA_SCHEME_CLASSICAL: i32 = 1;
@@ -40,9 +40,9 @@ pub struct cata_ata_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Progress callback; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
     /// choice.
@@ -56,7 +56,7 @@ pub struct cata_ata_params {
     /// otherwise, and not NaN. CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13
     /// from 8 on, and 14 otherwise (float: 8, 6 and 7).
     pub error_factor: f64,
-    /// What computes the small products; NULL: the built-in one. Borrowed during the call.
+    /// Back end of the small products; NULL: the built-in one. Borrowed during the call.
     pub backend: *const cata_backend,
     /// CATA_SCHEME_*.
     pub scheme: i32,
@@ -71,10 +71,10 @@ pub struct cata_ata_params {
     pub pin: i32,
 }
 
-/// Longer blocks than this don't occur, and the planner squares it.
+/// Longer blocks do not occur, and the planner squares this number.
 const MOST_LEAF: usize = 1 << 31;
 
-/// The planner makes a list of the tasks.
+/// The planner makes a list of the tasks, which must fit into memory.
 const MOST_TASKS: usize = 1 << 16;
 
 impl Versioned for cata_ata_params {
@@ -95,7 +95,7 @@ pub unsafe extern "C" fn cata_ata_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Calls `work` with the options that `params` stands for.
+/// Calls `work` with the options of `params`.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
@@ -154,7 +154,7 @@ fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
     })
 }
 
-/// The planner refuses what is out of range.
+/// Returns the accuracy for an error factor; the planner checks its range.
 fn accuracy(error_factor: f64) -> Accuracy {
     if error_factor == 0.0 {
         Accuracy::Default

@@ -13,7 +13,7 @@ use crate::blas::BlasReal;
 /// - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
 ///   from 0, each at most once, and the entries of A there.
 /// - `weights`: m finite elements, read; NULL: all 1.
-/// - `params`: `threads` and `progress` count, the rest is checked only.
+/// - `params`: `threads` and `progress` are used, the rest is only checked.
 ///
 /// The rest as in cata_ata_f64.
 ///
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn cata_ata_sparse_f64(
     }
 }
 
-/// As cata_ata_sparse_f64, with A and C in float; weights and sums are in double.
+/// Computes cata_ata_sparse_f64 with A and C in float; weights and sums are in double.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_sparse_f64`.
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn cata_ata_sparse_f32(
     }
 }
 
-/// `cata_ata_sparse_*`.
+/// Implements `cata_ata_sparse_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.

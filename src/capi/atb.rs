@@ -30,7 +30,7 @@ pub unsafe extern "C" fn cata_atb_f64(
     unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
-/// As cata_atb_f64, in float.
+/// Computes cata_atb_f64 in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_f64`.
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f64(
     unsafe { atb_scratch_len::<f64>(m, n, k, params, len) }
 }
 
-/// As cata_atb_scratch_len_f64, in float.
+/// Gets the length as cata_atb_scratch_len_f64 does, in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_scratch_len_f64`.
@@ -86,8 +86,8 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f32(
     unsafe { atb_scratch_len::<f32>(m, n, k, params, len) }
 }
 
-/// Computes cata_atb_f64 in scratch of the caller, of any values and at least the length that
-/// cata_atb_scratch_len_f64 says. It is overwritten.
+/// Computes cata_atb_f64 in scratch of the caller, with any contents and at least the length from
+/// cata_atb_scratch_len_f64. It is overwritten.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_f64`. So is `scratch` here.
@@ -131,7 +131,7 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f64(
     }
 }
 
-/// As cata_atb_with_scratch_f64, in float.
+/// Computes cata_atb_with_scratch_f64 in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_with_scratch_f64`.
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f32(
     }
 }
 
-/// `cata_atb_*`.
+/// Implements `cata_atb_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -210,7 +210,7 @@ unsafe fn atb<T: BlasReal>(
     })
 }
 
-/// `cata_atb_with_scratch_*`.
+/// Implements `cata_atb_with_scratch_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -251,7 +251,7 @@ unsafe fn atb_with_scratch<T: BlasReal>(
     })
 }
 
-/// `cata_atb_scratch_len_*`.
+/// Implements `cata_atb_scratch_len_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.

@@ -61,7 +61,7 @@ pub unsafe extern "C" fn cata_backend_load(
     })
 }
 
-/// Gets the OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS.
+/// Gets the OpenBLAS that the library was linked with; needs CATA_CAP_OPENBLAS.
 ///
 /// # Safety
 /// The pointer is as described.

@@ -42,7 +42,7 @@ pub struct cata_basis {
     pub(super) par: Par,
 }
 
-/// What a basis is made of.
+/// The kinds of functions of a basis.
 pub(super) enum Functions {
     Eigen(Eigenbasis),
     Products(ProductBasis),
@@ -56,7 +56,7 @@ impl cata_basis {
         }
     }
 
-    /// The eigenfunctions, if it has those.
+    /// Returns the eigenfunctions, or an error for a basis of products.
     pub(super) fn eigen(&self, what: &str) -> Result<&Eigenbasis, Failure> {
         self.functions.eigen(what)
     }
@@ -84,17 +84,17 @@ impl Functions {
     }
 }
 
-/// How bases of products are made, and other work of this chapter is done.
+/// Options of bases of products, and of the other calls of this chapter.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_basis_params {
     /// sizeof(cata_basis_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all. A basis keeps it for its own calls.
+    /// Threads, at most; 0: all. A basis keeps this for its own calls.
     pub threads: usize,
-    /// Told of progress; NULL: nobody. A basis does not keep it: its own calls are short.
+    /// Progress callback; NULL: none. A basis does not keep it: its own calls are short.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// Of products: most factors, at most 255; 1: eigenfunctions alone; 0: 2.
     pub order: usize,
@@ -192,7 +192,7 @@ pub unsafe extern "C" fn cata_basis_products(
     })
 }
 
-/// Frees a basis; a cata_map_fit that uses it goes on.
+/// Frees a basis; a cata_map_fit that uses it stays valid.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -458,7 +458,7 @@ impl BasisOptions<'_> {
     }
 }
 
-/// What `work` finds with the options of the caller.
+/// Returns what `work` returns for the options of the caller.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.

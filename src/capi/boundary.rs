@@ -1,4 +1,4 @@
-//! The one door between C and Rust.
+//! The boundary between C and Rust: every export that can fail passes through it.
 
 use std::any::Any;
 use std::ffi::{CStr, c_char};
@@ -10,7 +10,7 @@ use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_PANIC, CATA_OK, Failure, cata_st
 
 /// Calls `work`; turns its failure, or its panic, into a status and this thread's last message.
 pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_status {
-    // What `work` borrowed mutably is memory of the C caller, who is told that it is unspecified.
+    // Memory that `work` borrowed mutably is the caller's, and documented as unspecified then.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => CATA_OK,
         Ok(Err(failure)) => fail(failure),
@@ -34,14 +34,14 @@ fn panic_text(payload: Box<dyn Any + Send>) -> String {
     match payload.downcast::<&'static str>() {
         Ok(text) => (*text).to_owned(),
         Err(other) => {
-            // Its destructor might panic in turn.
+            // The destructor of the payload might panic in turn.
             std::mem::forget(other);
             "panic without a message".to_owned()
         }
     }
 }
 
-/// A C string as text.
+/// Returns a C string as text.
 ///
 /// # Safety
 /// `text` is NULL or NUL-terminated, and stays so for `'a`.
@@ -53,7 +53,7 @@ pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CSt
     Ok(unsafe { CStr::from_ptr(text) })
 }
 
-/// A file name of C, which may be of any bytes on Unix.
+/// Returns a file name of C, which may have any bytes on Unix.
 ///
 /// # Safety
 /// As [`text`].
@@ -61,7 +61,7 @@ pub(super) unsafe fn path(what: &str, path: *const c_char) -> Result<PathBuf, Fa
     // SAFETY: passed on to the caller.
     let path = unsafe { text(what, path) }?;
     if path.is_empty() {
-        return Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: empty")));
+        return Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must not be empty")));
     }
     #[cfg(unix)]
     {
@@ -70,7 +70,7 @@ pub(super) unsafe fn path(what: &str, path: *const c_char) -> Result<PathBuf, Fa
     }
     #[cfg(not(unix))]
     {
-        let not_utf8 = |_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: not UTF-8"));
+        let not_utf8 = |_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be UTF-8"));
         Ok(path.to_str().map_err(not_utf8)?.into())
     }
 }
@@ -122,7 +122,7 @@ mod tests {
     fn success_keeps_message() {
         assert_eq!(boundary(|| Err(Failure::null("a"))), CATA_ERR_NULL);
         assert_eq!(boundary(|| Ok(())), CATA_OK);
-        assert_eq!(message(), "a: NULL");
+        assert_eq!(message(), "a: must not be NULL");
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn message_with_nul_survives() {
         boundary(|| Err(Failure::null("a\0b")));
-        assert_eq!(message(), "a\\0b: NULL");
+        assert_eq!(message(), "a\\0b: must not be NULL");
     }
 
     #[test]
@@ -147,6 +147,6 @@ mod tests {
         })
         .join()
         .unwrap();
-        assert_eq!(message(), "mine: NULL");
+        assert_eq!(message(), "mine: must not be NULL");
     }
 }

@@ -33,11 +33,11 @@ use crate::curve::{
 
 /// `outcome`: the curve is closed, or all curves are.
 pub const CATA_CURVE_CLOSED: i32 = 0;
-/// `outcome`: the curve is open, as was asked for.
+/// `outcome`: the curve is open, as requested.
 pub const CATA_CURVE_OPEN: i32 = 1;
-/// `outcome`: from a sample no way led on.
+/// `outcome`: no path leaves one of the samples.
 pub const CATA_CURVE_BLOCKED: i32 = 2;
-/// `outcome`: no way led back to the first sample.
+/// `outcome`: no path leads back to the first sample.
 pub const CATA_CURVE_CLOSE_BLOCKED: i32 = 3;
 /// `outcome`: samples are on several components.
 pub const CATA_CURVE_DISCONNECTED: i32 = 4;
@@ -56,11 +56,11 @@ pub const CATA_IN_SPACE: u32 = u32::MAX;
 pub struct cata_curve_params {
     /// sizeof(cata_curve_params).
     pub struct_size: usize,
-    /// Of no effect.
+    /// Ignored.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Progress callback; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5.
     pub candidates: usize,
@@ -130,8 +130,8 @@ pub unsafe extern "C" fn cata_curve_solver_new(
     })
 }
 
-/// As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become
-/// vertices, numbered from n_vertices on, which cut their faces.
+/// Creates a solver as cata_curve_solver_new, for samples that need not be vertices: those inside
+/// of faces become vertices, numbered from n_vertices on, which cut their faces.
 ///
 /// - `count`: number of places.
 /// - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
@@ -190,9 +190,9 @@ pub unsafe extern "C" fn cata_curve_solver_free(solver: *mut cata_curve_solver) 
     unsafe { free(solver) };
 }
 
-/// Finds the curves that samples without an order are of, neither meeting themselves nor each
-/// other. The same samples give the same curves, bit for bit. CATA_OK also when there is no
-/// complete curve, as cata_curves_outcome then says.
+/// Finds the curves through unordered samples; they meet neither themselves nor each other. The
+/// same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve:
+/// see cata_curves_outcome.
 ///
 /// - `samples`: `count` elements, read: vertices, at least 3, none twice.
 ///
@@ -410,7 +410,7 @@ pub unsafe extern "C" fn cata_curves_left_out(
 fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {
     let all = &curves.found.curves;
     all.get(curve).ok_or_else(|| {
-        let why = format!("curve: {curve} of {} (numbered from 0)", all.len());
+        let why = format!("curve: must be less than {} (curves), is {curve}", all.len());
         Failure::new(CATA_ERR_ARGUMENT, why)
     })
 }

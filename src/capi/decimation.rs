@@ -46,9 +46,9 @@ pub struct cata_decimation_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Progress callback; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// CATA_DECIMATION_*.
     pub method: i32,
@@ -56,9 +56,9 @@ pub struct cata_decimation_params {
     pub lloyd: i32,
     /// Passes that flip edges and move vertices of the result; 0: 12, or CATA_NO_PASSES.
     pub relaxation: i32,
-    /// With `has_first` 1: the vertex that the first sample is. Else not looked at.
+    /// With `has_first` 1: the vertex of the first sample. Otherwise ignored.
     pub first: u32,
-    /// 1: `first` counts; 0: the lowest vertex that a face has.
+    /// 1: `first` is used; 0: the lowest vertex that a face has.
     pub has_first: i32,
     /// 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
     /// they are kept.
@@ -95,9 +95,9 @@ pub unsafe extern "C" fn cata_decimation_params_init(
 
 /// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
 /// boundary loops and genus of the input. The input is cut along edges of more than two faces
-/// first, and edges longer than those of the result are split, so that n may also be more than
-/// the input has. No step makes faces intersect that did not. What can't be is refused, and the
-/// message says why.
+/// first, and edges longer than those of the result are split, so that n may also be more than the
+/// input has. No step makes faces intersect that did not. Impossible requests return an error, and
+/// the message says why.
 ///
 /// - `n`: vertices of the result. With fewer than the topology needs, CATA_ERR_ARGUMENT.
 /// - `decimation`: one pointer, written.
@@ -174,8 +174,8 @@ pub unsafe extern "C" fn cata_decimation_size(
     })
 }
 
-/// Gets the vertices and faces of the result, as many as cata_decimation_size says; NULL where not
-/// wanted.
+/// Gets the vertices and faces of the result, as many as cata_decimation_size returns; NULL where
+/// not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -254,8 +254,8 @@ pub unsafe extern "C" fn cata_decimation_carry(
     })
 }
 
-/// Computes values of the result's vertices at the vertices of the input, the other way: each is
-/// the mean of those of a face near it, 0 at vertices without a face.
+/// Computes values of the result's vertices at the vertices of the input: each is the mean of those
+/// of a face near it, 0 at vertices without a face.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -333,7 +333,7 @@ pub unsafe extern "C" fn cata_decimation_carry_uv(
 /// - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex,
 ///   UINT32_MAX for those that no face has. NULL where not wanted.
 /// - `distances`: n_vertices elements, written: how far it is. NULL where not wanted.
-/// - `params`: `first` and `progress` count, the rest is checked only. On the calling thread.
+/// - `params`: `first` and `progress` are used, the rest is only checked. On the calling thread.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -380,7 +380,7 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
     })
 }
 
-/// Writes values where they are wanted.
+/// Writes values where the caller wants them.
 ///
 /// # Safety
 /// As [`optional_slice_mut`].
@@ -392,7 +392,7 @@ unsafe fn write<T: Copy>(what: &str, place: *mut T, values: &[T]) -> Result<(), 
     Ok(())
 }
 
-/// What `work` finds with the options of the caller.
+/// Returns what `work` returns for the options of the caller.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
@@ -425,13 +425,13 @@ unsafe fn with_options<X>(
     Ok(work(&options)?)
 }
 
-/// 0 for the default, -1 for none.
+/// Returns a number of passes: 0 is the default, -1 is none.
 fn passes(what: &str, value: i32, default: usize) -> Result<usize, Failure> {
     match value {
         0 => Ok(default),
         CATA_NO_PASSES => Ok(0),
         _ => usize::try_from(value).map_err(|_| {
-            let message = format!("{what}: {value}, where -1, 0 or a positive number is needed");
+            let message = format!("{what}: must be -1, 0 or positive, is {value}");
             Failure::new(CATA_ERR_ARGUMENT, message)
         }),
     }

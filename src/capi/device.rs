@@ -22,7 +22,7 @@ use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 #[cfg(feature = "opencl")]
 pub(super) use crate::opencl::Device;
 
-/// There is none in this build.
+/// The type of devices in a build without OpenCL, which has none.
 #[cfg(not(feature = "opencl"))]
 pub(super) enum Device {}
 
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn cata_device_name(
         let (found, _) = numbered(index)?;
         if let [first @ .., last] = name {
             first.fill(0);
-            // Bytes as they are, whatever the sign of a char is here.
+            // The bytes of the name, whether a C char is signed or not.
             first.iter_mut().zip(found.bytes()).for_each(|(out, byte)| *out = byte as c_char);
             *last = 0;
         }
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn cata_device_kind(index: usize, kind: *mut i32) -> cata_
     })
 }
 
-/// The device that a field of parameters names; none for NULL.
+/// Returns the device that a field of parameters names, or `None` for NULL.
 ///
 /// # Safety
 /// `selector` is NULL or NUL-terminated.
@@ -96,17 +96,17 @@ pub(super) unsafe fn chosen(selector: *const c_char) -> Result<Option<Device>, F
     // SAFETY: the caller's promise.
     let selector = unsafe { text("params.device", selector) }?.to_str();
     let selector =
-        selector.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: not UTF-8"))?;
+        selector.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: must be UTF-8"))?;
     open(selector).map(Some)
 }
 
-/// Name and kind.
+/// Returns the name and the kind of a device.
 fn numbered(index: usize) -> Result<(String, i32), Failure> {
     let mut all = all()?;
     if index < all.len() {
         return Ok(all.swap_remove(index));
     }
-    let why = format!("index: {index}, where there are {} devices", all.len());
+    let why = format!("index: must be less than {} (devices), is {index}", all.len());
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
 }
 

@@ -45,7 +45,7 @@ pub const CATA_BOUNDARY_NEUMANN: i32 = 0;
 /// `boundary`: functions are zero there.
 pub const CATA_BOUNDARY_DIRICHLET: i32 = 1;
 
-/// How eigenpairs are computed, and of which Laplacian where it is that of a mesh.
+/// How eigenpairs are computed, and the Laplacian if they are those of a mesh.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_eigs_params {
@@ -53,9 +53,9 @@ pub struct cata_eigs_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Progress callback; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60.
     pub max_restarts: usize,
@@ -63,13 +63,13 @@ pub struct cata_eigs_params {
     pub seed: u64,
     /// Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9.
     pub tolerance: f64,
-    /// With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not
-    /// looked at.
+    /// With `has_shift` 1: the eigenvalues nearest to this finite number are computed. Otherwise
+    /// ignored.
     pub shift: f64,
-    /// 1: `shift` counts; 0: the smallest eigenvalues are wanted.
+    /// 1: `shift` is used; 0: the smallest eigenvalues are computed.
     pub has_shift: i32,
-    /// 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on
-    /// until none is missing. 0: not asked for.
+    /// 1: counts the eigenvalues by one or two more factorisations, and continues until none is
+    /// missing. 0: does not.
     pub verify_count: i32,
     /// Of meshes: CATA_LAPLACIAN_*.
     pub laplacian: i32,
@@ -145,7 +145,7 @@ pub unsafe extern "C" fn cata_eigs(
 
 /// Takes a slice of eigenpairs: `count` of them, as cata_eigs writes them, ascending within the
 /// slice and from slice to slice; gone when it returns. It is called by the calling thread, and
-/// returns 0 to go on, anything else to end the call with CATA_ERR_CANCELLED.
+/// returns 0 to continue, anything else to end the call with CATA_ERR_CANCELLED.
 pub type cata_eigs_slice = Option<
     extern "C" fn(
         count: usize,
@@ -197,7 +197,7 @@ pub unsafe extern "C" fn cata_eigs_sliced(
 /// these are nearest to its middle as `shift`.
 ///
 /// - `count`: one size_t, written.
-/// - `params`: of it only `progress` is looked at, before and after the work.
+/// - `params`: only `progress` is used, before and after the work.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -228,7 +228,7 @@ pub unsafe extern "C" fn cata_eigs_count(
     })
 }
 
-/// W and M of the caller.
+/// Returns W and M of the caller.
 ///
 /// # Safety
 /// The pointers are as the header describes them, during `'a`.
@@ -243,7 +243,7 @@ unsafe fn pencil<'a>(
     unsafe { Ok((sparse(n, n, row_starts, columns, entries)?, mass(n, masses)?)) }
 }
 
-/// The masses of the caller, or the identity.
+/// Returns the masses of the caller, or the identity.
 ///
 /// # Safety
 /// `masses` is NULL or has n elements.
@@ -255,7 +255,7 @@ pub(super) unsafe fn mass(n: usize, masses: *const f64) -> Result<Mass, Failure>
     })
 }
 
-/// Hands slices to the caller.
+/// Returns a sink that passes slices to the caller.
 pub(super) fn sink(
     slice: cata_eigs_slice,
     user: *mut c_void,
@@ -272,7 +272,7 @@ pub(super) fn sink(
     })
 }
 
-/// Where eigenpairs go.
+/// The places for eigenpairs.
 pub(super) struct Outputs<'a> {
     values: &'a mut [f64],
     vectors: MatMut<'a, f64>,
@@ -313,7 +313,7 @@ impl<'a> Outputs<'a> {
     }
 }
 
-/// What `work` finds with the options of the caller.
+/// Returns what `work` returns for the options of the caller.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
@@ -347,7 +347,9 @@ pub(super) unsafe fn with_eigen_options<X>(
 
 fn laplacian_options(params: &cata_eigs_params) -> Result<LaplacianOptions, Failure> {
     let unknown = |what: &str, value: i32| {
-        Failure::new(CATA_ERR_ARGUMENT, format!("params.{what}: {value} is not known"))
+        let kind = what.to_uppercase();
+        let why = format!("params.{what}: must be a CATA_{kind}_* value, is {value}");
+        Failure::new(CATA_ERR_ARGUMENT, why)
     };
     Ok(LaplacianOptions::new()
         .kind(match params.laplacian {

@@ -1,4 +1,4 @@
-//! What is behind a handle of a distributed matrix.
+//! The contents of a handle of a distributed matrix.
 
 use crate::mpi::{MpiReal, Symmetric};
 
@@ -17,7 +17,7 @@ impl Entries {
     }
 }
 
-/// A scalar in a handle.
+/// A scalar of a distributed matrix in a handle.
 pub(super) trait Held: MpiReal {
     fn hold(matrix: Symmetric<Self>) -> Entries;
 

@@ -27,10 +27,10 @@ pub struct cata_gram_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
-    /// after them cannot be cancelled.
+    /// Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
+    /// cannot be cancelled.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
 }
 
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn cata_gram_params_init(
 ///   far as the precision can tell. NULL where not wanted.
 /// - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for
 ///   each value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then
-///   not looked at.
+///   ignored.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn cata_svd(
 /// - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
 /// - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
 ///   written, with C rounded to double; the rest is neither read nor written. NULL where not
-///   wanted; `ldhigh` is then not looked at.
+///   wanted; `ldhigh` is then ignored.
 /// - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
 /// - `exact`: one int32_t, written: 1 or 0; NULL where not wanted.
 ///
@@ -158,7 +158,7 @@ pub unsafe extern "C" fn cata_gram_extended(
             let exact = optional_output("exact", exact)?;
             (a, weights?, parts, exact, read_or_zeros(params)?)
         };
-        // Without columns m may be beyond counting.
+        // Without columns m may exceed the address space.
         let (a, weights) = if n == 0 { (a.subrows(0, 0), None) } else { (a, weights) };
         let row_options = RowOptions::new().weights(weights).center(center);
         let gram = extended(&mut DenseRows(a), &row_options, &params, |j| ("a", j))?;
@@ -257,8 +257,7 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
 /// - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
 /// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64.
 /// - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
-///   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked
-///   at.
+///   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then ignored.
 ///
 /// Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names.
 /// A and R are unspecified after CATA_ERR_PANIC.
@@ -296,7 +295,7 @@ pub unsafe extern "C" fn cata_gram_cholesky_qr(
     })
 }
 
-/// The Gram matrix of rows; `name` gives the argument that a column is of, and its number there.
+/// Returns the Gram matrix of rows; `name` gives the argument of a column and its number there.
 pub(super) fn extended(
     rows: &mut (dyn RowBlocks<f64> + Send),
     row_options: &RowOptions<'_, f64>,
@@ -315,7 +314,7 @@ pub(super) fn extended(
     })
 }
 
-/// The Gram matrix of a matrix that the caller calls `what`.
+/// Returns the Gram matrix of a matrix that the caller calls `what`.
 pub(super) fn of_matrix(
     what: &'static str,
     a: MatRef<'_, f64>,
@@ -325,7 +324,7 @@ pub(super) fn of_matrix(
     extended(&mut DenseRows(a), &RowOptions::new().center(center), params, |j| (what, j))
 }
 
-/// A matrix that is read; without columns it has no rows either, as m may be beyond counting.
+/// Returns a matrix to read; without columns it has no rows, as m may exceed the address space.
 ///
 /// # Safety
 /// As [`matrix`].

@@ -20,9 +20,9 @@ pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
     })
 }
 
-/// Does `work` on a thread that is not the caller's.
+/// Calls `work` on a thread that is not the caller's.
 pub(super) fn on_a_worker(work: impl Fn() + Sync) {
-    // Two tickets that wait for each other are on two threads.
+    // Two tickets that wait for each other run on two threads.
     let both = Latch::new(2);
     tickets(&mut [(), ()], 2, |(), ticket| {
         both.count_down();

@@ -1,7 +1,7 @@
 //! # Least squares, principal components, singular values
 //!
-//! From a Gram matrix in extended precision, which one or two passes over the rows yield: as
-//! accurate as an orthogonal factorisation.
+//! Results from a Gram matrix in extended precision, computed in one or two passes over the rows,
+//! as accurate as by an orthogonal factorisation.
 //!
 //! ```c
 //! double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
@@ -32,18 +32,18 @@ pub struct cata_lstsq_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
-    /// after them cannot be cancelled.
+    /// Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
+    /// cannot be cancelled.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept
-    /// is not a part of X.
+    /// Multiple of |X|^2 that is added to the minimised sum; finite, at least 0. The intercept is
+    /// not a part of X.
     pub ridge: f64,
     /// 1: a constant is fitted for each target too. 0: none.
     pub intercept: i32,
-    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message
-    /// names them. 0: of all solutions the one of least norm is returned.
+    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
+    /// them. 0: the solution of least norm is returned.
     pub refuse_dependent: i32,
 }
 
@@ -65,10 +65,10 @@ pub unsafe extern "C" fn cata_lstsq_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// What is known of a least-squares solution beside X. The caller sets `struct_size` and the
-/// pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
-/// arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof
-/// result};` asks for those fields alone.
+/// Results of least squares beside X. The caller sets `struct_size` and the pointers, each to an
+/// array of its own or to NULL where it is not wanted; the call writes the arrays and the fields
+/// after them. `cata_lstsq_result result = {.struct_size = sizeof result};` requests those fields
+/// alone.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_lstsq_result {
@@ -119,7 +119,7 @@ impl Versioned for cata_lstsq_result {
 /// - `b`: B, m x k, read, with leading dimension `ldb`.
 /// - `weights`: m finite numbers, at least 0, read; NULL: all 1.
 /// - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
-///   looked at for `result.standard_errors` only.
+///   used for `result.standard_errors` only.
 /// - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted.
 ///   Standard errors take a few times as long as X, and no time when they are not wanted.
 ///
@@ -211,7 +211,7 @@ impl LeastSquaresCall<'_> {
     }
 }
 
-/// Where a least-squares solution goes.
+/// The places for a least-squares solution.
 pub(super) struct LeastSquaresOutputs<'a> {
     x: Option<MatMut<'a, f64>>,
     residual_norms: Option<&'a mut [f64]>,
@@ -243,7 +243,7 @@ impl LeastSquaresOutputs<'_> {
                 Failure::new(failure.status, failure.message.replace("params", "result"))
             })?;
             let errors = arrays.standard_errors;
-            // A failure of the leading dimension names that of X, which it is.
+            // An error of the leading dimension names that of X, which is the same argument.
             let standard_errors = optional_matrix_mut("x", layout, n, k, errors, ldx)?;
             Ok(Self {
                 x: optional_matrix_mut("x", layout, n, k, x, ldx)?,
@@ -266,7 +266,7 @@ impl LeastSquaresOutputs<'_> {
         }
     }
 
-    /// Returns the options that the parameters say.
+    /// Returns the options for these parameters.
     pub fn options(&self, params: &cata_lstsq_params) -> Result<LeastSquaresOptions, Failure> {
         let deficiency = match flag("params.refuse_dependent", params.refuse_dependent)? {
             true => RankDeficiency::Refuse,
@@ -301,7 +301,7 @@ impl LeastSquaresOutputs<'_> {
             return;
         }
         let result = self.result;
-        // SAFETY: `new` has seen to alignment and to the size of the first version, whose fields
+        // SAFETY: `new` has checked the alignment and the size of the first version, whose fields
         // these are; the caller promises that they can be written.
         unsafe {
             (&raw mut (*result).rank).write(found.rank);

@@ -24,7 +24,7 @@ pub struct cata_map_fit {
     known: Correspondences,
 }
 
-/// Creates a fit that knows nothing yet, with the threads of `source`.
+/// Creates an empty fit, with the threads of `source`.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -361,7 +361,7 @@ impl cata_map_fit {
         self.target.eigen(what)
     }
 
-    /// Tells the fit more.
+    /// Adds constraints to the fit.
     fn add(
         &mut self,
         more: impl FnOnce(&mut MapFit<'_>) -> crate::Result<()>,
@@ -375,7 +375,7 @@ impl cata_map_fit {
     }
 }
 
-/// The fit, and functions on both meshes.
+/// Returns the fit, and functions on both meshes.
 ///
 /// # Safety
 /// The pointers are as the header describes them, during `'a`.
@@ -398,6 +398,8 @@ unsafe fn pair<'a>(
     }
 }
 
+/// Returns the eigenfunctions of both shapes.
+///
 /// # Safety
 /// NULL or alive during `'a`.
 unsafe fn eigenbases<'a>(
@@ -409,6 +411,8 @@ unsafe fn eigenbases<'a>(
     Ok((source.eigen("source")?, target.eigen("target")?))
 }
 
+/// Returns the place for the points of a map.
+///
 /// # Safety
 /// NULL, or a place for each vertex of the target during `'a`.
 unsafe fn points_out<'a>(

@@ -125,7 +125,7 @@ pub unsafe extern "C" fn cata_mesh_eigs_sliced(
 /// - `mask`: n_vertices elements: 1 for a vertex of the part, 0 for any other.
 /// - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
 /// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
-/// - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only.
+/// - `params`: the Laplacian, `threads` and `progress` are used, the rest is only checked.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn cata_mesh_part_eigenvalues(
             )
         };
         if let Some(v) = mask.iter().position(|&inside| inside > 1) {
-            let why = format!("mask: element {v} is {}, where 0 or 1 is needed", mask[v]);
+            let why = format!("mask: must be 0 or 1, but element {v} is {}", mask[v]);
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         }
         let mask: Vec<bool> = mask.iter().map(|&inside| inside == 1).collect();

@@ -1,4 +1,4 @@
-//! The message of the last call of each thread that failed.
+//! The message of the last failed call of each thread.
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char};
@@ -7,9 +7,9 @@ thread_local! {
     static LAST_MESSAGE: RefCell<CString> = RefCell::default();
 }
 
-/// This thread's last message.
+/// Returns this thread's last message.
 pub(super) fn last_message() -> *const c_char {
-    // The thread-local is gone while the thread's other thread-locals are being destroyed.
+    // The thread-local may be gone while the thread destroys its other thread-locals.
     LAST_MESSAGE.try_with(|m| m.borrow().as_ptr()).unwrap_or(c"".as_ptr())
 }
 

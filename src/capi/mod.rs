@@ -1,10 +1,10 @@
 //! The C ABI: `include/catamaran.h` is generated from this module by `cargo xtask header`.
 //!
 //! One file per area; every export that can fail passes through `boundary`, and only `pointer`
-//! makes views of what C points to. Nothing here is meant to be called from Rust.
+//! makes views of memory of C. Nothing here is meant to be called from Rust.
 //!
-//! The products are there with the feature `capi-ata`, all chapters with `capi`, the functions
-//! of MPI with `mpi` too. `absent` has functions of the same names for what is not.
+//! The products need the feature `capi-ata`, all chapters `capi`, and the functions of MPI also
+//! `mpi`. `absent` has functions of the same names for absent features.
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn functions_of_absent_features_say_so() {
         let null = std::ptr::null_mut();
-        // SAFETY: it looks at nothing.
+        // SAFETY: the function does not read its arguments.
         let status = unsafe { super::cata_device_count(null) };
         assert_eq!(status, super::CATA_ERR_UNSUPPORTED);
         // SAFETY: NUL-terminated, and no call of this thread fails before it is read.

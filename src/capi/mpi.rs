@@ -38,7 +38,7 @@ pub unsafe extern "C" fn cata_world_new(
         let _guard = ours.abort_on_panic();
         // SAFETY: the caller's promise.
         let place = unsafe { output("world", world) };
-        // A world with a rank that knows nothing of it would hang.
+        // A world with a rank that did not get it would hang.
         let told = place
             .as_ref()
             .map(|_| ())
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn cata_world_ata_rows_f64(
     })
 }
 
-/// As cata_world_ata_rows_f64, in float.
+/// Computes cata_world_ata_rows_f64 in float.
 ///
 /// # Safety
 /// The pointers are as described at `cata_world_ata_rows_f64`.
@@ -263,7 +263,7 @@ pub unsafe extern "C" fn cata_world_ata_columns(
 }
 
 /// Computes C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D,
-/// or by dealing rows of A, whichever should be faster. Collective. The result depends, by
+/// or by distributing rows of A, whichever should be faster. Collective. The result depends, by
 /// rounding, on the number of ranks. C is untouched after an error in arguments, unspecified in its
 /// wanted part after any other.
 ///
@@ -299,7 +299,7 @@ pub unsafe extern "C" fn cata_world_ata_root(
                 }
                 let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
                 let a = matrix("a", layout, m, n, a, lda)?;
-                // Without columns there is nothing to multiply, and m may be beyond counting.
+                // Without columns the product is zero, and m may exceed the address space.
                 let a = if n == 0 { a.subrows(0, 0) } else { a };
                 let c = matrix_mut("c", layout, n, n, c, ldc)?;
                 with_options(params, uplo, |options| {
@@ -353,8 +353,8 @@ pub unsafe extern "C" fn cata_world_ata_cyclic(
     })
 }
 
-/// As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and
-/// N_ of `desc_c` are A's M_.
+/// Computes C := alpha A A^T + beta C as cata_world_ata_cyclic, m x m; PDSYRK with TRANS = 'N'. M_
+/// and N_ of `desc_c` are A's M_.
 ///
 /// # Safety
 /// The pointers are as described at `cata_world_ata_cyclic`.
@@ -459,7 +459,7 @@ pub unsafe extern "C" fn cata_world_gram_schmidt(
                 let results = FactorsOut::new(layout, c, c, r, ldr, kept, rank)?;
                 with_ortho_options(params, |options, method| {
                     if method == CATA_ORTHO_RANK_REVEALING {
-                        let why = "params.method: CATA_ORTHO_RANK_REVEALING is not for ranks";
+                        let why = "params.method: CATA_ORTHO_RANK_REVEALING is not available";
                         return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
                     }
                     results.write(&gram_schmidt_in_place(entrance.enter(), a, &masses, options)?);
@@ -470,7 +470,7 @@ pub unsafe extern "C" fn cata_world_gram_schmidt(
     })
 }
 
-/// Computes cata_ortho_cholesky_qr likewise.
+/// Computes cata_ortho_cholesky_qr for rows that are distributed in the same way.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -508,7 +508,7 @@ pub unsafe extern "C" fn cata_world_cholesky_qr(
     })
 }
 
-/// Returns the rows and columns of a distributed matrix. Local.
+/// Gets the number of rows and columns of a distributed matrix. Local.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -523,7 +523,7 @@ pub unsafe extern "C" fn cata_symmetric_n(
     })
 }
 
-/// Frees the part that this rank has of a distributed matrix. Local.
+/// Frees the part of a distributed matrix that this rank holds. Local.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -555,7 +555,7 @@ pub unsafe extern "C" fn cata_symmetric_gather_f64(
     })
 }
 
-/// As cata_symmetric_gather_f64, of floats.
+/// Gathers a matrix of floats as cata_symmetric_gather_f64.
 ///
 /// # Safety
 /// The pointers are as described at `cata_symmetric_gather_f64`.
@@ -611,7 +611,7 @@ pub unsafe extern "C" fn cata_symmetric_verify_f64(
     })
 }
 
-/// As cata_symmetric_verify_f64, for a product in float; the check itself is in double.
+/// Checks a product in float as cata_symmetric_verify_f64; the check itself is in double.
 ///
 /// # Safety
 /// The pointers are as described at `cata_symmetric_verify_f64`.

@@ -32,7 +32,7 @@ pub const CATA_NEWTON_THESIS: i32 = 0;
 /// That of the thesis authors' shader: from 0 to 1.
 pub const CATA_NEWTON_SHADER: i32 = 1;
 
-/// What a Newton fractal is of.
+/// The polynomial of a Newton fractal, and how it is evaluated.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_newton_params {
@@ -40,9 +40,9 @@ pub struct cata_newton_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress.
+    /// Progress callback.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// Roots of the polynomial, at most 64; 0: it is z^`power` - 1.
     pub root_count: usize,
@@ -50,7 +50,7 @@ pub struct cata_newton_params {
     pub roots: *const f64,
     /// An OpenCL device (see Devices); NULL: the processor.
     pub device: *const c_char,
-    /// What points are multiplied by after `offset` and `w` are added; 0: 1.
+    /// Factor of points after `offset` and `w` are added; 0: 1.
     pub scale: f64,
     /// The theta of the gradient, from -10 to 20; 0: 3.5.
     pub theta: f64,
@@ -71,7 +71,7 @@ impl Versioned for cata_newton_params {
     const FIRST_SIZE: usize = offset_of!(Self, gradient) + size_of::<i32>();
 }
 
-/// A fractal that points can be asked of.
+/// A Newton fractal, which is evaluated at points.
 pub struct cata_newton {
     newton: Newton,
     options: NewtonOptions,
@@ -172,14 +172,14 @@ fn fill(
 /// Frees a fractal.
 ///
 /// # Safety
-/// `newton` is NULL or from cata_newton_new, and was not given back before.
+/// `newton` is NULL or from cata_newton_new, and has not been freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
     // SAFETY: the promises are the same.
     unsafe { free(newton) };
 }
 
-/// Changes the fourth coordinate of all points, as time goes on.
+/// Changes the fourth coordinate of all points.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -221,8 +221,8 @@ pub unsafe extern "C" fn cata_newton_points(
     })
 }
 
-/// Computes the same on the plane z = 0: at the centres of the pixels of a picture `extent` wide,
-/// at most 65,536 a side and less than 2^31 in all, rows from the top (large y).
+/// Computes the fractal on the plane z = 0: at the centres of the pixels of a picture `extent`
+/// wide, at most 65,536 a side and less than 2^31 in all, rows from the top (large y).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -243,7 +243,7 @@ pub unsafe extern "C" fn cata_newton_plane(
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         }
         let Some(count) = (width as usize).checked_mul(height as usize) else {
-            return Err(Failure::new(CATA_ERR_SHAPE, "width, height: beyond the address space"));
+            return Err(Failure::new(CATA_ERR_SHAPE, "width, height: exceed the address space"));
         };
         let grid = Grid::plane(width, height, [center_x, center_y], extent);
         // SAFETY: the caller's promise.
@@ -283,6 +283,8 @@ pub unsafe extern "C" fn cata_newton_colors(
     })
 }
 
+/// Writes the fractal at points.
+///
 /// # Safety
 /// `roots` and `convergence` are as slice_mut wants them.
 unsafe fn write(

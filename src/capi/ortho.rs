@@ -28,12 +28,12 @@ pub struct cata_ortho_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Progress callback; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// A column is dropped when no more of it is left, relative to its length before, after what
-    /// the columns before it span was taken away: 1e-13 to 1; 0: that of `method`.
+    /// A column is dropped if its part orthogonal to the columns before it is at most this fraction
+    /// of its length: 1e-13 to 1; 0: that of `method`.
     pub threshold: f64,
     /// CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED.
     pub method: i32,
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn cata_ortho_params_init(
 ///   unspecified.
 /// - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
 /// - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of
-///   every column of A. NULL where not wanted; `ldr` is then not looked at.
+///   every column of A. NULL where not wanted; `ldr` is then ignored.
 /// - `kept`: c elements; the first `*rank` are written: the columns that Q is made of,
 ///   ascending, from 0. NULL where not wanted.
 /// - `rank`: one size_t, written.
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
 ///
 /// - `a`, `masses`: as there; A becomes Q.
 /// - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
-/// - `params`: `threads` and `progress` are looked at.
+/// - `params`: `threads` and `progress` are used.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn cata_ortho_cholesky_qr(
     })
 }
 
-/// Where R, the columns kept and their number go.
+/// The places for R, the columns kept and their number.
 pub(super) struct FactorsOut<'a> {
     r: Option<faer::MatMut<'a, f64>>,
     kept: Option<&'a mut [usize]>,
@@ -192,7 +192,7 @@ impl<'a> FactorsOut<'a> {
     }
 }
 
-/// What `work` finds with the options of the caller, and the method.
+/// Returns what `work` returns for the options of the caller, and the method.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
@@ -219,7 +219,7 @@ pub(super) unsafe fn with_ortho_options<X>(
     work(&options, method)
 }
 
-/// A method of the caller, or the default.
+/// Returns a method of the caller, or the default.
 pub(super) fn known_method(method: i32, default: i32) -> Result<i32, Failure> {
     match method {
         0 => Ok(default),
@@ -227,7 +227,7 @@ pub(super) fn known_method(method: i32, default: i32) -> Result<i32, Failure> {
             Ok(method)
         }
         other => {
-            let why = format!("params.method: {other} is not known");
+            let why = format!("params.method: must be a CATA_ORTHO_* value, is {other}");
             Err(Failure::new(CATA_ERR_ARGUMENT, why))
         }
     }

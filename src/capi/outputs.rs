@@ -1,4 +1,4 @@
-//! Results into places of the caller.
+//! Writes results into memory of the caller.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};

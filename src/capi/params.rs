@@ -8,18 +8,18 @@ use super::boundary::boundary;
 use super::pointer;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
 
-/// More than any version will ever have: an uninitialised struct_size is caught, not followed.
+/// More than any version will ever have, to catch an uninitialised struct_size.
 const LARGEST_SIZE: usize = 4096;
 
 /// A parameter struct of the ABI: `repr(C)`, struct_size first, and all fields may be 0.
 pub(super) trait Versioned: Copy {
-    /// Its name in the header.
+    /// The name of the struct in the header.
     const NAME: &'static str;
-    /// Size of its first published version, whose fields are always there.
+    /// Size of the first published version, whose fields are always there.
     const FIRST_SIZE: usize;
 }
 
-/// `cata_*_params_init`.
+/// Implements `cata_*_params_init`.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -49,8 +49,8 @@ fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failur
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
 }
 
-/// Reads a struct of the caller's version: the fields that both know; the others of ours are 0,
-/// and the others of the caller's must be.
+/// Reads a struct of the caller's version: the fields that both versions have. Fields that only the
+/// library has become 0, and those that only the caller has must be 0.
 ///
 /// # Safety
 /// `params` points to as many readable bytes as its `struct_size` says.
@@ -73,10 +73,10 @@ pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> 
     }
 }
 
-/// A struct of the caller, or one of zeros for NULL.
+/// Returns a struct of the caller, or one of zeros for NULL.
 ///
 /// # Safety
-/// `params` is NULL or as [`read`] has it.
+/// `params` is NULL or as for [`read`].
 #[cfg(feature = "capi")]
 pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, Failure> {
     if params.is_null() {
@@ -111,7 +111,7 @@ pub(super) unsafe fn write<T: Versioned>(
     Ok(())
 }
 
-/// A field or an argument that is 0 or 1.
+/// Returns the value of a field or an argument that is 0 or 1.
 pub(super) fn flag(what: &str, value: i32) -> Result<bool, Failure> {
     match value {
         0 => Ok(false),
@@ -139,8 +139,8 @@ mod tests {
         const FIRST_SIZE: usize = offset_of!(Self, added);
     }
 
-    /// As many words as the caller's version has; what is read or written beyond is found by
-    /// Miri and AddressSanitizer.
+    /// Returns as many words as the caller's version has; Miri and AddressSanitizer find reads and
+    /// writes beyond them.
     fn of_version(words: &[usize]) -> Box<[usize]> {
         words.into()
     }

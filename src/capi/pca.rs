@@ -21,10 +21,10 @@ pub struct cata_pca_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
-    /// after them cannot be cancelled.
+    /// Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
+    /// cannot be cancelled.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// 1: columns are divided by their standard deviations; those without variance are not. 0:
     /// none is.
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn cata_pca_params_init(
 /// - `count`: number of components, at most n.
 /// - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
 ///   component, orthonormal, the most variance first; the first of the largest entries of a row
-///   is positive. NULL where not wanted; `ldcomponents` is then not looked at.
+///   is positive. NULL where not wanted; `ldcomponents` is then ignored.
 /// - `explained_variance`: count elements, written: the variance along each component, with the
 ///   divisor m - 1; NULL where not wanted.
 /// - `explained_variance_ratio`: count elements, written: the same, divided by the variance of
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn cata_pca(
     })
 }
 
-/// Where principal components go.
+/// The places for principal components.
 pub(super) struct ComponentOutputs<'a> {
     count: usize,
     components: Option<MatMut<'a, f64>>,
@@ -149,7 +149,7 @@ impl<'a> ComponentOutputs<'a> {
         }
     }
 
-    /// Returns the options that the parameters say.
+    /// Returns the options for these parameters.
     pub fn options(&self, params: &cata_pca_params) -> Result<PrincipalComponentsOptions, Failure> {
         Ok(PrincipalComponentsOptions::new()
             .components(Components::Count(self.count))

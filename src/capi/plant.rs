@@ -51,13 +51,13 @@ pub struct cata_plant_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress.
+    /// Progress callback.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// What leaves lose, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5.
+    /// Loss of leaves, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5.
     pub loss: f64,
-    /// What the root takes from the soil, in kg / s.
+    /// Water that the root takes from the soil, in kg / s.
     pub intake: f64,
     /// Conductance of a segment, as a part of that of a pipe as wide; 0: 1e-9.
     pub conductance: f64,
@@ -69,11 +69,11 @@ pub struct cata_plant_params {
     pub density: f64,
     /// Modulus of elasticity of full cells, in Pa; 0: 5e7.
     pub elasticity_full: f64,
-    /// That of dry ones; 0: 3e5.
+    /// Modulus of elasticity of dry cells, in Pa; 0: 3e5.
     pub elasticity_dry: f64,
-    /// How steeply it falls in between; 0: 10.
+    /// Steepness of the curve between these; 0: 10.
     pub elasticity_steepness: f64,
-    /// The relative water content at which it falls most steeply; 0: 0.75.
+    /// The relative water content at which the curve is steepest; 0: 0.75.
     pub elasticity_shift: f64,
     /// 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9).
     pub elasticity_literal: i32,
@@ -84,7 +84,7 @@ impl Versioned for cata_plant_params {
     const FIRST_SIZE: usize = offset_of!(Self, elasticity_shift) + size_of::<f64>();
 }
 
-/// The water in a plant: its constants, the present, and what it takes to go on.
+/// The water in a plant: its constants, the current state, and the data of the time steps.
 pub struct cata_plant {
     pub(super) graph: Arc<Plant>,
     pub(super) model: WaterModel,
@@ -189,7 +189,7 @@ pub unsafe extern "C" fn cata_plant_read(
     })
 }
 
-/// Grows a plant of n >= 1 nodes by chance, the same for the same seed.
+/// Grows a random plant of n >= 1 nodes, the same for the same seed.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -272,7 +272,7 @@ pub unsafe extern "C" fn cata_plant_segments(
     })
 }
 
-/// Gets the water of every node when its cells are full, in kg: how a healthy plant begins.
+/// Gets the water of every node when its cells are full, in kg: the state of a healthy plant.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -290,7 +290,7 @@ pub unsafe extern "C" fn cata_plant_full_water(
     })
 }
 
-/// Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
+/// Sets the loss of all leaves, in kg / (s m^2), from now on.
 ///
 /// # Safety
 /// `plant` is a live plant.
@@ -300,7 +300,7 @@ pub unsafe extern "C" fn cata_plant_set_loss(plant: *mut cata_plant, loss: f64) 
     unsafe { change(plant, |model| model.set_loss(loss)) }
 }
 
-/// Sets what the root takes from the soil, in kg / s, from now on.
+/// Sets the water that the root takes from the soil, in kg / s, from now on.
 ///
 /// # Safety
 /// `plant` is a live plant.
@@ -344,8 +344,8 @@ pub unsafe extern "C" fn cata_plant_rates(
     })
 }
 
-/// Computes the water of every node `seconds` after it was `water`, at once, without time steps.
-/// `water`, `result` (written): n elements in kg each, which may be the same.
+/// Computes the water of every node `seconds` after it was `water`, without time steps. `water`,
+/// `result` (written): n elements in kg each, which may be the same.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -358,7 +358,7 @@ pub unsafe extern "C" fn cata_plant_water_after(
     result: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise. The copy ends what is borrowed before `result` is written.
+        // SAFETY: the caller's promise. The copy ends the borrow before `result` is written.
         let (plant, water) = unsafe { (live_of(plant, n)?, slice("water", water, n)?.to_vec()) };
         // SAFETY: the caller's promise.
         let result = unsafe { slice_mut("result", result, n) }?;
@@ -412,8 +412,8 @@ pub unsafe extern "C" fn cata_plant_water_curve(
     })
 }
 
-/// Makes `water`, n elements in kg, the present, from which cata_plant_step goes on in steps of
-/// `step` seconds; NULL: full cells.
+/// Makes `water`, n elements in kg, the current state, from which cata_plant_step continues in
+/// steps of `step` seconds; NULL: full cells.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -436,8 +436,8 @@ pub unsafe extern "C" fn cata_plant_start(
     })
 }
 
-/// Goes `count` steps ahead; what was changed since the last step counts from now on. `water`:
-/// n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done.
+/// Computes `count` steps; changes since the last step apply from now on. `water`: n elements,
+/// written: in kg; NULL: not wanted. Steps before a cancelled one are done.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -495,7 +495,7 @@ pub unsafe extern "C" fn cata_plant_stiffness(
     })
 }
 
-/// A plant on the heap.
+/// Creates a plant on the heap.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
@@ -539,7 +539,7 @@ unsafe fn model(
                 set(shift, params.elasticity_shift);
             }
         }
-        // Its constants are checked where there is water to use them on.
+        // The constants are checked even without water to use them on.
         elasticity.moduli(&[1.0], &[1.0])?;
     }
     let model = WaterModel::new(&graph, &options)?;
@@ -559,7 +559,7 @@ unsafe fn model(
 /// Changes a model.
 ///
 /// # Safety
-/// `plant` is NULL or a live plant that nobody else uses.
+/// `plant` is NULL or a live plant that no other thread uses.
 unsafe fn change(
     plant: *mut cata_plant,
     work: impl FnOnce(&mut WaterModel) -> crate::Result<()>,
@@ -573,7 +573,7 @@ unsafe fn change(
     })
 }
 
-/// A live plant of n nodes.
+/// Returns a live plant of n nodes.
 ///
 /// # Safety
 /// As [`known`].
@@ -591,7 +591,7 @@ fn check_count(plant: &cata_plant, n: usize) -> Result<(), Failure> {
     count_is(plant.model.len(), n)
 }
 
-/// That the caller has room for as many numbers as there are nodes.
+/// Checks that the caller has room for as many numbers as there are nodes.
 pub(super) fn count_is(nodes: usize, n: usize) -> Result<(), Failure> {
     if n == nodes {
         return Ok(());
@@ -600,7 +600,7 @@ pub(super) fn count_is(nodes: usize, n: usize) -> Result<(), Failure> {
     Err(Failure::new(CATA_ERR_SHAPE, why))
 }
 
-/// Water of all nodes, or that of full cells.
+/// Returns the water of all nodes, or that of full cells.
 ///
 /// # Safety
 /// `water` is NULL or has as many elements as the plant has nodes.
@@ -612,7 +612,7 @@ unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64
     Ok(unsafe { slice("water", water, plant.model.len()) }?.to_vec())
 }
 
-/// Losses that follow each other.
+/// Returns losses that follow each other.
 ///
 /// # Safety
 /// `intervals` has 2 `count` elements.
@@ -624,7 +624,7 @@ pub(super) unsafe fn cycle(count: usize, intervals: *const f64) -> Result<Vec<In
     Ok(numbers.as_chunks().0.iter().map(interval).collect())
 }
 
-/// Rows, one after the other.
+/// Copies rows, one after the other.
 pub(super) fn copy_rows(rows: &[Vec<f64>], place: &mut [f64]) {
     let mut rest = place;
     for row in rows {

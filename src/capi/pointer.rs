@@ -1,4 +1,4 @@
-//! Views of what C points to: every check that can be made of a pointer, and every raw cast.
+//! Views of memory of C: all checks of pointers, and all raw casts.
 
 use faer::{MatMut, MatRef};
 #[cfg(feature = "capi")]
@@ -46,11 +46,11 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
     }
 }
 
-/// A sparse m x n matrix by rows (CSR), read only: its entries are checked.
+/// Returns a sparse m x n matrix by rows (CSR), read only: its entries are checked.
 ///
 /// # Safety
 /// `row_starts` has rows + 1 elements (or may be NULL without rows), `columns` and `entries` as
-/// many as its last one says; they can be read, and nobody writes them, during `'a`.
+/// many as its last one; they can be read, and no thread writes them, during `'a`.
 #[cfg(feature = "capi")]
 pub(super) unsafe fn sparse<'a, T: Real>(
     rows: usize,
@@ -74,10 +74,10 @@ pub(super) unsafe fn sparse<'a, T: Real>(
     }
 }
 
-/// An m x n matrix, read only. `what` names the pointer; its leading dimension is `ld` + `what`.
+/// Returns an m x n matrix to read. `what` names the pointer, `ld` + `what` its leading dimension.
 ///
 /// # Safety
-/// The elements that the arguments describe can be read, and nobody writes them, during `'a`.
+/// The elements that the arguments describe can be read, and no thread writes them, during `'a`.
 pub(super) unsafe fn matrix<'a, T: Copy>(
     what: &str,
     layout: Layout,
@@ -93,10 +93,10 @@ pub(super) unsafe fn matrix<'a, T: Copy>(
     Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, row_stride, col_stride) })
 }
 
-/// An m x n matrix.
+/// Returns an m x n matrix.
 ///
 /// # Safety
-/// The elements that the arguments describe can be read and written, and nobody else does
+/// The elements that the arguments describe can be read and written, and no other thread does
 /// either, during `'a`.
 pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     what: &str,
@@ -112,10 +112,10 @@ pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
 }
 
-/// `len` elements, read only.
+/// Returns `len` elements, read only.
 ///
 /// # Safety
-/// They can be read, and nobody writes them, during `'a`.
+/// They can be read, and no thread writes them, during `'a`.
 pub(super) unsafe fn slice<'a, T: Copy>(
     what: &str,
     pointer: *const T,
@@ -127,7 +127,7 @@ pub(super) unsafe fn slice<'a, T: Copy>(
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
 }
 
-/// Elements that the caller may not have.
+/// Returns elements, or `None` for NULL.
 ///
 /// # Safety
 /// As [`slice()`], or the pointer is NULL.
@@ -143,10 +143,10 @@ pub(super) unsafe fn optional_slice<'a, T: Copy>(
     unsafe { slice(what, pointer, len) }.map(Some)
 }
 
-/// `len` elements.
+/// Returns `len` elements.
 ///
 /// # Safety
-/// They can be read and written, and nobody else does either, during `'a`.
+/// They can be read and written, and no other thread does either, during `'a`.
 pub(super) unsafe fn slice_mut<'a, T: Copy>(
     what: &str,
     pointer: *mut T,
@@ -158,27 +158,27 @@ pub(super) unsafe fn slice_mut<'a, T: Copy>(
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
 }
 
-/// What is behind a handle.
+/// Returns the contents of a handle.
 ///
 /// # Safety
-/// `handle` is NULL or alive, and nobody changes what is behind it, during `'a`.
+/// `handle` is NULL or alive, and no thread changes its contents, during `'a`.
 #[cfg(feature = "capi")]
 pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T, Failure> {
     // SAFETY: passed on to the caller.
     unsafe { handle.as_ref() }.ok_or_else(|| Failure::null(what))
 }
 
-/// What is behind a handle, to be changed.
+/// Returns the contents of a handle, to be changed.
 ///
 /// # Safety
-/// `handle` is NULL or alive, and nobody else uses it, during `'a`.
+/// `handle` is NULL or alive, and no other thread uses it, during `'a`.
 #[cfg(feature = "capi")]
 pub(super) unsafe fn known_mut<'a, T>(what: &str, handle: *mut T) -> Result<&'a mut T, Failure> {
     // SAFETY: passed on to the caller.
     unsafe { handle.as_mut() }.ok_or_else(|| Failure::null(what))
 }
 
-/// Gives a handle back; NULL does nothing.
+/// Frees a handle; NULL does nothing.
 ///
 /// # Safety
 /// `handle` is NULL, or came from `Box::into_raw` and is freed once.
@@ -192,16 +192,16 @@ pub(super) unsafe fn free<T>(handle: *mut T) {
     });
 }
 
-/// A place for one result.
+/// Returns a place for one result.
 ///
 /// # Safety
-/// It is NULL or can be written, and nobody else uses it, during `'a`.
+/// It is NULL or can be written, and no other thread uses it, during `'a`.
 pub(super) unsafe fn output<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T, Failure> {
-    // SAFETY: the caller's promise, and `checked` has seen to NULL and alignment.
+    // SAFETY: the caller's promise; `checked` has excluded NULL and checked the alignment.
     Ok(unsafe { &mut *checked(what, pointer, 1)?.cast_mut() })
 }
 
-/// A place for one result that the caller may not want.
+/// Returns a place for one result, or `None` for NULL.
 ///
 /// # Safety
 /// As [`output`].
@@ -216,10 +216,10 @@ pub(super) unsafe fn optional_output<'a, T>(
     unsafe { output(what, pointer) }.map(Some)
 }
 
-/// A mesh of x, y, z of each vertex and three vertices of each face, which are copied.
+/// Returns a mesh of x, y, z of each vertex and three vertices of each face, which are copied.
 ///
 /// # Safety
-/// They can be read, and nobody writes them.
+/// They can be read, and no thread writes them.
 #[cfg(feature = "capi")]
 pub(super) unsafe fn mesh(
     n_vertices: usize,
@@ -236,7 +236,7 @@ pub(super) unsafe fn mesh(
     Ok(TriMesh::new(vertices.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
 }
 
-/// Elements that the caller may not want.
+/// Returns elements to write, or `None` for NULL.
 ///
 /// # Safety
 /// As [`slice_mut`], or the pointer is NULL.
@@ -253,7 +253,7 @@ pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
     unsafe { slice_mut(what, pointer, len) }.map(Some)
 }
 
-/// A place for a matrix that the caller may not want.
+/// Returns a matrix to write, or `None` for NULL.
 ///
 /// # Safety
 /// NULL, or as [`matrix_mut`].
@@ -273,13 +273,13 @@ pub(super) unsafe fn optional_matrix_mut<'a>(
     unsafe { matrix_mut(what, layout, rows, cols, pointer, ld) }.map(Some)
 }
 
-/// Refuses a rows x cols matrix that no memory can hold.
+/// Returns an error for a rows x cols matrix that no memory can hold.
 pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
     strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
 }
 
-/// Elements from the first to the last of a matrix with both included, and its row and column
-/// strides.
+/// Returns the number of elements from the first to the last of a matrix with both included, and
+/// its row and column strides.
 fn strides<T>(
     what: &str,
     layout: Layout,
@@ -302,7 +302,7 @@ fn strides<T>(
         (lines - 1).checked_mul(ld).and_then(|len| len.checked_add(line))
     };
     let most = isize::MAX as usize / size_of::<T>();
-    // A dimension alone can be beyond reason when the other one is 0.
+    // A dimension alone can exceed the address space when the other one is 0.
     match len.filter(|&len| len <= most && rows <= most && cols <= most) {
         Some(len) => {
             // A single line has no stride; ld may then be anything.
@@ -321,7 +321,7 @@ fn strides<T>(
     }
 }
 
-/// `pointer`, or any aligned one when there is nothing to point to.
+/// Returns `pointer`, or any aligned pointer when `len` is 0.
 pub(super) fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*const T, Failure> {
     if len == 0 {
         return Ok(std::ptr::NonNull::dangling().as_ptr());

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 
 use crate::base::Par;
 
-/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything
+/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to continue; anything
 /// else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
 ///
 /// It is called from any thread that works for the call, one call at a time: each begins after
@@ -21,11 +21,11 @@ use crate::base::Par;
 /// may be slow, and it may call this library. It must not leave by longjmp or a C++ exception.
 pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
 
-/// The address that a progress callback asked for.
+/// The `user` pointer of a progress callback.
 struct User(*mut c_void);
 
-// SAFETY: only handed to the callback, which the header tells to expect any thread; calls never
-// overlap and are ordered, as `Progress` promises.
+// SAFETY: the pointer is only passed to the callback, which the header allows on any thread; calls
+// never overlap and are ordered, as `Progress` promises.
 unsafe impl Sync for User {}
 
 impl User {
@@ -34,7 +34,7 @@ impl User {
     }
 }
 
-/// A callback of the ABI as one of ours.
+/// Returns a callback of the ABI as a progress callback of the library.
 pub(super) fn watcher(
     progress: cata_progress,
     user: *mut c_void,
@@ -46,7 +46,7 @@ pub(super) fn watcher(
     })
 }
 
-/// Threads, of a field of that name: 0 stands for all.
+/// Returns the threads of a field of that name: 0 stands for all.
 pub(super) fn par(threads: usize) -> Par {
     if threads == 0 { Par::all() } else { Par::Threads(threads) }
 }

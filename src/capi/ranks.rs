@@ -1,4 +1,4 @@
-//! What exports of `mpi` share.
+//! Shared parts of the exports of `mpi`.
 
 use std::cell::Cell;
 
@@ -18,8 +18,8 @@ use crate::{AtaOptions, Error, Uplo};
 
 type Outcome = Result<(), Failure>;
 
-/// The only way from the checks that one rank makes of its arguments to what all ranks do
-/// together.
+/// Leads from the checks that one rank makes of its arguments to the collective work: the world is
+/// available through it only.
 pub(super) struct Entrance<'w> {
     world: &'w World,
     passed: Cell<bool>,
@@ -38,8 +38,8 @@ impl<'w> Entrance<'w> {
     }
 }
 
-/// Does `work`; if it fails before it enters, the other ranks, who have begun `operation`, are
-/// told.
+/// Calls `work`. If it fails before it enters, the other ranks, which have begun `operation`, are
+/// informed.
 ///
 /// # Safety
 /// `world` is NULL or alive.
@@ -55,12 +55,14 @@ pub(super) unsafe fn collective(
     let outcome = work(&entrance);
     if let (Err(failure), false) = (&outcome, entrance.passed.get()) {
         let own = Error::Rank { rank: world.rank(), why: failure.message.clone() };
-        // It can only end in that error.
+        // This call can only return that error.
         let _ = world.begin(operation, &[], Err::<(), _>(own));
     }
     outcome
 }
 
+/// Returns the world of a handle.
+///
 /// # Safety
 /// NULL or alive.
 pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Failure> {
@@ -68,6 +70,8 @@ pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Fa
     unsafe { known("world", world) }.map(|w| &w.world)
 }
 
+/// Returns the entries of a handle.
+///
 /// # Safety
 /// NULL or alive.
 pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s Entries, Failure> {
@@ -85,6 +89,8 @@ pub(super) unsafe fn number(what: &str, place: *mut usize, value: usize) -> Outc
     Ok(())
 }
 
+/// Implements `cata_world_ata_rows_*`.
+///
 /// # Safety
 /// As the header says.
 pub(super) unsafe fn rows<T: Held>(
@@ -102,7 +108,7 @@ pub(super) unsafe fn rows<T: Held>(
     unsafe {
         collective(world, Operation::Rows, |entrance| {
             let a = matrix("a", Layout::new(layout)?, m, n, a, lda)?;
-            // Without columns there is nothing to multiply, and m may be beyond counting.
+            // Without columns the product is zero, and m may exceed the address space.
             let a = if n == 0 { a.subrows(0, 0) } else { a };
             let c = output("c", c)?;
             with_options(params, Uplo::Lower, |options| {
@@ -118,6 +124,8 @@ pub(super) fn handle<T: Held>(matrix: Symmetric<T>) -> *mut cata_symmetric {
     Box::into_raw(Box::new(cata_symmetric { entries: T::hold(matrix) }))
 }
 
+/// Implements `cata_world_ata_cyclic` and `cata_world_aat_cyclic`.
+///
 /// # Safety
 /// As the header says.
 pub(super) unsafe fn cyclic(
@@ -171,6 +179,8 @@ pub(super) unsafe fn cyclic(
     }
 }
 
+/// Implements `cata_symmetric_gather_*`.
+///
 /// # Safety
 /// As the header says.
 pub(super) unsafe fn gather<T: Held>(
@@ -197,6 +207,8 @@ pub(super) unsafe fn gather<T: Held>(
     }
 }
 
+/// Implements `cata_symmetric_verify_*`.
+///
 /// # Safety
 /// As the header says.
 pub(super) unsafe fn check<T: Held>(
@@ -247,7 +259,7 @@ pub(super) unsafe fn check<T: Held>(
     }
 }
 
-/// The matrix behind a handle, if it is of this precision and of as many ranks as the world.
+/// Returns the matrix of a handle, if it has this precision and as many ranks as the world.
 ///
 /// # Safety
 /// NULL or alive.
@@ -257,12 +269,12 @@ unsafe fn of_world<'s, T: Held>(
 ) -> Result<&'s Symmetric<T>, Failure> {
     // SAFETY: the caller's promise.
     let Some(matrix) = T::held(unsafe { entries(symmetric) }?) else {
-        let why = format!("symmetric: holds another type than {}", T::NAME);
+        let why = format!("symmetric: does not hold entries of type {}", T::NAME);
         return Err(Failure::new(CATA_ERR_ARGUMENT, why));
     };
     let (its, ranks) = (matrix.layout().ranks(), world.size());
     if its != ranks {
-        let why = format!("symmetric: spread over {its} ranks, the world has {ranks}");
+        let why = format!("symmetric: spread over {its} ranks, but the world has {ranks}");
         return Err(Failure::new(CATA_ERR_ARGUMENT, why));
     }
     Ok(matrix)

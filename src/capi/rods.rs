@@ -1,4 +1,4 @@
-//! Rods: where the segments of a plant are.
+//! Rods: the positions of the segments of a plant.
 
 use std::ffi::c_void;
 use std::mem::offset_of;
@@ -25,25 +25,25 @@ pub struct cata_plant_rods_params {
     pub struct_size: usize,
     /// Threads, at most; rods take one.
     pub threads: usize,
-    /// Told of progress.
+    /// Progress callback.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// In m / s^2; all 0: 0, 0, -9.81.
     pub gravity: [f64; 3],
     /// Poisson's ratio, above -1 and at most 0.5; 0: 0.3.
     pub poisson: f64,
-    /// What a cubic metre of tissue weighs without its water, in kg; 0: 100.
+    /// Mass of a cubic metre of tissue without its water, in kg; 0: 100.
     pub dry_density: f64,
     /// Of cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8.
     pub tolerance: f64,
-    /// Its iterations, at most; 0: 200.
+    /// Most iterations of cata_plant_rods_relax; 0: 200.
     pub iterations: usize,
     /// Seconds of a step of cata_plant_rods_step; 0: 1 / 60.
     pub step: f64,
-    /// Its iterations; 0: 3.
+    /// Iterations of cata_plant_rods_step; 0: 3.
     pub step_iterations: usize,
-    /// The rate at which velocities wear off, in 1 / s; 0: 1.
+    /// The rate at which velocities decay, in 1 / s; 0: 1.
     pub damping: f64,
 }
 
@@ -57,7 +57,7 @@ pub struct cata_plant_rods {
     graph: Arc<Plant>,
     rods: Rods,
     pose: Pose,
-    /// Since the last step, until it is put elsewhere.
+    /// The motion since the last step; `None` after the pose has been set.
     motion: Option<Motion>,
     tolerance: f64,
     iterations: usize,
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn cata_plant_rods_new(
         let mut made = Rods::new(&plant.graph, &options)?;
         made.set_state(&plant.elasticity.moduli(&full, &full)?, &full)?;
         let pose = made.rest_pose();
-        // Its options are checked now, not by the first step.
+        // The options are checked now, not by the first step.
         Motion::new(&made, &pose, &motion_options)?;
         *place = Box::into_raw(Box::new(cata_plant_rods {
             graph: plant.graph.clone(),
@@ -233,9 +233,9 @@ pub unsafe extern "C" fn cata_plant_rods_pose(
     })
 }
 
-/// Turns the pose into one near it in which stiffness and weight are in balance, at rest.
-/// `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures
-/// it; NULL where not wanted. After an error the pose is as far as it came.
+/// Moves the pose to one near it in which stiffness and weight are in balance, at rest.
+/// `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures it;
+/// NULL where not wanted. After an error the pose is that of the last iteration.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -271,8 +271,8 @@ pub unsafe extern "C" fn cata_plant_rods_relax(
     })
 }
 
-/// Lets the plant move for `count` steps. `gap`: written: the largest between a segment and
-/// what it grows on, in metres; NULL: not wanted. Those before a cancelled one are done.
+/// Lets the plant move for `count` steps. `gap`: written: the largest between a segment and its
+/// parent, in metres; NULL: not wanted. Steps before a cancelled one are done.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -383,7 +383,7 @@ pub unsafe extern "C" fn cata_plant_wilt(
         let rods = match rods {
             Some(rods) if rods.graph == plant.graph => &rods.rods,
             Some(_) => {
-                return Err(Failure::new(CATA_ERR_ARGUMENT, "rods: those of another plant"));
+                return Err(Failure::new(CATA_ERR_ARGUMENT, "rods: belong to another plant"));
             }
             None => {
                 default = Rods::new(&plant.graph, &RodOptions::default())?;
@@ -416,7 +416,7 @@ pub unsafe extern "C" fn cata_plant_wilt(
     })
 }
 
-/// A field that is 0 leaves the default.
+/// Sets an option, unless the field is 0, which leaves the default.
 fn set<T: Default + PartialEq>(option: &mut T, value: T) {
     if value != T::default() {
         *option = value;

@@ -60,7 +60,7 @@ pub unsafe extern "C" fn cata_ata_rows_f64(
     }
 }
 
-/// As cata_ata_rows_f64, in float; the mean is summed in double.
+/// Computes cata_ata_rows_f64 in float; the mean is summed in double.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_rows_f64`.
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_ata_rows_f32(
     }
 }
 
-/// `cata_ata_rows_*`.
+/// Implements `cata_ata_rows_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -126,7 +126,7 @@ unsafe fn rows<T: BlasReal>(
         };
         let work = |options: &AtaOptions<'_>| {
             if n == 0 {
-                return Ok(()); // m may be beyond counting
+                return Ok(()); // m may exceed the address space
             }
             let row_options = RowOptions::new().weights(weights).center(center);
             Ok(ata_rows(alpha, &mut DenseRows(a), &row_options, beta, c, options)?)

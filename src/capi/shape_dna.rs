@@ -15,7 +15,7 @@ use crate::unions::{ShapeDnaOptions, retrieve, shape_dna};
 /// - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
 ///   the mesh; 0: they are not.
 /// - `signature`: k elements, written: ascending.
-/// - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only.
+/// - `params`: the Laplacian, `threads` and `progress` are used, the rest is only checked.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn cata_shape_dna_retrieve(
     boundary(|| {
         check_size::<f64>("signatures", count, k)?;
         if wanted > count {
-            let why = format!("wanted: must be at most count, is {wanted} of {count}");
+            let why = format!("wanted: must be at most {count} (count), is {wanted}");
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         }
         // SAFETY: the caller's promise.

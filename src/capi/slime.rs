@@ -47,7 +47,7 @@ pub const CATA_SLIME_LENGTHS_SURFACE: i32 = 0;
 /// `lengths`: those of the texture, of side 1.
 pub const CATA_SLIME_LENGTHS_TEXTURE: i32 = 1;
 
-/// What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
+/// Properties of slime moulds (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
 /// hundredths of the square root of the area of the surface, times in seconds.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -56,9 +56,9 @@ pub struct cata_slime_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told after each step.
+    /// Progress callback, called after each step.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// Number of agents, below 2^32; 0: 1,000,000.
     pub agents: usize,
@@ -69,7 +69,7 @@ pub struct cata_slime_params {
     /// An OpenCL device (see Devices), which keeps agents and textures between calls; NULL: the
     /// processor. The bytes are the same where devices round as processors do.
     pub device: *const c_char,
-    /// Of all randomness.
+    /// Seed of all random numbers.
     pub seed: u32,
     /// 0: steps that are exact; else the number of sub-steps that are projected (thesis,
     /// algorithm 3.1).
@@ -80,11 +80,11 @@ pub struct cata_slime_params {
     pub movement_speed: f64,
     /// Degrees a second; 0: 1800.
     pub turn_speed: f64,
-    /// From an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1.
+    /// Distance from an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1.
     pub vision_distance: f64,
-    /// Between sensors, in degrees, such as 10 to 50; 0: 30.
+    /// Angle between sensors, in degrees, such as 10 to 50; 0: 30.
     pub vision_angle: f64,
-    /// What evaporates in a second, such as 0.2 to 1; 0: 0.4.
+    /// Part that evaporates in a second, such as 0.2 to 1; 0: 0.4.
     pub evaporation_rate: f64,
     /// Blurs a second; 0: 6.
     pub diffusion_rate: f64,
@@ -103,7 +103,7 @@ impl Versioned for cata_slime_params {
 
 /// Slime moulds on a surface.
 pub struct cata_slime {
-    /// With a device: the surface, and agents and textures as they were at first.
+    /// With a device: the surface, and the initial agents and textures.
     simulation: Simulation,
     #[cfg(feature = "opencl")]
     on_device: Option<Box<SlimeOnDevice>>,
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn cata_slime_new(
     })
 }
 
-/// What the caller asks for.
+/// Returns the options of the caller.
 fn options(params: &cata_slime_params) -> Result<Options, Failure> {
     let default = Options::default();
     let count = |value: usize, default: usize| if value == 0 { default } else { value };
@@ -229,7 +229,7 @@ fn options(params: &cata_slime_params) -> Result<Options, Failure> {
     })
 }
 
-/// Whether a field has the second of its two values.
+/// Returns whether a field has the second of its two values.
 fn is_second((field, value): (&str, i32)) -> Result<bool, Failure> {
     match value {
         0 | 1 => Ok(value == 1),
@@ -244,14 +244,14 @@ fn is_second((field, value): (&str, i32)) -> Result<bool, Failure> {
 /// Frees a simulation.
 ///
 /// # Safety
-/// `slime` is NULL or from cata_slime_new, and was not given back before.
+/// `slime` is NULL or from cata_slime_new, and has not been freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
     // SAFETY: the promises are the same.
     unsafe { free(slime) };
 }
 
-/// Goes `steps` steps ahead. Those before a cancelled one are done.
+/// Computes `steps` steps. Those before a cancelled one are done.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -395,7 +395,7 @@ fn check_species(simulation: &Simulation, species: usize) -> Result<(), Failure>
     if species < count {
         return Ok(());
     }
-    let why = format!("species: {species} of {count} (numbered from 0)");
+    let why = format!("species: must be less than {count} (species), is {species}");
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
 }
 

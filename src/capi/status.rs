@@ -1,7 +1,7 @@
 //! # Status, version, memory
 //!
-//! Every function that can fail returns a status; what the build can do and what version it is;
-//! scratch memory that is kept between calls.
+//! Functions that can fail return a status. Others report the capabilities and the version of the
+//! build, or free scratch memory that is kept between calls.
 //!
 //! ```c
 //! if (cata_memory_release() != CATA_OK) {
@@ -15,7 +15,7 @@ use std::ffi::{CStr, c_char};
 use super::message::last_message;
 use crate::Error;
 
-/// What a call returns. A value, once given a meaning, keeps it for ever.
+/// What a call returns. A value with a meaning keeps it forever.
 pub type cata_status = i32;
 
 /// Done.
@@ -32,9 +32,9 @@ pub const CATA_ERR_NON_FINITE: cata_status = 4;
 pub const CATA_ERR_NOT_CONVERGED: cata_status = 5;
 /// A file could not be read or written.
 pub const CATA_ERR_IO: cata_status = 6;
-/// Memory could not be had.
+/// Memory could not be allocated.
 pub const CATA_ERR_OUT_OF_MEMORY: cata_status = 7;
-/// A BLAS back end could not be loaded, or refused.
+/// A BLAS back end could not be loaded, or refused a request.
 pub const CATA_ERR_BACKEND: cata_status = 8;
 /// The progress callback asked to stop.
 pub const CATA_ERR_CANCELLED: cata_status = 9;
@@ -42,9 +42,9 @@ pub const CATA_ERR_CANCELLED: cata_status = 9;
 pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
 /// A bug in Catamaran, caught; the library stays usable.
 pub const CATA_ERR_PANIC: cata_status = 11;
-/// Another rank failed, or does not fit; the message names it.
+/// Another rank failed, or its arguments disagree; the message names it.
 pub const CATA_ERR_RANK: cata_status = 12;
-/// A mesh or plant is not one; the message names the element.
+/// A mesh or plant is invalid; the message names the element.
 pub const CATA_ERR_MESH: cata_status = 13;
 
 /// Returns the message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty
@@ -57,8 +57,8 @@ pub extern "C" fn cata_last_error_message() -> *const c_char {
     last_message()
 }
 
-/// Returns the name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is
-/// none. Static, never NULL; do not free it.
+/// Returns the name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for any other value.
+/// Static, never NULL; do not free it.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_status_name(status: cata_status) -> *const c_char {
     name(status).as_ptr()
@@ -97,13 +97,13 @@ impl Failure {
     }
 
     pub(super) fn null(what: &str) -> Self {
-        Self::new(CATA_ERR_NULL, format!("{what}: NULL"))
+        Self::new(CATA_ERR_NULL, format!("{what}: must not be NULL"))
     }
 }
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        // No catch-all: a new kind of error wants a new value.
+        // No catch-all: a new kind of error needs a new value.
         let status = match &error {
             Error::Shape { .. } => CATA_ERR_SHAPE,
             Error::Argument { .. } => CATA_ERR_ARGUMENT,

@@ -5,8 +5,8 @@ use super::status::cata_status;
 use crate::spectral::functional_map::map_from_points;
 use crate::spectral::{Transfer, transfer_details};
 
-/// Carries functions over along points, through the products of eigenfunctions: what
-/// cata_basis_products of both, cata_map_from_points and cata_transfer_map do in turns.
+/// Carries functions over along points, through the products of eigenfunctions: the same as
+/// cata_basis_products of both, cata_map_from_points and cata_transfer_map in turn.
 ///
 /// - `source`, `target`: of cata_basis_new, the constant among the eigenfunctions.
 /// - `points`: n_target elements: the vertex of the source of each vertex of the target.

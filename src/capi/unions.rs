@@ -112,7 +112,7 @@ pub unsafe extern "C" fn cata_unions_predict(
     })
 }
 
-/// How the union of parts is located.
+/// Threads and progress of cata_unions_locate.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_unions_params {
@@ -120,9 +120,9 @@ pub struct cata_unions_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Progress callback; NULL: none.
     pub progress: cata_progress,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
 }
 
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn cata_unions_interpolate(
                 unsafe { (slice("first", first, K)?, slice("second", second, K)?) };
             interpolate(first, second, t)?
         };
-        // SAFETY: the caller's promise; what was read is no longer looked at.
+        // SAFETY: the caller's promise; the inputs are not read any more.
         unsafe { slice_mut("spectrum", spectrum, K) }?.copy_from_slice(&between);
         Ok(())
     })

@@ -8,7 +8,7 @@ use crate::ata::verify;
 /// vectors (Freivalds 1977), in time proportional to rounds (m n + n^2), on the calling thread.
 /// CATA_OK whether C passed or not.
 ///
-/// - `uplo`: the part of C that is looked at.
+/// - `uplo`: the part of C that is checked.
 /// - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
 ///   probability at most 2^-rounds.
 /// - `seed`: of the random vectors; the same seed gives the same answer.
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn cata_verify_f64(
     }
 }
 
-/// As cata_verify_f64, for a product in float. The check itself is in double.
+/// Checks a product in float as cata_verify_f64. The check itself is in double.
 ///
 /// # Safety
 /// The pointers are as described at `cata_verify_f64`.
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn cata_verify_f32(
     }
 }
 
-/// `cata_verify_*`.
+/// Implements `cata_verify_*`.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
@@ -106,7 +106,7 @@ unsafe fn check<T: Real>(
                 optional_output("tolerance", tolerance)?,
             )
         };
-        // Without columns there is nothing to check, and m may be beyond counting.
+        // Without columns there is nothing to check, and m may exceed the address space.
         let a = if n == 0 { a.subrows(0, 0) } else { a };
         let found = verify(alpha, a, c, uplo, rounds as u32, seed)?;
         *passed = found.passed.into();

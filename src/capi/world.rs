@@ -23,11 +23,11 @@ use std::mem::offset_of;
 /// The library never initialises or finalises MPI. MPI is called by the thread that calls; other
 /// threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
 ///
-/// Collective functions are called by all ranks of the world, in the same order and with the
-/// same numbers unless said otherwise; `params` may differ in `threads` and progress. An error
-/// on one rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message
-/// that names the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so
-/// does, unless the communicator has another error handler, an error of MPI itself.
+/// Collective functions are called by all ranks of the world, in the same order and with the same
+/// numbers unless said otherwise; `params` may differ in `threads` and progress. If one rank fails,
+/// every rank returns an error: its own there, CATA_ERR_RANK on the others, with a message that
+/// names the rank, except for a world that is NULL. A panic aborts the job (MPI_Abort); so does, by
+/// default, an error of MPI itself.
 pub struct cata_world {
     pub(super) world: crate::mpi::World,
 }

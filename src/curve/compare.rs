@@ -1,7 +1,7 @@
-//! How far a curve is from the one that it should be (thesis, section 6.4.2).
+//! Measures of the difference between a curve and the true curve (thesis, section 6.4.2).
 
-/// Returns whether two orders of the same samples run around the same circle: equal except for
-/// where they start and which way they run.
+/// Returns whether two orders of the same samples are the same cycle: equal up to the start and the
+/// direction.
 ///
 /// ```
 /// use catamaran::curve::same_order;
@@ -21,7 +21,7 @@ pub fn same_order(order: &[u32], truth: &[u32]) -> bool {
     ahead || (0..n).all(|i| order[i] == truth[(start + n - i) % n])
 }
 
-/// For each point of one curve the distance to the nearest point of the other.
+/// Returns for each point of one curve the distance to the nearest point of the other.
 fn nearest<'a>(from: &'a [[f64; 3]], to: &'a [[f64; 3]]) -> impl Iterator<Item = f64> {
     from.iter().map(|&x| {
         let square = |y: &[f64; 3]| (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>();
@@ -43,7 +43,7 @@ pub fn hausdorff(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
 }
 
 /// Computes R of equation 6.1 as printed: the root of the mean distance from the points of the true
-/// curve to the curve found; infinite when nothing was found.
+/// curve to the found curve; infinite when nothing was found.
 ///
 /// ```
 /// use catamaran::curve::root_mean_distance;
@@ -54,7 +54,7 @@ pub fn root_mean_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     mean(nearest(truth, found), truth.len()).sqrt()
 }
 
-/// Computes R with the square that its name says: the root of the mean of the squared distance;
+/// Computes R with the square that its name implies: the root of the mean squared distance;
 /// infinite when nothing was found.
 ///
 /// ```

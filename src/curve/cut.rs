@@ -1,22 +1,22 @@
-//! Meshes cut open along edges.
+//! Cuts meshes open along edges.
 
 use super::walls::Walls;
 use crate::base::{Result, Sets};
 use crate::mesh::{Part, TriMesh};
 
-/// Cuts a mesh open along edges: a vertex at which the edges part its faces becomes several
-/// vertices, one for each part. Faces keep their order; new vertices follow those of the mesh.
-/// Takes O(V + F).
+/// Cuts a mesh open along edges: a vertex whose faces the edges separate becomes several vertices,
+/// one for each part. Faces keep their order; new vertices follow those of the mesh. Takes O(V +
+/// F).
 ///
-/// The pieces of a mesh without other single points of contact are the
+/// If the mesh has no other contacts at single points, its pieces are the
 /// [components](crate::mesh::Components) of the result. Edges that end inside of the surface leave
-/// a slit, whose end is still one vertex.
+/// a slit, whose end remains one vertex.
 ///
 /// ```
 /// use catamaran::curve::cut;
 /// use catamaran::mesh::{Components, families};
 ///
-/// // A grid of 2 x 1 squares along the edge between them.
+/// // Cut a grid of 2 x 1 squares along the edge between them.
 /// let mesh = families::grid(2, 1)?;
 /// let open = cut(&mesh, &[[2, 3]])?;
 /// assert_eq!(Components::new(&open.mesh).len(), 2);
@@ -25,14 +25,14 @@ use crate::mesh::{Part, TriMesh};
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) for two vertices that no edge joins.
+/// [`Error::Argument`](crate::Error::Argument) for two vertices that are not joined by an edge.
 pub fn cut(mesh: &TriMesh, along: &[[u32; 2]]) -> Result<Part> {
     let walls = Walls::new(mesh, along)?;
     let mut at_wall = vec![false; mesh.vertices().len()];
     for &v in along.as_flattened() {
         at_wall[v as usize] = true;
     }
-    // Corners of a vertex that hang together over edges that are not cut.
+    // Corners of a vertex that are connected across edges that are not cut.
     let faces = mesh.faces();
     let mut fans = Sets::new(3 * faces.len());
     let corner = |face: u32, v: u32| {

@@ -1,4 +1,4 @@
-//! Curves to test reconstruction with: the generator of section 6.4.1 of the thesis, from a seed.
+//! Generates curves for tests of reconstruction from a seed, as in section 6.4.1 of the thesis.
 
 use super::search::Search;
 use crate::base::{Result, Rng};
@@ -6,7 +6,7 @@ use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh};
 
 /// The least number of vertices of a generated curve.
 pub const LEAST_VERTICES: usize = 100;
-/// Walks that fail, or are too short, before a mesh is given up.
+/// Number of walks that fail, or are too short, after which the generator gives up.
 const ATTEMPTS: usize = 400;
 
 /// Generates curves on one mesh.
@@ -47,16 +47,16 @@ impl<'g> Generator<'g> {
         })
     }
 
-    /// Returns the next closed curve, of at least [`LEAST_VERTICES`] vertices, each next to the one
-    /// before and the last to the first; `None` when 400 walks gave none.
+    /// Returns the next closed curve, of at least [`LEAST_VERTICES`] vertices, each adjacent to the
+    /// previous one and the last to the first; `None` when 400 walks gave none.
     ///
-    /// A walk goes from a vertex s to random neighbours farther from s, up to a vertex m where
-    /// there is none; then it goes sideways, away from m and at the distance that m has from s as
-    /// nearly as possible, for a random number of steps; then back to s by the shortest path that
-    /// avoids it.
+    /// A walk goes from a vertex s to random neighbours farther from s, up to a vertex m without
+    /// such a neighbour. Then it goes sideways, away from m and as near as possible to the distance
+    /// of m from s, for a random number of steps. At last it returns to s by the shortest path that
+    /// avoids the walk.
     ///
     /// # Errors
-    /// None that a graph could cause.
+    /// None in practice.
     pub fn curve(&mut self) -> Result<Option<Vec<u32>>> {
         for _ in 0..ATTEMPTS {
             if let Some(curve) = self.walk()?.filter(|curve| curve.len() >= LEAST_VERTICES) {
@@ -77,7 +77,7 @@ impl<'g> Generator<'g> {
         let mut curve = vec![start];
         let mut at = start;
         loop {
-            // Farther from s, so never visited before.
+            // The vertices are farther from s, and therefore not visited before.
             let up: Vec<u32> = (graph.neighbours(at).map(|(u, _)| u))
                 .filter(|&u| height[u as usize] > height[at as usize])
                 .collect();
@@ -127,26 +127,26 @@ impl<'g> Generator<'g> {
     }
 }
 
-/// A number below n, which is not 0.
+/// Returns a random number below n, which is not 0.
 fn below(rng: &mut Rng, n: usize) -> usize {
     (rng.bits() % n as u64) as usize
 }
 
-/// How samples are chosen from the vertices of a curve.
+/// The method by which samples are selected from the vertices of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
-    /// The same number of steps between any two (to rounding).
+    /// The same number of steps between successive samples (up to rounding).
     Even,
-    /// Each vertex as probable as any other.
+    /// Each vertex with the same probability.
     Random,
 }
 
-/// Samples of a curve without their order.
+/// Samples of a curve, in random order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Samples {
     /// Vertices, in random order.
     pub vertices: Vec<u32>,
-    /// The order that the curve has them in: numbers of samples.
+    /// The order of the samples on the curve, as indices of `vertices`.
     pub order: Vec<u32>,
 }
 
@@ -184,15 +184,15 @@ pub fn samples(curve: &[u32], k: usize, sampling: Sampling, rng: &mut Rng) -> Sa
     Samples { vertices, order }
 }
 
-/// Every order as probable as any other (Fisher and Yates).
+/// Shuffles uniformly (Fisher and Yates).
 fn shuffle(items: &mut [usize], rng: &mut Rng) {
     for i in (1..items.len()).rev() {
         items.swap(i, below(rng, i + 1));
     }
 }
 
-/// Returns the mesh scaled to the volume 1. A mesh that is not closed is scaled to the area of a
-/// ball of volume 1.
+/// Returns the mesh scaled to the volume 1. A mesh that is not closed is scaled to the surface area
+/// of a ball of volume 1.
 ///
 /// ```
 /// use catamaran::{curve::dataset::scaled, mesh::families};
@@ -202,7 +202,7 @@ fn shuffle(items: &mut [usize], rng: &mut Rng) {
 /// ```
 ///
 /// # Errors
-/// [`Error::Mesh`](crate::Error::Mesh) when that makes coordinates that are not finite, as of a
+/// [`Error::Mesh`](crate::Error::Mesh) when the coordinates are not finite afterwards, as for a
 /// mesh without area.
 pub fn scaled(mesh: &TriMesh) -> Result<TriMesh> {
     let volume = mesh.volume().abs();

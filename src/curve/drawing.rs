@@ -1,4 +1,4 @@
-//! Several curves on one mesh, each found for itself.
+//! Several curves on one mesh, each reconstructed separately.
 
 use std::collections::HashMap;
 
@@ -11,8 +11,8 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{Refined, TriMesh};
 
-/// Layers of curves on one mesh. Each layer has samples and options of its own. Curves of one layer
-/// do not meet; curves of different layers may cross or run along common edges.
+/// Layers of curves on one mesh. Each layer has its own samples and options. Curves of one layer do
+/// not meet; curves of different layers may cross or run along common edges.
 ///
 /// ```
 /// use catamaran::curve::{CurveOptions, Drawing, Region, Side};
@@ -33,7 +33,7 @@ use crate::mesh::{Refined, TriMesh};
 /// ```
 pub struct Drawing {
     solver: CurveSolver<'static>,
-    /// Where the solver's mesh comes from.
+    /// The refinement of the original mesh to the mesh of the solver.
     base: Refined,
     layers: Vec<Layer>,
     smooth: bool,
@@ -47,7 +47,7 @@ struct Layer {
 /// A mesh with all curves of a drawing along its edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// The mesh, and where on the mesh of the drawing it comes from.
+    /// The mesh, with its origin on the mesh of the drawing.
     pub refined: Refined,
     /// The curves of each layer.
     pub layers: Vec<Vec<Curve>>,
@@ -63,25 +63,24 @@ impl Drawing {
         Ok(Self { solver: CurveSolver::owning(mesh)?, base, layers: Vec::new(), smooth: false })
     }
 
-    /// Returns the mesh with the Steiner points of all layers, on which the paths are.
+    /// Returns the mesh with the Steiner points of all layers, on which the paths run.
     pub fn mesh(&self) -> &TriMesh {
         self.solver.mesh()
     }
 
-    /// Returns the reconstruction of each layer. Paths and way points are on [`Drawing::mesh`].
+    /// Returns the reconstruction of each layer. Paths and waypoints refer to [`Drawing::mesh`].
     pub fn found(&self) -> impl Iterator<Item = &Reconstruction> {
         self.layers.iter().map(|layer| &layer.found)
     }
 
     /// Finds curves through samples, as [`CurveSolver::reconstruct`] does, and adds them as a
-    /// layer. Where Steiner points are needed, the earlier layers get them too; their curves stay
-    /// where they are.
+    /// layer. Steiner points are also inserted into earlier layers, whose curves do not move.
     ///
     /// # Errors
     /// As [`CurveSolver::reconstruct`]; [`Error::Argument`] after [`Drawing::smooth`].
     pub fn add(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<&Reconstruction> {
         if self.smooth {
-            let why = "a layer more, where those before are smooth already".into();
+            let why = "no layer can be added after `smooth`".into();
             return Err(Error::Argument { what: "samples", why });
         }
         let found = self.solver.reconstruct(samples, options)?;
@@ -114,7 +113,7 @@ impl Drawing {
         Ok(converged)
     }
 
-    /// Returns a mesh whose edges the curves of all layers run along.
+    /// Returns a mesh with the curves of all layers along its edges.
     ///
     /// ```
     /// use catamaran::curve::{CurveOptions, Drawing};
@@ -139,7 +138,7 @@ impl Drawing {
     }
 }
 
-/// Takes a curve along edges to the mesh on which some of them were cut in their middle.
+/// Transfers a curve along edges to the mesh on which some of these edges were cut in their middle.
 fn carry(curve: &mut Curve, first: u32, steiner: &[Steiner], mesh: &TriMesh) {
     let middles: HashMap<[u32; 2], u32> = steiner
         .iter()
@@ -149,7 +148,7 @@ fn carry(curve: &mut Curve, first: u32, steiner: &[Steiner], mesh: &TriMesh) {
     let mut path = Vec::new();
     let next = curve.path.iter().skip(1).chain(curve.path.first().filter(|_| curve.closed));
     for (&a, &b) in curve.path.iter().zip(next) {
-        // The parts of the edge from a to b that are to be looked at, the first one on top.
+        // The parts of the edge from a to b that are still to be checked, the first one on top.
         let mut waiting = vec![[a, b]];
         while let Some([a, b]) = waiting.pop() {
             match middles.get(&[a.min(b), a.max(b)]) {

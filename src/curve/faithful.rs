@@ -6,26 +6,26 @@ use super::surface::Surface;
 use crate::base::{Progress, Result};
 use crate::mesh::vector::{cross, dot, norm, sub};
 
-/// What was found: the order of samples, and the vertices of the curve.
+/// The result of a walk: the order of samples, and the vertices of the curve.
 pub(super) struct Walk {
     pub outcome: Outcome,
     pub order: Vec<u32>,
     pub path: Vec<u32>,
 }
 
-/// A sample that could be next.
+/// A candidate for the next sample.
 #[derive(Clone, Copy)]
 struct Candidate {
     sample: u32,
     distance: f64,
 }
 
-/// State of a vertex: nothing is there, a sample that waits, or the curve.
+/// States of a vertex: free, a sample that is not yet visited, or on the curve.
 const FREE: u8 = 0;
 const WAITING: u8 = 1;
 const CURVE: u8 = 2;
 
-/// Who walks: the surface, and marks of its vertices, all [`FREE`] before and after.
+/// A walker on a surface, with a state for each vertex, all [`FREE`] before and after.
 pub(super) struct Walker<'a, 'm> {
     pub surface: &'a Surface<'m>,
     pub search: &'a mut Search,
@@ -34,8 +34,8 @@ pub(super) struct Walker<'a, 'm> {
 }
 
 impl Walker<'_, '_> {
-    /// Walks from sample number `start` to one of the `candidates` nearest, and so on, and back;
-    /// reports each sample.
+    /// Walks from sample number `start` to one of the `candidates` nearest samples, and so on, and
+    /// back to the start; reports each sample to `progress`.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled).
@@ -71,8 +71,8 @@ impl Walker<'_, '_> {
     ) -> Result<Outcome> {
         let count = self.samples.len();
         let mut previous = None;
-        // What the curve has shut off stays so, as the curve only grows: no search looks for it
-        // twice.
+        // Samples that the curve has cut off stay so, because the curve only grows: no search looks
+        // for them again.
         let mut reachable = count - 1;
         while walk.order.len() < count {
             progress.report(walk.order.len() as f64 / count as f64)?;
@@ -97,7 +97,7 @@ impl Walker<'_, '_> {
             return Ok(Outcome::Open);
         }
         let (first, last) = (walk.order[0], walk.order[count - 1]);
-        // The first sample alone is free again.
+        // The first sample becomes a free target again, to close the curve.
         self.marks[self.samples[first as usize] as usize] = WAITING;
         match self.route(last, first) {
             Some(path) => {
@@ -108,8 +108,8 @@ impl Walker<'_, '_> {
         }
     }
 
-    /// The nearest waiting samples, the nearest first; ways lead over other waiting samples, but
-    /// not over the curve.
+    /// Returns the nearest samples that are not yet visited, the nearest first. Paths may cross
+    /// other such samples, but not the curve.
     fn nearest(&mut self, at: u32, wanted: usize) -> Vec<Candidate> {
         let mut found = Vec::new();
         if wanted == 0 {
@@ -133,7 +133,7 @@ impl Walker<'_, '_> {
         found
     }
 
-    /// The next sample.
+    /// Chooses the next sample.
     fn choose(&self, previous: Option<u32>, at: u32, near: &[Candidate]) -> Option<u32> {
         let [first, _, ..] = near else { return near.first().map(|c| c.sample) };
         let Some(previous) = previous else {
@@ -151,7 +151,7 @@ impl Walker<'_, '_> {
         };
         let mut best = (f64::NEG_INFINITY, first.sample);
         for c in near {
-            // At no distance it is the same point.
+            // At distance 0 it is the same point.
             let value = match c.distance > 0.0 {
                 true => self.angle(c.sample, at, previous) / (c.distance * c.distance),
                 false => f64::INFINITY,
@@ -163,15 +163,14 @@ impl Walker<'_, '_> {
         Some(best.1)
     }
 
-    /// The angle at sample b between a and c in space, in [0, pi].
+    /// Returns the angle at sample b between a and c in space, in [0, pi].
     fn angle(&self, a: u32, b: u32, c: u32) -> f64 {
         let [a, b, c] = [a, b, c].map(|s| self.surface.position(self.samples[s as usize]));
         let (x, y) = (sub(a, b), sub(c, b));
         norm(cross(x, y)).atan2(dot(x, y))
     }
 
-    /// The shortest path between two samples that meets neither the curve nor other waiting
-    /// samples.
+    /// Returns the shortest path between two samples that avoids the curve and the other samples.
     fn route(&mut self, from: u32, to: u32) -> Option<Vec<u32>> {
         let [from, to] = [from, to].map(|s| self.samples[s as usize]);
         self.search.start(&[from]);

@@ -1,9 +1,9 @@
 //! Closed and open curves on triangle meshes through samples without an order (thesis, chapter 6).
 //!
 //! [`Mode::Faithful`] is algorithm 6.1 with its maximum-angle heuristic: it grows the curve from
-//! one sample to the next and can lock itself in. [`Mode::Robust`] decides the order of all samples
-//! first and then finds paths that do not meet. What comes of it is an [`Outcome`], with as much of
-//! the curve as there is.
+//! one sample to the next, and the curve can block its own way. [`Mode::Robust`] first determines
+//! the order of all samples, and then finds paths that do not meet. The result is an [`Outcome`],
+//! with the part of the curve that was found.
 //!
 //! ```
 //! use catamaran::curve::{CurveOptions, CurveSolver, Outcome};
@@ -49,7 +49,7 @@ pub use sites::{Placed, Placement, Site, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};
 
-/// The code of the guide, which the tests of documentation compile and run.
+/// Compiles the code of the guide as documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/guide/curves.md")]
 struct Guide;

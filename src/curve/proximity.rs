@@ -1,4 +1,4 @@
-//! Which samples are near one another: the dual of their geodesic Voronoi diagram, grown only as
+//! Finds the samples near each sample: the dual of their geodesic Voronoi diagram, computed only as
 //! far as needed.
 
 use std::collections::BTreeMap;
@@ -8,20 +8,20 @@ use super::surface::Surface;
 use crate::base::Sets;
 use crate::mesh::vector::distance;
 
-/// Cells go on growing to this times the radius at which all samples hang together.
+/// Radius to which cells grow, relative to the radius at which all samples are connected.
 const REACH: f64 = 2.0;
-/// For each sample the nearest ones that are kept, at most.
+/// Largest number of nearest samples that are kept for each sample.
 const NEAREST: usize = 32;
-/// How much farther than any that is kept a sample counts as.
+/// Distance of a sample that is not kept, relative to the farthest one that is.
 const BEYOND: f64 = 3.0;
 
 /// The nearest samples of each sample, along the edges of the mesh through neighbouring cells.
 pub(super) struct Proximity {
-    /// For each sample others and their distances, by number of the sample.
+    /// For each sample, other samples and their distances, by index.
     rows: Vec<Vec<(u32, f64)>>,
-    /// The same, the nearest first.
+    /// For each sample, the other samples of its row, the nearest first.
     nearest: Vec<Vec<u32>>,
-    /// For each sample the distance beyond which samples are not in its row.
+    /// For each sample, the distance beyond which samples are not in its row.
     horizon: Vec<f64>,
     positions: Vec<[f64; 3]>,
 }
@@ -86,10 +86,10 @@ impl Proximity {
     }
 }
 
-/// For each sample those whose cells touch its own, and the length of the shortest path through
-/// both.
+/// Returns for each sample those whose cells touch its own, with the length of the shortest path
+/// through both cells.
 fn dual(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Vec<Vec<(u32, f64)>> {
-    // Sorted, so that nothing depends on the order in which cells meet.
+    // Sorted, so that the result does not depend on the order in which cells meet.
     let mut edges: BTreeMap<(u32, u32), f64> = BTreeMap::new();
     let mut sets = Sets::new(samples.len());
     let mut apart = samples.len();

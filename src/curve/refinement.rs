@@ -5,23 +5,23 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::{Vector, distance};
 use crate::mesh::{Adjacency, Origin, Refined, TriMesh};
 
-/// A mesh with edges and faces that are cut at points, kept beside it: what was not cut costs
-/// nothing.
+/// A mesh with cuts of edges and faces at points, which are stored separately: the cost is that of
+/// the cuts only.
 pub(super) struct Refinement<'m> {
     mesh: Cow<'m, TriMesh>,
-    /// Faces of the mesh's vertices; made when first something is cut.
+    /// The faces of each vertex of the mesh; created by the first cut.
     vertex_faces: Option<Adjacency>,
-    /// New vertices, numbered from the number of vertices on.
+    /// Positions of the new vertices, whose indices follow those of the mesh.
     positions: Vec<Vector>,
-    /// Where the new vertices are on the mesh.
+    /// Origins of the new vertices on the mesh.
     origins: Vec<Origin>,
-    /// New faces, numbered from the number of faces on.
+    /// New faces, whose indices follow those of the mesh.
     faces: Vec<[u32; 3]>,
-    /// The faces of the mesh that the new faces are pieces of.
+    /// For each new face, the face of the mesh that contains it.
     roots: Vec<u32>,
-    /// Faces that were cut, and the pieces.
+    /// For each face that was cut, its pieces.
     cut: HashMap<u32, Vec<u32>>,
-    /// The faces of vertices whose faces are not those of the mesh.
+    /// The faces of each vertex that has other faces than in the mesh.
     changed: HashMap<u32, Vec<u32>>,
 }
 
@@ -176,7 +176,7 @@ impl<'m> Refinement<'m> {
         }
     }
 
-    /// The face of the mesh that a face is a piece of.
+    /// Returns the face of the mesh that contains a face.
     fn root(&self, face: u32) -> u32 {
         match (face as usize).checked_sub(self.mesh.faces().len()) {
             None => face,
@@ -184,7 +184,7 @@ impl<'m> Refinement<'m> {
         }
     }
 
-    /// The faces of a vertex, from now on kept here.
+    /// Returns the faces of a vertex, which are stored here from now on.
     fn faces_of(&mut self, vertex: u32) -> &mut Vec<u32> {
         let (mesh, all) = (&self.mesh, &mut self.vertex_faces);
         self.changed.entry(vertex).or_insert_with(|| {

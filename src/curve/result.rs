@@ -4,24 +4,24 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Outcome {
-    /// Closed curves through all samples but those [left out](Reconstruction::left_out), which meet
-    /// neither each other nor themselves.
+    /// Closed curves through all samples except those [left out](Reconstruction::left_out). The
+    /// curves meet neither each other nor themselves.
     Closed,
     /// Curves from one end to another, as requested.
     Open,
     /// No path leads from one of the samples to another one that is left.
     Blocked {
-        /// The number of that sample in the list of samples.
+        /// The index of that sample.
         at: u32,
-        /// Samples that the curve has not reached.
+        /// Number of samples that the curve has not reached.
         remaining: usize,
     },
     /// All samples are connected, but no path leads back to the first one.
     CloseBlocked,
-    /// Samples are on different components of the mesh, and no curve through all of them is there;
-    /// or none of the components has three samples.
+    /// The samples are on different components of the mesh, so that no curve can connect them; or
+    /// none of the components has three samples.
     Disconnected {
-        /// The number of these components.
+        /// Number of these components.
         components: usize,
     },
 }
@@ -65,66 +65,66 @@ pub enum Waypoint {
     Vertex(u32),
     /// On an edge.
     Edge {
-        /// Its ends.
+        /// The ends of the edge.
         ends: [u32; 2],
-        /// How far from the first end to the second, from 0 to 1.
+        /// Position from the first end to the second, from 0 to 1.
         share: f64,
     },
 }
 
-/// A curve along edges, complete or the part of it that was found.
+/// A curve along edges, either complete or the part that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Numbers of samples in the list of samples, in the order of the curve.
+    /// Indices of the samples, in the order of the curve.
     pub order: Vec<u32>,
-    /// Its vertices, one after the other; the first one is not repeated where it closes. Those from
-    /// the mesh's number of vertices on are the [`Reconstruction::steiner`] points, in their order.
+    /// The vertices of the curve; the first one is not repeated in a closed curve. Indices from the
+    /// number of vertices of the mesh on are those of the [`Reconstruction::steiner`] points.
     pub path: Vec<u32>,
-    /// Positions of the vertices; of a smooth curve also where it crosses edges.
+    /// Positions of the vertices; for a smooth curve, also its crossings of edges.
     pub points: Vec<[f64; 3]>,
-    /// Where the points are, on the mesh with the [`Reconstruction::steiner`] points. Straight
-    /// lines on faces, or edges, join one to the next.
+    /// The points as waypoints on the mesh with the [`Reconstruction::steiner`] points. Successive
+    /// waypoints are joined by straight lines on faces, or edges.
     pub waypoints: Vec<Waypoint>,
     /// Whether an edge leads from the last vertex to the first.
     pub closed: bool,
-    /// Sum of the lengths of the edges.
+    /// The length of the curve.
     pub length: f64,
 }
 
-/// A vertex that was put into the middle of an edge.
+/// A vertex inserted in the middle of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steiner {
-    /// Ends of the edge: vertices of the mesh, or earlier Steiner points, numbered from the mesh's
-    /// number of vertices on.
+    /// Ends of the edge: vertices of the mesh, or earlier Steiner points, whose indices follow
+    /// those of the mesh.
     pub ends: [u32; 2],
-    /// Where it is.
+    /// The position of the vertex.
     pub position: [f64; 3],
 }
 
 /// The result of [`CurveSolver::reconstruct`](super::CurveSolver::reconstruct).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reconstruction {
-    /// How it ended.
+    /// How the reconstruction ended.
     pub outcome: Outcome,
-    /// The curves, or what there is of them; in the order of their lowest samples.
+    /// The curves, or the parts that were found, in the order of their lowest samples.
     pub curves: Vec<Curve>,
-    /// Points in the middle of edges that were needed, in the order of their numbers; not all of
-    /// them need be on a curve.
+    /// The inserted points in the middle of edges, in the order of their indices; some may be on no
+    /// curve.
     pub steiner: Vec<Steiner>,
-    /// Numbers of samples, ascending, that no curve is through, because their components of the
-    /// mesh have fewer than three samples each. Only where there may be several curves; all other
-    /// samples are on curves, or the outcome says why not.
+    /// Indices, ascending, of the samples that are on no curve because their component of the mesh
+    /// has fewer than three samples. Empty unless several curves are allowed; all other samples are
+    /// on curves, or the outcome says why not.
     pub left_out: Vec<u32>,
 }
 
 impl Reconstruction {
-    /// Returns the sum of the curves' lengths.
+    /// Returns the sum of the lengths of the curves.
     pub fn length(&self) -> f64 {
         total(self.curves.iter().map(|curve| curve.length))
     }
 }
 
-/// Returns the sum of lengths; for no lengths 0, where the sum of the standard library is -0.
+/// Returns the sum of lengths; 0 for an empty sum, where the standard library returns -0.
 pub(super) fn total(lengths: impl Iterator<Item = f64>) -> f64 {
     lengths.fold(0.0, |sum, length| sum + length)
 }

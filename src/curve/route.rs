@@ -1,45 +1,48 @@
-//! Paths between samples in their order, which must not meet: first each for itself, then by
-//! negotiation (McMurchie and Ebeling 1995), at last with room made by Steiner points.
+//! Finds paths between successive samples that do not meet: first separately, then by negotiation
+//! (McMurchie and Ebeling 1995), at last with Steiner points.
 
 use super::search::Search;
 use super::surface::Surface;
 use crate::base::{Progress, Result};
 use crate::mesh::vector::distance;
 
-/// Rounds of negotiation, and what the price of a vertex that others use is multiplied by in each.
+/// Number of rounds of negotiation, and the factor by which the price of a shared vertex grows in
+/// each.
 const ROUNDS: usize = 40;
 const GROWTH: f64 = 1.5;
-/// Part of the progress of negotiation that the first paths are.
+/// Share of the progress of negotiation that the first paths take.
 const FIRST_PATHS: f64 = 5.0 / 9.0;
-/// Vertices that negotiation may settle: a multiple of those that all first paths did, and a number
-/// that takes a fraction of a second, whatever the mesh.
+/// Limit of the vertices that negotiation may settle: a multiple of those that all first paths
+/// settled, and a constant that takes a fraction of a second, whatever the mesh.
 const PATIENCE: usize = 40;
 const MOST_SETTLED: usize = 1_500_000;
 
-/// A vertex that belongs to a sample.
+/// The mark of a vertex that belongs to a sample.
 const SAMPLE: u8 = 1;
 
-/// Two samples' vertices that a path is wanted between.
+/// The two vertices of samples that a path shall connect.
 pub(super) type Net = (u32, u32);
 
-/// Who finds paths: the surface, and what is kept for each vertex, all 0 before and after.
+/// Finds paths on a surface, with marks and counts for each vertex, which are all 0 before and
+/// after.
 pub(super) struct Router<'a, 'm> {
     pub surface: &'a mut Surface<'m>,
     pub search: &'a mut Search,
     /// [`SAMPLE`] or 0.
     pub marks: &'a mut Vec<u8>,
-    /// Paths that use a vertex.
+    /// Number of paths that use each vertex.
     pub users: &'a mut Vec<u16>,
-    /// How often more than one path wanted it.
+    /// Number of times that more than one path wanted each vertex.
     pub history: &'a mut Vec<f32>,
 }
 
 impl Router<'_, '_> {
-    /// Finds a path for each net, `None` where there is no way. Paths meet only at their ends.
-    /// `samples` are all vertices that paths of others keep away from.
+    /// Finds a path for each net; `None` where there is none. Paths meet only at their ends.
+    /// `samples` are the vertices that paths of other samples must avoid.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); too many vertices.
+    /// [`Error::Cancelled`](crate::Error::Cancelled); [`Error::Argument`](crate::Error::Argument)
+    /// for too many vertices.
     pub fn route(
         &mut self,
         nets: &[Net],
@@ -72,7 +75,7 @@ impl Router<'_, '_> {
         done.map(|()| paths)
     }
 
-    /// Adds a path to what uses the vertices inside of it, or takes it away.
+    /// Adds a path to the counts of its inner vertices, or subtracts it.
     fn count(&mut self, path: &[u32], add: bool) {
         for &v in path.get(1..path.len().saturating_sub(1)).unwrap_or_default() {
             let users = &mut self.users[v as usize];
@@ -80,8 +83,8 @@ impl Router<'_, '_> {
         }
     }
 
-    /// The cheapest path of a net: lengths, times what others that use a vertex make it cost;
-    /// `None` for the price: not at all.
+    /// Returns the cheapest path of a net, where the cost of an edge is its length times a factor
+    /// for shared vertices. Without a price, vertices of other paths are forbidden.
     fn path(&mut self, (from, to): Net, price: Option<f64>) -> Option<Vec<u32>> {
         let aim = self.surface.position(to);
         self.search.start(&[from]);
@@ -112,8 +115,8 @@ impl Router<'_, '_> {
         path.iter().any(|&v| self.users[v as usize] > 1)
     }
 
-    /// Until no vertex is used twice, or patience ends. A net without a path has none whatever the
-    /// others do.
+    /// Repeats until no vertex is used twice, or the limit is reached. A net without a path has
+    /// none, whatever the other paths are.
     fn negotiate(
         &mut self,
         nets: &[Net],
@@ -168,7 +171,7 @@ impl Router<'_, '_> {
         Ok(())
     }
 
-    /// Drops paths that meet others, those first that meet most, until none does.
+    /// Drops paths that meet others, those with the most conflicts first, until none does.
     fn keep_apart(&mut self, nets: &[Net], paths: &mut [Option<Vec<u32>>]) {
         loop {
             let meetings =
@@ -180,11 +183,11 @@ impl Router<'_, '_> {
         }
     }
 
-    /// Finds paths that avoid the others for the nets that have none; where there is no way around,
-    /// makes one.
+    /// Finds paths that avoid the others for the nets without a path; inserts Steiner points where
+    /// no path exists.
     ///
-    /// The paths that are there are arcs, and arcs that do not meet don't part a connected surface
-    /// without boundary, so that on such a one every net gets a path.
+    /// The existing paths are arcs, and disjoint arcs do not separate a connected surface without
+    /// boundary, so that on such a surface every net gets a path.
     fn insist(
         &mut self,
         nets: &[Net],
@@ -200,7 +203,7 @@ impl Router<'_, '_> {
             paths[i] = self.path(net, None);
             if paths[i].is_none() && steiner {
                 let mut around: Vec<Vec<u32>> = paths.iter().flatten().cloned().collect();
-                // Samples that no path has reached are in the way as well.
+                // Samples that no path has reached are obstacles, too.
                 around.extend(
                     nets.iter()
                         .flat_map(|&(a, b)| [vec![a], vec![b]])

@@ -3,10 +3,10 @@ use std::collections::BinaryHeap;
 
 use crate::base::{Result, reserved};
 
-/// No vertex.
+/// Marks the absence of a vertex.
 const NONE: u32 = u32::MAX;
 
-/// What is known of a vertex; of this search only if `stamp` says so.
+/// The state of a vertex, which belongs to the current search only if `stamp` says so.
 #[derive(Debug, Clone, Copy)]
 struct Label {
     distance: f64,
@@ -18,20 +18,20 @@ struct Label {
 
 const BLANK: Label = Label { distance: f64::INFINITY, predecessor: NONE, origin: NONE, stamp: 0 };
 
-/// A search for shortest paths (Dijkstra 1959) that its user drives: [`Search::next`] gives the
-/// next vertex, and the user offers its neighbours, at whatever cost, to [`Search::relax`].
-/// Starting again takes no time, whatever the last one touched.
+/// A search for shortest paths (Dijkstra 1959) that the caller drives: [`Search::next`] returns the
+/// next vertex, and the caller passes its neighbours, with any cost, to [`Search::relax`]. A new
+/// search starts in constant time.
 pub(super) struct Search {
     labels: Vec<Label>,
     current: u64,
-    /// Estimated lengths of whole paths, as bits (ordered as non-negative numbers are); equal ones
-    /// by vertex.
+    /// Estimated lengths of whole paths, as bits, which have the order of non-negative numbers;
+    /// equal lengths are ordered by vertex.
     heap: BinaryHeap<Reverse<(u64, u32)>>,
     settled: usize,
 }
 
 impl Search {
-    /// Creates a search among this many vertices.
+    /// Creates a search over this number of vertices.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
@@ -41,7 +41,7 @@ impl Search {
         Ok(Self { labels, current: 0, heap: BinaryHeap::new(), settled: 0 })
     }
 
-    /// Makes room for vertices that refinement added.
+    /// Allocates state for vertices that a refinement added.
     pub fn grow(&mut self, vertices: usize) {
         if vertices > self.labels.len() {
             self.labels.resize(vertices, BLANK);
@@ -53,8 +53,8 @@ impl Search {
         self.settled
     }
 
-    /// Forgets the previous search and starts from these vertices; their positions in the list are
-    /// their numbers as origins.
+    /// Starts a new search from these vertices; the origin of a path is the index of its source in
+    /// the list.
     pub fn start(&mut self, sources: &[u32]) {
         self.current += 2;
         self.heap.clear();
@@ -78,9 +78,9 @@ impl Search {
         None
     }
 
-    /// Offers a path of this length to `vertex` by `from`. `rest` is at most the length left from
-    /// `vertex` to the aim of the search (Hart, Nilsson and Raphael 1968), and never more than an
-    /// edge longer than at the neighbour; 0 when there is no aim.
+    /// Offers a path of this length to `vertex` by way of `from`. `rest` is a lower bound of the
+    /// remaining length from `vertex` to the target of the search (Hart, Nilsson and Raphael 1968),
+    /// which must be consistent along edges; 0 without a target.
     pub fn relax(&mut self, from: u32, vertex: u32, distance: f64, rest: f64) {
         let origin = self.labels[from as usize].origin;
         let current = self.current;
@@ -96,13 +96,13 @@ impl Search {
         }
     }
 
-    /// Returns the distance and the origin of a vertex, if they are final.
+    /// Returns the distance and the origin of a vertex; `None` unless they are final.
     pub fn known(&self, vertex: u32) -> Option<(f64, u32)> {
         let label = self.labels[vertex as usize];
         (label.stamp == self.current + 1).then_some((label.distance, label.origin))
     }
 
-    /// Returns the path to a vertex that was reached, from its source, both included.
+    /// Returns the path to a reached vertex from its source, both included.
     pub fn path(&self, vertex: u32) -> Vec<u32> {
         let mut path = vec![vertex];
         let mut at = vertex;

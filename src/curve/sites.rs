@@ -6,15 +6,15 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::{Vector, cross, distance, dot, norm, sub};
 use crate::mesh::{Refined, TriMesh};
 
-/// Shares of corners below this are none: the point is on an edge, or at a vertex.
+/// Barycentric coordinates below this count as 0: the point is on an edge, or at a vertex.
 const NOTHING: f64 = 1e-9;
 
-/// The place of a sample.
+/// The position of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Site {
     /// At a vertex.
     Vertex(u32),
-    /// On a face: shares of its corners, at least 0 and 1 together (to 1e-6).
+    /// On a face, by barycentric coordinates of at least 0 with sum 1 (to 1e-6).
     Face {
         /// The face.
         face: u32,
@@ -25,10 +25,10 @@ pub enum Site {
     Near([f64; 3]),
 }
 
-/// What happens to a point that is not at a vertex.
+/// The treatment of a point that is not at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Placement {
-    /// The corner with the largest share stands for it.
+    /// The corner with the largest weight replaces it.
     Snap,
     /// It becomes a vertex, which cuts its face, or both faces of its edge.
     Insert,
@@ -37,9 +37,9 @@ pub enum Placement {
 /// Samples as vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// The mesh with the vertices that were inserted after its own; `None` when there are none.
+    /// The mesh with inserted vertices after its own; `None` when there are none.
     pub mesh: Option<Refined>,
-    /// The vertex of each site; two sites can have the same.
+    /// The vertex of each site; several sites can have the same vertex.
     pub vertices: Vec<u32>,
 }
 
@@ -52,14 +52,15 @@ pub struct Placed {
 /// let mesh = families::grid(2, 2)?;
 /// let sites = [Site::Near([0.9, 0.1, 0.0]), Site::Face { face: 0, weights: [0.2, 0.3, 0.5] }];
 /// let placed = place(&mesh, &sites, Placement::Insert)?;
-/// assert_eq!(placed.vertices, [6, 9]); // a corner of the square, and a vertex that is new
+/// assert_eq!(placed.vertices, [6, 9]); // a corner of the square, and a new vertex
 /// assert_eq!(placed.mesh.map(|refined| refined.mesh.vertices().len()), Some(10));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names a site whose vertex or face is not there, whose weights are not
-/// barycentric coordinates, or whose point is not finite; also for a point on a mesh without faces.
+/// [`Error::Argument`] names a site whose vertex or face does not exist, whose weights are not
+/// barycentric coordinates, or whose point is not finite; also for a point in space when the mesh
+/// has no faces.
 pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Placed> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     let mut vertices = Vec::with_capacity(sites.len());
@@ -80,7 +81,7 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 }
 
 /// Returns the mesh with the Steiner points of a reconstruction as vertices after its own, so that
-/// the curves are along its edges.
+/// the curves run along its edges.
 ///
 /// ```
 /// use catamaran::curve::{Steiner, refined};
@@ -95,7 +96,7 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for ends that are no vertices or earlier points.
+/// [`Error::Argument`] for an end that is neither a vertex nor an earlier point.
 pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
     Ok(with_steiner(mesh, steiner)?.mesh)
 }
@@ -106,7 +107,7 @@ pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[Steiner]) -> Result<Refine
     for (i, point) in steiner.iter().enumerate() {
         let known = mesh.vertices().len() + i;
         if let Some(end) = point.ends.iter().find(|&&end| end as usize >= known) {
-            let why = format!("end {end} of point {i}, where there are {known} vertices");
+            let why = format!("end {end} of point {i} is out of range: {known} vertices");
             return Err(Error::Argument { what: "steiner", why });
         }
         refinement.cut_edge(point.ends, point.position)?;
@@ -119,21 +120,21 @@ fn check(mesh: &TriMesh, i: usize, site: &Site) -> Result<()> {
     match *site {
         Site::Vertex(v) if v as usize >= mesh.vertices().len() => {
             let n = mesh.vertices().len();
-            refused(format!("site {i} is vertex {v} of {n} (numbered from 0)"))
+            refused(format!("site {i} is vertex {v}, out of range: {n} vertices"))
         }
         Site::Face { face, .. } if face as usize >= mesh.faces().len() => {
             let n = mesh.faces().len();
-            refused(format!("site {i} is on face {face} of {n} (numbered from 0)"))
+            refused(format!("site {i} is on face {face}, out of range: {n} faces"))
         }
         Site::Face { weights, .. } => {
             let sum: f64 = weights.iter().sum();
             match weights.iter().all(|&w| w >= 0.0) && (sum - 1.0).abs() <= 1e-6 {
                 true => Ok(()),
-                false => refused(format!("site {i} has barycentric coordinates {weights:?}")),
+                false => refused(format!("site {i} has wrong barycentric coordinates {weights:?}")),
             }
         }
         Site::Near(point) if !point.iter().all(|x| x.is_finite()) => {
-            refused(format!("site {i} is at {point:?}"))
+            refused(format!("site {i} must be at a finite point, is at {point:?}"))
         }
         Site::Vertex(_) | Site::Near(_) => Ok(()),
     }
@@ -143,17 +144,17 @@ fn largest(weights: [f64; 3]) -> usize {
     (0..3).rev().max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or_default()
 }
 
-/// The nearest vertex that has a face; of equally near ones the lowest.
+/// Returns the nearest vertex with a face, the lowest of equally near ones.
 fn nearest(mesh: &TriMesh, used: &[bool], point: Vector, site: usize) -> Result<u32> {
     let all = (0..).zip(mesh.vertices()).filter(|&(v, _): &(u32, _)| used[v as usize]);
     let near = all.map(|(v, &p)| (distance(p, point), v)).min_by(|x, y| x.0.total_cmp(&y.0));
     near.map(|(_, v)| v).ok_or_else(|| Error::Argument {
         what: "sites",
-        why: format!("site {site}: the mesh has no faces that it could be near to"),
+        why: format!("site {site} needs a mesh with faces"),
     })
 }
 
-/// The vertex of a point on a face, which may have been cut for points before.
+/// Returns the vertex of a point on a face, which earlier points may have cut.
 fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Result<u32> {
     let corners = refinement.face(face).map(|v| refinement.position(v));
     let point: Vector = std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
@@ -179,7 +180,8 @@ fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Resu
     }
 }
 
-/// Barycentric coordinates of a point in the plane of a triangle; not numbers where it has no area.
+/// Returns the barycentric coordinates of a point in the plane of a triangle; NaN for a triangle
+/// without area.
 fn shares(corners: [Vector; 3], point: Vector) -> [f64; 3] {
     let [a, b, c] = corners;
     let normal = cross(sub(b, a), sub(c, a));

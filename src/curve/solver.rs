@@ -13,31 +13,31 @@ use crate::base::{Error, Progress, Result, builder, reserved};
 use crate::mesh::vector::distance;
 use crate::mesh::{Components, TriMesh};
 
-/// Samples of a curve, at least.
+/// Least number of samples of a curve.
 const LEAST: usize = 3;
-/// Seed of the kicks that tours get.
+/// Seed of the random changes of tours.
 const SEED: u64 = 6;
 
-/// How a curve is found.
+/// The method by which a curve is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// Algorithm 6.1 of the thesis: from sample to sample.
+    /// Algorithm 6.1 of the thesis, from sample to sample.
     Faithful,
-    /// The order of all samples first, then paths that give way to each other. The default.
+    /// First the order of all samples, then paths that avoid each other. The default.
     #[default]
     Robust,
-    /// The samples are in the order of one curve already: paths that do not meet, as in the robust
+    /// The samples are in the order of one curve already; paths avoid each other, as in the robust
     /// mode.
     Ordered,
 }
 
-/// The number of curves that the samples belong to.
+/// The number of curves to which the samples belong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Count {
-    /// One.
+    /// One curve.
     One,
-    /// As many as there are gaps for; closed curves of the robust mode only, otherwise one. The
-    /// default.
+    /// As many curves as there are gaps for. For closed curves of the robust mode; otherwise one.
+    /// The default.
     #[default]
     Automatic,
 }
@@ -46,21 +46,21 @@ pub enum Count {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CurveOptions<'a> {
-    /// How; default robust.
+    /// The method; default robust.
     pub mode: Mode,
-    /// An open curve, from one end to the other; default false: closed.
+    /// Whether the curve is open, from one end to the other; default false.
     pub open: bool,
-    /// How many curves; default automatic.
+    /// The number of curves; default automatic.
     pub count: Count,
-    /// In the robust mode: whether vertices may be added in the middle of edges where there is no
-    /// other way; default true.
+    /// In the robust mode, whether vertices may be inserted in the middle of edges where there is
+    /// no other path; default true.
     pub steiner: bool,
-    /// In the faithful mode: l, among how many of the nearest samples the next one is chosen, at
-    /// least 1; default 5.
+    /// In the faithful mode, l, the number of nearest samples among which the next one is chosen,
+    /// at least 1; default 5.
     pub candidates: usize,
-    /// In the faithful mode: the number of the sample that the curve starts at; default 0.
+    /// In the faithful mode, the index of the sample at which the curve starts; default 0.
     pub start: usize,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -88,14 +88,14 @@ builder! { CurveOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at
-/// what is near the samples.
+/// Finds curves on a mesh. The solver is created in O(V + F), and serves many reconstructions,
+/// which visit only the surroundings of the samples.
 ///
 /// ```
 /// use catamaran::{curve::{CurveOptions, CurveSolver, Outcome}, mesh::families};
 ///
 /// let mesh = families::grid(8, 8)?;
-/// let corners = [10, 70, 16, 64]; // of a square of 6 x 6 cells, in no order
+/// let corners = [10, 70, 16, 64]; // of a square of 6 x 6 cells, not in order
 /// let found = CurveSolver::new(&mesh)?.reconstruct(&corners, &CurveOptions::new())?;
 /// assert_eq!(found.outcome, Outcome::Closed);
 /// assert_eq!(found.curves[0].order.len(), 4);
@@ -119,7 +119,7 @@ impl<'m> CurveSolver<'m> {
         Self::of(Cow::Borrowed(mesh))
     }
 
-    /// Creates a solver as [`CurveSolver::new`] does, which owns its mesh.
+    /// Creates a solver that owns its mesh.
     ///
     /// ```
     /// use catamaran::{curve::CurveSolver, mesh::families};
@@ -151,18 +151,18 @@ impl<'m> CurveSolver<'m> {
         })
     }
 
-    /// Finds a curve along edges through these vertices, which may be in any order.
+    /// Finds a curve along edges through these vertices, in any order.
     ///
-    /// In the faithful mode the curve starts at sample `start`, in the ordered one at the first; in
-    /// the robust one each starts at its sample of lowest number and goes towards the lower one of
-    /// that one's two neighbours. The same samples give the same result, bit for bit. Where there
-    /// may be several curves, samples on components with fewer than three of them are [left
-    /// out](Reconstruction::left_out), and the others get theirs.
+    /// In the faithful mode, the curve starts at sample `start`, in the ordered mode at the first
+    /// sample. In the robust mode, each curve starts at its sample of lowest index, and continues
+    /// with the lower one of its two neighbours. The same samples give the same result, bit for
+    /// bit. Where there may be several curves, samples on components with fewer than three samples
+    /// are [left out](Reconstruction::left_out), and the other samples get their curves.
     ///
     /// # Errors
-    /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex
-    /// twice, no candidates, or a start that is none of the samples; [`Error::Mesh`] for a vertex
-    /// without a face; [`Error::Cancelled`].
+    /// [`Error::Argument`] for fewer than three samples, a vertex that does not exist or occurs
+    /// twice, no candidates, or a start that is not the index of a sample; [`Error::Mesh`] for a
+    /// vertex without a face; [`Error::Cancelled`].
     pub fn reconstruct(
         &mut self,
         samples: &[u32],
@@ -184,7 +184,7 @@ impl<'m> CurveSolver<'m> {
         let mut first = HashMap::new();
         for (i, &v) in samples.iter().enumerate() {
             if v as usize >= n {
-                let why = format!("sample {i} is vertex {v} of {n} (numbered from 0)");
+                let why = format!("sample {i} is vertex {v}, out of range: {n} vertices");
                 return refused("samples", why);
             }
             if self.surface.component(v) == Components::NONE {
@@ -196,21 +196,21 @@ impl<'m> CurveSolver<'m> {
             }
         }
         if samples.len() < LEAST {
-            return refused("samples", format!("{}, where {LEAST} are needed", samples.len()));
+            return refused("samples", format!("must be at least {LEAST}, are {}", samples.len()));
         }
         if options.mode == Mode::Faithful {
             if options.candidates == 0 {
-                return refused("candidates", "0, where 1 is needed".into());
+                return refused("candidates", "must be at least 1, is 0".into());
             }
             if options.start >= samples.len() {
-                let why = format!("{} of {} (numbered from 0)", options.start, samples.len());
+                let why = format!("must be below {}, is {}", samples.len(), options.start);
                 return refused("start", why);
             }
         }
         Ok(())
     }
 
-    /// The samples of each component of the mesh, by number.
+    /// Returns the samples of each component of the mesh, by index.
     fn groups(&self, samples: &[u32]) -> Vec<Vec<u32>> {
         let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (i, &v) in (0..).zip(samples) {
@@ -264,7 +264,7 @@ impl<'m> CurveSolver<'m> {
         Ok(Reconstruction { left_out, ..self.routed(samples, &orders, options)? })
     }
 
-    /// A path through samples in the order that they have.
+    /// Finds a path through the samples in their given order.
     fn ordered(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
         let components = self.groups(samples).len();
         if components > 1 {
@@ -275,7 +275,7 @@ impl<'m> CurveSolver<'m> {
         self.routed(samples, &[(0..samples.len() as u32).collect()], options)
     }
 
-    /// The order of each curve through a group of samples.
+    /// Returns the order of each curve through a group of samples.
     fn orders(
         &mut self,
         samples: &[u32],
@@ -296,7 +296,7 @@ impl<'m> CurveSolver<'m> {
         parts.into_iter().map(numbered).collect()
     }
 
-    /// Paths through samples in these orders.
+    /// Finds paths through the samples in these orders.
     fn routed(
         &mut self,
         samples: &[u32],
@@ -329,7 +329,7 @@ impl<'m> CurveSolver<'m> {
         Ok(Reconstruction { outcome, curves, steiner: steiner.collect(), left_out: Vec::new() })
     }
 
-    /// A curve of its paths, from behind the first that is missing on to the next.
+    /// Joins the paths of a curve, from the end of the first missing path to the next one.
     fn joined(
         &self,
         mut order: Vec<u32>,
@@ -377,22 +377,22 @@ impl<'m> CurveSolver<'m> {
     }
 }
 
-/// n zeros.
+/// Returns n default values.
 fn filled<T: Clone + Default>(n: usize) -> Result<Vec<T>> {
     let mut all = reserved(n)?;
     all.resize(n, T::default());
     Ok(all)
 }
 
-/// Pairs of vertices that follow one another.
+/// Returns the pairs of vertices that follow each other.
 fn nets(samples: &[u32], order: &[u32], open: bool) -> Vec<Net> {
     let next = order.iter().cycle().skip(1);
     let pairs = order.iter().zip(next).map(|(&i, &j)| (samples[i as usize], samples[j as usize]));
     pairs.take(order.len() - usize::from(open)).collect()
 }
 
-/// One of the ways to write an order down: from its lowest number on, to the lower one beside it;
-/// an open one from its lower end.
+/// Returns the canonical form of an order: it begins with the lowest index and continues with its
+/// lower neighbour; an open order begins with its lower end.
 fn normalized(mut order: Vec<u32>, open: bool) -> Vec<u32> {
     if open {
         if order.first() > order.last() {

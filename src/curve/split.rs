@@ -1,14 +1,14 @@
-//! Whether samples are of several curves: where a tour uses two edges that are far longer than all
-//! others on both sides of them, and each side closes by a short one.
+//! Decides whether samples belong to several curves: whether a tour uses two edges that are far
+//! longer than all edges on both sides of them, and each side closes with a short edge.
 
 use super::proximity::Proximity;
 
-/// How much longer than every edge of the two tours the ones that joined them must be.
+/// Least ratio of the edges that join two tours to every edge of the tours.
 const GAP: f64 = 2.5;
-/// Samples of a curve, at least.
+/// Least number of samples of a curve.
 const LEAST: usize = 3;
 
-/// Returns the tours into which a closed tour falls; the tour itself when it does not fall apart.
+/// Returns the tours into which a closed tour splits; the tour itself when it does not split.
 pub(super) fn split(proximity: &Proximity, tour: Vec<u32>) -> Vec<Vec<u32>> {
     let mut waiting = vec![tour];
     let mut done = Vec::new();
@@ -26,7 +26,7 @@ fn halves(proximity: &Proximity, tour: &[u32]) -> Option<[Vec<u32>; 2]> {
     let n = tour.len();
     let length = |i: usize| proximity.distance(tour[i], tour[(i + 1) % n]);
     let lengths: Vec<f64> = (0..n).map(length).collect();
-    // Only the two longest can be longer than all others.
+    // Only the two longest edges can be longer than all others.
     let mut by_length: Vec<usize> = (0..n).collect();
     by_length.sort_by(|&i, &j| lengths[j].total_cmp(&lengths[i]));
     let &[first, second, ..] = &by_length[..] else { return None };

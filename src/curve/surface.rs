@@ -6,20 +6,19 @@ use crate::base::Result;
 use crate::mesh::vector::{Vector, distance};
 use crate::mesh::{Components, Graph, TriMesh};
 
-/// A mesh as paths see it: its edges, and where it was refined for one call, those of the
-/// refinement.
+/// The graph on which paths run: the edges of a mesh, and of its refinement for one call.
 pub(super) struct Surface<'m> {
     graph: Graph,
     components: Components,
     refinement: Refinement<'m>,
-    /// The edges whose middles the new vertices are.
+    /// The edges in whose middle the new vertices are.
     ends: Vec<[u32; 2]>,
-    /// Neighbours of vertices that were refined.
+    /// Neighbours of vertices at which the mesh was refined.
     neighbours: HashMap<u32, Vec<(u32, f64)>>,
 }
 
 impl<'m> Surface<'m> {
-    /// Creates the surface of a mesh, not refined.
+    /// Creates the surface of a mesh without refinement.
     pub fn new(mesh: Cow<'m, TriMesh>) -> Self {
         Self {
             graph: Graph::of_mesh(&mesh),
@@ -50,7 +49,7 @@ impl<'m> Surface<'m> {
         self.refinement.position(vertex)
     }
 
-    /// Returns the vertices of the refinement: the ends of the edges whose middles they are, and
+    /// Returns the vertices of the refinement: the ends of the edges in whose middle they are, and
     /// their positions.
     pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], Vector)> {
         self.ends.iter().copied().zip(self.refinement.positions().iter().copied())
@@ -63,14 +62,15 @@ impl<'m> Surface<'m> {
         old.into_iter().flatten().chain(new.into_iter().flatten().copied())
     }
 
-    /// Puts a vertex into the middle of every edge at these paths except the paths' own edges, so
-    /// that other paths find a way around them.
+    /// Inserts a vertex in the middle of every edge at these paths, except the edges of the paths
+    /// themselves, so that other paths can go around them.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) when vertices can't be numbered any more.
+    /// [`Error::Argument`](crate::Error::Argument) when there would be too many vertices for
+    /// indices.
     pub fn refine_around(&mut self, paths: &[Vec<u32>]) -> Result<()> {
         let steps = paths.iter().flat_map(|path| path.windows(2));
-        // Also of the path that comes next at a sample.
+        // The path that comes next at a sample is refined, too.
         let own: HashSet<[u32; 2]> = steps.map(|step| [step[0], step[1]]).collect();
         let mut seen = HashSet::new();
         for &v in paths.iter().flatten().filter(|v| seen.insert(**v)) {

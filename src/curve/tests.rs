@@ -29,8 +29,8 @@ fn refusal(mesh: &TriMesh, samples: &[u32], options: &CurveOptions<'_>) -> Strin
     CurveSolver::new(mesh).unwrap().reconstruct(samples, options).unwrap_err().to_string()
 }
 
-/// Steps along edges, no vertex twice in all curves, samples in their order, lengths that are those
-/// of the edges.
+/// Asserts steps along edges, no vertex twice in all curves, samples in their order, and lengths
+/// that are those of the edges.
 fn check(mesh: &TriMesh, samples: &[u32], result: &Reconstruction) {
     let refined = refined(mesh, &result.steiner).unwrap();
     let edges: Adjacency = refined.vertex_neighbors();
@@ -58,7 +58,7 @@ fn check(mesh: &TriMesh, samples: &[u32], result: &Reconstruction) {
     }
 }
 
-/// A square grid of n x n cells in the plane, and vertices of it.
+/// Returns a vertex of a square grid of n x n cells in the plane.
 fn at(n: u32, x: u32, y: u32) -> u32 {
     y * (n + 1) + x
 }
@@ -98,7 +98,7 @@ fn an_open_curve_has_its_ends_where_samples_end() {
 
 #[test]
 fn the_angle_decides_among_candidates() {
-    // From 0 over 1 the nearest sample is 2, straight on lies 3.
+    // From 0 over 1, the nearest sample is 2, but 3 lies straight ahead.
     let mesh = shapes::grid(20, 8);
     let points = [at(20, 2, 4), at(20, 6, 4), at(20, 6, 7), at(20, 10, 4), at(20, 14, 1)];
     let order = |candidates| {
@@ -144,13 +144,13 @@ fn samples_on_two_components_are_two_curves_or_disconnected() {
 fn samples_on_components_with_fewer_than_three_are_left_out_and_others_get_their_curve() {
     let mesh = families::spheres(4, 2).unwrap();
     let n = mesh.vertices().len() as u32 / 4;
-    // One on the third sphere, two on the first, three on the second, none on the last.
+    // One sample on the third sphere, two on the first, three on the second, none on the last.
     let samples = [2 * n, 0, n, n + 1, n + 5, 7];
     let result = found(&mesh, &samples, &robust());
     check(&mesh, &samples, &result);
     assert_eq!((result.outcome, result.curves.len()), (Outcome::Closed, 1));
     assert_eq!(result.left_out, [0, 1, 5]);
-    // Where no component has three there is no curve, and its length is 0 and not -0.
+    // Without a component of three samples there is no curve, and its length is 0, not -0.
     let result = found(&mesh, &[2 * n, 0, 7], &robust());
     assert_eq!(result.outcome, Outcome::Disconnected { components: 2 });
     assert_eq!((result.left_out.len(), result.length().to_bits()), (3, 0));
@@ -160,11 +160,11 @@ fn samples_on_components_with_fewer_than_three_are_left_out_and_others_get_their
 fn bad_samples_are_refused_by_number() {
     let mesh = shapes::sphere(1);
     for options in [robust(), FAITHFUL] {
-        assert_eq!(refusal(&mesh, &[1, 2], &options), "samples: 2, where 3 are needed");
-        assert_eq!(refusal(&mesh, &[], &options), "samples: 0, where 3 are needed");
+        assert_eq!(refusal(&mesh, &[1, 2], &options), "samples: must be at least 3, are 2");
+        assert_eq!(refusal(&mesh, &[], &options), "samples: must be at least 3, are 0");
         assert_eq!(
             refusal(&mesh, &[1, 2, 42], &options),
-            "samples: sample 2 is vertex 42 of 42 (numbered from 0)"
+            "samples: sample 2 is vertex 42, out of range: 42 vertices"
         );
         assert_eq!(
             refusal(&mesh, &[7, 2, 3, 7], &options),
@@ -172,20 +172,20 @@ fn bad_samples_are_refused_by_number() {
         );
     }
     let none = CurveOptions { candidates: 0, ..FAITHFUL };
-    assert_eq!(refusal(&mesh, &[1, 2, 3], &none), "candidates: 0, where 1 is needed");
+    assert_eq!(refusal(&mesh, &[1, 2, 3], &none), "candidates: must be at least 1, is 0");
     let beyond = CurveOptions { start: 3, ..FAITHFUL };
-    assert_eq!(refusal(&mesh, &[1, 2, 3], &beyond), "start: 3 of 3 (numbered from 0)");
+    assert_eq!(refusal(&mesh, &[1, 2, 3], &beyond), "start: must be below 3, is 3");
     let (mut vertices, faces) = mesh.into_parts();
     vertices.push([0.0; 3]);
     let loose = TriMesh::new(vertices, faces).unwrap();
     assert_eq!(refusal(&loose, &[1, 2, 42], &robust()), "vertex 42: sample 2 is in no face");
     let empty = TriMesh::new(vec![], vec![]).unwrap();
-    assert!(refusal(&empty, &[0, 1, 2], &robust()).contains("vertex 0 of 0"));
+    assert!(refusal(&empty, &[0, 1, 2], &robust()).contains("vertex 0, out of range"));
 }
 
 #[test]
 fn a_strip_that_a_curve_cannot_come_back_on_is_said_to_be_one() {
-    // Samples across the middle of a strip one cell wide: there is no way back past them.
+    // The samples span a strip one cell wide: no path leads back past them.
     let mesh = shapes::grid(9, 1);
     let across = [at(9, 2, 0), at(9, 4, 0), at(9, 4, 1), at(9, 6, 0), at(9, 6, 1), at(9, 8, 0)];
     let result = found(&mesh, &across[..], &CurveOptions { steiner: false, ..robust() });
@@ -206,7 +206,7 @@ fn steiner_points_make_room_where_vertices_leave_none() {
     let mut search = search::Search::new(n).unwrap();
     let (mut marks, mut users, mut history) = (vec![0; n], vec![0; n], vec![0.0; n]);
     let all: Vec<u32> = (0..n as u32).collect();
-    // Icosahedron: 0 and 3, 1 and 2 are opposite one another, so that no edge joins them.
+    // In an icosahedron, 0 and 3, 1 and 2 are opposite each other, so that no edge joins them.
     let nets: Vec<(u32, u32)> = vec![(0, 3), (3, 1), (1, 2), (2, 5), (5, 4), (4, 0)];
     for (steiner, complete) in [(false, false), (true, true)] {
         let mut router = route::Router {
@@ -292,7 +292,7 @@ fn curves_of_the_data_set_are_closed_paths_that_a_seed_gives_again() {
     let mut again = Generator::new(&graph, 5).unwrap();
     assert!(curves.iter().all(|curve| again.curve().unwrap().as_ref() == Some(curve)));
     assert_ne!(Generator::new(&graph, 6).unwrap().curve().unwrap().as_ref(), Some(&curves[0]));
-    // A mesh that no such curve fits on.
+    // A mesh that is too small for such a curve.
     let small = Graph::of_mesh(&families::icosphere(1).unwrap());
     assert_eq!(Generator::new(&small, 1).unwrap().curve().unwrap(), None);
 }
@@ -326,7 +326,8 @@ fn orders_are_equal_up_to_rotation_and_reversal() {
 fn distances_of_curves_are_those_of_the_formulas() {
     let truth = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
     let found = [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-    // The nearest points are 0 and 1 away from the truth's, and 0 and 4 from those found.
+    // The nearest points are at distances 0 and 1 from the truth, and 0 and 4 from the found
+    // points.
     assert_eq!(hausdorff(&truth, &found), 4.0);
     assert_eq!(root_mean_distance(&truth, &found), 0.5_f64.sqrt());
     assert_eq!(root_mean_square_distance(&truth, &found), 0.5_f64.sqrt());
@@ -350,7 +351,7 @@ fn sites_are_snapped_or_inserted() {
     let snapped = place(&mesh, &sites, Placement::Snap).unwrap();
     assert_eq!((snapped.mesh, &snapped.vertices[..3]), (None, &[5, 2, 4][..]));
     let inserted = place(&mesh, &sites, Placement::Insert).unwrap();
-    // The middle of the diagonal is one point, from whichever side.
+    // The middle of the diagonal is one point, given on either face.
     assert_eq!(inserted.vertices, [5, 2, 6, 7, 8, 8, 4]);
     let refined = inserted.mesh.unwrap().mesh;
     assert_eq!(refined.vertices()[8], [0.5, 0.5, 0.0]);
@@ -358,18 +359,17 @@ fn sites_are_snapped_or_inserted() {
     assert!(refined.face_normals().iter().all(|n| n[2] == 1.0), "a face is turned over");
     assert!(refined.require_manifold().is_ok());
     let refused = |site| place(&mesh, &[site], Placement::Insert).unwrap_err().to_string();
-    assert!(refused(Site::Vertex(6)).contains("site 0 is vertex 6 of 6"));
-    assert!(refused(Site::Face { face: 4, weights: [1.0, 0.0, 0.0] }).contains("face 4 of 4"));
+    assert!(refused(Site::Vertex(6)).contains("site 0 is vertex 6, out of range"));
+    assert!(refused(Site::Face { face: 4, weights: [1.0, 0.0, 0.0] }).contains("face 4, out"));
     assert!(refused(Site::Face { face: 0, weights: [1.0, 0.5, -0.5] }).contains("barycentric"));
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }
 
-/// A part of `scripts/reproduce curves` whose counts are known: for each mode the runs that closed,
-/// those without Steiner points, and those in the right order.
+/// Runs a part of `scripts/reproduce curves` with known counts: for each mode the runs that closed,
+/// those without Steiner points, and those with the right order.
 #[test]
 fn counts_on_a_part_of_the_data_set_are_as_they_were() {
-    // Meshes whose vertices come from square roots alone, so that they are the same on every
-    // machine.
+    // Meshes whose vertices need square roots only, so that they are the same on every machine.
     let meshes = [families::icosphere(5).unwrap(), families::genus(3, 14).unwrap()];
     let mut counts = [[0; 3]; 2];
     let mut runs = 0;
@@ -407,7 +407,7 @@ fn counts_on_a_part_of_the_data_set_are_as_they_were() {
     assert_eq!(counts, [[32, 32, 17], [40, 40, 28]]);
 }
 
-/// The length of a polygon, back to its start when it is closed.
+/// Returns the length of a polygon, including the edge back to its start when it is closed.
 fn polygon_length(points: &[[f64; 3]], closed: bool) -> f64 {
     let next = points.iter().cycle().skip(1);
     let count = points.len() - usize::from(!closed);
@@ -422,17 +422,17 @@ fn along(path: &[u32], closed: bool) -> Curve {
 #[test]
 fn a_path_in_the_plane_becomes_a_straight_line() {
     let mesh = shapes::grid(9, 7);
-    // Up, then to the right, inside of the grid: from (1, 1) to (8, 5).
+    // Up, then to the right, inside of the grid, from (1, 1) to (8, 5).
     let path: Vec<u32> = (1..5).map(|y| at(9, 1, y)).chain((1..=8).map(|x| at(9, x, 5))).collect();
     let result = smooth(&mesh, &[along(&path, false)], &[], 10_000).unwrap();
     assert!(result.converged);
     let straight = 65.0_f64.sqrt();
     assert!((result.lengths[0] - straight).abs() < 1e-9, "{:?}", result.lengths);
     assert!((polygon_length(&result.points[0], false) - straight).abs() < 1e-6);
-    // With its corner marked it stays as it is.
+    // With its corner marked, the curve stays as it is.
     let result = smooth(&mesh, &[along(&path, false)], &[at(9, 1, 5)], 10_000).unwrap();
     assert_eq!((result.lengths[0], result.steps), (11.0, 0));
-    // A step at a time: not there yet.
+    // A single step is not enough.
     assert!(!smooth(&mesh, &[along(&path, false)], &[], 1).unwrap().converged);
 }
 
@@ -450,7 +450,7 @@ fn smooth_curves_run_through_the_samples_and_stay_on_the_surface() {
     for &v in &samples {
         assert!(points.contains(&mesh.vertices()[v as usize]));
     }
-    // Great circles between samples, but for what the polyhedron is off the sphere.
+    // Great circles between samples, up to the distance of the polyhedron from the sphere.
     let order = &found.curves[0].order;
     let arcs: f64 = (order.iter().zip(order.iter().cycle().skip(1)))
         .map(|(&i, &j)| {
@@ -486,8 +486,8 @@ fn what_cannot_be_smoothed_is_said() {
         smooth(mesh, &[along(path, false)], &[], 10).unwrap_err().to_string()
     };
     assert!(told(&mesh, &[0, 7]).contains("no edge from vertex 0 to 7"));
-    assert!(told(&mesh, &[0, 1, 0]).contains("vertex 0 twice"));
-    assert!(told(&mesh, &[25]).contains("vertex 25 of 25"));
+    assert!(told(&mesh, &[0, 1, 0]).contains("vertex 0 occurs twice"));
+    assert!(told(&mesh, &[25]).contains("vertex 25 is out of range"));
     assert!(told(&families::pages(3).unwrap(), &[0]).contains("faces"));
     let none = smooth(&mesh, &[], &[], 10).unwrap();
     assert!(none.converged && none.points.is_empty());

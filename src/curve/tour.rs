@@ -1,36 +1,36 @@
-//! A short tour through samples: greedy edges, then 2-opt and Or-opt moves over lists of
-//! neighbours, and kicks.
+//! Finds a short tour through samples: greedy edges, then 2-opt and Or-opt moves over lists of
+//! neighbours, and random kicks.
 
 use super::proximity::Proximity;
 use crate::base::Rng;
 use crate::mesh::vector::{dot, norm, sub};
 
-/// Neighbours of a sample that moves look at.
+/// Number of neighbours of a sample that moves try.
 const NEIGHBOURS: usize = 10;
-/// Samples that an Or-opt move takes along, at most.
+/// Largest number of samples that an Or-opt move takes along.
 const SEGMENT: usize = 3;
-/// Kicks (Martin, Otto and Felten 1991) at most, for each node, and the number of nodes that each
-/// stays within.
+/// Largest number of kicks (Martin, Otto and Felten 1991) for each node, and the number of nodes
+/// that each kick spans.
 const KICKS: usize = 200;
 const KICKS_A_NODE: usize = 3;
 const KICK_SPAN: usize = 30;
-/// Weight of the angle at a sample beside the lengths of its edges.
+/// Weight of the angle at a sample relative to the lengths of its edges.
 const BEND: f64 = 0.1;
-/// Lengths count to this power: above 1, even spacing is better than short edges beside long ones.
+/// Exponent of lengths: above 1, even spacing costs less than short edges beside long ones.
 const POWER: f64 = 1.0;
-/// Samples up to which all their distances are kept in a table.
+/// Number of samples up to which all their distances are kept in a table.
 const TABLE: usize = 512;
-/// A move counts as one when it gains more than this, relative to the length of the tour.
+/// Least gain of a move, relative to the length of the tour.
 const GAIN: f64 = 1e-12;
 
-/// What tours are measured by. Sample number `count` is one that is nowhere, at no distance from
-/// any: a tour through it is an open curve.
+/// The costs of tours. Node `count` stands for no sample, at distance 0 from all: a tour through it
+/// is an open curve.
 pub(super) struct Costs<'a> {
     proximity: &'a Proximity,
-    /// For each number here the sample.
+    /// The sample of each node.
     members: &'a [u32],
     open: bool,
-    /// Lengths of all edges, when there are few.
+    /// Lengths of all edges, if there are few.
     table: Option<Vec<f64>>,
 }
 
@@ -70,7 +70,7 @@ impl<'a> Costs<'a> {
         self.proximity.distance(i, j).powf(POWER)
     }
 
-    /// How much a turn at j costs: nothing straight on, most when back to where it came from.
+    /// Returns the cost of the turn at j: 0 straight ahead, most for a reversal.
     fn turn(&self, i: u32, j: u32, k: u32) -> f64 {
         if [i, j, k].into_iter().any(|i| self.nowhere(i)) {
             return 0.0;
@@ -92,7 +92,7 @@ impl<'a> Costs<'a> {
             .sum()
     }
 
-    /// For each node those that moves may bring next to it.
+    /// Returns for each node the nodes that moves may bring next to it.
     fn neighbours(&self) -> Vec<Vec<u32>> {
         let mut number = vec![None; self.proximity.len()];
         for (i, &sample) in (0..).zip(self.members) {
@@ -115,8 +115,8 @@ impl<'a> Costs<'a> {
     }
 }
 
-/// Returns a short tour through the members, as their samples; for an open curve from one end to
-/// the other.
+/// Returns a short tour through the members, as samples; an open curve goes from one end to the
+/// other.
 pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
     let neighbours = costs.neighbours();
     let mut state = Tour::new(costs, &neighbours, greedy(costs, &neighbours));
@@ -125,7 +125,7 @@ pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
     let mut cost = costs.tour(&state.order);
     let mut rng = Rng::new(seed);
     let n = state.order.len();
-    // With fewer nodes there is no kick that a move would not undo.
+    // With fewer nodes, moves undo every kick.
     let kicks = if n < 8 { 0 } else { KICKS.min(KICKS_A_NODE * n) };
     for _ in 0..kicks {
         let before = state.order.clone();
@@ -147,8 +147,8 @@ pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
     order.into_iter().map(|i| costs.members[i as usize]).collect()
 }
 
-/// Short edges first, as long as no sample gets three and no circle closes; then the ends of what
-/// hangs together, the nearest first.
+/// Returns a tour of short edges first, as long as no sample gets three edges and no cycle closes;
+/// then the ends of the pieces are joined, the nearest first.
 fn greedy(costs: &Costs<'_>, neighbours: &[Vec<u32>]) -> Vec<u32> {
     let n = costs.nodes() as u32;
     let mut edges: Vec<(f64, u32, u32)> = (0..n)
@@ -166,8 +166,8 @@ fn greedy(costs: &Costs<'_>, neighbours: &[Vec<u32>]) -> Vec<u32> {
             links[j as usize].push(i);
         }
     }
-    // Pieces one after the other, each entered at its end that is nearest to where the last one was
-    // left.
+    // The pieces are joined one after the other, each entered at the end nearest to the exit of the
+    // previous one.
     let mut used = vec![false; n as usize];
     let mut order = Vec::new();
     let mut at = (0..n).find(|&v| links[v as usize].len() < 2);
@@ -197,7 +197,7 @@ struct Tour<'a> {
     least_gain: f64,
 }
 
-/// Edges that go and edges that come.
+/// The edges that a move removes, and those that it adds.
 struct Change<'e> {
     removed: &'e [(u32, u32)],
     added: &'e [(u32, u32)],
@@ -223,7 +223,7 @@ impl<'a> Tour<'a> {
         self.order.len()
     }
 
-    /// The node `by` places after v.
+    /// Returns the node `by` positions after v.
     fn after(&self, v: u32, by: usize) -> u32 {
         self.order[(self.place[v as usize] as usize + by) % self.len()]
     }
@@ -232,7 +232,7 @@ impl<'a> Tour<'a> {
         self.after(v, self.len() - by % self.len())
     }
 
-    /// What a change costs, turns included.
+    /// Returns the cost of a change, turns included.
     fn cost(&self, change: &Change<'_>) -> f64 {
         let sum =
             |edges: &[(u32, u32)]| edges.iter().map(|&(i, j)| self.costs.edge(i, j)).sum::<f64>();
@@ -262,8 +262,8 @@ impl<'a> Tour<'a> {
         cost
     }
 
-    /// Whether an edge from v to u instead of one to `old` can be a gain: some edge of a move that
-    /// gains is.
+    /// Returns whether replacing an edge from v to `old` by one to u can be a gain; a move that
+    /// gains has such an edge.
     fn is_near(&self, v: u32, u: u32, old: u32) -> bool {
         self.costs.edge(v, u) < (1.0 + 2.0 * BEND) * self.costs.edge(v, old)
     }
@@ -296,7 +296,7 @@ impl<'a> Tour<'a> {
         }
     }
 
-    /// Four nodes have three tours.
+    /// Tries all tours: four nodes have three.
     fn best_of_few(&mut self) {
         if let &[a, b, c, d] = &self.order[..] {
             let tours = [[a, b, c, d], [a, c, b, d], [a, b, d, c]];
@@ -306,8 +306,8 @@ impl<'a> Tour<'a> {
         }
     }
 
-    /// 2-opt (Croes 1958): v and one of its neighbours become adjacent, and so do those after them,
-    /// or before.
+    /// Tries 2-opt (Croes 1958): v and one of its neighbours become adjacent, and so do the nodes
+    /// after them, or before them.
     fn exchange(&mut self, v: u32) -> Option<Vec<u32>> {
         let neighbours = self.neighbours;
         for &u in &neighbours[v as usize] {
@@ -329,13 +329,13 @@ impl<'a> Tour<'a> {
         None
     }
 
-    /// Reverses the tour from node a on to node b.
+    /// Reverses the tour from node a to node b.
     fn reverse(&mut self, a: u32, b: u32) {
         let n = self.len();
         let (mut i, mut j) = (self.place[a as usize] as usize, self.place[b as usize] as usize);
         let mut inside = (j + n - i) % n + 1;
         if 2 * inside > n {
-            // The other part instead: the same circle.
+            // Reversing the other part gives the same cycle.
             (i, j) = ((j + 1) % n, (i + n - 1) % n);
             inside = n - inside;
         }
@@ -347,12 +347,12 @@ impl<'a> Tour<'a> {
         }
     }
 
-    /// Or-opt (Or 1976): up to three nodes from v on move between a neighbour of v and one beside
-    /// that, either way round.
+    /// Tries Or-opt (Or 1976): up to three nodes from v on move between a neighbour of v and a node
+    /// next to it, in either direction.
     fn displace(&mut self, v: u32) -> Option<Vec<u32>> {
         for count in 1..=SEGMENT.min(self.len() - 3) {
             for ahead in [true, false] {
-                // The segment from v to w, and what is around it.
+                // The segment from v to w, and the nodes around it.
                 let step = |x: u32, by| if ahead { self.after(x, by) } else { self.before(x, by) };
                 let back = |x: u32| if ahead { self.before(x, 1) } else { self.after(x, 1) };
                 let w = step(v, count - 1);
@@ -367,7 +367,7 @@ impl<'a> Tour<'a> {
                         if (0..count).any(|i| step(v, i) == beside) {
                             continue;
                         }
-                        // v comes next to u, and w next to the one beside it.
+                        // v becomes adjacent to u, and w to the node next to u.
                         let removed = [(out_v, v), (w, out_w), (u, beside)];
                         let added = [(out_v, out_w), (v, u), (w, beside)];
                         if self.gains(&removed, &added) {
@@ -399,8 +399,7 @@ impl<'a> Tour<'a> {
         self.set(order);
     }
 
-    /// Exchanges two neighbouring short segments (double bridge), and gives the nodes at their
-    /// ends.
+    /// Exchanges two adjacent short segments (double bridge), and returns the nodes at their ends.
     fn kick(&mut self, rng: &mut Rng) -> Vec<u32> {
         let n = self.len();
         let mut below = |n: usize| (rng.bits() % n as u64) as usize;

@@ -1,9 +1,9 @@
-//! Edges that faces are not joined over.
+//! Edges across which faces are not connected.
 
 use crate::base::{Error, Result, Sets};
 use crate::mesh::{Edges, TriMesh};
 
-/// The edges of a mesh, some of them walls.
+/// The edges of a mesh, some of which are walls.
 pub(super) struct Walls {
     pub edges: Edges,
     pub is_wall: Vec<bool>,
@@ -26,8 +26,8 @@ impl Walls {
         Ok(Self { edges, is_wall })
     }
 
-    /// Returns for each face the lowest face of its piece: faces with a common edge that is no
-    /// wall are of one piece.
+    /// Returns for each face the lowest face of its piece: faces with a common edge that is no wall
+    /// are in the same piece.
     pub fn pieces(&self, faces: usize) -> Vec<u32> {
         let mut pieces = Sets::new(faces);
         for e in (0..self.edges.len()).filter(|&e| !self.is_wall[e]) {
@@ -39,7 +39,7 @@ impl Walls {
         (0..faces as u32).map(|f| pieces.find(f)).collect()
     }
 
-    /// Returns the faces on both sides of each wall that is not on the boundary, with the number of
+    /// Returns the faces on both sides of each wall that is not on the boundary, with the index of
     /// the wall.
     pub fn sides(&self) -> impl Iterator<Item = (usize, u32, u32)> + '_ {
         let walls = (0..self.edges.len()).filter(|&e| self.is_wall[e]);

@@ -1,4 +1,5 @@
-//! Farthest points in batches: as uniform as one after the other but for a factor, and in parallel.
+//! Farthest points in batches: nearly as uniform as farthest points one after the other, and in
+//! parallel.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -8,23 +9,24 @@ use super::surface::{SHORTEST, Surface};
 use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::vector::distance;
 
-/// From one threshold to the next: the result covers the surface within 2 / 0.9 of the best radius,
-/// where single farthest points (Gonzalez 1985) do within 2.
+/// Ratio of successive thresholds. The result covers the surface within 2 / 0.9 times the best
+/// radius, where single farthest points (Gonzalez 1985) achieve 2.
 const SHRINK: f32 = 0.9;
 
-/// Paths along edges are longer than straight lines, but hardly by more than this.
+/// Bound of the ratio of the length of a path along edges to the distance in space, which is rarely
+/// exceeded.
 const DETOUR: f32 = 1.5;
 
-/// Vertices that one thread looks through at a time.
+/// Number of vertices that one thread tests at a time.
 const BLOCK: usize = 1 << 16;
 
-/// Adds samples, each the start of a cell, until there are `n`; those before have not grown yet.
-/// `area` is that of the surface.
+/// Adds samples, each the start of a cell, until there are `n`; the samples so far have not grown
+/// yet. `area` is the area of the surface.
 ///
-/// All vertices farther from the samples than a threshold are candidates; of these, the farthest
-/// first, those are taken that are no nearer to each other in space, hence along edges, than the
-/// threshold. It is lowered when none is left. So samples are always as far apart as the threshold,
-/// and, when it is lowered, no vertex is farther from them.
+/// All vertices farther from the samples than a threshold are candidates; among them, the farthest
+/// first, vertices are taken whose distance from each other in space, and therefore along edges, is
+/// at least the threshold. The threshold is lowered when none is left. So samples are always at
+/// least the threshold apart, and whenever it is lowered, no vertex is farther from them.
 pub(super) fn add_samples(
     surface: &Surface<'_>,
     area: f64,
@@ -34,7 +36,7 @@ pub(super) fn add_samples(
     par: Par,
     progress: Progress<'_>,
 ) -> Result<()> {
-    // At this distance about half of all fit into the area.
+    // At this distance, about half of all samples fit into the area.
     let spacing = (1.6 * area / n as f64).sqrt() / surface.scale;
     let mut threshold = (spacing as f32).max(SHORTEST);
     let mut cutoff = DETOUR * threshold;
@@ -44,7 +46,7 @@ pub(super) fn add_samples(
         progress.report(samples.len() as f64 / n as f64)?;
         let candidates = farther_than(surface, growth, threshold, par);
         if candidates.is_empty() {
-            // From here on nothing is free, and cells end where others are nearer.
+            // From here on every vertex is in a cell, and cells end where others are nearer.
             cutoff = f32::INFINITY;
             settled = true;
             let farthest = farthest(growth, surface.len());
@@ -58,7 +60,7 @@ pub(super) fn add_samples(
         let left = n - samples.len();
         let mut taken = apart(surface, &candidates, f64::from(threshold) * surface.scale);
         if !settled && taken.len() > (3 * left).div_ceil(4) {
-            // The area says little of how large this surface is.
+            // The area is a poor measure of the size of this surface.
             threshold *= 1.4;
             cutoff = DETOUR * threshold;
             growth.clear();
@@ -75,7 +77,7 @@ pub(super) fn add_samples(
     Ok(())
 }
 
-/// Returns the samples from `first` on as starts of cells of the same numbers.
+/// Returns the samples from `first` on as starts of cells with the same indices.
 pub(super) fn seeds(samples: &[u32], first: usize) -> Vec<Seed> {
     let numbered = samples.iter().zip(0..).skip(first);
     numbered.map(|(&vertex, cell)| Seed { vertex, distance: 0.0, cell }).collect()
@@ -85,8 +87,8 @@ fn farthest(growth: &Growth, vertices: usize) -> f32 {
     (0..vertices as u32).map(|v| growth.distance(v)).filter(|d| d.is_finite()).fold(0.0, f32::max)
 }
 
-/// The vertices that have faces and are at least that far from the samples, the farthest first,
-/// then the lowest.
+/// Returns the vertices that have faces and are at least that far from the samples, the farthest
+/// first, in order of index for equal distances.
 fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par) -> Vec<u32> {
     let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
         let keys = range.map(|v| (growth.distance(v as u32), v as u32));
@@ -100,16 +102,17 @@ fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par
     keys.into_iter().map(|key| key as u32).collect()
 }
 
-/// Of these vertices, in their order, those at least `least` from all taken before.
+/// Returns those of these vertices, in their order, that are at least `least` from all taken
+/// before.
 fn apart(surface: &Surface<'_>, candidates: &[u32], least: f64) -> Vec<u32> {
     let mut taken: Vec<u32> = Vec::new();
-    // For each box of this size the last one taken in it, and for each taken the one before it in
-    // its box.
+    // For each box of this size the last vertex taken in it, and for each taken vertex the previous
+    // one in its box.
     let mut boxes: HashMap<u64, u32, BuildHasherDefault<Multiply>> = HashMap::default();
     let mut before: Vec<u32> = Vec::new();
     let place = |p: [f64; 3]| p.map(|x| (x / least).floor() as i64);
-    // Neighbours in the list are neighbours in space: what covered the last one often covers this
-    // one.
+    // Neighbours in the list are neighbours in space: the sample that covered the last vertex often
+    // covers this one.
     let mut cover: Option<[f64; 3]> = None;
     for &v in candidates {
         let p = surface.position(v);
@@ -141,12 +144,12 @@ fn apart(surface: &Surface<'_>, candidates: &[u32], least: f64) -> Vec<u32> {
 
 const NONE: u32 = u32::MAX;
 
-/// The box itself and those around it.
+/// The offsets of a box and those around it.
 const NEIGHBOURHOOD: [[i64; 3]; 27] = {
     let mut steps = [[0; 3]; 27];
     let mut i = 0;
     while i < 27 {
-        // From the middle: of the steps 0, 1, -1 each way.
+        // In order of distance from the middle: steps of 0, 1 and -1 in each direction.
         let step = [i % 3, i / 3 % 3, i / 9];
         let mut k = 0;
         while k < 3 {
@@ -158,12 +161,12 @@ const NEIGHBOURHOOD: [[i64; 3]; 27] = {
     steps
 };
 
-/// 21 bits a coordinate; boxes with the same key are told apart by distances.
+/// Returns a key with 21 bits for each coordinate; distances distinguish boxes with the same key.
 fn key(place: [i64; 3]) -> u64 {
     place.iter().fold(0, |key, &x| key << 21 | (x as u64 & 0x1f_ffff))
 }
 
-/// A hash by one multiplication (Fibonacci hashing, Knuth): keys are numbers already.
+/// A hash by one multiplication (Fibonacci hashing, Knuth), for keys that are numbers.
 #[derive(Default)]
 pub(super) struct Multiply(u64);
 

@@ -16,32 +16,32 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// The cell of a vertex that no sample reaches: no face has it.
+    /// Marks a vertex without a face, which no sample reaches.
     pub const NONE: u32 = u32::MAX;
 
     pub(super) fn new(of_vertices: Vec<u32>, distances: Vec<f32>) -> Self {
         Self { of_vertices, distances }
     }
 
-    /// Returns for each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of
-    /// equally near samples, the first counts.
+    /// Returns for each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`].
+    /// Among equally near samples, the first one counts.
     pub fn of_vertices(&self) -> &[u32] {
         &self.of_vertices
     }
 
     /// Returns for each vertex of the mesh its distance along edges to the sample of its cell, in
-    /// units of length (single precision); infinite where there is no cell.
+    /// units of length (single precision); infinite for vertices in no cell.
     pub fn distances(&self) -> &[f32] {
         &self.distances
     }
 
-    /// Returns the largest distance of a vertex that is in a cell; 0 when there is none.
+    /// Returns the largest distance of a vertex in a cell; 0 without such a vertex.
     pub fn radius(&self) -> f32 {
         self.distances.iter().copied().filter(|d| d.is_finite()).fold(0.0, f32::max)
     }
 
-    /// Returns the same cells for other vertices: vertex v is what was vertex `old[v]`, if that is
-    /// one.
+    /// Returns the same cells for other vertices: vertex v is the former vertex `old[v]`, if that
+    /// exists.
     pub(super) fn seen_from(&self, old: &[u32]) -> Self {
         let at = |&v: &u32| v as usize;
         let known = |v: usize| self.of_vertices.get(v).copied().unwrap_or(Self::NONE);
@@ -53,11 +53,11 @@ impl Cells {
     }
 }
 
-/// Not reached: farther than every distance.
+/// A vertex that is not reached: farther than every distance.
 const FREE: u64 = u64::MAX;
 
-/// Distance and cell as one number; of two for a vertex, the lower wins. Distances are not
-/// negative, so that their bits are ordered as they are.
+/// Packs distance and cell into one number; the lower number of a vertex wins. Distances are not
+/// negative, so that their bits have the order of the numbers.
 fn pack(distance: f32, cell: u32) -> u64 {
     u64::from(distance.to_bits()) << 32 | u64::from(cell)
 }
@@ -66,17 +66,17 @@ fn distance_of(state: u64) -> f32 {
     if state == FREE { f32::INFINITY } else { f32::from_bits((state >> 32) as u32) }
 }
 
-/// Cells being grown.
+/// The state of growing cells.
 ///
-/// Each sample runs Dijkstra's algorithm as far as it wins, and several do so at the same time: the
-/// state of a vertex only falls, and where all have ended it is the least that any path gives,
-/// whoever was first. Hence the same for any number of threads.
+/// Each sample runs Dijkstra's algorithm as long as it wins, and several do so at the same time.
+/// The state of a vertex only decreases, and at the end it is the least state over all paths,
+/// whatever the order. Therefore the result is the same for any number of threads.
 pub(super) struct Growth {
     state: Vec<AtomicU64>,
     par: Par,
 }
 
-/// Where a cell starts.
+/// The start of a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seed {
     pub vertex: u32,
@@ -84,21 +84,21 @@ pub(super) struct Seed {
     pub cell: u32,
 }
 
-/// Waiting vertices, the nearest first: distance and vertex as one number.
+/// Vertices to be visited, the nearest first: distance and vertex as one number.
 type Queue = BinaryHeap<Reverse<u64>>;
 
-/// Seeds that one thread takes at a time.
+/// Number of seeds that one thread takes at a time.
 const BATCH: usize = 8;
 
 impl Growth {
-    /// Creates the growth of no cells.
+    /// Creates a state without cells.
     pub fn new(surface: &Surface<'_>, par: Par) -> Result<Self> {
         let mut state = reserved(surface.len())?;
         state.resize_with(surface.len(), || AtomicU64::new(FREE));
         Ok(Self { state, par })
     }
 
-    /// Makes every vertex free again.
+    /// Removes all vertices from their cells.
     pub fn clear(&mut self) {
         self.state.iter_mut().for_each(|state| *state.get_mut() = FREE);
     }
@@ -108,12 +108,12 @@ impl Growth {
         distance_of(self.state[v as usize].load(Ordering::Relaxed))
     }
 
-    /// Returns the cell of a vertex, [`Cells::NONE`] if it is free.
+    /// Returns the cell of a vertex, or [`Cells::NONE`] if it is in none.
     pub fn cell(&self, v: u32) -> u32 {
         self.state[v as usize].load(Ordering::Relaxed) as u32
     }
 
-    /// Grows all seeds, not farther than `cutoff` (relative to the surface's scale).
+    /// Grows all seeds up to the distance `cutoff` (relative to the surface's scale).
     pub fn grow(&self, surface: &Surface<'_>, seeds: &[Seed], cutoff: f32) {
         if self.par.threads() == 1 {
             let mut queue = Queue::new();
@@ -128,7 +128,7 @@ impl Growth {
         });
     }
 
-    /// Continues the growth of what is grown up to the cut-off to all vertices that it can reach.
+    /// Continues growth beyond the cut-off to all vertices that can be reached.
     pub fn grow_on(&self, surface: &Surface<'_>) {
         let free = |v: u32| self.state[v as usize].load(Ordering::Relaxed) == FREE;
         let mut queue = Queue::new();
@@ -152,7 +152,7 @@ impl Growth {
         }
     }
 
-    /// One seed; `ALONE` when no other thread grows.
+    /// Grows one seed; `ALONE` when no other thread grows.
     fn grow_one<const ALONE: bool>(
         &self,
         surface: &Surface<'_>,
@@ -168,7 +168,7 @@ impl Growth {
         while let Some(Reverse(entry)) = queue.pop() {
             let (from, v) = (distance_of(entry), entry as u32);
             if self.state[v as usize].load(Ordering::Relaxed) != pack(from, cell) {
-                continue; // nearer to something else by now
+                continue; // another seed is nearer now
             }
             for link in surface.links(v) {
                 let through = from + link.length;
@@ -197,8 +197,8 @@ impl Growth {
         false
     }
 
-    /// Returns the grown cells, distances in units of length: [`Surface::scale`] times the relative
-    /// ones.
+    /// Returns the grown cells, with distances in units of length: the relative ones times
+    /// [`Surface::scale`].
     pub fn cells(&self, scale: f64) -> Cells {
         let vertices = 0..self.state.len() as u32;
         let length = |v: u32| (f64::from(self.distance(v)) * scale) as f32;

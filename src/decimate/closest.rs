@@ -1,4 +1,4 @@
-//! Points of the surface near points in space, found by walking from where one was.
+//! Finds points of the surface near points in space, by walking from an earlier result.
 
 use super::result::Place;
 use super::surface::Surface;
@@ -6,7 +6,7 @@ use crate::mesh::TriMesh;
 use crate::mesh::nearest_on_triangle;
 use crate::mesh::vector::{Vector, dot, square, sub};
 
-/// Where a walk ended.
+/// The end of a walk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub place: Place,
@@ -16,8 +16,8 @@ pub(super) struct Found {
     pub square: f64,
 }
 
-/// Returns the nearest point of the surface that a walk from a vertex meets: over the vertices
-/// first, then over faces, downhill.
+/// Returns the nearest point of the surface that a walk from a vertex finds: first over vertices,
+/// then downhill over faces.
 pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
     let mut best: Option<Found> = None;
     let mut around = [Some(downhill(surface, from, p)), None];
@@ -35,8 +35,8 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
         let found = best?;
         let corners = surface.mesh.faces()[found.place.face as usize];
         let weights = found.place.weights;
-        // Within a face, no other one is nearer nearby; else those may be that meet at its edge or
-        // corner.
+        // Inside of a face, no other face nearby is nearer; at its edge or corner, the adjacent
+        // ones may be.
         if before == Some(found.square) || weights.iter().all(|&w| w > 0.0) {
             return Some(Found { vertex: corners[found.place.heaviest()], ..found });
         }
@@ -45,7 +45,7 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
     }
 }
 
-/// Returns the same for a vertex of the new mesh with this anchor: along the boundary if the vertex
+/// Returns the same for a vertex of the new mesh with this anchor: along the boundary if the anchor
 /// is there.
 pub(super) fn nearest(
     surface: &Surface<'_>,
@@ -56,7 +56,7 @@ pub(super) fn nearest(
     if is_on_boundary { on_boundary(surface, anchor, p) } else { on_surface(surface, anchor, p) }
 }
 
-/// Returns the same along the boundary, from a vertex there.
+/// Returns the nearest point of the boundary, from a vertex on it.
 pub(super) fn on_boundary(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
     let mut best: Option<(f64, [u32; 2], f64)> = None;
     let mut at = from;
@@ -100,7 +100,7 @@ fn downhill(surface: &Surface<'_>, from: u32, p: Vector) -> u32 {
     }
 }
 
-/// The point at the part `t` of the edge from a to b as a point of a face.
+/// Returns the point at the share `t` of the edge from a to b as a point of a face.
 fn on_edge(surface: &Surface<'_>, a: u32, b: u32, t: f64) -> Option<Place> {
     let faces = surface.mesh.faces();
     let face =
@@ -117,7 +117,7 @@ fn on_edge(surface: &Surface<'_>, a: u32, b: u32, t: f64) -> Option<Place> {
     Some(Place { face, weights: faces[face as usize].map(weight) })
 }
 
-/// Where between a (0) and b (1) the segment is nearest to p.
+/// Returns the position between a (0) and b (1) of the point of the segment nearest to p.
 fn along(a: Vector, b: Vector, p: Vector) -> f64 {
     let edge = sub(b, a);
     let t = dot(sub(p, a), edge) / dot(edge, edge);

@@ -1,5 +1,5 @@
-//! Short edges collapsed: to the number of vertices that is asked for, and in exchange for long
-//! ones.
+//! Collapses short edges: to reach the requested number of vertices, and in exchange for splits of
+//! long edges.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -9,13 +9,13 @@ use super::loss::loss_of_collapse;
 use super::patch::Patch;
 use crate::mesh::vector::Vector;
 
-/// A collapse leaves no end of the edge farther from the new faces than this part of the mean
+/// Largest distance of the ends of a collapsed edge from the new faces, relative to the mean
 /// length.
 const LOSS: f64 = 0.15;
 
-/// Collapses the shortest edges that can be, until `n` vertices are left, and returns how many are
-/// left. Collapses first without turning faces over or losing thin parts, then without making faces
-/// intersect, then, if that is not enough, in any case.
+/// Collapses the shortest edges that can collapse, until `n` vertices are left, and returns the
+/// number left. Collapses first without turning faces over or losing thin parts, then without
+/// making faces intersect, then, if that is not enough, in any case.
 pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
     if patch.count <= n {
         return patch.count;
@@ -27,10 +27,11 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
         while patch.count > n {
             let Some(Reverse((was, [a, b]))) = waiting.pop() else { break };
             if patch.sides(a, b).is_none() || was != key(patch, a, b) {
-                continue; // gone, or moved since and here again
+                continue; // the edge is gone, or has moved and is in the heap again
             }
             if let Some(left) = collapse(patch, a, b, care) {
-                // Edges nearby have other lengths, and what could not collapse before may now.
+                // The lengths of edges nearby have changed, and edges that could not collapse
+                // before may now.
                 let mut near = patch.neighbours(left);
                 near.push(left);
                 for &v in &near {
@@ -44,24 +45,25 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
     patch.count
 }
 
-/// What a collapse must not harm: the topology, never.
+/// The restrictions of a collapse, besides the topology, which never changes.
 #[derive(Debug, Clone, Copy)]
 enum Care {
-    /// No face turns over, neither end is farther than this from the new faces, and no faces
-    /// intersect that did not.
+    /// No face turns over, neither end is farther than this from the new faces, and no new
+    /// intersections of faces arise.
     Shape(f64),
-    /// No faces intersect that did not.
+    /// No new intersections of faces arise.
     Intersections,
     Topology,
 }
 
-/// Lengths are not negative, so that their bits are ordered as they are.
+/// Returns a key in the order of lengths, which are not negative, so that their bits have the order
+/// of the numbers.
 fn key(patch: &Patch, a: u32, b: u32) -> u64 {
     patch.length(a, b).to_bits()
 }
 
-/// Collapses the edge if it can be, into its middle, or else an end, or into its end on the
-/// boundary; the vertex that is left.
+/// Collapses the edge, if possible, into its middle, otherwise into an end, or into its end on the
+/// boundary. Returns the vertex that is left.
 fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     if !patch.can_collapse(a, b) {
         return None;
@@ -88,13 +90,12 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     Some(b)
 }
 
-/// An edge is short below, long above these parts of the mean length. Measured: nearer to 1,
-/// exchanges don't come to rest.
+/// Thresholds of short and of long edges, relative to the mean length. In measurements, exchanges
+/// do not come to rest with thresholds nearer to 1.
 const SHORT: f64 = 0.78;
 const LONG: f64 = 1.3;
 
-/// Collapses short edges and splits as many long ones: vertices go from where they are dense to
-/// where they are not.
+/// Collapses short edges and splits as many long ones: vertices move from dense to sparse regions.
 pub(super) fn exchange(patch: &mut Patch) {
     let edges: Vec<(f64, [u32; 2])> =
         patch.edges().into_iter().map(|[a, b]| (patch.length(a, b), [a, b])).collect();
@@ -106,7 +107,7 @@ pub(super) fn exchange(patch: &mut Patch) {
     };
     let (short, long) = (sorted(|part| part < SHORT), sorted(|part| part > LONG));
     let mut pairs = long.iter().rev();
-    // Only what no earlier exchange has touched.
+    // Only edges that no earlier exchange has touched.
     let untouched = |patch: &Patch, &(was, [a, b]): &(f64, [u32; 2])| {
         patch.sides(a, b).is_some() && patch.length(a, b) == was
     };

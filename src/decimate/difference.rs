@@ -1,4 +1,4 @@
-//! How far two meshes are from each other (thesis, equation 5.8).
+//! Distances between two meshes (thesis, equation 5.8).
 
 use rstar::RTree;
 
@@ -12,13 +12,14 @@ pub struct Difference {
     /// length.
     pub hausdorff: f64,
     /// The mean square of the distances of the vertices of one mesh from the surface of the other,
-    /// plus the same the other way, in units of length squared.
+    /// plus the same in the other direction, in units of length squared.
     pub chamfer: f64,
     /// H of equation 5.8 as printed: the largest distance of a vertex of the first mesh from the
     /// vertices of the second.
     pub printed_hausdorff: f64,
-    /// C of equation 5.8 as printed. Its first sum is over the second mesh only, and so 0: the mean
-    /// square of the distances of the vertices of the second mesh from those of the first.
+    /// C of equation 5.8 as printed. Its first sum is over the second mesh only, and therefore 0,
+    /// so that C is the mean square of the distances of the vertices of the second mesh from those
+    /// of the first.
     pub printed_chamfer: f64,
 }
 
@@ -39,7 +40,7 @@ impl Difference {
     pub fn between(first: &TriMesh, second: &TriMesh, par: Par) -> Result<Self> {
         for mesh in [first, second] {
             if mesh.faces().is_empty() {
-                return Err(Error::Mesh { what: "it has no face".into(), element: "mesh".into() });
+                return Err(Error::Mesh { what: "has no face".into(), element: "mesh".into() });
             }
         }
         let out = Triangles::of(second).squares(first.vertices(), par);

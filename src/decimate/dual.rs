@@ -4,7 +4,7 @@ use super::cells::Growth;
 use super::surface::Surface;
 use crate::base::Par;
 
-/// Vertices or faces that one thread takes at a time.
+/// Number of vertices or faces that one thread takes at a time.
 const BLOCK: usize = 1 << 16;
 
 /// Returns the input triangles with three cells each, as faces between cells, in the order of the
@@ -18,8 +18,9 @@ pub(super) fn faces(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u3
     blocks.concat()
 }
 
-/// Returns every three-cycle of the graph of cells (thesis, section 5.3.3), oriented as a triangle
-/// of the input with these cells if there is one, ascending else. Not a manifold in general.
+/// Returns every three-cycle of the graph of cells (thesis, section 5.3.3), oriented like a
+/// triangle of the input with these cells if there is one, otherwise ascending. In general, the
+/// result is no manifold.
 pub(super) fn three_cycles(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u32; 3]> {
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for v in 0..surface.len() as u32 {

@@ -10,12 +10,12 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::TriMesh;
 
 /// Farthest points of a mesh with their Voronoi cells, one after the other: each new sample is the
-/// vertex farthest along edges from those before it, the lowest of several; a component without a
+/// vertex farthest along edges from the previous ones, the lowest of several; a component without a
 /// sample is infinitely far (thesis, algorithm 5.2, with the order of its inner queue corrected).
-/// Any mesh will do.
+/// Any mesh is allowed.
 ///
-/// More can be added at any time, and the first samples are the same however many follow: prefixes
-/// are nested levels of detail. O(V log V log n) for n samples of V vertices.
+/// Samples can be added at any time, and the first samples do not depend on how many follow:
+/// prefixes are nested levels of detail. O(V log V log n) for n samples of V vertices.
 ///
 /// ```
 /// use catamaran::{base::Progress, decimate::FarthestPoints, mesh::families};
@@ -32,7 +32,7 @@ pub struct FarthestPoints<'m> {
 }
 
 impl<'m> FarthestPoints<'m> {
-    /// Takes the first sample: vertex `first`, or by default the lowest that a face has.
+    /// Takes the first sample: vertex `first`, or by default the lowest vertex with a face.
     ///
     /// # Errors
     /// [`Error::Argument`] when no face has vertex `first`, [`Error::Mesh`] when there is no face,
@@ -44,11 +44,11 @@ impl<'m> FarthestPoints<'m> {
         Ok(Self { surface, sampler })
     }
 
-    /// Adds samples until there are n; does nothing when there already are. A callback may cancel:
-    /// the samples so far stay.
+    /// Adds samples until there are n; does nothing when there already are. The callback may
+    /// cancel; the samples so far stay.
     ///
     /// # Errors
-    /// [`Error::Argument`] when there are not that many vertices with faces, [`Error::Cancelled`].
+    /// [`Error::Argument`] when fewer vertices have faces, [`Error::Cancelled`].
     pub fn extend_to(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
         self.sampler.extend_to(&self.surface, n, progress)
     }
@@ -58,7 +58,7 @@ impl<'m> FarthestPoints<'m> {
         &self.sampler.samples
     }
 
-    /// Returns the cells of the samples, numbered as [`FarthestPoints::samples`].
+    /// Returns the cells of the samples, numbered like [`FarthestPoints::samples`].
     ///
     /// ```
     /// use catamaran::{base::Progress, decimate::FarthestPoints, mesh::families};
@@ -81,14 +81,14 @@ impl<'m> FarthestPoints<'m> {
 pub(super) struct Sampler {
     growth: Growth,
     samples: Vec<u32>,
-    /// Every vertex at least that far from the samples is waiting.
+    /// Distance from the samples from which on vertices are in the heap.
     threshold: f32,
-    /// Vertices by their distance when they were put here, the farthest first, then the lowest:
-    /// their distance may be less by now.
+    /// Vertices by their distance when they were inserted, the farthest first, in order of index
+    /// for equal distances. Their current distance may be smaller.
     waiting: BinaryHeap<u64>,
 }
 
-/// The part of the largest distance from which on vertices wait in the heap: a heap of all would be
+/// Share of the largest distance from which on vertices are in the heap: a heap of all would be
 /// slow.
 const WAITING: f32 = 0.9;
 
@@ -103,8 +103,8 @@ impl Sampler {
         })
     }
 
-    /// Continues on a surface with more vertices, which come after those that were there: samples
-    /// stay, cells have to grow anew.
+    /// Continues on a surface with additional vertices, which come after the existing ones. Samples
+    /// stay; cells grow again.
     pub fn move_to(&mut self, surface: &Surface<'_>, par: Par) -> Result<()> {
         self.growth = Growth::new(surface, par)?;
         Ok(())
@@ -184,22 +184,22 @@ impl Sampler {
     }
 }
 
-/// The farthest is the greatest, then the lowest vertex.
+/// Returns a key in the order of distance; for equal distances, the lowest vertex comes first.
 fn waiting_key(distance: f32, v: u32) -> u64 {
     u64::from(distance.to_bits()) << 32 | u64::from(!v)
 }
 
-/// Returns vertex `first`, or the lowest with a face.
+/// Returns vertex `first`, or the lowest vertex with a face.
 pub(super) fn first_sample(surface: &Surface<'_>, first: Option<u32>) -> Result<u32> {
     let has_face = |v: u32| (v as usize) < surface.len() && !surface.links(v).is_empty();
     match first {
         Some(v) if has_face(v) => Ok(v),
         Some(v) => {
-            let why = format!("vertex {v}, which no face has, of {}", surface.len());
+            let why = format!("must be a vertex with a face, is {v} of {}", surface.len());
             Err(Error::Argument { what: "first", why })
         }
         None => (0..surface.len() as u32)
             .find(|&v| has_face(v))
-            .ok_or_else(|| Error::Mesh { what: "it has no face".into(), element: "mesh".into() }),
+            .ok_or_else(|| Error::Mesh { what: "has no face".into(), element: "mesh".into() }),
     }
 }

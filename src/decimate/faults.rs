@@ -1,23 +1,23 @@
-//! Whether the dual of a partition into cells is a triangulation of the same surface.
+//! Tests whether the dual of a partition into cells is a triangulation of the same surface.
 
 use super::cells::Growth;
 use super::surface::Surface;
 use crate::base::Par;
 
-/// Vertices that one thread takes at a time.
+/// Number of vertices that one thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
-/// Returns, of the `doubtful` cells and their neighbours, those that have to be split before the
+/// Returns those of the `doubtful` cells and their neighbours that have to be split so that the
 /// dual is a triangulation of the surface, ascending. `sizes` are the numbers of vertices of all
 /// cells.
 ///
 /// A cell is the part of the surface around its vertices; two cells meet along arcs across their
-/// mixed edges, three in the corners within triangles of three cells. The dual is a triangulation
-/// when every cell is a disk that touches the boundary at most once, two cells meet in no more than
-/// one arc, every arc has a corner, three cells meet in no more than one, and every cell has one
-/// (the closed ball property: Edelsbrunner and Shah 1997, here of graph cells). All of these are
-/// counts: the Euler characteristic V - E + F of what is within a cell is 1 for a disk, and that of
-/// mixed edges and mixed triangles is the number of arcs.
+/// mixed edges, three cells meet in corners within triangles of three cells. The dual is a
+/// triangulation when every cell is a disk that touches the boundary at most once, two cells meet
+/// in no more than one arc, every arc has a corner, three cells meet in no more than one, and every
+/// cell has one (the closed ball property: Edelsbrunner and Shah 1997, here of graph cells). All of
+/// these conditions are counts: the Euler characteristic V - E + F of the inside of a cell is 1 for
+/// a disk, and that of mixed edges and mixed triangles is the number of arcs.
 pub(super) fn faults(
     surface: &Surface<'_>,
     growth: &Growth,
@@ -50,8 +50,8 @@ pub(super) fn faults(
     triples.sort_unstable();
 
     let mut bad = vec![false; cells];
-    // Cells of one vertex are what they are: of several that are at fault together, the largest is
-    // split.
+    // Cells of one vertex can't be split: of several cells that violate a condition together, the
+    // largest is split.
     let blame = |cells: &[u32], bad: &mut Vec<bool>| {
         if let Some(&cell) = cells.iter().max_by_key(|&&c| (sizes[c as usize], u32::MAX - c)) {
             bad[cell as usize] = true;
@@ -60,7 +60,7 @@ pub(super) fn faults(
     let mut has_corner = vec![false; cells];
     triples.iter().flatten().for_each(|&cell| has_corner[cell as usize] = true);
     for cell in (0..cells).filter(|&cell| doubtful[cell]) {
-        // A cell in no corner would be lost; when it can't be split, its neighbours must.
+        // A cell without a corner would be lost; if it can't be split, its neighbours must be.
         bad[cell] = euler[cell] != 1 || touches[cell] > 1 || !has_corner[cell];
     }
     for group in triples.chunk_by(|a, b| a == b).filter(|group| group.len() > 1) {
@@ -80,8 +80,8 @@ pub(super) fn faults(
     (0..cells as u32).filter(|&cell| bad[cell as usize]).collect()
 }
 
-/// What the vertices of a block add, with the edges and faces of which they are the lowest vertex
-/// in a doubtful cell.
+/// The contributions of the vertices of a block, with the edges and faces of which they are the
+/// lowest vertex in a doubtful cell.
 #[derive(Default)]
 struct Counts {
     within: Vec<(u32, i32)>,
@@ -98,7 +98,7 @@ impl Counts {
             return;
         }
         let links = surface.links(v);
-        // An edge or face belongs to this vertex unless a lower one of it is in a doubtful cell,
+        // An edge or face belongs to this vertex unless a lower vertex of it is in a doubtful cell,
         // too.
         let ours = |to: u32, cell: u32| to > v || !is_doubtful(cell);
         let mut change = 1;
@@ -143,7 +143,7 @@ impl Counts {
     }
 }
 
-/// Adds to the last entry when that is of the same cell: neighbours in the list often are.
+/// Adds to the last entry if it is of the same cell, as neighbours in the list often are.
 fn add(list: &mut Vec<(u32, i32)>, cell: u32, change: i32) {
     match list.last_mut() {
         Some(last) if last.0 == cell => last.1 += change,

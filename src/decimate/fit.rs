@@ -1,4 +1,4 @@
-//! Vertices moved off the surface, so that faces are not all on one side of it.
+//! Moves vertices off the surface, so that the faces do not all lie on one side of it.
 
 use super::closest::on_surface;
 use super::guard::move_all;
@@ -7,16 +7,16 @@ use super::surface::Surface;
 use crate::base::Par;
 use crate::mesh::vector::{Vector, dot, scale, sub, unit};
 
-/// Vertices or faces that one thread looks at at a time.
+/// Number of vertices or faces that one thread processes at a time.
 const BLOCK: usize = 512;
 
-/// The part of the height of the surface above the faces around it by which a vertex is raised. The
-/// mean square distance both ways is least, where the surface is a sphere, at 3/8 of the height
-/// above the middles of faces; measured least at 1/2.
+/// Share of the height of the surface above the surrounding faces by which a vertex is raised. For
+/// a sphere, the mean square distance in both directions is least at 3/8 of the height above the
+/// middles of faces; in measurements, it is least at 1/2.
 const PART: f64 = 0.5;
 
-/// Raises all vertices but those on the boundary by a part of the mean height of the surface above
-/// the faces around them.
+/// Raises all vertices except those on the boundary by a share of the mean height of the surface
+/// above the surrounding faces.
 pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
     let heights = par.map_blocks(patch.faces.len(), BLOCK, |range| {
         range.map(|f| height(surface, patch, f)).collect::<Vec<_>>()
@@ -29,7 +29,7 @@ pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
     move_all(patch, &raised.concat(), par);
 }
 
-/// How far the surface is above the middle of a face, along its normal.
+/// Returns the height of the surface above the middle of a face, along its normal.
 fn height(surface: &Surface<'_>, patch: &Patch, face: usize) -> f64 {
     let Some(corners) = patch.face(face) else { return 0.0 };
     let [a, b, c] = corners.map(|v| patch.position(v));

@@ -1,4 +1,4 @@
-//! How far the new mesh and the surface are from each other, place by place.
+//! Measures the local distances between the new mesh and the surface.
 
 use super::closest::{Found, on_surface};
 use super::patch::Patch;
@@ -8,18 +8,18 @@ use crate::mesh::intersections::Bounds;
 use crate::mesh::nearest_on_triangle;
 use crate::mesh::vector::{Vector, distance, square, sub};
 
-/// A place where the new mesh and the surface are apart.
+/// A point where the new mesh and the surface differ.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gap {
     pub size: f64,
     pub on_patch: Vector,
     pub on_surface: Vector,
-    /// The vertex of the surface that is nearest there.
+    /// The vertex of the surface nearest to this point.
     pub near: u32,
     pub site: Site,
 }
 
-/// What a gap is measured from.
+/// The element at which a gap is measured.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Site {
     /// The part of the surface in the cell of a vertex.
@@ -28,10 +28,10 @@ pub(super) enum Site {
     Face(u32),
 }
 
-/// The surface, with the part of it in the cell of each vertex of the new mesh.
+/// The surface, with its part in the cell of each vertex of the new mesh.
 pub(super) struct Gaps<'a, 's> {
     pub surface: &'a Surface<'s>,
-    /// For each vertex of the new mesh the vertices of the surface in its cell.
+    /// For each vertex of the new mesh, the vertices of the surface in its cell.
     cells: Vec<Vec<u32>>,
 }
 
@@ -54,7 +54,7 @@ impl<'a, 's> Gaps<'a, 's> {
         Self { surface, cells }
     }
 
-    /// None of vertices that came later.
+    /// Returns the cell of v; empty for vertices that were added later.
     fn cell(&self, v: u32) -> &[u32] {
         self.cells.get(v as usize).map_or(&[], Vec::as_slice)
     }
@@ -67,7 +67,7 @@ impl<'a, 's> Gaps<'a, 's> {
             let limit = widest.map_or(least, |gap| gap.size);
             let q = self.surface.position(near);
             let mut nearest = (q, f64::INFINITY);
-            // Most are near enough to v, or to one of its faces.
+            // Most vertices are near enough to v, or to one of its faces.
             let is_near = distance(patch.position(v), q) <= limit
                 || patch.around(v).iter().any(|&f| {
                     approach(patch, f, q, &mut nearest);
@@ -106,8 +106,8 @@ impl<'a, 's> Gaps<'a, 's> {
         widest
     }
 
-    /// The point of the surface nearest to p, which is on this face; any that is nearer than
-    /// `enough`.
+    /// Returns the point of the surface nearest to p, which is on this face, or any point nearer
+    /// than `enough`.
     fn nearest(&self, patch: &Patch, face: [u32; 3], p: Vector, enough: f64) -> Option<Found> {
         let mut best: Option<Found> = None;
         let mut walk = |from: u32| {
@@ -121,7 +121,7 @@ impl<'a, 's> Gaps<'a, 's> {
                 return found;
             }
         }
-        // All these walks may have ended beside it.
+        // All these walks may have missed the nearest point.
         let away = |w: u32| square(sub(self.surface.position(w), p));
         let all = face.iter().flat_map(|&v| self.cell(v)).copied();
         match all.min_by(|&a, &b| away(a).total_cmp(&away(b))) {
@@ -131,7 +131,8 @@ impl<'a, 's> Gaps<'a, 's> {
     }
 }
 
-/// Takes the point of a face nearest to p, with its squared distance, if it is nearer than what is.
+/// Replaces `nearest` by the point of a face nearest to p, with its squared distance, if that is
+/// nearer.
 fn approach(patch: &Patch, f: u32, p: Vector, nearest: &mut (Vector, f64)) {
     let (q, _) = nearest_on_triangle(patch.corners_of(f), p);
     let square = square(sub(p, q));

@@ -1,22 +1,22 @@
-//! Changes of the new mesh by which no more of its faces intersect than did.
+//! Guards against new intersections of faces of the new mesh.
 
 use super::patch::{Flip, Move, Patch};
 use crate::base::Par;
 use crate::mesh::intersections::{Bounds, Corners, intersect};
 use crate::mesh::vector::Vector;
 
-/// Whether no more pairs of faces intersect when the faces `old` become `new`.
+/// Returns whether replacing the faces `old` by `new` creates no additional intersecting pairs.
 fn allows(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
     let after = intersections(patch, old, new);
     after == 0 || after <= intersections_of(patch, old)
 }
 
-/// Whether fewer do.
+/// Returns whether replacing the faces `old` by `new` reduces the number of intersecting pairs.
 fn untangles(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
     intersections(patch, old, new) < intersections_of(patch, old)
 }
 
-/// Pairs of these faces with each other, and with all others, that intersect.
+/// Returns the number of intersecting pairs of these faces with each other and with all others.
 fn intersections_of(patch: &Patch, faces: &[u32]) -> usize {
     let corners: Vec<_> = faces.iter().map(|&f| patch.corners_of(f)).collect();
     intersections(patch, faces, &corners)
@@ -42,23 +42,24 @@ pub(super) fn allows_move(patch: &Patch, v: u32, p: Vector) -> bool {
     allows(patch, patch.around(v), &faces_with(patch, v, p))
 }
 
-/// Returns whether fewer faces would intersect, were v at p.
+/// Returns whether moving v to p reduces the number of intersecting pairs.
 pub(super) fn untangles_move(patch: &Patch, v: u32, p: Vector) -> bool {
     untangles(patch, patch.around(v), &faces_with(patch, v, p))
 }
 
-/// Returns whether fewer faces would intersect, were an edge flipped.
+/// Returns whether flipping an edge reduces the number of intersecting pairs.
 pub(super) fn untangles_flip(patch: &Patch, flip: &Flip) -> bool {
     untangles(patch, &flip.old, &flip.new.map(|face| patch.corners_at(face)))
 }
 
-/// The faces at v, were it at p.
+/// Returns the faces at v after a move of v to p.
 fn faces_with(patch: &Patch, v: u32, p: Vector) -> Vec<Corners> {
     let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
     faces.map(|face| patch.corners_with(face, [v, v], p)).collect()
 }
 
-/// Pairs of these triangles with each other, and with the faces but `without`, that intersect.
+/// Returns the number of intersecting pairs of these triangles with each other, and with all faces
+/// except `without`.
 fn intersections(patch: &Patch, without: &[u32], triangles: &[Corners]) -> usize {
     let mut count = 0;
     for (i, own) in triangles.iter().enumerate() {
@@ -71,7 +72,7 @@ fn intersections(patch: &Patch, without: &[u32], triangles: &[Corners]) -> usize
     count
 }
 
-/// Moves vertices all at once, except those that would make faces intersect that do not yet.
+/// Moves all vertices at once, except those whose move would create new intersections.
 pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
     let mut before: Vec<Option<Move>> = vec![None; moves.len()];
     for (v, found) in (0..).zip(moves) {
@@ -83,7 +84,7 @@ pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
     }
     patch.plant_tree();
     let mut pairs = patch.tree().pairs(par, |f, g| is_new(patch, [f, g], &before));
-    // What goes back may meet what did not: that goes back as well.
+    // Undoing a move may create another new intersection; then that move is undone, too.
     while !pairs.is_empty() {
         let mut faces = Vec::new();
         for v in pairs.iter().flatten().flat_map(|&f| patch.faces[f as usize]).collect::<Vec<_>>() {
@@ -105,7 +106,7 @@ pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
     }
 }
 
-/// Whether two faces intersect, and did not with vertices where they were `before`.
+/// Returns whether two faces intersect now, and did not with vertices at their positions `before`.
 fn is_new(patch: &Patch, pair: [u32; 2], before: &[Option<Move>]) -> bool {
     let [f, g] = pair.map(|f| patch.faces[f as usize]);
     let earlier = |v: u32| before[v as usize].map_or(patch.position(v), |was| was.0);

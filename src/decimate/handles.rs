@@ -1,17 +1,17 @@
-//! Handles too narrow for the triangles of the result, cut.
+//! Cuts handles that are too narrow for the triangles of the result.
 
 use std::collections::{HashMap, VecDeque};
 
 use super::collapse::reduce;
 use super::patch::Patch;
 
-/// Handles with a loop of three edges shorter than this many edges of the result are cut: triangles
-/// around them would be smaller than the others.
+/// Handles with a loop of three edges shorter than this number of edges of the result are cut,
+/// because triangles around them would be smaller than the others.
 const NARROW: f64 = 2.0;
 
 /// Cuts narrow handles where a loop of three edges goes around them, closes both ends with a face,
-/// and collapses edges until there are as many vertices as before, as far as that goes. `length` is
-/// that of an edge of the result.
+/// and collapses edges to restore the number of vertices, as far as possible. `length` is the
+/// length of an edge of the result.
 pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) {
     let n = patch.count;
     loop {
@@ -36,7 +36,7 @@ pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) {
     }
 }
 
-/// A vertex that makes a loop around a handle, perhaps, with the edge from a to b.
+/// Returns a vertex that may complete the edge from a to b to a loop around a handle.
 fn narrow_loop(patch: &Patch, a: u32, b: u32, longest: f64) -> Option<u32> {
     let sides = patch.sides(a, b)?;
     let second = sides.second?;
@@ -50,7 +50,7 @@ fn narrow_loop(patch: &Patch, a: u32, b: u32, longest: f64) -> Option<u32> {
     candidates.into_iter().find(inside)
 }
 
-/// For each vertex of the loop its faces on one side; `None` when the loop has one side only.
+/// Returns for each vertex of the loop its faces on one side; `None` when the loop is one-sided.
 fn sides(patch: &Patch, corners: [u32; 3]) -> Option<[Vec<u32>; 3]> {
     let [a, b, c] = corners;
     let first = patch.sides(a, b)?.first;
@@ -60,8 +60,8 @@ fn sides(patch: &Patch, corners: [u32; 3]) -> Option<[Vec<u32>; 3]> {
     (back == first).then_some([of_a, of_b, of_c])
 }
 
-/// The faces around v from this one, which has the edge from v to `from`, away from that edge, to
-/// the one that has the edge from v to `to`.
+/// Returns the faces around v from `first`, which has the edge from v to `from`, away from that
+/// edge, to the one that has the edge from v to `to`.
 fn fan(patch: &Patch, v: u32, first: u32, from: u32, to: u32) -> Option<(Vec<u32>, u32)> {
     let mut faces = vec![first];
     let mut face = first;
@@ -79,8 +79,8 @@ fn fan(patch: &Patch, v: u32, first: u32, from: u32, to: u32) -> Option<(Vec<u32
     Some((faces, face))
 }
 
-/// Whether there is no way over faces from one side of the loop to the other. Both sides are walked
-/// in turns: where there is none, the smaller side ends soon.
+/// Returns whether no path over faces leads from one side of the loop to the other. The search
+/// alternates between both sides, so that it ends soon where the smaller side is small.
 fn separates(patch: &Patch, corners: [u32; 3], ends: &[Vec<u32>; 3]) -> bool {
     let on_loop = |u: u32, v: u32| corners.contains(&u) && corners.contains(&v);
     let here = ends[0][0];

@@ -5,8 +5,8 @@ use super::cells::Growth;
 use super::surface::Surface;
 use crate::mesh::vector::{Vector, distance, scale};
 
-/// Moves each sample to the vertex of its cell nearest to the cell's centroid, and grows cells
-/// anew. `areas` are those of the vertices.
+/// Moves each sample to the vertex of its cell nearest to the centroid of the cell, and grows cells
+/// again. `areas` are the areas of the vertices.
 pub(super) fn pass(
     surface: &Surface<'_>,
     growth: &mut Growth,

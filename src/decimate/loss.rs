@@ -1,16 +1,16 @@
-//! What a change of the new mesh would lose of the surface.
+//! Measures how far a change of the new mesh would deviate from the surface.
 
 use super::patch::Patch;
 use crate::mesh::nearest_on_triangle;
 use crate::mesh::vector::{Vector, cross, dot, norm, square, sub, unit};
 
-/// Returns the vector from the nearest point of the faces around v, were it at p, to q.
+/// Returns the vector to q from the nearest point of the faces around v, with v at p.
 pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector {
     gap(patch, q, patch.around(v).iter(), [v, v], p)
 }
 
-/// Returns how far the ends of the edge from a to b would be from the faces around p, were the edge
-/// collapsed to p.
+/// Returns the distance of the ends of the edge from a to b from the faces around p after a
+/// collapse of the edge to p.
 pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 {
     let lost = |q: u32| {
         let without = |v: u32| move |f: &&u32| !patch.faces[**f as usize].contains(&v);
@@ -21,13 +21,14 @@ pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 
     lost(a).max(lost(b))
 }
 
-/// Returns how far the edge from a to b is from the edge from c to d, along the normal of both.
+/// Returns the distance of the edge from a to b from the edge from c to d, along the normal of
+/// both.
 pub(super) fn loss_of_flip(patch: &Patch, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> f64 {
     let [a, b, c, d] = [a, b, c, d].map(|v| patch.position(v));
     dot(sub(c, a), unit(cross(sub(b, a), sub(d, c)))).abs()
 }
 
-/// From the nearest point of these faces, with the vertices `moved` at p, to q.
+/// Returns the vector to q from the nearest point of these faces, with the vertices `moved` at p.
 fn gap<'a>(
     patch: &Patch,
     q: Vector,

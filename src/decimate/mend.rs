@@ -1,4 +1,4 @@
-//! The places where the new mesh is farthest from the surface, mended one after the other.
+//! Repairs the places where the new mesh is farthest from the surface, one after the other.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -13,32 +13,33 @@ use crate::base::{Par, Progress, Result};
 use crate::mesh::quality;
 use crate::mesh::vector::{Vector, distance, dot, sub};
 
-/// Vertices that one thread looks at at a time.
+/// Number of vertices that one thread processes at a time.
 const BLOCK: usize = 128;
 
-/// Gaps below this part of the mean edge stay.
+/// Size of gaps, relative to the mean edge, below which they stay.
 const FINE: f64 = 0.3;
 
-/// The part of the vertices at which gaps less than twice as wide are mended, at most, and how many
-/// more.
+/// Largest number of vertices at which gaps of sizes within a factor of two are repaired: a share
+/// of all vertices, plus a constant.
 const TRIES: (f64, usize) = (0.05, 20);
 
-/// The part of the vertices that come to gaps from elsewhere, at most, and how many more.
+/// Largest number of splits at gaps, whose vertices come from collapses elsewhere: a share of all
+/// vertices, plus a constant.
 const SPLITS: (f64, usize) = (0.03, 4);
 
-/// A change leaves no gap around it above this part of that which it mends.
+/// Largest gap around a change relative to the gap that it repairs.
 const GAIN: f64 = 0.9;
 
-/// No face becomes less regular than this (see [`quality`]) for the narrowest gap, and than half of
-/// it for one twice as wide, unless it was.
+/// Least regularity of faces (see [`quality`]) after a change at the narrowest gap, and half of it
+/// at a gap twice as wide. Faces that were less regular before are exempt.
 const REGULAR: f64 = 0.4;
 
-/// Changes that are tried at a gap: vertices that move, edges that are split.
+/// Number of changes that are tried at a gap: vertices that move, edges that are split.
 const MOVES: usize = 4;
 const EDGES: usize = 3;
 
 /// Moves vertices and flips edges where the gaps are widest, as long as that narrows them; splits
-/// edges where it does not, for which short edges are collapsed elsewhere.
+/// edges where it does not, and collapses short edges elsewhere in exchange.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::Error::Cancelled).
@@ -64,7 +65,7 @@ fn part((part, more): (f64, usize), n: usize) -> usize {
     (part * n as f64) as usize + more
 }
 
-/// The same to gaps of size `least`, with at most so many splits.
+/// Repairs gaps of size `least`, with at most `splits` splits.
 fn mend_with(
     gaps: &Gaps<'_, '_>,
     quadrics: &Quadrics<'_, '_>,
@@ -79,16 +80,16 @@ fn mend_with(
         range.map(|v| size_at(patch, v as u32)).collect::<Vec<_>>()
     });
     let mut sizes = blocks.concat();
-    // Sizes are not negative, so that their bits are ordered as they are.
+    // Sizes are not negative, so that their bits have the order of the numbers.
     let key = |size: f64, v: u32| (size.to_bits(), Reverse(v));
     let wide = sizes.iter().zip(0..).filter(|(size, _)| **size > 0.0);
     let mut waiting: BinaryHeap<_> = wide.map(|(&size, v)| key(size, v)).collect();
     let mut tries = part(TRIES, patch.count);
     while let Some((size, Reverse(v))) = waiting.pop() {
-        // How many are to come is not known: only to be cancelled.
+        // The number of further gaps is unknown, so the progress serves to cancel only.
         progress.report(0.0)?;
         if sizes[v as usize].to_bits() != size {
-            continue; // mended or measured again since
+            continue; // the gap was repaired or measured again
         }
         if f64::from_bits(size) < 2.0 * least {
             if tries == 0 {
@@ -122,7 +123,7 @@ fn mend_with(
     Ok(())
 }
 
-/// The widest gap above `least` of the cell of v, or of a face whose first corner it is.
+/// Returns the widest gap above `least` of the cell of v, or of a face whose first corner is v.
 fn widest_at(gaps: &Gaps<'_, '_>, patch: &Patch, v: u32, least: f64) -> Option<Gap> {
     if patch.around(v).is_empty() {
         return None;
@@ -133,18 +134,18 @@ fn widest_at(gaps: &Gaps<'_, '_>, patch: &Patch, v: u32, least: f64) -> Option<G
     all.max_by(|a, b| a.size.total_cmp(&b.size))
 }
 
-/// A gap, and the ways to mend it.
+/// A gap, and the changes that may repair it.
 struct Mending<'a, 's> {
     gaps: &'a Gaps<'a, 's>,
     quadrics: &'a Quadrics<'a, 's>,
     patch: &'a mut Patch,
     gap: Gap,
-    /// No face becomes less regular, unless it was.
+    /// No face becomes less regular than this, unless it was.
     regular: f64,
 }
 
 impl Mending<'_, '_> {
-    /// The vertices that a change concerns; `None` when none helps.
+    /// Repairs the gap. Returns the vertices that the change concerns; `None` when no change helps.
     fn run(&mut self, may_split: bool) -> Option<Vec<u32>> {
         for v in self.vertices() {
             let here = self.patch.position(v);
@@ -171,7 +172,7 @@ impl Mending<'_, '_> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Those that may move, the nearest to the gap first.
+    /// Returns the vertices that may move, the nearest to the gap first.
     fn vertices(&self) -> Vec<u32> {
         let mut vertices = match self.gap.site {
             Site::Cell(v) => [vec![v], self.patch.neighbours(v)].concat(),
@@ -183,7 +184,7 @@ impl Mending<'_, '_> {
         vertices
     }
 
-    /// Those that may flip or split, the nearest to the gap first.
+    /// Returns the edges that may flip or split, the nearest to the gap first.
     fn edges(&self) -> Vec<[u32; 2]> {
         let own;
         let faces = match self.gap.site {
@@ -205,8 +206,8 @@ impl Mending<'_, '_> {
         edges
     }
 
-    /// Whether the gaps of these faces, and of the cells of these vertices, are narrower now than
-    /// the one that is mended.
+    /// Returns whether the gaps of these faces, and of the cells of these vertices, are now
+    /// narrower than the repaired one.
     fn helps(&self, vertices: &[u32], faces: &[u32]) -> bool {
         let limit = GAIN * self.gap.size;
         faces.iter().all(|&f| self.gaps.of_face(self.patch, f, limit).is_none())
@@ -280,13 +281,13 @@ impl Mending<'_, '_> {
             }
             self.patch.move_to(new, before);
         }
-        // Into the end that brings the faces back that were there.
+        // Collapsed into the end that restores the original faces.
         let end = self.patch.position(b);
         self.patch.collapse(new, b, end);
         None
     }
 
-    /// Where v may go near `target`, and its anchor there.
+    /// Returns the position to which v may move near `target`, and its anchor there.
     fn landing(&self, v: u32, target: Vector) -> Option<Move> {
         if self.patch.on_boundary[v as usize] {
             let anchor = self.patch.anchors[v as usize];
@@ -297,8 +298,8 @@ impl Mending<'_, '_> {
         (found.square.sqrt() < GAIN * self.gap.size).then_some((target, found.vertex))
     }
 
-    /// Whether v, which has these faces, may go to p: they stay upright and as regular as `least`,
-    /// and intersect no more faces.
+    /// Returns whether v, which has these faces, may move to p: the faces stay upright and as
+    /// regular as `least`, and create no new intersections.
     fn may_move(&self, v: u32, p: Vector, faces: &[u32], least: f64) -> bool {
         let moved = |f: u32| self.patch.corners_with(self.patch.faces[f as usize], [v, v], p);
         self.patch.stays_upright(v, None, p)
@@ -306,7 +307,7 @@ impl Mending<'_, '_> {
             && allows_move(self.patch, v, p)
     }
 
-    /// How regular faces must be that take the place of these.
+    /// Returns the least regularity of faces that replace these.
     fn least_quality(&self, faces: &[u32]) -> f64 {
         faces.iter().map(|&f| quality(self.patch.corners_of(f))).fold(self.regular, f64::min)
     }

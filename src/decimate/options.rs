@@ -1,15 +1,15 @@
 use crate::base::{Par, Progress, builder};
 
-/// How the faces of the result are found and its vertices placed.
+/// The method by which faces are found and vertices placed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// Farthest points in batches, the dual triangulation made manifold, Lloyd passes, vertices
-    /// moved over the surface: exactly n vertices, the topology of the input.
+    /// Farthest points in batches, the dual triangulation made manifold, Lloyd passes, and
+    /// relaxation on the surface. The result has exactly n vertices and the topology of the input.
     #[default]
     Uniform,
-    /// The thesis literally: one farthest point after the other (algorithm 5.2), every three-cycle
-    /// of the graph of cells a face. Not a manifold in general; for comparison. Passes count for
-    /// nothing.
+    /// The algorithm of the thesis, for comparison: one farthest point after the other (algorithm
+    /// 5.2), with every three-cycle of the graph of cells as a face. In general, the result is no
+    /// manifold. Passes have no effect.
     Thesis,
 }
 
@@ -26,30 +26,32 @@ pub enum Method {
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct DecimateOptions<'a> {
-    /// Default [`Method::Uniform`].
+    /// The method; default [`Method::Uniform`].
     pub method: Method,
-    /// Whether edges longer than those of the result will be
-    /// ([`edge_length_for`](super::edge_length_for)) are split first; default yes. Without it,
-    /// large faces of the input tear the result, and n is at most the number of vertices: for
-    /// comparison. [`Method::Thesis`] never does.
+    /// Whether edges longer than the edges of the result
+    /// ([`edge_length_for`](super::edge_length_for)) are split first; default yes. Without the
+    /// splits, which is meant for comparison, large faces of the input leave holes in the result,
+    /// and n is at most the number of vertices. [`Method::Thesis`] never splits edges.
     pub resample: bool,
-    /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows
-    /// cells anew; default 0, as relaxation does more at less cost.
+    /// Number of Lloyd passes over the input. Each moves the samples to the centroids of their
+    /// cells, and grows the cells again. Default 0, because relaxation achieves more at less cost.
     pub lloyd: usize,
-    /// Passes over the result: edges made Delaunay, vertices moved on the surface to the centroids
-    /// of their faces or to its creases, short edges exchanged for long ones; then vertices are
-    /// raised beside the surface, so that it is not all above the faces, and the places farthest
-    /// from it are mended. Default 12; with 0, none of this.
+    /// Number of relaxation passes over the result. A pass makes edges Delaunay, moves vertices on
+    /// the surface to the centroids of their faces or to its creases, and exchanges short edges for
+    /// long ones. At the end, vertices are raised off the surface, so that it does not lie on one
+    /// side of the faces, and the places farthest from it are repaired. Default 12; 0 omits all of
+    /// this.
     pub relaxation: usize,
     /// Whether handles that are too narrow for the triangles of the result are cut and their ends
-    /// closed, as [`Decimation::after`](super::Decimation::after) tells; default no: all are kept.
+    /// closed, as [`Decimation::after`](super::Decimation::after) reports; default no: all handles
+    /// are kept.
     pub cut_narrow_handles: bool,
-    /// The vertex that the first sample is; default the lowest that a face has. Must be one that a
-    /// face has.
+    /// The vertex of the first sample, which must have a face; default the lowest vertex with a
+    /// face.
     pub first: Option<u32>,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 

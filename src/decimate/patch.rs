@@ -1,30 +1,31 @@
-//! The new mesh while it changes: faces with the faces at each vertex, and the changes that keep a
-//! manifold one.
+//! The new mesh during changes: faces, the faces at each vertex, and the changes that preserve a
+//! manifold.
 
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
 use crate::mesh::vector::{Vector, cross, distance, dot, middle, sub, unit};
 
-/// Faces that come after the tree was built, and are looked through one by one, at most.
+/// Largest number of faces that were added after the tree was built, and that are searched one by
+/// one.
 const LATE: usize = 128;
 
-/// Where a vertex moves, and its anchor there.
+/// The new position of a vertex, and its anchor there.
 pub(super) type Move = (Vector, u32);
 
-/// No face any more.
+/// Marks a removed face.
 const GONE: [u32; 3] = [u32::MAX; 3];
 
 /// A manifold mesh, with boundary or without, whose edges can be collapsed, split and flipped.
 pub(super) struct Patch {
     positions: Vec<Vector>,
-    /// For each vertex a vertex of the input near it, on the boundary when it is.
+    /// For each vertex, a vertex of the input near it, which is on the boundary if the vertex is.
     pub anchors: Vec<u32>,
     pub on_boundary: Vec<bool>,
     pub faces: Vec<[u32; 3]>,
-    /// For each vertex its faces; none when it is gone.
+    /// For each vertex its faces; empty for a removed vertex.
     around: Vec<Vec<u32>>,
-    /// Vertices that are there.
+    /// Number of vertices that are not removed.
     pub count: usize,
-    /// The boxes of the faces that were there when it was built.
+    /// The boxes of the faces that existed when the tree was built.
     tree: BoxTree,
 }
 
@@ -54,19 +55,19 @@ impl Patch {
         patch
     }
 
-    /// Builds a tree of the faces that are there now.
+    /// Builds a tree of the current faces.
     pub fn plant_tree(&mut self) {
         self.tree = BoxTree::new(self.faces.len(), |f| self.bounds(f as u32));
     }
 
-    /// Calls `found` for every face whose box meets this one.
+    /// Calls `found` for every face whose box meets `bounds`.
     pub fn visit(&self, bounds: &Bounds, mut found: impl FnMut(u32)) {
         self.tree.visit(bounds, &mut found);
         let late = self.tree.len() as u32..self.faces.len() as u32;
         late.filter(|&f| self.bounds(f).is_some_and(|own| own.meets(bounds))).for_each(found);
     }
 
-    /// Returns the tree: of all faces after [`Patch::plant_tree`], until one is added.
+    /// Returns the tree, which holds all faces after [`Patch::plant_tree`], until one is added.
     pub fn tree(&self) -> &BoxTree {
         &self.tree
     }
@@ -75,7 +76,7 @@ impl Patch {
         self.face(f as usize).map(|face| Bounds::of(&self.corners_at(face)))
     }
 
-    /// Tells the tree that a face has changed.
+    /// Updates the box of a changed face in the tree.
     fn refresh(&mut self, f: u32) {
         if (f as usize) < self.tree.len() {
             self.tree.update(f, self.bounds(f));
@@ -94,7 +95,7 @@ impl Patch {
         self.positions[v as usize]
     }
 
-    /// Returns the positions of the corners of face f, which must be there.
+    /// Returns the positions of the corners of face f, which must exist.
     pub fn corners_of(&self, f: u32) -> Corners {
         self.corners_at(self.faces[f as usize])
     }
@@ -104,7 +105,7 @@ impl Patch {
         face.map(|v| self.positions[v as usize])
     }
 
-    /// Returns the positions that the corners of a face would have, were the vertices `moved` at p.
+    /// Returns the positions of the corners of a face with the vertices `moved` at p.
     pub fn corners_with(&self, face: [u32; 3], moved: [u32; 2], p: Vector) -> Corners {
         face.map(|v| if moved.contains(&v) { p } else { self.positions[v as usize] })
     }
@@ -188,7 +189,7 @@ impl Patch {
         total / edges.len().max(1) as f64
     }
 
-    /// Returns the corners of a face, if it is still there.
+    /// Returns the corners of a face; `None` if it was removed.
     pub fn face(&self, f: usize) -> Option<[u32; 3]> {
         Some(self.faces[f]).filter(|&face| face != GONE)
     }
@@ -209,8 +210,8 @@ impl Patch {
         cross(sub(b, a), sub(c, a))
     }
 
-    /// Returns whether the edge can be collapsed and leave the same surface: the links of its ends
-    /// meet in the link of the edge (Dey et al., Topology preserving edge contraction, 1999).
+    /// Returns whether the edge can collapse without a change of the topology: the links of its
+    /// ends meet in the link of the edge (Dey et al., Topology preserving edge contraction, 1999).
     pub fn can_collapse(&self, a: u32, b: u32) -> bool {
         let Some(Sides { first, second }) = self.sides(a, b) else { return false };
         let both = self.on_boundary[a as usize] && self.on_boundary[b as usize];
@@ -226,7 +227,7 @@ impl Patch {
         }
         let one_face = |u, v| self.sides(u, v).is_some_and(|sides| sides.second.is_none());
         match d {
-            // A tetrahedron, or the last triangle: their smaller copies would be no surface.
+            // A tetrahedron or a single triangle would not remain a surface.
             Some(d) => !(self.has_face(a, c, d) && self.has_face(b, c, d)),
             None => !(one_face(a, c) && one_face(b, c)),
         }
@@ -251,8 +252,7 @@ impl Patch {
         })
     }
 
-    /// Makes b the vertex of all faces of a, at position p. The edge must be one that can be
-    /// collapsed.
+    /// Replaces a by b in all faces of a, and moves b to p. The edge must be collapsible.
     pub fn collapse(&mut self, a: u32, b: u32, p: Vector) {
         let mut gone = Vec::with_capacity(2);
         for f in std::mem::take(&mut self.around[a as usize]) {
@@ -278,13 +278,13 @@ impl Patch {
         self.count -= 1;
     }
 
-    /// Puts a vertex into the middle of the edge from a to b, and returns it.
+    /// Inserts a vertex in the middle of the edge from a to b, and returns it.
     pub fn split(&mut self, a: u32, b: u32) -> Option<u32> {
         let sides = self.sides(a, b)?;
         let new = self.positions.len() as u32;
         self.positions.push(self.middle(a, b));
         let on_boundary = sides.second.is_none();
-        // On the boundary, both ends are anchored there.
+        // On the boundary, both ends have their anchors there.
         self.anchors.push(self.anchors[a as usize]);
         self.on_boundary.push(on_boundary);
         self.around.push(Vec::with_capacity(8));
@@ -304,8 +304,8 @@ impl Patch {
         Some(new)
     }
 
-    /// Returns the faces that would be there if the edge from a to b joined its opposite corners
-    /// instead; `None` when it can't.
+    /// Returns the faces after a flip of the edge from a to b, which joins its opposite corners
+    /// instead; `None` when the edge can't flip.
     pub fn flipped(&self, a: u32, b: u32) -> Option<Flip> {
         let Sides { first, second: Some(second) } = self.sides(a, b)? else { return None };
         let (c, d) = (self.opposite(first, a, b), self.opposite(second, a, b));
@@ -330,7 +330,7 @@ impl Patch {
         let [c, d, _] = new[0];
         self.faces[first as usize] = new[0];
         self.faces[second as usize] = new[1];
-        // The first face is now at b, the second at a, both at c and d.
+        // The first face is now at b, the second at a, and both are at c and d.
         self.around[a as usize].retain(|&f| f != first);
         self.around[b as usize].retain(|&f| f != second);
         self.around[c as usize].push(second);
@@ -339,9 +339,9 @@ impl Patch {
         self.refresh(second);
     }
 
-    /// Cuts along a loop of three edges that is no face, and closes both ends with one. `ends` are
-    /// the faces on one side of it at each of its corners, the first of them at the edge from the
-    /// first corner to the second.
+    /// Cuts along a loop of three edges that is no face, and closes both ends with a face. `ends`
+    /// are the faces on one side of the loop at each of its corners, the first of them at the edge
+    /// from the first corner to the second.
     pub fn pinch(&mut self, corners: [u32; 3], ends: &[Vec<u32>; 3]) {
         let [a, b, _] = corners;
         let [x, y, z] = self.faces[ends[0][0] as usize];
@@ -358,7 +358,7 @@ impl Patch {
             self.around[v as usize].retain(|f| !ends[k].contains(f));
             self.around.push(ends[k].clone());
         }
-        // A cap runs along each edge against the face there.
+        // A cap runs along each edge in the direction opposite to the face there.
         let caps = if forward {
             [corners, [new[1], new[0], new[2]]]
         } else {
@@ -373,7 +373,8 @@ impl Patch {
         self.count += 3;
     }
 
-    /// Returns the vertices that are there, renumbered: positions, anchors and faces.
+    /// Returns the remaining vertices, renumbered: positions, anchors, whether each is on the
+    /// boundary, and faces.
     pub fn compact(self) -> (Vec<Vector>, Vec<u32>, Vec<bool>, Vec<[u32; 3]>) {
         let kept: Vec<usize> =
             (0..self.positions.len()).filter(|&v| !self.around[v].is_empty()).collect();
@@ -389,11 +390,11 @@ impl Patch {
     }
 }
 
-/// An edge that joins its opposite corners instead.
+/// A flip of an edge, which joins its opposite corners instead.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Flip {
     pub old: [u32; 2],
     ends: [u32; 2],
-    /// The faces that there would be.
+    /// The faces after the flip.
     pub new: [[u32; 3]; 2],
 }

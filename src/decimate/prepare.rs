@@ -1,4 +1,4 @@
-//! Input made a manifold: what is not is cut apart, and told.
+//! Prepares the input: cuts it where it is not a manifold, and reports the repairs.
 
 use std::borrow::Cow;
 
@@ -8,22 +8,22 @@ use crate::base::{Error, Par, Progress, Result};
 pub use crate::mesh::Repairs;
 use crate::mesh::{TriMesh, manifold};
 
-/// A manifold, and where it comes from.
+/// A manifold, and its origin in the input.
 pub(super) struct Prepared<'m> {
     pub surface: Surface<'m>,
-    /// For each vertex of the surface that of the input; `None`: the same.
+    /// For each vertex of the surface, the vertex of the input; `None` if they are the same.
     pub vertices: Option<Vec<u32>>,
-    /// For each face of the surface that of the input; `None`: the same.
+    /// For each face of the surface, the face of the input; `None` if they are the same.
     pub faces: Option<Vec<u32>>,
     pub repairs: Repairs,
 }
 
-/// No vertex of the input.
+/// Marks a vertex that the input does not have.
 const NEW: u32 = u32::MAX;
 
 impl Prepared<'_> {
-    /// Returns the surface with edges no longer than `longest`; vertices that were there keep their
-    /// numbers.
+    /// Returns the surface with edges no longer than `longest`; the existing vertices keep their
+    /// indices.
     pub fn refined(
         &self,
         longest: f64,
@@ -48,14 +48,14 @@ impl Prepared<'_> {
     }
 }
 
-/// Prepares the input: cuts it where it is not a manifold, and orients it if it can be.
+/// Prepares the input: cuts it where it is not a manifold, and orients it if possible.
 ///
 /// # Errors
-/// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex at which no cut
-/// helps.
+/// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex can't be cut to a
+/// manifold.
 pub(super) fn prepare(mesh: Cow<'_, TriMesh>, par: Par) -> Result<Prepared<'_>> {
     if mesh.faces().is_empty() {
-        return Err(Error::Mesh { what: "it has no face".into(), element: "mesh".into() });
+        return Err(Error::Mesh { what: "has no face".into(), element: "mesh".into() });
     }
     let (surface, broken) = Surface::read(mesh, par)?;
     if broken.is_some() {
@@ -67,7 +67,7 @@ pub(super) fn prepare(mesh: Cow<'_, TriMesh>, par: Par) -> Result<Prepared<'_>> 
     Ok(Prepared { surface, vertices: None, faces: None, repairs })
 }
 
-/// With faces flipped where that makes them agree; what is not orientable stays as it is.
+/// Returns the surface with faces flipped so that they agree; parts that are not orientable stay.
 fn oriented<'m>(surface: Surface<'m>, repairs: &mut Repairs, par: Par) -> Result<Surface<'m>> {
     if surface.oriented {
         return Ok(surface);
@@ -77,7 +77,7 @@ fn oriented<'m>(surface: Surface<'m>, repairs: &mut Repairs, par: Par) -> Result
     Surface::new(Cow::Owned(flipped), par)
 }
 
-/// Cut to a manifold.
+/// Cuts the mesh to a manifold.
 fn cut(mesh: &TriMesh, par: Par) -> Result<Prepared<'static>> {
     let (part, mut repairs) = manifold(mesh)?;
     let surface = oriented(Surface::new(Cow::Owned(part.mesh), par)?, &mut repairs, par)?;

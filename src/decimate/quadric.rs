@@ -1,4 +1,5 @@
-//! The point nearest to the planes of the surface around a vertex: on creases, at corners and tips.
+//! Finds the point nearest to the planes of the surface around a vertex: on creases, at corners and
+//! tips.
 
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -10,17 +11,17 @@ use super::surface::Surface;
 use crate::base::Par;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, square, sub};
 
-/// Vertices that one thread looks at at a time.
+/// Number of vertices that one thread processes at a time.
 const BLOCK: usize = 8192;
 
-/// The least weight of where a vertex would go otherwise, beside that of the planes.
+/// Least weight of the target of a vertex, relative to the weight of the planes.
 const HOLD: f64 = 0.01;
 
-/// How much more that weighs where the planes have no point in common, as round surfaces do.
-/// Larger: more regular triangles; smaller: creases and tips met more closely.
+/// Factor of this weight where the planes have no point in common, as on round surfaces. A larger
+/// factor gives more regular triangles, a smaller one creases and tips that are met more closely.
 const ROUND: f64 = 240.0;
 
-/// The same weight where it is measured whether the planes have a point in common.
+/// The same weight for the measurement whether the planes have a point in common.
 const FREE: f64 = 1e-3;
 
 /// The planes of the faces at each vertex of a surface.
@@ -38,13 +39,13 @@ impl<'a, 's> Quadrics<'a, 's> {
         Self { surface, at: blocks.concat() }
     }
 
-    /// Returns the point of least square distance from `target` and from the planes of the surface
-    /// that is nearer to v than to its neighbours (Garland and Heckbert, Surface Simplification
-    /// Using Quadric Error Metrics, 1997), no farther than `length` from `target`.
+    /// Returns the point of least square distance from `target` and from the planes of the part of
+    /// the surface that is nearer to v than to its neighbours (Garland and Heckbert, Surface
+    /// Simplification Using Quadric Error Metrics, 1997), at most `length` from `target`.
     ///
-    /// Planes weigh the more, the better they meet in a line or a point, and the more they differ:
-    /// where the surface is sharp or thin, vertices go to its creases, corners and tips; elsewhere
-    /// they go to `target`.
+    /// The weight of the planes increases with the precision with which they meet in a line or a
+    /// point, and with their differences: where the surface is sharp or thin, vertices move to its
+    /// creases, corners and tips; elsewhere they move to `target`.
     pub fn sharpest(&self, patch: &Patch, v: u32, target: Vector, length: f64) -> Vector {
         let mut sum = Sum::default();
         for w in own_vertices(self.surface, patch, v, length) {
@@ -67,15 +68,14 @@ impl<'a, 's> Quadrics<'a, 's> {
     }
 }
 
-/// Sums over the planes of the faces at a vertex, weighted by their areas, which are relative to
-/// the square of [`Surface::scale`]. All go through the vertex. In single precision, as there are
-/// many.
+/// Sums over the planes of the faces at a vertex, all of which contain the vertex, weighted by
+/// their areas relative to the square of [`Surface::scale`]. Single precision saves memory.
 #[derive(Clone, Copy, Default)]
 struct Planes {
     area: f32,
-    /// Of the normals.
+    /// Sum of the normals.
     normal: [f32; 3],
-    /// Of the products of the parts of each normal: xx, xy, xz, yy, yz, zz.
+    /// Sum of the products of the components of each normal: xx, xy, xz, yy, yz, zz.
     products: [f32; 6],
 }
 
@@ -100,21 +100,21 @@ impl Planes {
     }
 }
 
-/// Sums over planes as seen from a point.
+/// Sums over planes relative to a point.
 #[derive(Default)]
 struct Sum {
     area: f64,
     normal: Vector,
-    /// Of the products of each normal with itself: symmetric.
+    /// Sum of the products of each normal with itself: symmetric.
     products: [Vector; 3],
-    /// Of the normals times the heights of the planes above the point.
+    /// Sum of the normals times the heights of the planes above the point.
     heights: Vector,
-    /// Of the squares of these heights.
+    /// Sum of the squares of these heights.
     squares: f64,
 }
 
 impl Sum {
-    /// Planes that go through the point `offset` away.
+    /// Adds planes that contain the point at `offset`.
     fn add(&mut self, planes: &Planes, offset: Vector) {
         let [xx, xy, xz, yy, yz, zz] = planes.products.map(f64::from);
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
@@ -128,7 +128,8 @@ impl Sum {
         self.area += f64::from(planes.area);
     }
 
-    /// From the point to that of least sum of squares, its own distance weighted by `hold`.
+    /// Returns the vector to the point of least sum of squares, where its own distance has the
+    /// weight `hold`.
     fn step(&self, hold: f64) -> Vector {
         let mut rows = self.products;
         rows.iter_mut().enumerate().for_each(|(i, row)| row[i] += hold * self.area);
@@ -138,15 +139,15 @@ impl Sum {
         scale(parts, 1.0 / dot(x, cross(y, z)))
     }
 
-    /// The mean square of the distances of the planes from the end of a step.
+    /// Returns the mean square of the distances of the planes from the end of a step.
     fn error(&self, step: Vector) -> f64 {
         let along: f64 = (0..3).map(|i| step[i] * dot(self.products[i], step)).sum();
         (self.squares - 2.0 * dot(step, self.heights) + along).max(0.0) / self.area
     }
 }
 
-/// The vertices of the surface that are connected to the anchor of v, nearer to v than to its
-/// neighbours, and not farther than `radius`; the anchor at any rate.
+/// Returns the vertices of the surface that are connected to the anchor of v, nearer to v than to
+/// its neighbours, and at most `radius` away; always includes the anchor.
 fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Vec<u32> {
     let here = patch.position(v);
     let neighbours: Vec<Vector> =
@@ -162,7 +163,7 @@ fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Ve
         let away = square(sub(q, here));
         let is_own =
             away <= radius * radius && neighbours.iter().all(|&p| square(sub(p, q)) >= away);
-        // On a coarse surface the vertex nearest to v may be nearer to a neighbour.
+        // On a coarse surface, the vertex nearest to v may be nearer to a neighbour.
         if !is_own && w != anchor {
             continue;
         }

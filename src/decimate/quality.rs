@@ -1,4 +1,4 @@
-//! How uniform a mesh is (thesis, section 5.4.1).
+//! Measures of the uniformity of a mesh (thesis, section 5.4.1).
 
 use std::fmt;
 
@@ -18,9 +18,9 @@ pub struct Quality {
     pub quality_deviation: f64,
     /// The least Q.
     pub least_quality: f64,
-    /// Mean number of edges at a vertex that a face has.
+    /// Mean number of edges at a vertex with a face.
     pub mean_valence: f64,
-    /// The part of these vertices that have 6 edges, or 4 on the boundary, from 0 to 1.
+    /// Share of these vertices that have 6 edges, or 4 on the boundary, from 0 to 1.
     pub regular_vertices: f64,
     /// The number of edges with more than two faces.
     pub non_manifold_edges: usize,

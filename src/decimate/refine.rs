@@ -1,4 +1,4 @@
-//! Samples added where cells are no dual of a triangulation.
+//! Adds samples where cells have no triangulation as their dual.
 
 use super::batches::seeds;
 use super::cells::Growth;
@@ -7,7 +7,7 @@ use super::surface::Surface;
 use crate::base::{Par, Progress, Result};
 
 /// Splits cells at their farthest vertices until the dual of all is a triangulation of the surface.
-/// It ends: when every vertex is a sample, the dual is the surface itself.
+/// It terminates, because the dual is the surface itself when every vertex is a sample.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::Error::Cancelled).
@@ -26,9 +26,9 @@ pub(super) fn refine(
         let first = samples.len();
         samples.extend(census.split(surface, growth, samples, &bad));
         if samples.len() == first {
-            break; // none is bad, or nothing can be split: the caller checks what comes of it
+            break; // no cell is at fault, or none can be split: the caller checks the result
         }
-        // What was found to be right stays so where no cell changes.
+        // A cell that was found to be right stays so as long as no cell nearby changes.
         census.doubtful.fill(false);
         bad.into_iter().for_each(|cell| census.doubtful[cell as usize] = true);
         growth.grow(surface, &seeds(samples, first), f32::INFINITY);
@@ -36,13 +36,14 @@ pub(super) fn refine(
     Ok(())
 }
 
-/// What is known of the cells from one round to the next.
+/// The state of the cells between rounds.
 struct Census {
     /// For each vertex its cell.
     cells: Vec<u32>,
     /// For each cell its number of vertices.
     sizes: Vec<u32>,
-    /// For each cell its vertex farthest from the sample, and how far; the sample itself is none.
+    /// For each cell its vertex farthest from the sample, and its distance; the sample itself does
+    /// not count.
     farthest: Vec<(f32, u32)>,
     /// The cells that were at fault or have changed.
     doubtful: Vec<bool>,
@@ -67,7 +68,7 @@ impl Census {
         for (v, before) in (0..).zip(&mut self.cells) {
             let cell = growth.cell(v);
             if cell as usize >= cells {
-                continue; // no face has it
+                continue; // a vertex without a face
             }
             if cell != *before {
                 self.doubtful[cell as usize] = true;
@@ -85,8 +86,8 @@ impl Census {
         }
     }
 
-    /// The vertices of these cells farthest from their samples; where a cell is one vertex only,
-    /// that of the largest neighbour.
+    /// Returns the vertices of these cells farthest from their samples; for a cell of one vertex,
+    /// that of its largest neighbour.
     fn split(
         &self,
         surface: &Surface<'_>,

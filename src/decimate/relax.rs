@@ -1,4 +1,4 @@
-//! Passes over the new mesh that make its triangles alike.
+//! Relaxation passes over the new mesh, which make its triangles similar.
 
 use super::closest::{Found, on_boundary, on_surface};
 use super::collapse::exchange;
@@ -12,17 +12,17 @@ use super::surface::Surface;
 use crate::base::{Par, Progress, Result};
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 
-/// Vertices that one thread moves at a time.
+/// Number of vertices that one thread moves at a time.
 const BLOCK: usize = 512;
 
-/// Sweeps over all edges for flips, at most: on a surface in space there is no order in which they
-/// must end.
+/// Largest number of sweeps of flips over all edges: on a surface in space, flips need not end.
 const SWEEPS: usize = 4;
 
 /// Runs passes over the mesh: edges flipped towards six at each vertex, in the last passes to be
 /// Delaunay; short edges exchanged for long ones, except in the last passes; vertices moved to the
-/// centroids of their faces and back onto the surface, or to its creases and tips; at the end off
-/// it by half its height above the faces. Handles narrow for edges of the length `narrow` are cut.
+/// centroids of their faces and back onto the surface, or to its creases and tips; at the end they
+/// are raised off it by half its height above the faces. Handles that are too narrow for edges of
+/// length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
@@ -32,7 +32,7 @@ pub(super) fn relax(
     par: Par,
     progress: Progress<'_>,
 ) -> Result<()> {
-    // The last fifth of the passes lets everything settle.
+    // The last fifth of the passes has no exchanges, so that the mesh settles.
     let lively = 4 * passes / 5;
     for pass in 0..passes {
         progress.report(pass as f64 / passes as f64)?;
@@ -86,7 +86,7 @@ fn make_delaunay(patch: &mut Patch) {
 
 /// Flips edges where that brings the numbers of edges at the four vertices nearer to 6, or 4 on the
 /// boundary (Botsch and Kobbelt, A Remeshing Approach to Multiresolution Modeling, 2004), unless
-/// the angles opposite are far below pi in sum.
+/// the sum of the opposite angles is far below pi.
 fn make_regular(patch: &mut Patch) {
     for [a, b] in patch.edges() {
         let Some(flip) = patch.flipped(a, b) else { continue };
@@ -94,7 +94,7 @@ fn make_regular(patch: &mut Patch) {
         if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) > FAR_FROM_DELAUNAY {
             continue;
         }
-        // Faces at a vertex are as many as edges, but one less on the boundary.
+        // The number of faces at a vertex is that of its edges, or one less on the boundary.
         let excess = |v: u32, change: i32| {
             let wanted = if patch.on_boundary[v as usize] { 3 } else { 6 };
             (patch.around(v).len() as i32 + change - wanted).pow(2)
@@ -107,22 +107,21 @@ fn make_regular(patch: &mut Patch) {
     }
 }
 
-/// Sum of the cotangents of the angles opposite to an edge, above which flipping it would make
-/// slivers.
+/// Sum of the cotangents of the angles opposite to an edge above which a flip would make slivers.
 const FAR_FROM_DELAUNAY: f64 = 2.0;
 
-/// Of the angle at v opposite to the edge from a to b.
+/// Returns the cotangent of the angle at v opposite to the edge from a to b.
 fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {
     let [a, b, v] = [a, b, v].map(|v| patch.position(v));
     let (p, q) = (sub(a, v), sub(b, v));
     dot(p, q) / norm(cross(p, q)).max(f64::MIN_POSITIVE)
 }
 
-/// A flipped edge is no farther from the old one than this part of its length.
+/// Largest distance of a flipped edge from the old one, relative to its length.
 const FLIP_LOSS: f64 = 0.25;
 
-/// Whether the new faces do not look where the old ones do, bend more than these, or miss the edge
-/// that was there.
+/// Returns whether the new faces have another direction than the old ones, bend more, or miss the
+/// old edge.
 fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
     let Some(sides) = patch.sides(a, b) else { return true };
     let Some(second) = sides.second else { return true };
@@ -146,7 +145,7 @@ fn move_vertices(surface: &Surface<'_>, quadrics: &Quadrics<'_, '_>, patch: &mut
     move_all(patch, &moves.concat(), par);
 }
 
-/// Where a vertex goes; `None`: it stays.
+/// Returns the new position of a vertex; `None` if it stays.
 fn target(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
@@ -185,25 +184,25 @@ fn target(
     if norm(normals) >= FLAT * weight {
         return on_surface(surface, anchor, p);
     }
-    // Six equilateral triangles of side l have 3 sqrt(3) l^2 / 2, of which `weight` is twice.
+    // Six equilateral triangles of side l have the area 3 sqrt(3) l^2 / 2, and `weight` is twice
+    // that.
     let length = (weight / 27f64.sqrt()).sqrt();
     let found = on_surface(surface, anchor, quadrics.sharpest(patch, v, p, length))?;
     let lost = norm(gap_of_move(patch, v, found.point, here));
     (lost <= MOVE_LOSS * length).then_some(found)
 }
 
-/// Where the sum of normals is below this part of the sum of areas, moving a vertex may lose what
-/// it reaches.
+/// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.
 const FLAT: f64 = 0.95;
 
-/// A vertex does not move where its faces would be farther from where it was, as a part of the
-/// length of its edges.
+/// Largest distance of the faces from the old position of a moved vertex, relative to the length of
+/// its edges.
 const MOVE_LOSS: f64 = 0.2;
 
-/// A turn of the boundary above 60 degrees is a corner, which stays.
+/// Cosine of the turn of the boundary (60 degrees) above which a vertex is a corner, which stays.
 const CORNER: f64 = 0.5;
 
-/// Between the neighbours along the boundary.
+/// Returns the target between the neighbours along the boundary.
 fn boundary_target(patch: &Patch, v: u32, here: Vector) -> Option<Vector> {
     let mut ends = patch
         .neighbours(v)

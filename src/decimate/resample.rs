@@ -1,4 +1,4 @@
-//! Long edges split before a mesh is sampled (thesis, algorithm 5.3).
+//! Splits long edges before a mesh is sampled (thesis, algorithm 5.3).
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -9,21 +9,21 @@ use crate::base::{Error, Progress, Result};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
 
-/// A mesh whose long edges were split.
+/// A mesh with its long edges split.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Resampled {
     /// The mesh: the vertices of the input first, then the new ones.
     pub mesh: TriMesh,
-    /// For each face the face of the input that it is a part of.
+    /// For each face, the face of the input that contains it.
     pub parents: Vec<u32>,
 }
 
 /// Splits edges in their middle until none is longer than `longest`, in units of length; each edge
-/// is split in both of its faces, so that the mesh stays as closed as it was. A face with one split
-/// edge becomes two, with two a triangle and four around the barycentre of the quadrilateral that
-/// is left, with three four (thesis, algorithm 5.3 and figure 5.4; lengths are measured anew in
-/// every round).
+/// is split in all of its faces, so that no gaps arise. A face with one split edge becomes two
+/// faces; with two, a triangle and four triangles around the barycentre of the remaining
+/// quadrilateral; with three, four triangles (thesis, algorithm 5.3 and figure 5.4; lengths are
+/// measured again in every round).
 ///
 /// ```
 /// use catamaran::{decimate::resample, mesh::families};
@@ -35,8 +35,8 @@ pub struct Resampled {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when `longest` is not positive, or so small that vertices could not be
-/// numbered.
+/// [`Error::Argument`] when `longest` is not positive, or so small that there would be too many
+/// vertices.
 pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Progress::none())
 }
@@ -47,16 +47,15 @@ pub(super) fn resample_with(
     progress: Progress<'_>,
 ) -> Result<Resampled> {
     if longest.is_nan() || longest <= 0.0 {
-        let why = format!("{longest}, where a positive number is needed");
+        let why = format!("must be positive and finite, is {longest}");
         return Err(Error::Argument { what: "longest", why });
     }
     // A triangle without a longer edge has at most this area.
     let largest = longest * longest * 3f64.sqrt() / 4.0;
     let least = mesh.area() / largest;
     if least > f64::from(u32::MAX) {
-        let why = format!(
-            "{longest:e}: that takes at least {least:.1e} faces, more than a mesh can have"
-        );
+        let why =
+            format!("{longest:e} needs at least {least:.1e} faces, more than a mesh can have");
         return Err(Error::Argument { what: "longest", why });
     }
     let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
@@ -67,7 +66,7 @@ pub(super) fn resample_with(
     let has_long = |vertices: &[Vector], [a, b, c]: [u32; 3]| {
         is_long(vertices, a, b) || is_long(vertices, b, c) || is_long(vertices, c, a)
     };
-    // All faces of a long edge have it.
+    // The midpoint of a long edge is shared by all of its faces.
     let mut open: Vec<u32> =
         (0..).zip(&faces).filter(|(_, face)| has_long(&vertices, **face)).map(|f| f.0).collect();
     let mut middles: HashMap<[u32; 2], u32, BuildHasherDefault<Multiply>> = HashMap::default();
@@ -95,7 +94,7 @@ pub(super) fn resample_with(
             }
             let first = faces.len();
             split_face([a, b, c], of_edges, &mut vertices, &mut faces)?;
-            // One of the parts takes the place of the face.
+            // One of the parts replaces the face.
             faces.swap_remove(f as usize);
             parents.resize(faces.len(), parents[f as usize]);
             let parts = (first..faces.len()).chain([f as usize]);
@@ -107,11 +106,11 @@ pub(super) fn resample_with(
     Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents })
 }
 
-/// Adds the mean of these points to the vertices.
+/// Adds the mean of these points to the vertices, and returns its index.
 fn add(vertices: &mut Vec<Vector>, points: &[Vector]) -> Result<u32> {
     let number = u32::try_from(vertices.len()).ok().filter(|&number| number < u32::MAX / 8);
     let Some(number) = number else {
-        let why = "so small that there would be 2^29 vertices".into();
+        let why = "is too small: there would be 2^29 vertices".into();
         return Err(Error::Argument { what: "longest", why });
     };
     let share = 1.0 / points.len() as f64;
@@ -119,7 +118,7 @@ fn add(vertices: &mut Vec<Vector>, points: &[Vector]) -> Result<u32> {
     Ok(number)
 }
 
-/// The parts of a face; `middles` are those of the edges that start at its corners.
+/// Returns the parts of a face; `middles` are those of the edges that start at its corners.
 fn split_face(
     face: [u32; 3],
     middles: [Option<u32>; 3],
@@ -127,7 +126,7 @@ fn split_face(
     faces: &mut Vec<[u32; 3]>,
 ) -> Result<()> {
     let split = middles.iter().flatten().count();
-    // Turned so that a single split edge, or a single whole one, comes first.
+    // Rotated so that a single split edge, or a single unsplit one, comes first.
     let alone = |middle: &Option<u32>| middle.is_some() == (split == 1);
     let turn = middles.iter().position(alone).unwrap_or(0);
     let [a, b, c] = [0, 1, 2].map(|k| face[(turn + k) % 3]);
@@ -144,7 +143,7 @@ fn split_face(
         [Some(m), Some(p), Some(q)] => {
             faces.extend([[a, m, q], [m, b, p], [q, p, c], [m, p, q]]);
         }
-        // Excluded by the turn.
+        // The rotation excludes this case.
         _ => faces.push(face),
     }
     Ok(())

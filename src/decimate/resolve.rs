@@ -1,4 +1,4 @@
-//! Faces that intersect, as the dual triangulation of very thin sheets may leave them, taken apart.
+//! Resolves intersections of faces, which the dual triangulation of very thin sheets may leave.
 
 use super::closest::nearest;
 use super::guard::{untangles_flip, untangles_move};
@@ -9,14 +9,15 @@ use crate::mesh::intersections::intersect;
 use crate::mesh::vector::Vector;
 use crate::mesh::{TriMesh, quality};
 
-/// Times that all pairs are looked for, at most.
+/// Largest number of searches for all pairs.
 const ROUNDS: usize = 4;
 
-/// No face becomes less regular than this (see [`quality`]), unless it was.
+/// Least regularity of faces (see [`quality`]) after a change, unless they were less regular
+/// before.
 const REGULAR: f64 = 0.1;
 
-/// Moves vertices and flips edges of faces that intersect, as long as that makes fewer of them do;
-/// only when they are more than those of `input` that do.
+/// Moves vertices and flips edges of intersecting faces as long as that reduces their number; does
+/// nothing unless there are more than in `input`.
 pub(super) fn resolve(surface: &Surface<'_>, input: &TriMesh, patch: &mut Patch, par: Par) {
     let mut allowed = None;
     for _ in 0..ROUNDS {
@@ -40,7 +41,7 @@ pub(super) fn resolve(surface: &Surface<'_>, input: &TriMesh, patch: &mut Patch,
     }
 }
 
-/// Whether a change at this face has helped.
+/// Changes the mesh at this face; returns whether that helped.
 fn untangle(surface: &Surface<'_>, patch: &mut Patch, f: u32) -> bool {
     let Some(face) = patch.face(f as usize) else { return false };
     for v in face {
@@ -65,7 +66,8 @@ fn untangle(surface: &Surface<'_>, patch: &mut Patch, f: u32) -> bool {
     false
 }
 
-/// Where v may go: back to the surface, and towards the middle of its neighbours.
+/// Returns the positions to try for v: back to the surface, and towards the middle of its
+/// neighbours.
 fn targets(patch: &Patch, v: u32) -> [Vector; 3] {
     let here = patch.position(v);
     let neighbours = patch.neighbours(v);

@@ -1,4 +1,4 @@
-//! Numbers of vertices, and the edges and faces that go with them.
+//! Relations between the numbers of vertices and faces and the length of edges.
 
 use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
@@ -6,29 +6,29 @@ use crate::mesh::{Edges, TriMesh};
 
 /// Computes the length of the edges when `n` vertices are spread over an area by equilateral
 /// triangles, of which there are 2 n: sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of
-/// length. (The thesis has 3 n triangles and a factor 2, which would be right for neither.)
+/// length. (The thesis has 3 n triangles and a factor 2, which fits neither.)
 ///
 /// ```
 /// use catamaran::decimate::edge_length_for;
 ///
-/// // 2 n equilateral triangles with this side have the area.
+/// // 2 n equilateral triangles with this side have the given area.
 /// let side = edge_length_for(10.0, 100)?;
 /// assert!((200.0 * side * side * 3_f64.sqrt() / 4.0 - 10.0).abs() < 1e-12);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when n is 0, or the area not positive and finite.
+/// [`Error::Argument`] when n is 0, or the area is not positive and finite.
 pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
     if n == 0 {
-        return Err(Error::Argument { what: "n", why: "0, where at least 1 is needed".into() });
+        return Err(Error::Argument { what: "n", why: "must be at least 1, is 0".into() });
     }
     check_positive("area", area)?;
     Ok((2.0 * area / (n as f64 * 3f64.sqrt())).sqrt())
 }
 
-/// Computes the number of vertices at which edges are `length` long: the inverse of
-/// [`edge_length_for`], rounded, at least 1.
+/// Computes the number of vertices for edges of this length: the inverse of [`edge_length_for`],
+/// rounded, at least 1.
 ///
 /// ```
 /// use catamaran::decimate::{edge_length_for, vertices_for_edge_length};
@@ -39,21 +39,21 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
 ///
 /// # Errors
 /// [`Error::Argument`] when the length or the area is not positive and finite, or the number of
-/// vertices more than a mesh can have.
+/// vertices is more than a mesh can have.
 pub fn vertices_for_edge_length(area: f64, length: f64) -> Result<usize> {
     check_positive("area", area)?;
     check_positive("length", length)?;
     let n = 2.0 * area / (3f64.sqrt() * length * length);
     if n >= f64::from(u32::MAX) {
-        let why = format!("{length:e}: that takes {n:.1e} vertices, more than a mesh can have");
+        let why = format!("{length:e} needs {n:.1e} vertices, more than a mesh can have");
         return Err(Error::Argument { what: "length", why });
     }
     Ok((n.round() as usize).max(1))
 }
 
 /// Computes the number of vertices at which a decimation of `mesh` has `faces` faces. For a closed
-/// mesh the number is exact, to one face; for a mesh with boundary, along which edges are taken to
-/// be as long as elsewhere, it is an estimate.
+/// mesh, the number is exact up to one face. For a mesh with boundary, it is an estimate, which
+/// assumes edges of the same length along the boundary.
 ///
 /// ```
 /// use catamaran::{decimate::vertices_for_faces, mesh::families};
@@ -66,7 +66,7 @@ pub fn vertices_for_edge_length(area: f64, length: f64) -> Result<usize> {
 /// [`Error::Argument`] when `faces` is 0, or the mesh has no area.
 pub fn vertices_for_faces(mesh: &TriMesh, faces: usize) -> Result<usize> {
     if faces == 0 {
-        return Err(Error::Argument { what: "faces", why: "0, where at least 1 is needed".into() });
+        return Err(Error::Argument { what: "faces", why: "must be at least 1, is 0".into() });
     }
     // 3 F = 2 E - B and V - E + F = chi, with B edges on the boundary.
     let edges = Edges::new(mesh);
@@ -85,5 +85,5 @@ fn check_positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
+    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
 }

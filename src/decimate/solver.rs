@@ -1,4 +1,4 @@
-//! The whole decimation: from a mesh and a number to a mesh of that many vertices.
+//! The whole decimation, from a mesh and a number of vertices to the new mesh.
 
 use std::borrow::Cow;
 
@@ -38,19 +38,19 @@ use crate::mesh::{TriMesh, vertex_areas};
 /// ```
 ///
 /// # Errors
-/// As those of [`Decimator::new`] and [`Decimator::decimate`].
+/// As [`Decimator::new`] and [`Decimator::decimate`].
 pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Result<Decimation> {
     Decimator::new(mesh, options)?.decimate(n)
 }
 
-/// Where edges are split before sampling, none is left that is longer than this part of those of
-/// the result: a cell has vertices on all sides then.
+/// Longest edge before sampling, relative to the edges of the result, so that a cell has vertices
+/// on all sides.
 const FINE: f64 = 0.7;
 
-/// Decimator of one mesh to several sizes.
+/// Decimates one mesh to several sizes.
 ///
-/// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels
-/// of detail are nested in where they start from; a smaller one has the first of them.
+/// Samples are kept between calls: a larger mesh has the samples of a smaller one and more, and a
+/// smaller mesh has the first of them, so that levels of detail start from nested samples.
 ///
 /// ```
 /// use catamaran::{decimate::{DecimateOptions, Decimator}, mesh::families};
@@ -68,10 +68,10 @@ pub struct Decimator<'m, 'o> {
     source: Source<'m>,
 }
 
-/// What samples are taken from.
+/// The surface from which samples are taken.
 struct Source<'m> {
     prepared: Prepared<'m>,
-    /// Of the surface.
+    /// Area of the surface.
     area: f64,
     components: Vec<Component>,
     sampler: Sampler,
@@ -81,7 +81,7 @@ impl<'m> Source<'m> {
     fn new(mesh: Cow<'m, TriMesh>, options: &DecimateOptions<'_>) -> Result<Self> {
         let prepared = prepare(mesh, options.par)?;
         let first = match (options.first, &prepared.vertices) {
-            // Of a vertex that was split, the first part.
+            // The first part of a vertex that was split.
             (Some(v), Some(vertices)) => Some(
                 vertices.iter().position(|&w| w == v).map_or(u32::MAX, |position| position as u32),
             ),
@@ -89,8 +89,8 @@ impl<'m> Source<'m> {
         };
         let first = first_sample(&prepared.surface, first)?;
         let mut components = components(&prepared.surface);
-        // The samples of components come first; that of the first sample is where the caller wants
-        // it.
+        // The samples of components come first, and the vertex that the caller selected is the
+        // first of all.
         let at = component_of(&prepared.surface, &components, first);
         components[at].first = first;
         components.swap(0, at);
@@ -100,7 +100,7 @@ impl<'m> Source<'m> {
     }
 }
 
-/// The component that vertex v is in.
+/// Returns the index of the component of vertex v.
 fn component_of(surface: &Surface<'_>, components: &[Component], v: u32) -> usize {
     if components.len() == 1 {
         return 0;
@@ -123,9 +123,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// Prepares the mesh: checks it, and repairs it where it is not a manifold.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex at
-    /// which it can't be cut to a manifold; [`Error::Argument`] when no face has vertex
-    /// `options.first`; [`Error::OutOfMemory`].
+    /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex that
+    /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first`;
+    /// [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
         let source = Source::new(Cow::Borrowed(mesh), options)?;
         Ok(Self { input: mesh, options: *options, source })
@@ -134,8 +134,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// Decimates the mesh to `n` vertices.
     ///
     /// # Errors
-    /// [`Error::Argument`] when n is more than can be numbered, or fewer than the topology needs: 4
-    /// for every closed component, 3 for every other one, and more for handles and loops.
+    /// [`Error::Argument`] when n is more than indices can number, or less than the topology needs:
+    /// 4 for every closed component, 3 for every other one, and more for handles and loops.
     /// [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
         let progress = self.options.progress;
@@ -156,7 +156,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         self.options.resample && self.options.method == Method::Uniform
     }
 
-    /// Splits edges longer than those of the result will be: samples could not be spread over them.
+    /// Splits edges longer than those of the result, because samples could not be spread over them.
     fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
         let Source { prepared, area, sampler, .. } = &mut self.source;
         let par = self.options.par;
@@ -191,7 +191,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         Ok(())
     }
 
-    /// Algorithm 5.1 with algorithm 5.2, and every three-cycle a face.
+    /// Decimates by algorithm 5.1 with algorithm 5.2, and every three-cycle as a face.
     fn thesis(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
         let Source { prepared, sampler, components, .. } = &mut self.source;
         let surface = &prepared.surface;
@@ -223,7 +223,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
             taken.clone_from(&samples);
         }
 
-        // Cells are about as large as what a sample has for its own.
+        // Cells are about as large as the area that belongs to a sample.
         let radius = (area / n as f64).sqrt() / surface.scale;
         let cutoff = radius as f32;
         let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
@@ -280,7 +280,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         self.finish(mesh, cells, places)
     }
 
-    /// In terms of the input.
+    /// Returns the result in terms of the input.
     fn finish(&self, mesh: TriMesh, cells: Cells, mut places: Vec<Place>) -> Result<Decimation> {
         let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
         for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
@@ -311,7 +311,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     }
 }
 
-/// The dual triangulation, a vertex at each sample, or on the boundary where its cell touches that.
+/// Returns the dual triangulation, with a vertex at each sample, or on the boundary if its cell
+/// touches the boundary.
 fn dual_patch(
     surface: &Surface<'_>,
     growth: &Growth,
@@ -333,13 +334,13 @@ fn dual_patch(
     patch
 }
 
-/// Cells start at the vertices near those of the patch.
+/// Returns seeds of cells at the vertices near those of the patch.
 fn anchor_seeds(patch: &Patch) -> Vec<Seed> {
     let there = (0..).zip(&patch.anchors).filter(|&(v, _)| !patch.around(v).is_empty());
     there.map(|(cell, &vertex)| Seed { vertex, distance: 0.0, cell }).collect()
 }
 
-/// Cells start at the corners of the faces in which the vertices are.
+/// Returns seeds of cells at the corners of the faces in which the vertices lie.
 fn place_seeds(surface: &Surface<'_>, mesh: &TriMesh, places: &[Place]) -> Vec<Seed> {
     let starts = (0..).zip(places).zip(mesh.vertices());
     let corners = starts.flat_map(|((cell, place), &p)| {

@@ -1,5 +1,5 @@
-//! The input as the algorithms walk on it: for each vertex its edges in rotational order, with
-//! lengths.
+//! The input in the form that the algorithms traverse: for each vertex its edges in rotational
+//! order, with lengths.
 
 use std::borrow::Cow;
 
@@ -7,17 +7,17 @@ use crate::base::{Error, Par, Result, reserved};
 use crate::mesh::vector::distance;
 use crate::mesh::{Adjacency, TriMesh};
 
-/// Vertices that one thread takes at a time.
+/// Number of vertices that one thread takes at a time.
 const BLOCK: usize = 8192;
 
-/// No length is less: where points coincide, each can still be told to be nearest to itself.
+/// Least length of an edge: with it, coincident points are still nearest to themselves.
 pub(super) const SHORTEST: f32 = 1e-30;
 
-/// An edge as seen from a vertex.
+/// An edge in the list of one of its vertices.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
     pub to: u32,
-    /// In units of [`Surface::scale`].
+    /// Length relative to [`Surface::scale`].
     pub length: f32,
 }
 
@@ -27,16 +27,16 @@ pub(super) struct Surface<'m> {
     pub faces_of: Adjacency,
     starts: Vec<u32>,
     links: Vec<Link>,
-    /// The first and last edge of these vertices are on the boundary.
+    /// Whether each vertex is on the boundary, where its first and last edge are boundary edges.
     pub on_boundary: Vec<bool>,
-    /// The diagonal of the bounding box, which lengths are relative to: single precision has a
-    /// small range.
+    /// The diagonal of the bounding box, to which lengths are relative, because single precision
+    /// has a small range.
     pub scale: f64,
-    /// Whether neighbouring faces all agree on what is outside.
+    /// Whether all neighbouring faces agree about which side is outside.
     pub oriented: bool,
 }
 
-/// What is at a block of vertices.
+/// The data of a block of vertices.
 struct Block {
     counts: Vec<u32>,
     links: Vec<Link>,
@@ -69,7 +69,8 @@ impl Block {
     }
 }
 
-/// Sizes beyond which fourth powers of lengths, which areas take, would overflow or vanish.
+/// Range of sizes for which fourth powers of lengths, as in squared areas, neither overflow nor
+/// vanish.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-70..=1e70;
 
 fn scale_of(mesh: &TriMesh) -> Result<f64> {
@@ -100,11 +101,11 @@ impl<'m> Surface<'m> {
         }
     }
 
-    /// Creates the surface, and returns the first vertex whose faces are not one fan: where there
-    /// is one, only the mesh is of use.
+    /// Creates the surface, and returns the first vertex whose faces are not one fan; if there is
+    /// one, only the mesh of the surface is usable.
     ///
     /// # Errors
-    /// As those of [`Surface::new`] but for this one.
+    /// As [`Surface::new`], except for such a vertex.
     pub fn read(mesh: Cow<'m, TriMesh>, par: Par) -> Result<(Self, Option<u32>)> {
         let scale = scale_of(&mesh)?;
         let faces_of = mesh.vertex_faces();
@@ -124,8 +125,8 @@ impl<'m> Surface<'m> {
         Self::from_blocks(mesh, faces_of, blocks, scale)
     }
 
-    /// Creates the surface of any mesh, edges not in rotational order, nothing known of the
-    /// boundary.
+    /// Creates the surface of any mesh. Edges are not in rotational order, and the boundary is
+    /// unknown.
     pub fn of_edges(mesh: Cow<'m, TriMesh>, par: Par) -> Result<Self> {
         let scale = scale_of(&mesh)?;
         let neighbours = mesh.vertex_neighbors();
@@ -147,7 +148,7 @@ impl<'m> Surface<'m> {
         let broken = blocks.iter().find_map(|block| block.broken);
         let total: usize = blocks.iter().map(|block| block.links.len()).sum();
         if u32::try_from(total).is_err() {
-            let why = format!("{} of them, too many edges to be numbered", mesh.faces().len());
+            let why = format!("{} have too many edges for indices", mesh.faces().len());
             return Err(Error::Argument { what: "faces", why });
         }
         let vertices = mesh.vertices().len();
@@ -169,12 +170,12 @@ impl<'m> Surface<'m> {
         Ok((Self { mesh, faces_of, starts, links, on_boundary, scale, oriented }, broken))
     }
 
-    /// Returns the edges at a vertex, in the order in which one turns around it.
+    /// Returns the edges at a vertex in rotational order.
     pub fn links(&self, v: u32) -> &[Link] {
         &self.links[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 
-    /// Returns the neighbours of v along the boundary, if v is there.
+    /// Returns the neighbours of v along the boundary; `None` if v is not on it.
     pub fn along_boundary(&self, v: u32) -> Option<[u32; 2]> {
         let links = self.links(v);
         let ends = [links.first()?.to, links.last()?.to];
@@ -200,7 +201,7 @@ impl<'m> Surface<'m> {
     }
 }
 
-/// The faces around a vertex, put in order.
+/// The faces around a vertex, sorted.
 #[derive(Default)]
 struct Star {
     /// For each face the other two corners.
@@ -211,7 +212,7 @@ struct Star {
 }
 
 impl Star {
-    /// Whether the fan is open; `None` when the faces are not one fan.
+    /// Sorts the faces. Returns whether the fan is open; `None` when the faces are not one fan.
     fn read(&mut self, mesh: &TriMesh, v: u32, faces: &[u32]) -> Option<bool> {
         self.sides.clear();
         self.around.clear();
@@ -232,12 +233,11 @@ impl Star {
         if self.sides.len() > 24 { self.long_walk() } else { self.short_walk() }
     }
 
-    /// By looking through all remaining faces for each next one.
+    /// Sorts by a search of all remaining faces for each next one.
     fn short_walk(&mut self) -> Option<bool> {
         let sides = &mut self.sides;
         let count = sides.len();
-        // Each neighbour is in two faces, but for the ends of an open fan, which are then what is
-        // left over.
+        // Each neighbour is in two faces, except the ends of an open fan, which are then left over.
         let mut start = None;
         if sides.iter().flatten().fold(0, |all, x| all ^ x) != 0 {
             let single = |end| sides.iter().flatten().filter(|&&x| x == end).count() == 1;
@@ -261,7 +261,7 @@ impl Star {
         self.finish(at, open)
     }
 
-    /// The same with a table of the faces at each neighbour.
+    /// Sorts with a table of the faces at each neighbour.
     fn long_walk(&mut self) -> Option<bool> {
         let sides = &self.sides;
         let mut ends: Vec<(u32, u32)> =
@@ -287,20 +287,20 @@ impl Star {
             self.oriented &= k == forward;
             at = sides[face as usize][1 - k];
             if at == from && self.around.len() < sides.len() {
-                return None; // round too early: a second fan
+                return None; // the fan closed too early: there is a second fan
             }
         }
         self.finish(at, start.is_some())
     }
 
-    /// The last neighbour: a new one of an open fan, the first again of a closed one.
+    /// Adds the last neighbour, which is new in an open fan and the first one in a closed fan.
     fn finish(&mut self, last: u32, open: bool) -> Option<bool> {
         if open {
             self.around.push(last);
         } else if last != self.around[0] {
             return None;
         }
-        // Twice the same neighbour: an edge of more than two faces, or two faces with the same
+        // A repeated neighbour means an edge of more than two faces, or two faces with the same
         // corners.
         let distinct = self.around.len() < 3 && !open;
         let repeated = self.around.len() <= 24

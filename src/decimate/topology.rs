@@ -1,4 +1,4 @@
-//! Components, boundary loops and genus of a manifold, from the edges at its vertices.
+//! Computes components, boundary loops and genus of a manifold, from the edges at its vertices.
 
 use super::result::Topology;
 use super::surface::Surface;
@@ -12,14 +12,14 @@ pub(super) struct Component {
 }
 
 impl Component {
-    /// Returns the number of vertices that the component needs: those of a tetrahedron, or of a
+    /// Returns the least number of vertices of the component: those of a tetrahedron, or of a
     /// triangle.
     pub fn least_vertices(&self) -> usize {
         if self.closed { 4 } else { 3 }
     }
 }
 
-/// Returns the components, by their lowest vertices.
+/// Returns the components, ordered by their lowest vertices.
 pub(super) fn components(surface: &Surface<'_>) -> Vec<Component> {
     let mut seen = vec![false; surface.len()];
     let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! Functions from the new mesh to the input.
+//! Interpolation of functions from the new mesh to the input.
 
 use std::borrow::Cow;
 
@@ -11,14 +11,14 @@ use super::surface::Surface;
 use crate::base::{Error, Par, Result};
 use crate::mesh::TriMesh;
 
-/// Vertices that one thread takes at a time.
+/// Number of vertices that one thread takes at a time.
 const BLOCK: usize = 4096;
 
 impl Decimation {
     /// Computes the matrix that takes functions on the new mesh to the input, one row for each
     /// vertex of the input, one column for each of the new mesh: the barycentric coordinates of the
-    /// point nearest to the vertex that is found by walking from the vertex of its cell. At most
-    /// three entries a row, positive, of sum 1; none in rows of vertices without a face.
+    /// nearest point, which is found by walking from the vertex of its cell. A row has at most
+    /// three entries, which are positive and sum to 1; rows of vertices without a face are empty.
     ///
     /// ```
     /// use catamaran::{Par, decimate::{DecimateOptions, decimate}, mesh::families};
@@ -34,7 +34,7 @@ impl Decimation {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when `input` has not as many vertices as the mesh that was decimated,
+    /// [`Error::Shape`] when the numbers of vertices of `input` and of the decimated mesh differ,
     /// [`Error::OutOfMemory`].
     pub fn weights(&self, input: &TriMesh, par: Par) -> Result<CsMat<f64>> {
         let rows = input.vertices().len();
@@ -59,14 +59,14 @@ impl Decimation {
     }
 }
 
-/// Columns and values, columns ascending.
+/// Returns columns and values of a row, in the order of columns.
 fn row(surface: &Surface<'_>, cell: u32, p: [f64; 3]) -> [(u32, f64); 3] {
     let nothing = [(0, 0.0); 3];
     if cell == Cells::NONE {
         return nothing;
     }
     let Some(found) = on_surface(surface, cell, p) else {
-        // A vertex that no face of the new mesh has, which only the thesis' method leaves.
+        // A vertex without a face in the new mesh, which only the method of the thesis leaves.
         return [(cell, 1.0), (0, 0.0), (0, 0.0)];
     };
     let corners = surface.mesh.faces()[found.place.face as usize];

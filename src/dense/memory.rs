@@ -1,11 +1,11 @@
-//! Memory for matrices and for faer's work, which may be refused.
+//! Memory for matrices and for faer's work: refused memory is an error, not an abort.
 
 use faer::Mat;
 use faer::dyn_stack::{MemBuffer, StackReq};
 
 use crate::base::{Error, Result};
 
-/// A zero matrix; one that can't be had is an error.
+/// Returns a zero matrix, or an error when memory is refused.
 pub(crate) fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
     let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
     let refused = Error::OutOfMemory { bytes };
@@ -19,7 +19,7 @@ pub(crate) fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
     Ok(matrix)
 }
 
-/// The memory that a function of faer asks for.
+/// Allocates the memory that a function of faer asks for.
 pub(crate) fn buffer(requirement: StackReq) -> Result<MemBuffer> {
     let bytes = requirement.unaligned_bytes_required();
     MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })

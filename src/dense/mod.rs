@@ -1,5 +1,4 @@
-//! Dense matrices on top of faer: what the layers above need of it, one thread at a time where
-//! threads would change the rounding.
+//! Dense linear algebra on top of faer, on one thread where more threads would change the rounding.
 
 mod eigen;
 mod memory;

@@ -1,4 +1,4 @@
-//! What tells of the rank of a small matrix, on the calling thread.
+//! Singular values and pivots that show the rank of a small matrix, on the calling thread.
 
 use faer::diag::Diag;
 use faer::dyn_stack::MemStack;
@@ -11,8 +11,8 @@ use crate::base::{Error, Result};
 
 const SEQ: faer::Par = faer::Par::Seq;
 
-/// The singular values of a finite matrix (m x n), descending, and the right singular vectors, n x
-/// min(m, n).
+/// Returns the singular values of a finite matrix (m x n), descending, and the right singular
+/// vectors, n x min(m, n).
 pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)> {
     let (m, n) = a.shape();
     let size = m.min(n);
@@ -28,7 +28,7 @@ pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)>
     Ok((values.column_vector().iter().copied().collect(), vectors))
 }
 
-/// The columns of a matrix in the order in which QR with column pivoting takes them. Not for
+/// Returns the order in which QR with column pivoting takes the columns of a matrix. Unreliable for
 /// columns of which less than the root of epsilon is left: their lengths are updated, not computed
 /// again.
 pub(crate) fn pivots(a: MatRef<'_, f64>) -> Result<Vec<usize>> {
@@ -64,8 +64,8 @@ mod tests {
 
     #[test]
     fn values_and_pivots_of_a_matrix_of_rank_two() {
-        // A multiple of the last column, of length 2, one orthogonal to it, of length 5, and
-        // nothing.
+        // The columns: half of the last one; one of length 5, orthogonal to it; zeros; one of
+        // length 2.
         let a = mat![[0.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 2.0], [0.0, 4.0, 0.0, 0.0]];
         let (values, vectors) = right_singular(a.as_ref()).unwrap();
         assert!((vectors[(1, 0)].abs() - 1.0).abs() < 1e-14);

@@ -1,5 +1,5 @@
-//! Products of tall matrices with narrow ones: rows by blocks, so that nothing is packed that is
-//! used but once.
+//! Products of tall matrices with narrow ones, by blocks of rows, so that no data is packed that is
+//! used only once.
 
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
@@ -8,14 +8,14 @@ use faer::{Accum, Mat, MatMut, MatRef};
 use super::rows::for_row_blocks;
 use crate::base::Par;
 
-/// Rows of a block of a sum; they decide on its rounding.
+/// Rows of a block of a sum. Their number determines the rounding of the sum.
 const SUMMED: usize = 4096;
 
 /// Rows of a block of a product without sums over rows.
 const BLOCK: usize = 1024;
 
-/// `A^T B` for A (n x p) and a narrow B (n x q): the sum over blocks of rows, in their order. The
-/// same for every `par`, bit for bit.
+/// Computes `A^T B` for A (n x p) and a narrow B (n x q): the sum over blocks of rows, in their
+/// order. The result is the same for every `par`, bit for bit.
 pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Mat<f64> {
     let n = a.nrows();
     let parts = par.map_blocks(n, SUMMED, |rows| {
@@ -31,7 +31,8 @@ pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Pa
     sum
 }
 
-/// `X := X - A B` for A (n x p) and a narrow X (n x q). The same for every `par`, bit for bit.
+/// Computes `X := X - A B` for A (n x p) and a narrow X (n x q). The result is the same for every
+/// `par`, bit for bit.
 pub(crate) fn subtract_product(
     x: MatMut<'_, f64>,
     a: MatRef<'_, f64>,
@@ -44,8 +45,8 @@ pub(crate) fn subtract_product(
     });
 }
 
-/// `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold the
-/// result. The same for every `par`, bit for bit.
+/// Computes `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold
+/// the result. The result is the same for every `par`, bit for bit.
 pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) {
     for_row_blocks(x, BLOCK, par, |_, mut x| {
         let mut product = Mat::zeros(x.nrows(), s.ncols());

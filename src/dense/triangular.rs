@@ -10,14 +10,14 @@ use super::memory::buffer;
 use super::{ROW_BLOCK, for_row_blocks};
 use crate::base::{Par, Result};
 
-/// L of `A = L L^T` into the lower triangle of A, of which nothing else is read or written.
-/// `Ok(Err(i))` when the i-th pivot is not positive.
+/// Computes L of `A = L L^T` in the lower triangle of A, the only part that is read or written.
+/// Returns `Ok(Err(i))` when the i-th pivot is not positive.
 pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
     let requirement =
         cholesky_in_place_scratch::<f64>(a.nrows(), faer::Par::Seq, Default::default());
     let mut memory = buffer(requirement)?;
     let stack = MemStack::new(&mut memory);
-    // NaN pivots are let through by comparisons that are written the other way round.
+    // faer's test of the pivots does not reject NaN.
     let nan = (0..a.nrows()).find(|&i| a[(i, i)].is_nan());
     if let Some(i) = nan {
         return Ok(Err(i));
@@ -37,17 +37,18 @@ pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(),
     })
 }
 
-/// `X := X R^-1` for an upper triangular R, given as `L = R^T`: rows by blocks, each on one thread.
+/// Computes `X := X R^-1` for an upper triangular R, given as `L = R^T`: rows by blocks, each on
+/// one thread.
 pub(crate) fn divide_by_upper(x: MatMut<'_, f64>, l: MatRef<'_, f64>, par: Par) {
     for_row_blocks(x, ROW_BLOCK, par, |_, block| lower_solve_in_place(l, block.transpose_mut()));
 }
 
-/// `X := L^-1 X` on the calling thread.
+/// Computes `X := L^-1 X` on the calling thread.
 pub(crate) fn lower_solve_in_place(l: MatRef<'_, f64>, x: MatMut<'_, f64>) {
     solve_lower_triangular_in_place(l, x, faer::Par::Seq);
 }
 
-/// `X := U^-1 X` on the calling thread.
+/// Computes `X := U^-1 X` on the calling thread.
 pub(crate) fn upper_solve_in_place(u: MatRef<'_, f64>, x: MatMut<'_, f64>) {
     solve_upper_triangular_in_place(u, x, faer::Par::Seq);
 }

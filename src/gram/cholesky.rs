@@ -6,18 +6,18 @@ use super::slices::{Pairs, PairsMut};
 use crate::ata::ExtendedGram;
 use crate::base::{Error, Par, Result, widest, zeros};
 
-/// The column that is factored next, among those that do not depend on the ones before.
+/// Which of the columns that do not depend on earlier ones is factored next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pivoting {
-    /// The one of which most is left relative to its own norm: the rank does not depend on the
+    /// The column of which most is left relative to its own norm: the rank does not depend on the
     /// scales of the columns.
     #[default]
     Scaled,
-    /// The one of which most is left: singular values of columns of different scales come out with
-    /// a small relative error.
+    /// The column of which most is left: singular values of columns of different scales come out
+    /// with a small relative error.
     Largest,
-    /// The first one: R is that of A with its columns in their order, those that depend on others
-    /// last. A column that depends on others by large coefficients may pass for independent.
+    /// The first column: R is that of A with its columns in their order, the dependent ones last. A
+    /// column that depends on others by large coefficients may count as independent.
     Natural,
 }
 
@@ -64,7 +64,7 @@ pub struct PivotedCholesky {
     tolerance: f64,
 }
 
-/// Returns what may be left of the square of a column that depends on others, relative to it.
+/// Returns the largest remainder of the square of a dependent column, relative to that square.
 ///
 /// Rounding to double-double leaves a few units of 2^-106 for each column that is eliminated; where
 /// the entries of A were rounded, they are wrong by 2^-80 of their column.
@@ -72,7 +72,7 @@ pub(super) fn tolerance(n: usize, exact: bool) -> f64 {
     n.max(1) as f64 * if exact { 2f64.powi(-102) } else { 2f64.powi(-79) }
 }
 
-/// Returns the exponent by which a column of this squared norm is to be divided.
+/// Returns the exponent by which a column of this squared norm is divided.
 pub(super) fn exponent(square: f64) -> i32 {
     if square <= 0.0 {
         return 0;
@@ -115,7 +115,7 @@ impl PivotedCholesky {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NonFinite`] and [`Error::Argument`] for a matrix that is none,
+    /// [`Error::NonFinite`] and [`Error::Argument`] for a matrix that is no Gram matrix,
     /// [`Error::OutOfMemory`].
     pub fn from_gram(gram: &ExtendedGram, pivoting: Pivoting, par: Par) -> Result<Self> {
         check(gram)?;
@@ -123,7 +123,7 @@ impl PivotedCholesky {
         Self::of(gram.n(), tolerance(gram.n(), gram.is_exact()), pivoting, par, entry)
     }
 
-    /// Factors the matrix with these entries of its lower triangle, which [`check`] would let pass.
+    /// Factors the matrix with these entries of its lower triangle, which satisfy [`check`].
     pub(super) fn of(
         n: usize,
         tolerance: f64,
@@ -167,7 +167,7 @@ impl PivotedCholesky {
         self.clear()
     }
 
-    /// Exchanges two rows and columns of what is left of the matrix, and two rows of the factor.
+    /// Exchanges two rows and columns of the trailing matrix, and two rows of the factor.
     fn exchange(&mut self, j: usize, pivot: usize) {
         if j == pivot {
             return;
@@ -179,7 +179,7 @@ impl PivotedCholesky {
         (pivot + 1..self.n()).for_each(|i| self.lower.swap((i, j), (i, pivot)));
     }
 
-    /// Turns column j, from which columns before `first` are subtracted, into that of the factor.
+    /// Turns column j, minus its columns before `first`, into column j of the factor.
     fn eliminate_column(&mut self, first: usize, j: usize, left: &mut Left) {
         let from = j / LANES * LANES;
         let root = left.get(j).sqrt();
@@ -200,9 +200,9 @@ impl PivotedCholesky {
         self.lower.set_double(j, j, root);
     }
 
-    /// Subtracts the product of columns `first..end` from the matrix that is left.
+    /// Subtracts the product of columns `first..end` from the trailing matrix.
     ///
-    /// What it writes above the diagonal is never read.
+    /// The entries that it writes above the diagonal are never read.
     fn update(&mut self, first: usize, end: usize, par: Par) {
         let stride = self.lower.stride;
         let [hi, lo] = &mut self.lower.parts;
@@ -328,11 +328,11 @@ pub(super) fn check_centered(gram: &ExtendedGram) -> Result<()> {
     if gram.mean().len() == gram.n() {
         return Ok(());
     }
-    let why = "must be about the mean, and is not".into();
+    let why = "must be about the mean, but is not".into();
     Err(Error::Argument { what: "gram", why })
 }
 
-/// The names of columns, the first few of them.
+/// Returns the numbers of the first few of these columns, as words of a message.
 pub(super) fn named(columns: &[usize]) -> String {
     const MOST: usize = 8;
     let mut columns = columns.to_vec();
@@ -343,10 +343,10 @@ pub(super) fn named(columns: &[usize]) -> String {
     format!("{noun} {}{more}", names.join(", "))
 }
 
-/// What is left of the diagonal, by which pivots are chosen.
+/// The diagonal of the trailing matrix, by which pivots are chosen.
 struct Left {
     values: Columns<2>,
-    /// A column with less depends on others.
+    /// A column whose square is below this depends on others.
     least: Vec<f64>,
     /// Weights by which columns are compared.
     exponents: Vec<i32>,
@@ -383,8 +383,8 @@ impl Left {
         self.exponents.swap(i, j);
     }
 
-    /// The next column at `from` or behind it, the first of the largest; none when all depend on
-    /// others.
+    /// Returns the next pivot: the largest column at `from` or behind it, the first of several.
+    /// Returns `None` when all of them depend on others.
     fn pivot(&self, from: usize) -> Option<usize> {
         let value = |j: usize| self.get(j).hi;
         let larger = |a: usize, b: usize| match self.pivoting {

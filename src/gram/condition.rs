@@ -38,9 +38,9 @@ impl PivotedCholesky {
         self.estimate(|j| self.exponents[j].saturating_sub(largest))
     }
 
-    /// Returns the same of A with columns scaled by powers of two to norms between 1 and 2: at most
-    /// about sqrt(n) times what is the least of all column scalings (van der Sluis 1969). The
-    /// accuracy of solutions depends on this one.
+    /// Returns the condition number of A with columns scaled by powers of two to norms between 1
+    /// and 2: at most about sqrt(n) times the least one of all column scalings (van der Sluis
+    /// 1969). The accuracy of solutions depends on this number.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).

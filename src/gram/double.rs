@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Returns `x + y`, and what rounding took from it (Knuth 1969).
+/// Returns `x + y` rounded, and the rounding error (Knuth 1969).
 #[inline(always)]
 pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
@@ -10,14 +10,14 @@ pub(super) fn two_sum(x: f64, y: f64) -> (f64, f64) {
     (sum, (x - (sum - part)) + (y - part))
 }
 
-/// Returns the same for `|x| >= |y|` or `x == 0` (Dekker 1971).
+/// Returns what [`two_sum`] returns, for `|x| >= |y|` or `x == 0` (Dekker 1971).
 #[inline(always)]
 pub(super) fn fast_two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
     (sum, y - (sum - x))
 }
 
-/// Returns `x y`, and what rounding took from it.
+/// Returns `x y` rounded, and the rounding error.
 #[inline(always)]
 pub(super) fn two_product(x: f64, y: f64) -> (f64, f64) {
     let product = x * y;
@@ -27,7 +27,7 @@ pub(super) fn two_product(x: f64, y: f64) -> (f64, f64) {
 /// A number `hi + lo` of about 106 bits: `hi` is the sum rounded to f64.
 ///
 /// The operations are those of Joldes, Muller and Popescu (2017); the relative error of each is a
-/// few units of 2^-106. They hold no branches.
+/// few units of 2^-106. They contain no branches.
 ///
 /// ```
 /// use catamaran::gram::DoubleDouble;
@@ -181,8 +181,8 @@ impl Div for DoubleDouble {
     }
 }
 
-/// A sum in three parts: after k terms wrong by about k^2 2^-159 of the sum of their sizes (Ogita,
-/// Rump and Oishi 2005).
+/// A sum in three parts. After k terms its error is about k^2 2^-159 of the sum of their sizes
+/// (Ogita, Rump and Oishi 2005).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TripleSum {
     parts: [f64; 3],

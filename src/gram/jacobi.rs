@@ -1,6 +1,6 @@
 //! The singular value decomposition of a triangular factor by one-sided Jacobi rotations (Hestenes
-//! 1958; Demmel and Veselic 1992; Drmac and Veselic 2008), of columns that keep their exponents
-//! apart: their squares, and those of the results, need not be in the range of f64.
+//! 1958; Demmel and Veselic 1992; Drmac and Veselic 2008). Columns keep their exponents separately:
+//! their squares, and those of the results, need not be in the range of f64.
 
 use faer::Mat;
 
@@ -10,11 +10,11 @@ use crate::base::{Error, Par, Result, widest, zeros};
 /// Columns of a block: two blocks of some thousand rows stay in the second-level cache.
 const BLOCK: usize = 16;
 
-/// Sweeps over all pairs of columns; eight or so are enough.
+/// Largest number of sweeps over all pairs of columns; eight or so are enough.
 const SWEEPS: usize = 60;
 
-/// Partial sums of a scalar product: so many that compilers make a loop of vectors of them. Columns
-/// are a multiple of it long.
+/// Partial sums of a scalar product: enough for compilers to vectorise the loop. The lengths of
+/// columns are multiples of this number.
 const SUMS: usize = 64;
 
 /// Singular values (descending) and left singular vectors of a matrix: `Y = U diag(values) W^T`.
@@ -25,9 +25,9 @@ pub(super) struct Jacobi {
 }
 
 /// Decomposes a matrix (n x r, r <= n) of full column rank, whose column j is that of `y` times
-/// `2^exponents[j]`. It best is the transpose of the R of a factorisation with pivoting: its
-/// columns are graded then, rotations converge in few sweeps, and the relative error even of the
-/// smallest value is about r 2^-53 times the condition number of R with rows of norm 1.
+/// `2^exponents[j]`. The matrix should be the transpose of the R of a factorisation with pivoting:
+/// its columns are then graded, rotations converge in few sweeps, and the relative error even of
+/// the smallest value is about r 2^-53 times the condition number of R with rows of norm 1.
 ///
 /// Blocks of columns meet in rounds of disjoint pairs (Brent and Luk 1985), so that the result is
 /// the same, bit for bit, for every `par`.
@@ -65,7 +65,7 @@ pub(super) fn jacobi(y: &Mat<f64>, exponents: &[i32], par: Par) -> Result<Jacobi
 
 /// Rotates pairs of columns of length `n`, a multiple of [`SUMS`], until all are orthogonal.
 fn rotate(columns: &mut [f64], exponents: &mut [i32], n: usize, par: Par) -> Result<()> {
-    // One more than the number of blocks when that is odd: it stands for no block.
+    // Rounded up to an even number: the additional block stands for no columns.
     let blocks = columns.len().div_ceil(BLOCK * n);
     let even = blocks.next_multiple_of(2);
     let limit = f64::EPSILON * (n as f64).sqrt().max(8.0);
@@ -100,9 +100,9 @@ fn rotate(columns: &mut [f64], exponents: &mut [i32], n: usize, par: Par) -> Res
     Err(Error::NotConverged { iterations: SWEEPS, residual: limit })
 }
 
-/// The pairs of round `round` of a tournament of an even number of players.
+/// Returns the pairs of round `round` of a tournament of an even number of players.
 fn pairs(even: usize, round: usize) -> impl Iterator<Item = (usize, usize)> {
-    // The last one stays, the others go round a circle.
+    // The last player stays, the others go round a circle.
     let others = even.max(2) - 1;
     let seat = move |i: usize| (i + round) % others;
     std::iter::once((seat(0), others)).chain((1..even.max(2) / 2).map(move |i| {
@@ -111,8 +111,8 @@ fn pairs(even: usize, round: usize) -> impl Iterator<Item = (usize, usize)> {
     }))
 }
 
-/// Some columns, one after another, and their squares, which rotations keep up to date; the columns
-/// stand for themselves times 2 to the power of their exponents.
+/// Some columns, one after another, and their squares, which rotations keep up to date. The actual
+/// columns are these times 2 to the power of their exponents.
 #[derive(Default)]
 struct Block<'c> {
     columns: &'c mut [f64],
@@ -128,7 +128,7 @@ struct Column<'c> {
 }
 
 impl Block<'_> {
-    /// Columns `from..`, of length `n`.
+    /// Returns the columns, which have length `n`.
     #[inline(always)]
     fn columns(&mut self, n: usize) -> impl Iterator<Item = Column<'_>> {
         let of_columns = self.squares.iter_mut().zip(&mut *self.exponents);
@@ -140,8 +140,8 @@ impl Block<'_> {
     }
 }
 
-/// Rotates each column of `a` against each of `b`. With `first`, which is said to every block once
-/// in a sweep, squares are computed anew and columns of the same block are rotated too. Returns the
+/// Rotates each column of `a` against each of `b`. With `first`, which is set once per block and
+/// sweep, squares are computed anew and columns of the same block are rotated too. Returns the
 /// largest cosine that was found.
 #[inline(always)]
 fn meet<'c>(a: &mut Block<'c>, b: &mut Block<'c>, n: usize, limit: f64, first: bool) -> f64 {
@@ -188,14 +188,14 @@ fn rotate_pair(x: &mut Column<'_>, y: &mut Column<'_>, limit: f64) -> f64 {
     let keep = *x.square > scaled(*y.square, 2 * shift);
     let (longer, shorter) = if keep { (&*x, &*y) } else { (&*y, &*x) };
     // With r = 2^(exponent of the shorter one less that of the longer one) and the tangent t, the
-    // longer one becomes cos (l - t r s) and the shorter one cos (s + (t / r) l). Neither t / r nor
-    // r is out of range, but to zero.
+    // longer one becomes cos (l - t r s) and the shorter one cos (s + (t / r) l). Both t / r and r
+    // may underflow to zero, but they do not overflow.
     let r = scaled(1.0, *shorter.exponent - *longer.exponent);
     let slope = (*shorter.square * r * r - *longer.square) / (2.0 * xy);
     let tangent = slope.signum() / (slope.abs() + slope.hypot(r));
     let cos = (tangent * r).hypot(1.0).recip();
     let sin = cos * tangent;
-    // One gains what the other loses.
+    // The square of one column gains what that of the other loses.
     let moved = (tangent * xy).abs();
     let squares = (*longer.square + moved * r * r, *shorter.square - moved);
     let reliable = squares.1 > SHARE * *shorter.square;

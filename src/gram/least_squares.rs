@@ -11,7 +11,7 @@ use crate::base::{Error, Par, Result, builder};
 /// What happens when columns of A depend on others, as far as the precision can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RankDeficiency {
-    /// Of all solutions the one of least norm is returned.
+    /// The solution of least norm is returned.
     #[default]
     MinimumNorm,
     /// An error names the columns.
@@ -32,7 +32,7 @@ pub enum RankDeficiency {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LeastSquaresOptions {
-    /// Multiple of `|X|^2` that is added to what is minimised, at least 0; the intercept is not
+    /// Multiple of `|X|^2` that is added to the minimised sum, at least 0; the intercept is not
     /// part of X.
     pub ridge: f64,
     /// Whether a constant is fitted too; the matrix must be about the mean.
@@ -93,9 +93,9 @@ builder! {
 pub struct LeastSquares {
     /// n x k.
     pub coefficients: Mat<f64>,
-    /// What rounding took from the coefficients, n x k.
+    /// What rounding to f64 removed from the coefficients, n x k.
     pub coefficients_low: Mat<f64>,
-    /// The constant of each of the k targets; zeros unless it was asked for.
+    /// The constant of each of the k targets; zeros without [`LeastSquaresOptions::intercept`].
     pub intercepts: Vec<f64>,
     /// `|A x - b|` for each target, from the Schur complement of B; 0 where it is below the
     /// rounding of the matrix.
@@ -103,9 +103,9 @@ pub struct LeastSquares {
     /// `1 - |A x - b|^2 / |b|^2`, with b about its mean where the matrix is; 1 for a residual of 0.
     pub r_squared: Vec<f64>,
     /// The standard error of each coefficient, n x k; with columns that depend on others, that of
-    /// the solution of least norm. NaN without degrees of freedom, 0 x 0 when not asked for.
+    /// the solution of least norm. NaN without degrees of freedom, 0 x 0 when not requested.
     pub standard_errors: Mat<f64>,
-    /// The standard error of each intercept; none without intercept or when not asked for.
+    /// The standard error of each intercept; none without intercept or when not requested.
     pub intercept_errors: Vec<f64>,
     /// Columns of A that do not depend on others, as far as the precision can tell.
     pub rank: usize,
@@ -134,7 +134,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// An entry of the matrix that is to be inverted.
+    /// Returns an entry of the matrix that is inverted.
     fn entry(&self, i: usize, j: usize) -> [f64; 3] {
         let entry = self.gram.entry(i, j);
         if i != j || self.ridge == 0.0 {
@@ -146,25 +146,26 @@ impl Problem<'_> {
         sum.parts()
     }
 
-    /// An entry of `A^T B`, scaled, in the order of the factor.
+    /// Returns an entry of `A^T B`, scaled, in the order of the factor.
     fn right(&self, factor: &PivotedCholesky, i: usize, q: usize) -> [f64; 3] {
         let column = factor.order[i];
         let exponent = -factor.exponents[column] - self.exponents[q];
         self.gram.entry(column, self.n + q).map(|part| scaled(part, exponent))
     }
 
-    /// The square of a target, scaled.
+    /// Returns the square of a target, scaled.
     fn square(&self, q: usize) -> [f64; 3] {
         let at = self.n + q;
         self.gram.entry(at, at).map(|part| scaled(part, -2 * self.exponents[q]))
     }
 
-    /// `|A x - b|^2` of each target, scaled, for a solution and the residual of its equations.
+    /// Returns `|A x - b|^2` of each target, scaled, for a solution and the residual of its
+    /// equations.
     ///
-    /// It is `b^T b - x^T A^T b - x^T r`, with r the residual of the equations without the ridge:
-    /// errors of x count squared only.
+    /// It is `b^T b - x^T A^T b - x^T r`, with r the residual of the equations without the ridge,
+    /// so that errors of x enter only as squares.
     fn residuals(&self, factor: &PivotedCholesky, x: &Columns<2>, rest: &Columns<3>) -> Vec<f64> {
-        // Of sums in three parts, and of rounded entries.
+        // The accuracy of sums in three parts, and of those of rounded entries.
         let unit = 2f64.powi(if self.gram.is_exact() { -150 } else { -79 });
         let residual = |q: usize| {
             let mut sum = TripleSum::default();
@@ -190,8 +191,8 @@ impl Problem<'_> {
 }
 
 impl LeastSquares {
-    /// Solves for the last `targets` columns of the rows as B, and the others as A. The result is
-    /// the same, bit for bit, for every `options.par`.
+    /// Solves with the last `targets` columns of the rows as B, and the other columns as A. The
+    /// result is the same, bit for bit, for every `options.par`.
     ///
     /// ```
     /// use catamaran::ata::ExtendedGram;
@@ -242,7 +243,7 @@ impl LeastSquares {
             true => Some(RowSpace::new(&factor, &refined, par, entry)?),
             false => None,
         };
-        // Of all columns, and in their scale.
+        // Adds the dependent columns, and undoes the scaling.
         let unscaled = |rows: &Columns<2>| {
             let mut all = Columns::new(rows.rows, n)?;
             for i in 0..rank {
@@ -299,7 +300,7 @@ impl LeastSquares {
         Ok(found)
     }
 
-    /// `mean b - mean a^T x`.
+    /// Returns the intercept of target q, `mean b - mean a^T x`.
     fn intercept(&self, gram: &ExtendedGram, q: usize) -> f64 {
         let n = self.coefficients.nrows();
         let mut sum = TripleSum::default();
@@ -349,7 +350,7 @@ impl LeastSquares {
     }
 }
 
-/// Returns the problem, if it is one.
+/// Checks the arguments and returns the problem.
 fn checked<'a>(
     gram: &'a ExtendedGram,
     targets: usize,
@@ -358,13 +359,11 @@ fn checked<'a>(
     let refuse = |what, why| Err(Error::Argument { what, why });
     check(gram)?;
     if targets == 0 || targets > gram.n() {
-        return refuse("targets", format!("between 1 and {} columns, and not {targets}", gram.n()));
+        let why = format!("must be from 1 to {} (columns), but is {targets}", gram.n());
+        return refuse("targets", why);
     }
     if !options.ridge.is_finite() || options.ridge < 0.0 {
-        return refuse(
-            "ridge",
-            format!("must be finite and at least 0, and not {}", options.ridge),
-        );
+        return refuse("ridge", format!("must be finite and at least 0, but is {}", options.ridge));
     }
     if options.intercept && gram.mean().len() != gram.n() {
         return refuse("intercept", "needs a Gram matrix about the mean".into());
@@ -412,7 +411,7 @@ fn digits(factor: &PivotedCholesky, exact: bool, outcome: Outcome) -> Result<f64
     Ok((-error.log10()).clamp(0.0, most))
 }
 
-/// The Euclidean norm of a vector, whose squares may be out of range.
+/// Returns the Euclidean norm of a vector, whose squares may be out of range.
 fn norm(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     if largest == 0.0 {

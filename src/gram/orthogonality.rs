@@ -41,7 +41,7 @@ pub fn orthogonality(gram: &ExtendedGram) -> Result<Orthogonality> {
     if max == 0.0 {
         return Ok(Orthogonality { max, frobenius: 0.0 });
     }
-    // So that squares are in range.
+    // Scales the entries, so that squares are in range.
     let exponent = max.log2().floor() as i32;
     let sum = entries().fold(DoubleDouble::ZERO, |sum, (i, j)| {
         let value = entry(i, j).double().scaled(-exponent);

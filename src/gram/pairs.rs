@@ -3,7 +3,7 @@ use crate::ata::{About, ExtendedGram};
 use crate::base::{Error, Par, Result};
 
 /// Returns the Gram matrix of `[H + L, B]` (n + k columns) from that of `[H, L, B]`, where H and L
-/// have n columns each: of columns that are given in double-double, as a rounded part and the rest.
+/// have n columns each: the rounded parts and the rests of columns in double-double.
 ///
 /// Powers of x, products and differences of columns often have more digits than an f64. Rounding
 /// them changes the problem: the least-squares solution for the powers of Filip (NIST) in f64 has
@@ -28,7 +28,7 @@ use crate::base::{Error, Par, Result};
 pub fn sum_of_pairs(gram: &ExtendedGram, n: usize) -> Result<ExtendedGram> {
     let columns = gram.n();
     if n > columns / 2 {
-        let why = format!("{n} pairs of columns, of {columns}");
+        let why = format!("the matrix has {columns} columns, too few for {n} pairs");
         return Err(Error::Argument { what: "n", why });
     }
     // The columns that make up column j.

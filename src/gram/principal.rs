@@ -19,21 +19,21 @@ pub enum Components {
 }
 
 impl Components {
-    /// Refuses more components than columns, and shares out of range.
+    /// Checks that there are no more components than columns, and that a share is in range.
     fn check(self, columns: usize) -> Result<()> {
         let why = match self {
             Self::Count(count) if count > columns => {
-                format!("at most {columns} columns, and not {count}")
+                format!("must be at most {columns} (columns), but is {count}")
             }
             Self::Share(share) if !(share > 0.0 && share <= 1.0) => {
-                format!("a share is in (0, 1], and not {share}")
+                format!("a share must be in (0, 1], but is {share}")
             }
             _ => return Ok(()),
         };
         Err(Error::Argument { what: "components", why })
     }
 
-    /// Returns how many are kept of components with these shares of the variance, in order.
+    /// Returns how many components are kept, given their shares of the variance in order.
     fn count(self, shares: &[f64]) -> usize {
         match self {
             Self::All => shares.len(),
@@ -130,7 +130,7 @@ pub struct PrincipalComponents {
     pub components: Mat<f64>,
     /// The variance along each component.
     pub explained_variance: Vec<f64>,
-    /// The same, divided by the variance of all columns.
+    /// The variance along each component, divided by the variance of all columns.
     pub explained_variance_ratio: Vec<f64>,
     /// The singular values of the centred (and standardised) rows.
     pub singular_values: Vec<f64>,
@@ -155,7 +155,7 @@ impl PrincipalComponents {
         check_centered(gram)?;
         let divisor = gram.weight() - 1.0;
         if divisor.is_nan() || divisor <= 0.0 {
-            let why = format!("its weight is {}: no variance", gram.weight());
+            let why = format!("its weight is {}, but a variance needs more than 1", gram.weight());
             return Err(Error::Argument { what: "gram", why });
         }
         options.components.check(n)?;

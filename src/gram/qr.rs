@@ -12,14 +12,14 @@ use crate::dense::for_row_blocks;
 /// Rows of A that are multiplied at a time.
 const ROWS: usize = 64;
 
-/// Distance from the identity of a `Q^T Q` that has digits.
+/// Distance of `Q^T Q` from the identity at which it has no correct digits.
 const FAR: f64 = 0.5;
 
 /// Columns of a product that one thread computes at a time.
 const TASK: usize = 16;
 
-/// `A = Q R` with orthonormal columns of Q, from the Gram matrix of A (m x n): R and its inverse,
-/// by which blocks of rows of A become rows of Q in a second pass.
+/// The factors of `A = Q R` with orthonormal columns of Q, from the Gram matrix of A (m x n): R and
+/// its inverse, by which blocks of rows of A become rows of Q in a second pass.
 ///
 /// Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
 /// to rounding for K up to 10^14 where the entries of A are exact, and up to an error of `n K^2
@@ -55,12 +55,12 @@ impl GramQr {
     /// [`Error::Argument`] that names columns which depend on those before them; else as
     /// [`PivotedCholesky::from_gram`].
     pub fn from_gram(gram: &ExtendedGram, par: Par) -> Result<Self> {
-        /// Distance of `Q^T Q` from the identity that does not matter.
+        /// Distance of `Q^T Q` from the identity that is negligible.
         const FINE: f64 = 1.0 / (1u64 << 54) as f64;
         let factor = PivotedCholesky::from_gram(gram, Pivoting::Natural, par)?;
         let n = factor.n();
         if factor.rank() < n {
-            let why = format!("{} depend on those before", named(factor.dependent()));
+            let why = format!("dependent on the columns before: {}", named(factor.dependent()));
             return Err(Error::Argument { what: "A", why });
         }
         let mut inverse = factor.inverse(par)?;
@@ -68,7 +68,7 @@ impl GramQr {
         let mut rows = factor.lower.clone();
         let square = n as f64 * factor.scaled_condition()?.powi(2);
         if !gram.is_exact() && square * 2f64.powi(-79) > FAR {
-            let why = "its columns depend on each other, as far as rounded entries can tell".into();
+            let why = "its columns are dependent, to the precision of its rounded entries".into();
             return Err(Error::Argument { what: "A", why });
         }
         if gram.is_exact() && square * 2f64.powi(-104) > FINE {
@@ -126,7 +126,7 @@ impl GramQr {
     }
 }
 
-/// Returns the upper triangle of `R^-T C R^-1`, which is the identity but for the error of R.
+/// Returns the upper triangle of `R^-T C R^-1`, the identity up to the error of R.
 fn gram_of_inverse(
     factor: &PivotedCholesky,
     gram: &ExtendedGram,
@@ -189,7 +189,7 @@ fn corrected(
     };
     let factor = PivotedCholesky::of(n, 0.0, Pivoting::Natural, par, entry)?;
     if factor.rank() < n {
-        let why = format!("{} depend on those before", named(factor.dependent()));
+        let why = format!("dependent on the columns before: {}", named(factor.dependent()));
         return Err(Error::Argument { what: "A", why });
     }
     let mut own = factor.inverse(par)?;

@@ -9,7 +9,7 @@ use crate::base::{Par, Result, widest};
 /// Rows of a residual that stay in the first-level cache.
 const ROWS: usize = 8 * LANES;
 
-/// Corrections after which refinement ends in any case.
+/// Largest number of corrections.
 const MOST: usize = 40;
 
 /// A symmetric matrix of three parts, scaled and ordered as its factor.
@@ -20,12 +20,12 @@ pub(super) struct Refined<'a> {
     par: Par,
 }
 
-/// What refinement came to.
+/// How refinement ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outcome {
     /// Corrections have become smaller than 2^-60 of the solution.
     Converged,
-    /// They have not.
+    /// Corrections have stopped getting smaller before that.
     Stalled,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Refined<'a> {
             if norm.is_nan() || norm > 0.5 * last {
                 let outcome =
                     if share <= CONVERGED { Outcome::Converged } else { Outcome::Stalled };
-                // Where one correction is as large as the one before, both are noise.
+                // A correction as large as the one before is noise, and so is the one before.
                 let fine = if norm <= NOISE { Outcome::Converged } else { outcome };
                 return Ok((x, fine));
             }
@@ -139,14 +139,14 @@ const CONVERGED: f64 = 1.0 / (1u64 << 60) as f64;
 /// have no digits.
 const NOISE: f64 = CONVERGED * (1.0 / (1u64 << 40) as f64);
 
-/// The largest correction of any right-hand side, relative to its largest unknown, and to the
-/// unknown itself.
+/// Returns the largest correction of any right-hand side, relative to its largest unknown, and to
+/// the unknown itself.
 fn sizes(change: &Columns<2>, x: &Columns<2>) -> (f64, f64) {
     let (mut norm, mut share) = (0.0_f64, 0.0_f64);
     for q in 0..x.rows {
         let largest = |of: &Columns<2>| {
             let sizes = (0..of.cols).map(|i| of.get(q, i)[0].abs());
-            // NaN stays.
+            // Keeps a NaN.
             sizes.fold(0.0, |a: f64, b| if b <= a { a } else { b })
         };
         let ratio = |a: f64, b: f64| if a == 0.0 { 0.0 } else { a / b };

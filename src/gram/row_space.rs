@@ -6,8 +6,8 @@ use super::double::{DoubleDouble, scaled};
 use super::refine::Refined;
 use crate::base::{Par, Result, widest};
 
-/// What turns a solution x of a problem whose last columns depend on the first ones into the one of
-/// least norm: the dependent columns are `A_1 S`, and all solutions are `(x_1 - S z, z)`.
+/// The projection of solutions x of a problem whose last columns depend on the first ones to those
+/// of least norm: the dependent columns are `A_1 S`, and all solutions are `(x_1 - S z, z)`.
 pub(super) struct RowSpace {
     /// S by rows.
     dependence: Columns<2>,
@@ -78,7 +78,7 @@ impl RowSpace {
     }
 }
 
-/// `to := to + S^T X`, all by rows; X may have more rows than S.
+/// Computes `to := to + S^T X`, all by rows; X may have more rows than S.
 fn add_transposed(to: &mut Columns<2>, s: &Columns<2>, x: &Columns<2>) {
     widest(
         #[inline(always)]

@@ -1,4 +1,4 @@
-//! From rows to results, each in one call.
+//! Functions from rows to results, in one call each.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
@@ -96,7 +96,7 @@ pub fn lstsq(
     LeastSquares::from_gram(&gram, targets, options)
 }
 
-/// Names the matrix that a column of `[A B]` which is not finite is of, A having `n` columns.
+/// Replaces "rows" in an error by "A" or "B", the matrix of the column; A has `n` columns.
 pub(crate) fn named_by_matrix(error: Error, n: usize) -> Error {
     match error {
         Error::NonFinite { what: "rows", index: (i, j) } => {
@@ -118,7 +118,7 @@ pub(crate) fn named_by_matrix(error: Error, n: usize) -> Error {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] that names the first one that is.
+/// [`Error::Argument`] that names the first negative weight.
 pub fn check_weights(weights: Option<&[f64]>) -> Result<()> {
     match weights.unwrap_or_default().iter().position(|&w| w < 0.0) {
         Some(i) => {

@@ -10,7 +10,7 @@ pub(super) struct Pairs<'a> {
     pub lo: &'a [f64],
 }
 
-/// The same, to write.
+/// A vector of numbers `hi + lo`, to write.
 #[derive(Debug)]
 pub(super) struct PairsMut<'a> {
     pub hi: &'a mut [f64],

@@ -12,8 +12,8 @@ use crate::base::{Par, Result, widest};
 const BLOCK: usize = 64;
 
 impl PivotedCholesky {
-    /// `X := R^-T X`, for the first `rank` rows and columns of the scaled R; X has at least as many
-    /// rows. The same for every `par`, bit for bit.
+    /// Computes `X := R^-T X`, for the first `rank` rows and columns of the scaled R; X has at
+    /// least as many rows. The result is the same for every `par`, bit for bit.
     pub(super) fn solve_transposed(&self, x: &mut Columns<2>, par: Par) -> Result<()> {
         by_blocks(
             x,
@@ -31,7 +31,7 @@ impl PivotedCholesky {
         )
     }
 
-    /// `X := R^-1 X`, as [`PivotedCholesky::solve_transposed`].
+    /// Computes `X := R^-1 X`, as [`PivotedCholesky::solve_transposed`].
     pub(super) fn solve(&self, x: &mut Columns<2>, par: Par) -> Result<()> {
         by_blocks(
             x,
@@ -41,7 +41,7 @@ impl PivotedCholesky {
         )
     }
 
-    /// `X := R^-1 X` for an X of which only the first `rows` rows are not zero.
+    /// Computes `X := R^-1 X` for an X of which only the first `rows` rows are not zero.
     #[inline(always)]
     fn substitute(&self, x: &mut Columns<2>, rows: usize) {
         for j in (0..rows).rev() {
@@ -60,7 +60,7 @@ impl PivotedCholesky {
         row.scale(DoubleDouble::ONE / self.lower.double(j, j));
     }
 
-    /// `X := C^-1 X` for a matrix C in its own order and scale, of full rank.
+    /// Computes `X := C^-1 X` for a matrix C in its own order and scale, of full rank.
     pub(super) fn solve_symmetric(&self, x: &mut Columns<2>, par: Par) -> Result<()> {
         self.rescale(x);
         self.solve_transposed(x, par)?;
@@ -78,7 +78,7 @@ impl PivotedCholesky {
         }
     }
 
-    /// `R^-1` of the first `rank` rows and columns of the scaled R, by rows.
+    /// Returns `R^-1` of the first `rank` rows and columns of the scaled R, by rows.
     pub(super) fn inverse(&self, par: Par) -> Result<Columns<2>> {
         let mut inverse = Columns::new(self.rank, self.rank)?;
         let blocks = par.map_blocks(self.rank, BLOCK, |cols| {
@@ -100,7 +100,7 @@ impl PivotedCholesky {
     }
 }
 
-/// Puts right-hand sides `cols` back.
+/// Copies the right-hand sides `cols` back.
 fn copy_into(x: &mut Columns<2>, block: &Columns<2>, cols: &Range<usize>) {
     for (part, from) in x.parts.iter_mut().zip(&block.parts) {
         let from = from.chunks(block.stride.max(1));

@@ -1,4 +1,4 @@
-//! Results beside exact ones, in rational arithmetic.
+//! Comparison of results with exact ones, in rational arithmetic.
 
 use faer::{Mat, MatRef};
 use num_bigint::BigInt;
@@ -10,7 +10,7 @@ use crate::base::{Error, Par, Rng};
 /// Entries of the tests are multiples of 2^-UNIT.
 const UNIT: i32 = 160;
 
-/// `x 2^unit`, an integer.
+/// Returns `x 2^unit`, an integer.
 fn integer(x: f64, unit: i32) -> BigInt {
     let bits = x.abs().to_bits();
     let (exponent, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
@@ -25,7 +25,7 @@ fn integer(x: f64, unit: i32) -> BigInt {
     if x < 0.0 { -size } else { size }
 }
 
-/// `value 2^-unit`, near enough.
+/// Returns `value 2^-unit`, approximately.
 fn float(value: &BigInt, unit: i32) -> f64 {
     let shift = value.bits().saturating_sub(64) as i32;
     let size = i128::try_from(value >> shift).unwrap() as f64;
@@ -33,7 +33,7 @@ fn float(value: &BigInt, unit: i32) -> f64 {
     size * f64::from(half).exp2() * f64::from(rest).exp2()
 }
 
-/// `numerator / denominator 2^-unit` in three parts.
+/// Returns `numerator / denominator 2^-unit` in three parts.
 fn parts(numerator: &BigInt, denominator: &BigInt, unit: i32) -> [f64; 3] {
     const MORE: i32 = 1200;
     let mut rest = (numerator << MORE) / denominator;
@@ -48,7 +48,7 @@ fn ratio(numerator: &BigInt, denominator: &BigInt) -> f64 {
     parts(numerator, denominator, 0)[0]
 }
 
-/// The Gram matrix of rows as integers times 2^-2 UNIT.
+/// Returns the Gram matrix of rows as integers times 2^-2 UNIT.
 fn products(a: MatRef<'_, f64>) -> Vec<Vec<BigInt>> {
     let columns: Vec<Vec<_>> =
         (0..a.ncols()).map(|j| a.col(j).iter().map(|&x| integer(x, UNIT)).collect()).collect();
@@ -70,7 +70,7 @@ fn gram(a: MatRef<'_, f64>) -> ExtendedGram {
     gram_with(a, true)
 }
 
-/// The Gram matrix about the mean.
+/// Returns the Gram matrix about the mean.
 fn centered(a: MatRef<'_, f64>) -> ExtendedGram {
     let (products, m) = (products(a), BigInt::from(a.nrows()));
     let sum = |j: usize| a.col(j).iter().map(|&x| integer(x, UNIT)).sum::<BigInt>();
@@ -83,7 +83,7 @@ fn centered(a: MatRef<'_, f64>) -> ExtendedGram {
     .unwrap()
 }
 
-/// `C^-1 B` as numerators over a denominator, the determinant of C (Bareiss 1968).
+/// Returns `C^-1 B` as numerators over a denominator, the determinant of C (Bareiss 1968).
 fn solve(mut c: Vec<Vec<BigInt>>, b: &[Vec<BigInt>]) -> (Vec<Vec<BigInt>>, BigInt) {
     let n = c.len();
     for (row, b) in c.iter_mut().zip(b) {
@@ -110,7 +110,7 @@ fn identity(n: usize) -> Vec<Vec<BigInt>> {
     (0..n).map(|i| (0..n).map(|j| BigInt::from(u8::from(i == j))).collect()).collect()
 }
 
-/// The normal equations of the first columns of the products and the last one.
+/// Returns the normal equations of the first columns of the products and the last one.
 fn normal_equations(products: &[Vec<BigInt>]) -> (Vec<Vec<BigInt>>, Vec<Vec<BigInt>>) {
     let n = products.len() - 1;
     let c = products[..n].iter().map(|row| row[..n].to_vec()).collect();
@@ -121,8 +121,8 @@ fn near(found: f64, exact: f64, bound: f64) {
     assert!((found - exact).abs() <= bound * exact.abs(), "{found:e} and not {exact:e}");
 }
 
-/// Powers 0 to 10 of 82 points in [-8.78, -3.13] and a noisy target: like Filip of NIST, whose
-/// condition number is 1.8e15.
+/// Returns powers 0 to 10 of 82 points in [-8.78, -3.13] and a noisy target: like Filip of NIST,
+/// whose condition number is 1.8e15.
 fn filip() -> Mat<f64> {
     let mut rng = Rng::new(3);
     let point = |i: usize| -8.78 + 5.65 * i as f64 / 81.0;
@@ -312,7 +312,7 @@ fn what_is_no_problem_is_refused() {
     assert!(uncentered.is_err() && correlation(&plain).is_err());
 }
 
-/// A column.
+/// Returns a matrix of one column.
 fn mat_of(column: &[f64]) -> Mat<f64> {
     Mat::from_fn(column.len(), 1, |i, _| column[i])
 }
@@ -390,7 +390,7 @@ fn condition_numbers_are_near_those_of_a_known_matrix() {
     near(factor.condition().unwrap(), f64::from(30).exp2(), 0.01);
 }
 
-/// The Hilbert matrix in f64, whose condition number at n = 10 is 1.6e13.
+/// Returns the Hilbert matrix in f64, whose condition number at n = 10 is 1.6e13.
 fn hilbert(n: usize) -> Mat<f64> {
     Mat::from_fn(n, n, |i, j| 1.0 / (i + j + 1) as f64)
 }
@@ -411,7 +411,8 @@ fn the_product_of_all_singular_values_is_the_determinant() {
             let exact = float(&determinant, n as i32 * UNIT).abs();
             assert_eq!(found.rank(), n);
             let product: f64 = found.values.iter().product();
-            // The condition number of 10 columns is 1e13, squared 1e26 of the 2^106 there are.
+            // The condition number of 10 columns is 1e13, its square 1e26; double-double has 106
+            // bits.
             let bound = if n < 10 { 1e-13 } else { 1e-4 };
             near(product, exact, bound);
             let orthogonal = found.v.transpose() * &found.v - Mat::<f64>::identity(n, n);
@@ -433,7 +434,7 @@ fn the_smallest_singular_value_of_two_near_columns_has_15_digits() {
     }
 }
 
-/// The Gram matrix of columns times powers of two.
+/// Returns the Gram matrix of columns times powers of two.
 fn shifted(gram: &ExtendedGram, shifts: &[i32]) -> ExtendedGram {
     let (rows, mean) = (gram.rows(), gram.mean());
     let times = |x: f64, power: i32| double::scaled(x, power);
@@ -443,7 +444,7 @@ fn shifted(gram: &ExtendedGram, shifts: &[i32]) -> ExtendedGram {
     ExtendedGram::from_entries(gram.n(), about, Par::Seq, entry).unwrap()
 }
 
-/// Columns of three sizes that are `shift` powers of two apart.
+/// Returns the exponents of columns of three sizes that are `shift` powers of two apart.
 fn sizes(n: usize, shift: i32) -> Vec<i32> {
     (0..n).map(|j| shift * ((2 * j % 3) as i32 - 1)).collect()
 }
@@ -640,8 +641,8 @@ fn columns_become_orthonormal_to_rounding_at_condition_1e14() {
 fn dependent_columns_have_no_qr() {
     let a = Mat::from_fn(5, 3, |i, j| ((i + 1) * (j + 1)) as f64);
     let refused = GramQr::from_gram(&gram(a.as_ref()), Par::Seq).unwrap_err();
-    assert!(refused.to_string().contains("columns 1, 2 depend"), "{refused}");
-    // The last column depends on 66 others by large coefficients, which hide that.
+    assert!(refused.to_string().contains("before: columns 1, 2"), "{refused}");
+    // The last column depends on 66 others by large coefficients, which hide the dependence.
     let (left, right) = (random(69, 66, 7), random(66, 67, 8));
     let integers =
         |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| (100.0 * m[(i, j)]).round());

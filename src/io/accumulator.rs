@@ -33,8 +33,8 @@ const BUFFER: usize = 1 << 20;
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io); nothing is left behind then, and a file that was to be replaced
-/// stays.
+/// [`Error::Io`](crate::Error::Io); in that case no file is left behind, and a file that was to be
+/// replaced stays.
 pub fn write_accumulator<T: BlasReal>(
     mut output: Output,
     accumulator: &Accumulator<T>,

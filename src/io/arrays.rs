@@ -1,4 +1,4 @@
-//! Several arrays in one file, in the format that its name says.
+//! Several arrays in one file, in the format that the file name ends in.
 
 use std::path::Path;
 
@@ -17,14 +17,14 @@ pub(super) enum Format {
     Hdf5,
 }
 
-/// The format that the name of a file says.
+/// Returns the format that the name of a file ends in.
 pub(super) fn format_of(path: &Path) -> Result<Format> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if name.ends_with(".npz") {
         return Ok(Format::Npz);
     }
     if ![".h5", ".hdf5", ".he5"].iter().any(|end| name.ends_with(end)) {
-        return Err(error(path, None, "must be called .npz, .h5, .hdf5 or .he5"));
+        return Err(error(path, None, "the name must end in .npz, .h5, .hdf5 or .he5"));
     }
     #[cfg(feature = "hdf5")]
     return Ok(Format::Hdf5);
@@ -48,9 +48,9 @@ pub fn check_arrays_name(path: &Path) -> Result<()> {
     format_of(path).map(drop)
 }
 
-/// Writes named arrays into `output`, as its name says, and lets it appear: `.npz` as
+/// Writes named arrays into `output`, in the format of its name, and lets it appear: `.npz` as
 /// [`write_npz`](super::write_npz); `.h5`, `.hdf5` and `.he5` (feature `hdf5`) with a dataset for
-/// each, of the same name, shape and type.
+/// each array, of the same name, shape and type.
 ///
 /// ```
 /// use catamaran::io::{Array, Output, Overwrite, read_arrays, write_arrays};
@@ -66,7 +66,7 @@ pub fn check_arrays_name(path: &Path) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io), and nothing is left behind then.
+/// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io), and no file is left behind then.
 pub fn write_arrays(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
     let mut writer = ArraysWriter::new(output)?;
     for (name, array) in arrays {
@@ -75,9 +75,9 @@ pub fn write_arrays(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> 
     writer.finish()
 }
 
-/// A file as [`write_arrays`] makes it, written array by array, and a matrix of it by blocks of
-/// columns or of rows, so that it may be larger than memory. It appears with
-/// [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
+/// A file as [`write_arrays`] makes it, written array by array. Matrices are written by blocks of
+/// columns or of rows, so they may be larger than memory. The file appears with
+/// [`ArraysWriter::finish`]; if the writer is dropped before that, no file is left behind.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, ArraysWriter, Output, Overwrite, read_arrays}};
@@ -128,7 +128,7 @@ impl ArraysWriter {
         }
     }
 
-    /// Begins a matrix, f8, whose columns follow.
+    /// Begins a matrix of f8, whose columns follow.
     ///
     /// # Errors
     /// As [`ArraysWriter::array`].
@@ -153,7 +153,7 @@ impl ArraysWriter {
         }
     }
 
-    /// Begins a matrix, f8, whose rows follow.
+    /// Begins a matrix of f8, whose rows follow.
     ///
     /// # Errors
     /// As [`ArraysWriter::array`].
@@ -181,7 +181,7 @@ impl ArraysWriter {
     /// Lets the file appear.
     ///
     /// # Errors
-    /// As [`ArraysWriter::array`]; nothing is left behind then.
+    /// As [`ArraysWriter::array`]; no file is left behind then.
     pub fn finish(self) -> Result<()> {
         match self.0 {
             Writer::Npz(writer) => writer.finish(),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::base::{Error, Result};
 
-/// `columns`, checked against a matrix of `ncols` columns; all of them when `None`.
+/// Returns `columns`, checked against a matrix of `ncols` columns; all of them when `None`.
 pub(super) fn checked_columns(
     columns: Option<&Range<usize>>,
     ncols: usize,

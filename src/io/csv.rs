@@ -1,5 +1,5 @@
-//! Text tables. A reader of our own: the usual crates take one delimiter byte, not runs of blanks,
-//! and lose count of lines at comments.
+//! Text tables, with a reader of our own: the usual crates take one delimiter byte, not runs of
+//! blanks, and lose count of lines at comments.
 
 use std::fmt::Debug;
 use std::io::{self, Write};
@@ -12,7 +12,7 @@ use super::matrix::{Dense, Matrix};
 use super::source::Source;
 use crate::base::{Error, Result};
 
-/// Reads the table, and the names of the columns that are kept, if its header has one for each.
+/// Reads the table, and the names of the columns that are kept if the header has one for each.
 pub(super) fn read(
     source: &mut Source<'_>,
     columns: Option<&Range<usize>>,
@@ -21,7 +21,7 @@ pub(super) fn read(
     let mut values: Vec<f64> = Vec::new();
     let mut nrows = 0;
     let mut separator = None;
-    // Fields of a row, and the line that says so.
+    // The number of fields in a row, and the line that it was first found in.
     let mut width: Option<(usize, usize)> = None;
     let mut kept = 0..0;
     let mut header_allowed = true;
@@ -97,12 +97,13 @@ fn push(values: &mut Vec<f64>, value: f64) -> Result<()> {
     Ok(())
 }
 
-/// The first of tab, semicolon and comma that the line holds; a blank otherwise.
+/// Returns the first of tab, semicolon and comma that the line holds, or a blank.
 fn separator_of(line: &str) -> char {
     ['\t', ';', ','].into_iter().find(|&c| line.contains(c)).unwrap_or(' ')
 }
 
-/// The fields of a line, without blanks and quotes around them; runs of blanks are one separator.
+/// Returns the fields of a line, without blanks and quotes around them; a run of blanks separates
+/// once.
 fn fields(line: &str, separator: char) -> impl Iterator<Item = &str> {
     let blank = separator == ' ';
     line.split(separator)
@@ -110,7 +111,7 @@ fn fields(line: &str, separator: char) -> impl Iterator<Item = &str> {
         .filter(move |field| !blank || !field.is_empty())
 }
 
-/// The beginning of a field, for a message of one line.
+/// Returns the beginning of a field, for a message of one line.
 fn shortened(field: &str) -> String {
     match field.char_indices().nth(30) {
         Some((end, _)) => format!("{}...", &field[..end]),

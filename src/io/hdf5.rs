@@ -82,7 +82,7 @@ impl Hdf5Writer {
         let dataset = self.file.new_dataset::<f64>();
         let dataset = match rows.min(columns) {
             0 => dataset.shape((rows, columns)).create(name),
-            // A column is not scattered over the whole file.
+            // Chunks keep the entries of a column together.
             _ => dataset.chunk((rows.min(CHUNK), 1)).shape((rows, columns)).create(name),
         };
         let dataset = dataset.map_err(|e| failure(&self.output, e))?;
@@ -140,7 +140,7 @@ impl Hdf5Writer {
     }
 }
 
-/// All datasets of the root.
+/// Reads all datasets of the root.
 pub(super) fn read(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e| error(path, None, format!("can't be read: HDF5 says: {e}"));
     let file = File::open(path).map_err(fail)?;
@@ -149,7 +149,8 @@ pub(super) fn read(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Sto
     let count = names.len();
     for (i, name) in names.into_iter().enumerate() {
         let dataset = file.dataset(&name).map_err(fail)?;
-        // What was never written is in no file, but is read as zeros.
+        // Parts of a dataset that were never written take no space in the file, but are read as
+        // zeros.
         begin(i, count, (dataset.size() as u64).saturating_mul(8))?;
         let kind = dataset.dtype().and_then(|kind| kind.to_descriptor()).map_err(fail)?;
         let entries = match kind {
@@ -198,7 +199,7 @@ fn write_at(
     Ok(())
 }
 
-/// Rows of `width` entries, the first one at `corner`.
+/// Writes rows of `width` entries, the first one at `corner`.
 fn write_block(
     dataset: &Dataset,
     corner: [usize; 2],

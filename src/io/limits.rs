@@ -5,17 +5,17 @@ use std::fmt::Display;
 
 use crate::base::{Progress, builder};
 
-/// Memory that a file may take, at least: more than this, and than [`RATIO`] times its size, is
-/// asked for by a damaged file or by one that is made to.
+/// Memory that a file may always take. A file that asks for more than this, and for more than
+/// [`RATIO`] times its size, is damaged or malicious.
 const LEAST: u64 = 1 << 30;
 
-/// What people pack has ratios of up to about 20; a bomb has a thousand.
+/// Ratio of unpacked to packed size: usual files reach about 20, a decompression bomb a thousand.
 const RATIO: u64 = 100;
 
-/// Of the memory of a file a line takes at most this part.
+/// A line takes at most this part of the memory of a file.
 const LINES: u64 = 64;
 
-/// How a file is read that is not a matrix: a mesh, a plant. The default suits what people have.
+/// How a file that is not a matrix is read: a mesh, a plant. The default suits usual files.
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct SourceOptions<'a> {
@@ -23,7 +23,7 @@ pub struct SourceOptions<'a> {
     /// announces; default a hundred times its size, or 1 GiB if that is more. A line of text may
     /// take a 64th.
     pub max_memory: Option<u64>,
-    /// Told the fraction of the file read; may cancel.
+    /// Receives the fraction of the file that has been read; may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -32,17 +32,17 @@ builder! { SourceOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// The bytes of memory that a file of `size` bytes may take, where the caller may have set a limit.
+/// Returns the bytes of memory that a file of `size` bytes may take; the caller may set a limit.
 pub(super) fn memory_limit(size: u64, max_memory: Option<u64>) -> u64 {
     max_memory.unwrap_or_else(|| size.saturating_mul(RATIO).max(LEAST))
 }
 
-/// The longest line of a file that may take so much.
+/// Returns the length of the longest line of a file that may take so much memory.
 pub(super) fn longest_line(memory: u64) -> usize {
     usize::try_from(memory / LINES).unwrap_or(usize::MAX)
 }
 
-/// What is wrong when `what` takes so many bytes, and a file may take `limit`, if anything is.
+/// Returns a message when `what` takes more bytes than the `limit` of the file.
 pub(super) fn check_memory(limit: u64, what: impl Display, bytes: u64) -> Result<(), String> {
     if bytes <= limit {
         return Ok(());

@@ -62,7 +62,7 @@ pub struct Dense<T> {
 }
 
 impl<T> Dense<T> {
-    /// `values` has `nrows * ncols` entries and `columns` lies in `0..ncols`.
+    /// Creates a matrix of `nrows * ncols` `values`, of which `columns` (in `0..ncols`) are kept.
     pub(super) fn new(
         values: Vec<T>,
         (nrows, ncols): (usize, usize),

@@ -5,7 +5,7 @@
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
 //! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
-//! writer shows its file whole or not at all ([`Output`]).
+//! writer makes its file appear whole or not at all ([`Output`]).
 
 mod accumulator;
 mod arrays;
@@ -67,7 +67,7 @@ pub struct ReadOptions<'a> {
     pub columns: Option<Range<usize>>,
     /// As [`SourceOptions::max_memory`]: of the entries, too.
     pub max_memory: Option<u64>,
-    /// Told the fraction of the file read; may cancel.
+    /// Receives the fraction of the file that has been read; may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -77,7 +77,7 @@ builder! { ReadOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// What a file name says about its content.
+/// What a file name says about the content of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Npy,
@@ -85,7 +85,7 @@ enum Format {
     Csv,
 }
 
-/// The format and whether it is gzipped.
+/// Returns the format of a file, and whether it is gzipped, by its name.
 fn format_of(path: &Path) -> Result<(Format, bool)> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let (stem, gzipped) = match name.strip_suffix(".gz") {
@@ -104,7 +104,7 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
     }
 }
 
-/// Reads the matrix in the file at `path`, of the format its name says.
+/// Reads the matrix in the file at `path`, in the format of its name.
 ///
 /// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f8
 ///   and integers become f64 (integers beyond 2^53 are rounded).
@@ -115,8 +115,8 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 ///   skipped. A first line without any number is a header. At least one row of numbers
 ///   must be there.
 ///
-/// A file may take as much memory as `options.max_memory` says: one whose header announces more is
-/// refused before the memory is asked for.
+/// A file may take as much memory as `options.max_memory` says. A file whose header announces more
+/// is rejected before the memory is allocated.
 ///
 /// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not
 /// known beforehand, may take twice their entries while they grow, and sparse matrices twice
@@ -170,7 +170,7 @@ pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix
     }
 }
 
-/// Writes `matrix` (any shape and strides) into `output`, in the format its name says, and lets it
+/// Writes `matrix` (any shape and strides) into `output`, in the format of its name, and lets it
 /// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables
 /// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
 ///
@@ -185,7 +185,7 @@ pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`]; nothing is left behind then.
+/// [`Error::Io`]; no file is left behind then.
 pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
     write_with(output, |sink, format, separator| match format {
         Format::Npy => npy::write(sink, matrix),
@@ -209,7 +209,7 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`]; nothing is left behind then.
+/// [`Error::Io`]; no file is left behind then.
 pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
     write_with(output, |sink, format, separator| match format {
         Format::Npy => npy::write_integers(sink, matrix),
@@ -218,7 +218,7 @@ pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
     })
 }
 
-/// Lets the file appear once `body` has written its content, which is given the format and the
+/// Lets the file appear once `body` has written its content. `body` gets the format and the
 /// separator of text tables.
 fn write_with(
     mut output: Output,
@@ -242,7 +242,7 @@ fn write_with(
     output.commit()
 }
 
-/// Checks that [`read`] and [`write()`] know the format that this file name stands for.
+/// Checks that [`read`] and [`write()`] know the format that this file name ends in.
 ///
 /// ```
 /// use catamaran::io::check_name;
@@ -252,7 +252,7 @@ fn write_with(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when they don't.
+/// [`Error::Io`] when they do not.
 pub fn check_name(path: &Path) -> Result<()> {
     format_of(path).map(|_| ())
 }

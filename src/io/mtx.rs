@@ -31,7 +31,7 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
     let sizes = numbers(source, if header.coordinate { 3 } else { 2 })?;
     let (nrows, ncols) = (sizes[0], sizes[1]);
     if header.symmetry != Symmetry::General && nrows != ncols {
-        return Err(source.fail(format!("a symmetric matrix that is {nrows} x {ncols}")));
+        return Err(source.fail(format!("a symmetric matrix must be square: {nrows} x {ncols}")));
     }
     let columns = checked_columns(columns, ncols)?;
     if header.coordinate {
@@ -64,15 +64,16 @@ fn header(source: &mut Source<'_>) -> Result<Header> {
         "general" => Symmetry::General,
         "symmetric" => Symmetry::Symmetric,
         "skew-symmetric" => Symmetry::Skew,
-        _ => return Err(source.fail(format!("symmetry {symmetry:?} of a real matrix"))),
+        _ => return Err(source.fail(format!("symmetry {symmetry:?} is not one of a real matrix"))),
     };
     Ok(Header { coordinate, pattern, symmetry })
 }
 
-/// The next line that is neither empty nor a comment.
+/// Returns the next line that is neither empty nor a comment.
 fn content<'s>(source: &'s mut Source<'_>) -> Result<Option<&'s str>> {
     loop {
-        // Asked for again below: the borrow checker would see a loan across the loop.
+        // The line is returned again below: the borrow checker would extend its borrow over the
+        // loop.
         match source.next_line()? {
             None => return Ok(None),
             Some(line) if line.trim_ascii().is_empty() || line.starts_with('%') => {}
@@ -81,7 +82,7 @@ fn content<'s>(source: &'s mut Source<'_>) -> Result<Option<&'s str>> {
     }
 }
 
-/// The size line: `count` whole numbers.
+/// Reads the size line: `count` whole numbers.
 fn numbers(source: &mut Source<'_>, count: usize) -> Result<Vec<usize>> {
     let line = content(source)?.unwrap_or_default().to_owned();
     let sizes: Option<Vec<usize>> =
@@ -99,11 +100,11 @@ fn coordinate(
     entries: usize,
     columns: &Range<usize>,
 ) -> Result<Matrix> {
-    // Where each row begins; sprs would abort where this refuses.
+    // The starts of the rows. Without this check sprs would abort when memory is refused.
     let starts = nrows.saturating_add(1);
     source.check_memory::<usize>(format_args!("a sparse matrix of {nrows} rows"), starts)?;
     drop(reserved::<usize>(starts)?);
-    // The header may lie about the number of entries, not about memory that is really there.
+    // The header may announce too many entries: only memory for likely numbers is reserved.
     let likely = entries.min(1 << 24);
     let (mut rows, mut cols, mut values) =
         (reserved(likely)?, reserved(likely)?, reserved::<f64>(likely)?);
@@ -139,7 +140,7 @@ fn coordinate(
                 push(i, j, value);
                 push(j, i, -value);
             }
-            _ => return Err(source.fail("entry outside the lower triangle that is to be given")),
+            _ => return Err(source.fail("entry outside the lower triangle")),
         }
     }
     nothing_more(source, entries)?;
@@ -178,7 +179,7 @@ fn array(
         nothing_more(source, len)?;
         return Ok(Matrix::F64(Dense::new(values, (nrows, ncols), false, columns)));
     }
-    // Column by column; of a symmetric matrix only the lower triangle is in the file.
+    // Column by column; the file of a symmetric matrix has its lower triangle only.
     let mut read = 0;
     for j in 0..ncols {
         let given = match header.symmetry {
@@ -217,7 +218,7 @@ fn nothing_more(source: &mut Source<'_>, entries: usize) -> Result<()> {
     }
 }
 
-/// Writes an array; `field` is what MatrixMarket calls its entries.
+/// Writes an array; `field` is the type of its entries in MatrixMarket.
 pub(super) fn write<T: Debug>(
     sink: &mut dyn Write,
     matrix: MatRef<'_, T>,

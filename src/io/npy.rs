@@ -14,15 +14,15 @@ use crate::base::{Error, Real, Result, reserved};
 /// Bytes converted at a time; a multiple of every entry size.
 const CHUNK: usize = 1 << 16;
 
-/// Bytes of a header that are read; its three entries take some hundred.
+/// Most bytes of a header; its three entries take some hundred.
 const LONGEST_HEADER: u64 = 1 << 20;
 
-/// Brackets inside of each other in a header: a structured type has five.
+/// Deepest nesting of brackets in a header: a structured type has five.
 const DEEPEST: usize = 8;
 
 macro_rules! entries {
     ($($name:ident = $kind:ident $type:ty),* $(,)?) => {
-        /// A type of entries that is read.
+        /// A type of entries that can be read.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(super) enum Entry {
             $($name),*
@@ -40,14 +40,14 @@ macro_rules! entries {
                 None
             }
 
-            /// Bytes of one entry.
+            /// Returns the bytes of one entry.
             pub(super) fn bytes(self) -> usize {
                 match self {
                     $(Self::$name => size_of::<$type>()),*
                 }
             }
 
-            /// In memory an entry is a T.
+            /// Returns whether an entry is stored as a T.
             pub(super) fn is<T: Real>(self) -> bool {
                 match self {
                     Self::F4 => T::NAME == f32::NAME,
@@ -83,27 +83,27 @@ entries! {
     U8 = Uint u64,
 }
 
-/// What the header says.
+/// The contents of the header.
 #[derive(Debug)]
 pub(super) struct Layout {
-    /// Rows and columns; their product fits.
+    /// Rows and columns; their product fits a `usize`.
     pub(super) shape: (usize, usize),
     pub(super) row_major: bool,
     pub(super) entry: Entry,
-    /// The most significant byte comes first.
+    /// Whether the most significant byte comes first.
     pub(super) big: bool,
     /// Bytes before the first entry.
     pub(super) offset: u64,
 }
 
 impl Layout {
-    /// Takes the header from the start of `source`.
+    /// Reads the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
         let head = head(source).map_err(|e| source.io_error(e))?;
         let header = NpyHeader::from_reader(&head[..]);
         let header = header.map_err(|e| match source.io_error(e) {
             Error::Io { path, line, what, cause } => {
-                // Where the syntax is wrong is drawn on further lines.
+                // The further lines of the message show where the syntax is wrong.
                 let what = what.split(":  -->").next().unwrap_or_default();
                 Error::Io { path, line, what: format!("broken npy header: {what}"), cause }
             }
@@ -135,30 +135,30 @@ impl Layout {
         })
     }
 
-    /// Number of entries.
+    /// Returns the number of entries.
     pub(super) fn len(&self) -> usize {
         self.shape.0 * self.shape.1
     }
 
-    /// f32 holds the entries exactly; else f64 is used.
+    /// Returns whether f32 holds the entries exactly; otherwise f64 is used.
     pub(super) fn is_single(&self) -> bool {
         self.entry == Entry::F4
     }
 
-    /// What is wrong when the entries end too early.
+    /// Returns the message for entries that end too early.
     pub(super) fn truncated(&self) -> String {
         format!("truncated: fewer than the {} entries its header announces", self.len())
     }
 
-    /// What is wrong when something follows the entries.
+    /// Returns the message for data after the entries.
     pub(super) fn trailing(&self) -> String {
         format!("data after the {} entries its header announces", self.len())
     }
 }
 
-/// The bytes before the entries, or as many as there are; of another kind of file only the first.
-/// Three kinds of headers are errors, over which crate npyz would ask for gigabytes, take for ever
-/// or panic: long ones, deep brackets, and more entries than can be counted.
+/// Returns the bytes before the entries, or as many as there are; of another kind of file only the
+/// first ones. Three kinds of headers are errors, because crate npyz would allocate gigabytes, take
+/// too long or panic: long ones, deep brackets, and more entries than can be counted.
 pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     let broken = |what: String| Err(io::Error::new(io::ErrorKind::InvalidData, what));
     let mut head = Vec::new();
@@ -169,7 +169,7 @@ pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
         let length = head.get(8..).unwrap_or_default();
         let length = length.iter().rev().fold(0, |length, &byte| (length << 8) | u64::from(byte));
         if length > LONGEST_HEADER {
-            return broken(format!("broken npy header: it is said to have {length} bytes"));
+            return broken(format!("broken npy header: it announces {length} bytes"));
         }
         source.by_ref().take(length).read_to_end(&mut head)?;
     }
@@ -182,7 +182,7 @@ pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// How many brackets are open at once, at most. The time of crate npyz doubles with each of them.
+/// Returns the depth of nested brackets. The time of crate npyz doubles with each level.
 fn depth(head: &[u8]) -> usize {
     let (mut open, mut most) = (0_usize, 0);
     for byte in head {
@@ -196,7 +196,7 @@ fn depth(head: &[u8]) -> usize {
     most
 }
 
-/// Whether the header announces more entries than can be counted.
+/// Returns whether the header announces more entries than can be counted.
 fn shape_overflows(head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
     let Some((_, rest)) = text.rsplit_once("shape") else { return false };
@@ -220,7 +220,7 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
     })
 }
 
-/// All entries, and nothing after them.
+/// Reads all entries, and checks that nothing follows them.
 fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
     let len = layout.len();
     source.check_memory::<T>(format_args!("a matrix of the {len} entries announced"), len)?;
@@ -259,20 +259,20 @@ pub(super) fn write_integers(sink: &mut dyn Write, matrix: MatRef<'_, i64>) -> i
     header(sink, i64::default_dtype(), matrix.nrows(), matrix.ncols())?;
     for i in 0..matrix.nrows() {
         for j in 0..matrix.ncols() {
-            // default_dtype is in the order of the machine.
+            // `default_dtype` has the byte order of the machine.
             sink.write_all(&matrix[(i, j)].to_ne_bytes())?;
         }
     }
     Ok(())
 }
 
-/// The header of an m x n matrix in C order and the precision of T.
+/// Writes the header of an m x n matrix in C order and the precision of T.
 pub(super) fn write_header<T: Real>(sink: &mut dyn Write, m: usize, n: usize) -> io::Result<()> {
     let single = T::NAME == f32::NAME;
     header(sink, if single { f32::default_dtype() } else { f64::default_dtype() }, m, n)
 }
 
-/// The header of an m x n matrix in C order.
+/// Writes the header of an m x n matrix in C order.
 fn header(sink: &mut dyn Write, dtype: DType, m: usize, n: usize) -> io::Result<()> {
     npyz::WriteOptions::new_header_only()
         .dtype(dtype)
@@ -282,11 +282,11 @@ fn header(sink: &mut dyn Write, dtype: DType, m: usize, n: usize) -> io::Result<
         .map(drop)
 }
 
-/// Appends the bytes of entries: default_dtype is in the order of the machine.
+/// Appends the bytes of entries: `default_dtype` has the byte order of the machine.
 pub(super) fn encode<T: Real>(values: impl Iterator<Item = T>, bytes: &mut Vec<u8>) {
     for value in values {
         let value = value.to_f64();
-        // An f32 survives f64 and back.
+        // An f32 is converted to f64 and back without a change.
         if T::NAME == f32::NAME {
             bytes.extend_from_slice(&(value as f32).to_ne_bytes());
         } else {

@@ -38,7 +38,7 @@ pub enum Array<'a> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`]; nothing is left behind then.
+/// [`Error::Io`]; no file is left behind then.
 pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
     let mut writer = NpzWriter::new(output);
     for (name, array) in arrays {
@@ -47,9 +47,9 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
     writer.finish()
 }
 
-/// An `.npz` file that is written array by array, and a matrix of it by blocks of columns or of
-/// rows, so that it may be larger than memory. It appears with [`NpzWriter::finish`]; dropped
-/// before that, it leaves nothing.
+/// An `.npz` file that is written array by array. Matrices are written by blocks of columns or of
+/// rows, so they may be larger than memory. The file appears with [`NpzWriter::finish`]; if the
+/// writer is dropped before that, no file is left behind.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, NpzWriter, Output, Overwrite, read_arrays}};
@@ -73,18 +73,18 @@ pub struct NpzWriter {
     begun: Begun,
 }
 
-/// What is left of a matrix.
+/// The part of a matrix that is not yet written.
 struct Begun {
-    /// C for rows, Fortran for columns.
+    /// C order for rows, Fortran order for columns.
     order: Order,
-    /// Entries of a row or column.
+    /// Number of entries of a row or column.
     length: usize,
-    /// Rows or columns that are missing.
+    /// Number of rows or columns that are missing.
     left: usize,
 }
 
 impl Begun {
-    /// What comes next is of this order, and as long.
+    /// Checks that the next rows or columns are of this order and length.
     fn check(&self, order: Order, next: MatRef<'_, f64>) -> Result<()> {
         let left = if self.order == order { self.left } else { 0 };
         let (rows, columns) = next.shape();
@@ -105,12 +105,12 @@ impl Begun {
     }
 }
 
-/// What the archive is written into. After the first error nothing is, and that succeeds: an
-/// archive that is dropped still writes its end, and prints to stderr when it can't.
+/// The destination of the archive. After the first error it discards what is written and reports
+/// success: an archive that is dropped still writes its end, and prints to stderr when it can't.
 struct Sink {
     output: Output,
     failed: bool,
-    /// Where the archive believes to be.
+    /// The position that the archive assumes.
     position: u64,
 }
 
@@ -121,12 +121,12 @@ impl Sink {
 
     fn finish(self) -> Result<Output> {
         if self.failed {
-            return Err(self.output.error(io::Error::other("a write before has failed")));
+            return Err(self.output.error(io::Error::other("an earlier write has failed")));
         }
         Ok(self.output)
     }
 
-    /// Notes the first error.
+    /// Remembers that an error has occurred.
     fn noted<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
         self.failed |= done.as_ref().is_err_and(|e| e.kind() != io::ErrorKind::Interrupted);
         done
@@ -179,7 +179,7 @@ impl NpzWriter {
         self.told(written)
     }
 
-    /// Begins a matrix, f8 in Fortran order, whose columns follow.
+    /// Begins a matrix of f8 in Fortran order, whose columns follow.
     ///
     /// # Errors
     /// As [`NpzWriter::array`].
@@ -196,7 +196,7 @@ impl NpzWriter {
         self.write_columns(columns)
     }
 
-    /// Begins a matrix, f8 in C order, whose rows follow.
+    /// Begins a matrix of f8 in C order, whose rows follow.
     ///
     /// # Errors
     /// As [`NpzWriter::array`].
@@ -217,7 +217,7 @@ impl NpzWriter {
     /// Lets the file appear.
     ///
     /// # Errors
-    /// As [`NpzWriter::array`]; nothing is left behind then.
+    /// As [`NpzWriter::array`]; no file is left behind then.
     pub fn finish(self) -> Result<()> {
         self.begun.check_end()?;
         let Self { archive, path, .. } = self;
@@ -227,7 +227,7 @@ impl NpzWriter {
 
     fn begin(&mut self, name: &str) -> Result<()> {
         self.begun.check_end()?;
-        // Sizes are known only when all is written.
+        // Sizes are known only after all entries have been written.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
             .large_file(true);
@@ -286,7 +286,7 @@ impl NpzWriter {
     }
 }
 
-/// The header of an array; default_dtype is in the order of the machine.
+/// Returns the header of an array; `default_dtype` has the byte order of the machine.
 fn header<T: npyz::AutoSerialize>(
     sink: &mut dyn Write,
     order: Order,

@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 use super::source::error;
 use crate::base::{Error, Result};
 
-/// What happens to a file that is already there.
+/// What happens to a file that exists already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overwrite {
     /// It stays, and writing is an error.
@@ -18,8 +18,9 @@ pub enum Overwrite {
     Replace,
 }
 
-/// A file that appears whole or not at all: it is written under another name in the same folder,
-/// flushed to the disk, and renamed by [`Output::commit`]. Dropped before that, it leaves nothing.
+/// A file that appears whole or not at all. It is written under another name in the same folder,
+/// flushed to the disk, and renamed by [`Output::commit`]. If it is dropped before that, no file is
+/// left behind.
 ///
 /// A new file gets the default permissions, less what the umask forbids. A file that replaces
 /// another file gets the permissions of that file, and its owner and group where the system allows
@@ -41,11 +42,11 @@ pub enum Overwrite {
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
-    /// Where the file appears: what the path leads to, if it is a symbolic link.
+    /// Where the file appears: the target of the path, if the path is a symbolic link.
     target: PathBuf,
     file: BufWriter<NamedTempFile>,
     overwrite: Overwrite,
-    // Dropped after the file, which removes itself.
+    // Dropped after the file, which removes itself from the disk.
     _listed: Option<Listed>,
 }
 
@@ -56,7 +57,7 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A line of [`UNFINISHED`].
+/// An entry of [`UNFINISHED`].
 #[derive(Debug)]
 struct Listed(PathBuf);
 
@@ -67,7 +68,7 @@ impl Drop for Listed {
 }
 
 /// Removes the temporary file of every [`Output`] that is not committed. Afterwards, creating,
-/// committing and dropping an [`Output`] wait for ever. Call it only immediately before the program
+/// committing and dropping an [`Output`] wait forever. Call it only immediately before the program
 /// exits without destructors, for example after a signal: no file stays behind, and none is
 /// committed in part.
 ///
@@ -114,10 +115,10 @@ pub fn try_discard_unfinished(patience: Duration) -> bool {
     }
 }
 
-/// Removes them, and keeps the list locked for ever.
+/// Removes the files, and keeps the list locked forever.
 fn discard(unfinished: MutexGuard<'_, Vec<PathBuf>>) -> bool {
     for path in unfinished.iter() {
-        // Gone already, or nothing can be done about it.
+        // The file is gone already, or can't be removed.
         let _ = std::fs::remove_file(path);
     }
     std::mem::forget(unfinished);
@@ -147,13 +148,13 @@ impl Output {
         options.read(true).write(true).create_new(true);
         #[cfg(unix)]
         {
-            // Private until it is known what it replaces, as temporaries are.
+            // Private until the permissions of the replaced file are known.
             let mode = if replaced.is_some() { 0o600 } else { 0o666 };
             std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
         }
         let mut listed = None;
         let create = |temporary: &Path| {
-            // Before the lock: an abort for lack of memory needs the list.
+            // Allocates before the lock: an abort for lack of memory needs the list.
             let line = temporary.to_owned();
             listed = Some(Listed(temporary.to_owned()));
             let mut unfinished = unfinished();
@@ -175,7 +176,7 @@ impl Output {
         &self.path
     }
 
-    /// Where it is until then.
+    /// Returns the path of the file until then.
     #[cfg(feature = "hdf5")]
     pub(super) fn temporary_path(&self) -> &Path {
         self.file.get_ref().path()
@@ -184,14 +185,15 @@ impl Output {
     /// Lets the file appear under its name.
     ///
     /// # Errors
-    /// [`Error::Io`]; nothing is left behind then, unless it is the folder that can't be written to
-    /// the disk.
+    /// [`Error::Io`]; no file is left behind then, unless the error is that of flushing the folder
+    /// to the disk.
     pub fn commit(mut self) -> Result<()> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
         flushed.map_err(|e| self.error(e))?;
         let Self { path, target, file, overwrite, _listed } = self;
         let file = file.into_inner().map_err(|e| write_error(&path, e.into_error()))?;
-        // Not while the files are discarded: the program ends without this one.
+        // Locked, so that no file is committed while the files are discarded: the program then
+        // ends.
         let unfinished = unfinished();
         let renamed = match overwrite {
             Overwrite::Replace => file.persist(&target),
@@ -205,7 +207,7 @@ impl Output {
         }
     }
 
-    /// Makes it this long; what was not written is zeros.
+    /// Sets the length of the file; bytes that were not written are zeros.
     pub(super) fn set_len(&mut self, bytes: u64) -> io::Result<()> {
         self.file.flush()?;
         self.file.get_ref().as_file().set_len(bytes)
@@ -217,7 +219,7 @@ impl Output {
     }
 }
 
-/// A failed write to the file that will have this path.
+/// Returns the error of a failed write to the file that will have this path.
 pub(super) fn write_error(path: &Path, e: io::Error) -> Error {
     let what = format!("can't be written: {}", reason(&e));
     Error::Io { path: path.into(), line: None, what, cause: Some(e.into()) }
@@ -239,17 +241,17 @@ impl Seek for Output {
     }
 }
 
-/// Links that are followed, as the kernel of Linux does.
+/// Most symbolic links that are followed, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
-/// The file that `path` leads to through symbolic links, the last of which may lead to none.
+/// Returns the file that `path` leads to through symbolic links; it need not exist.
 fn target_of(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
         if !target.symlink_metadata().is_ok_and(|about| about.is_symlink()) {
             return Ok(target);
         }
-        // From where the link is, unless it leads from the root.
+        // Relative to the folder of the link, unless the target is absolute.
         target = folder_of(&target).join(std::fs::read_link(&target)?);
     }
     Err(io::Error::other("too many symbolic links"))
@@ -268,19 +270,19 @@ fn take_over(file: &File, replaced: &Metadata) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
-        // Refused to all but root unless they are the user's own; before the permissions, which a
-        // change of owner may cut.
+        // Only root may do this, unless owner and group are the user's own. It comes before the
+        // permissions, which a change of owner may cut.
         let _ = fchown(file, None, Some(replaced.gid()));
         let _ = fchown(file, Some(replaced.uid()), None);
-        // Not the bits that make a program run as its owner.
+        // Without the bits that make a program run as its owner.
         file.set_permissions(PermissionsExt::from_mode(replaced.mode() & 0o777))
     }
     #[cfg(not(unix))]
     file.set_permissions(replaced.permissions())
 }
 
-/// Makes a rename in the folder of `path` last through a power cut, where the system lets the user
-/// do that: a folder may be written that can't be opened, and some file systems have no such call.
+/// Makes a rename in the folder of `path` survive a power cut, where the system lets the user do
+/// that: some folders can be written but not opened, and some file systems have no such call.
 fn sync_folder(path: &Path) -> io::Result<()> {
     use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     if !cfg!(unix) {
@@ -296,7 +298,7 @@ fn exists(path: &Path) -> Error {
     error(path, None, "exists already and is not replaced")
 }
 
-/// The message without the name of the temporary, which means nothing to the reader.
+/// Returns the message without the name of the temporary file, which means nothing to the user.
 fn reason(e: &io::Error) -> String {
     let text = e.to_string();
     match text.find(" at path ") {

@@ -1,4 +1,4 @@
-//! What [`write_arrays`](super::write_arrays) wrote, read back.
+//! Reads the files of [`write_arrays`](super::write_arrays).
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -106,7 +106,7 @@ impl Arrays {
                 .iter()
                 .map(|&value| usize::try_from(value))
                 .collect::<std::result::Result<_, _>>()
-                .map_err(|_| error(&self.path, None, format!("{name}: too large a number"))),
+                .map_err(|_| error(&self.path, None, format!("`{name}`: a number is too large"))),
             stored => Err(self.other(name, "a vector of unsigned integers", stored)),
         }
     }
@@ -168,10 +168,10 @@ fn decode(content: &[u8]) -> std::io::Result<Stored> {
     let lengths = file.shape().iter().map(|&n| usize::try_from(n));
     let shape = lengths.collect::<std::result::Result<_, _>>().map_err(std::io::Error::other)?;
     let by_columns = file.order() == Order::Fortran;
-    // The entries are all there: a header can't make more memory be taken than the file has bytes.
+    // A header can't make more memory be allocated than the file has bytes.
     let entries = file.shape().iter().try_fold(8u64, |all, &n| all.checked_mul(n));
     if entries.is_none_or(|bytes| bytes > content.len() as u64) {
-        return Err(std::io::Error::other("truncated, or not of entries of 8 bytes"));
+        return Err(std::io::Error::other("truncated, or its entries do not have 8 bytes"));
     }
     let unsigned =
         matches!(&file.dtype(), npyz::DType::Plain(t) if t.type_char() == TypeChar::Uint);

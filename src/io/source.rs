@@ -12,7 +12,7 @@ use crate::base::{Error, Progress, Result};
 /// Bytes read from the disk at a time.
 const BUFFER: usize = 1 << 20;
 
-/// The least of them.
+/// The smallest buffer.
 const SMALLEST: u64 = 1 << 16;
 
 /// How a file is packed.
@@ -24,7 +24,7 @@ pub(crate) enum Packing {
 }
 
 impl Packing {
-    /// What a file name in lower case says, and the name without that.
+    /// Returns the file name (in lower case) without the ending of a packed file, and the packing.
     pub(crate) fn of(name: &str) -> (&str, Self) {
         if let Some(stem) = name.strip_suffix(".gz") {
             (stem, Self::Gzip)
@@ -45,9 +45,9 @@ pub(crate) struct Source<'a> {
     /// Lines taken by [`Source::next_line`] so far.
     line: usize,
     buffer: Vec<u8>,
-    /// Bytes of memory that it may take.
+    /// Bytes of memory that the file may take.
     memory: u64,
-    /// Its bytes, if they are known.
+    /// Bytes of the file, if they are known.
     size: Option<u64>,
     packing: Packing,
 }
@@ -57,7 +57,7 @@ impl<'a> Source<'a> {
         Self::open_packed(path, |_| packing, options)
     }
 
-    /// The same, packed as `packing` makes of the first bytes.
+    /// Opens a file, packed as `packing` concludes from the first bytes.
     pub(crate) fn open_packed(
         path: &Path,
         packing: impl FnOnce(&[u8]) -> Packing,
@@ -74,7 +74,7 @@ impl<'a> Source<'a> {
         };
         let watched = opened().map_err(|e| error_at(path, None, e))?;
         let memory = memory_limit(watched.size, options.max_memory);
-        // A small file takes a small buffer; a pipe has no size.
+        // A small file gets a small buffer; the size of a pipe is unknown.
         let buffer = BUFFER.min(watched.size.max(SMALLEST) as usize);
         let size = watched.size;
         let mut raw = BufReader::with_capacity(buffer, watched);
@@ -90,12 +90,12 @@ impl<'a> Source<'a> {
                 Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
         };
-        // A pipe says 0.
+        // The size of a pipe reads as 0.
         let size = (packing == Packing::None && size > 0).then_some(size);
         Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), memory, size, packing })
     }
 
-    /// The bytes of a file that would be called `path`.
+    /// Creates a source of the bytes of a file that would be called `path`.
     pub(crate) fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
         Self {
             path: path.into(),
@@ -108,22 +108,22 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Its bytes, where they are known.
+    /// Returns the bytes of the file, where they are known.
     pub(crate) fn size(&self) -> Option<u64> {
         self.size
     }
 
-    /// How it is packed.
+    /// Returns how the file is packed.
     pub(crate) fn packing(&self) -> Packing {
         self.packing
     }
 
-    /// Up to `count` of the next bytes, which stay to be read.
+    /// Returns up to `count` of the next bytes without consuming them.
     pub(crate) fn peek(&mut self, count: usize) -> Result<Vec<u8>> {
         let mut head = Vec::new();
         let read = (&mut self.reader).take(count as u64).read_to_end(&mut head);
@@ -133,7 +133,7 @@ impl<'a> Source<'a> {
         Ok(head)
     }
 
-    /// All bytes that are left.
+    /// Returns all bytes that are left.
     pub(crate) fn read_all(&mut self) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         loop {
@@ -154,14 +154,14 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Refuses `what`, which takes the memory of `len` values of T, when that is more than this
-    /// file may take.
+    /// Returns an error when `what`, which takes the memory of `len` values of T, exceeds the
+    /// memory that this file may take.
     pub(crate) fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
         let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
         check_memory(self.memory, what, bytes).map_err(|what| self.fail(what))
     }
 
-    /// The next line, without its end, or `None` at the end of the file.
+    /// Returns the next line, without its end, or `None` at the end of the file.
     pub(super) fn next_line(&mut self) -> Result<Option<&str>> {
         if self.next_bytes()?.is_none() {
             return Ok(None);
@@ -172,7 +172,7 @@ impl<'a> Source<'a> {
         Ok(Some(self.last_line()))
     }
 
-    /// The next line, of whatever bytes, without its end, or `None` at the end of the file.
+    /// Returns the next line as bytes, without its end, or `None` at the end of the file.
     pub(crate) fn next_bytes(&mut self) -> Result<Option<&[u8]>> {
         self.buffer.clear();
         self.line += 1;
@@ -198,40 +198,41 @@ impl<'a> Source<'a> {
         Ok(Some(&self.buffer))
     }
 
-    /// The line that [`Source::next_line`] returned last.
+    /// Returns the line that [`Source::next_line`] returned last.
     pub(super) fn last_line(&self) -> &str {
         std::str::from_utf8(&self.buffer).unwrap_or_default()
     }
 
-    /// The number of the last line, from 1.
+    /// Returns the number of the last line, from 1.
     pub(crate) fn line(&self) -> usize {
         self.line
     }
 
-    /// An error at the last line.
+    /// Returns an error at the last line.
     pub(crate) fn fail(&self, what: impl Into<String>) -> Error {
         error(&self.path, self.at(), what)
     }
 
-    /// An error at another line, or none.
+    /// Returns an error at another line, or without a line.
     pub(crate) fn fail_at(&self, line: impl Into<Option<usize>>, what: impl Into<String>) -> Error {
         error(&self.path, line, what)
     }
 
-    /// What went wrong in reading bytes.
+    /// Returns the error of a failed read.
     pub(crate) fn io_error(&self, e: io::Error) -> Error {
         error_at(&self.path, self.at(), e)
     }
 
-    /// The last line for an error: none before the first, or in a file that is not text.
+    /// Returns the last line for an error: none before the first, or in a file that is not text.
     fn at(&self) -> Option<usize> {
         (self.line > 0).then_some(self.line)
     }
 }
 
 impl SourceOptions<'_> {
-    /// Refuses `what` a file announces, which takes so many bytes of memory, when that is more than
-    /// the file may take. For readers of other formats than those of this crate.
+    /// Returns an error when `what`, which a file announces and which takes so many bytes of
+    /// memory, exceeds the memory that the file may take. For readers of other formats than those
+    /// of this crate.
     ///
     /// ```
     /// use catamaran::io::SourceOptions;
@@ -246,7 +247,7 @@ impl SourceOptions<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`], also when the file can't be looked at.
+    /// [`Error::Io`], also when the size of the file can't be read.
     pub fn check_memory(&self, path: &Path, what: impl Display, bytes: u64) -> Result<()> {
         let about = path.metadata().map_err(|e| error_at(path, None, e))?;
         check_memory(memory_limit(about.len(), self.max_memory), what, bytes)
@@ -274,7 +275,7 @@ impl BufRead for Source<'_> {
     }
 }
 
-/// What comes out of a packed file, up to a limit.
+/// The unpacked bytes of a file, up to a limit.
 struct Limited<R> {
     inner: R,
     left: u64,
@@ -296,12 +297,13 @@ impl<R: Read> Read for Limited<R> {
     }
 }
 
-/// An [`Error::Io`].
+/// Creates an [`Error::Io`].
 pub(super) fn error(path: &Path, line: impl Into<Option<usize>>, what: impl Into<String>) -> Error {
     Error::Io { path: path.into(), line: line.into(), what: what.into(), cause: None }
 }
 
-/// An [`Error::Io`] out of the system's, or the request to stop that it carries.
+/// Creates an [`Error::Io`] from the system's error, or [`Error::Cancelled`] if the error carries
+/// that.
 pub(super) fn error_at(path: &Path, line: Option<usize>, e: io::Error) -> Error {
     if e.get_ref().is_some_and(|inner| inner.is::<Stopped>()) {
         return Error::Cancelled;
@@ -314,7 +316,7 @@ pub(super) fn error_at(path: &Path, line: Option<usize>, e: io::Error) -> Error 
     Error::Io { path: path.into(), line, what, cause: Some(e.into()) }
 }
 
-/// The file itself; each read of a buffer is progress.
+/// The file itself; each read of a buffer reports progress.
 struct Watched<'a> {
     file: File,
     size: u64,
@@ -332,7 +334,7 @@ impl Read for Watched<'_> {
     }
 }
 
-/// Carries a request to stop through the readers above.
+/// Carries a request to stop through the readers.
 #[derive(Debug)]
 struct Stopped;
 

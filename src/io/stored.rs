@@ -1,8 +1,8 @@
-//! Arrays of several dimensions, in memory, as files have them.
+//! Arrays of several dimensions in memory, in the order of their files.
 
 use crate::base::Result;
 
-/// An array of a file, as its entries lie there.
+/// An array of a file, with its entries in the order of the file.
 #[derive(Debug, Clone)]
 pub(super) struct Stored {
     pub shape: Vec<usize>,
@@ -18,6 +18,6 @@ pub(super) enum Entries {
     Indices(Vec<u64>),
 }
 
-/// Called before array `i` of `count` is read, which takes this many bytes: an error ends the
-/// reading.
+/// A function that is called before array `i` of `count` is read, which takes this many bytes. An
+/// error ends the reading.
 pub(super) type Begin<'a> = &'a mut dyn FnMut(usize, usize, u64) -> Result<()>;

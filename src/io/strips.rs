@@ -6,8 +6,8 @@ use super::{Format, Output, format_of};
 use crate::ata::{Strip, Uplo};
 use crate::base::{Error, Real, Result};
 
-/// A symmetric n x n matrix on its way into a `.npy` file, strip by strip, because all of it is too
-/// large for memory.
+/// Writes a symmetric n x n matrix into a `.npy` file, strip by strip, because it is too large for
+/// memory.
 ///
 /// ```
 /// use catamaran::ata::{Accumulator, DenseRows, stream};
@@ -41,7 +41,7 @@ pub struct StripOutput {
 
 impl StripOutput {
     /// Starts the file of a matrix of entries T, of which the triangle or triangles of `uplo` are
-    /// given, and the rest is zero.
+    /// written, and the rest is zero.
     ///
     /// # Errors
     /// [`Error::Io`] for a name that does not end in `.npy`, and when it can't be written.
@@ -59,8 +59,8 @@ impl StripOutput {
         Ok(Self { output, n, uplo, offset })
     }
 
-    /// Writes a strip of the lower triangle, and into the columns of its rows what `uplo` wants
-    /// above the diagonal. Of the type T that it was begun for.
+    /// Writes a strip of the lower triangle and, if `uplo` wants it, the mirror image above the
+    /// diagonal. T must be the type that the file was started for.
     ///
     /// # Errors
     /// [`Error::Shape`] when the strip is not of an n x n matrix, [`Error::Io`].
@@ -88,17 +88,17 @@ impl StripOutput {
         Ok(())
     }
 
-    /// Puts the bytes of entries into row `i` of the file, from column `j` on.
+    /// Writes the bytes of entries into row `i` of the file, from column `j` on.
     fn put<T: Real>(&mut self, i: usize, j: usize, bytes: &[u8]) -> Result<()> {
         let at = self.offset + (i as u64 * self.n as u64 + j as u64) * size_of::<T>() as u64;
         let done = self.output.seek(SeekFrom::Start(at)).and_then(|_| self.output.write_all(bytes));
         done.map_err(|e| self.output.error(e))
     }
 
-    /// Lets the file appear, as [`Output::commit`].
+    /// Lets the file appear, as [`Output::commit`] does.
     ///
     /// # Errors
-    /// [`Error::Io`]; nothing is left behind then.
+    /// [`Error::Io`]; no file is left behind then.
     pub fn commit(self) -> Result<()> {
         self.output.commit()
     }

@@ -1,4 +1,4 @@
-//! Round trips, and errors that name file and line.
+//! Tests of round trips, and of errors that name file and line.
 
 use std::fs;
 use std::io::Write;
@@ -51,7 +51,7 @@ pub(super) fn doubles(matrix: &Matrix) -> Mat<f64> {
     values
 }
 
-/// The `line` and `what` of the error that reading `content` gives, which names the file.
+/// Returns the `line` and `what` of the error that reading `content` gives, which names the file.
 fn refusal(name: &str, content: impl AsRef<[u8]>) -> (Option<usize>, String) {
     let folder = Folder::new();
     let path = folder.file(name, content);
@@ -177,7 +177,7 @@ fn broken_npy_is_refused() {
         (npy("<f8", "False", "(1, 1)", &eight)[..40].to_vec(), "broken npy header: truncated"),
         (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header"),
         (npy("<f8", &"[".repeat(40), "(1, 1)", &eight), "broken npy header: too many brackets"),
-        (b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{".to_vec(), "broken npy header: it is said to have"),
+        (b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{".to_vec(), "broken npy header: it announces"),
         (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
         (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
         (npy("<f8", "False", "(1, 1, 1)", &eight), "an array of 3 dimensions"),
@@ -301,7 +301,7 @@ fn broken_matrix_market_is_refused_with_its_line() {
         (
             "%%MatrixMarket matrix array real symmetric\n1 2\n",
             2,
-            "a symmetric matrix that is 1 x 2",
+            "a symmetric matrix must be square: 1 x 2",
         ),
         ("%%MatrixMarket matrix array real general\n2 1\n1\n", 4, "truncated: no entry for row 2"),
         ("%%MatrixMarket matrix array real general\n1 1\none\n", 3, "\"one\" is not a number"),
@@ -378,7 +378,7 @@ fn small_files_may_take_a_gibibyte_and_more_if_they_are_told() {
 
 #[test]
 fn an_accumulator_gets_memory_for_what_is_there() {
-    // Where the numbers of columns and the end of the strip are, and where the head ends.
+    // The offsets of the number of columns and of the end of the strip, and where the head ends.
     const COLUMNS: [usize; 2] = [20, 36];
     const HEAD_LENGTH: usize = 16;
     let folder = Folder::new();
@@ -413,7 +413,8 @@ fn an_accumulator_whose_weights_are_damaged_has_no_mean() {
     sum.add_block(1, &mut [0.5], None, &AtaOptions::new()).unwrap();
     let mut bytes = Vec::new();
     sum.write(&mut bytes).unwrap();
-    // Before the sum, the entry and the checksum: the sum of the weights and that of their sizes.
+    // The sum of the weights and that of their sizes come before the sum, the entry and the
+    // checksum.
     let end = bytes.len() - 4;
     let weights = end - 2 * 16 - 2 * 16;
     bytes[weights..][..16].fill(0);
@@ -511,7 +512,7 @@ fn output_keeps_the_permissions_and_the_owner_of_what_it_replaces() {
         assert_eq!(after.mode() & 0o7777, mode, "{mode:o}");
         assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()));
     }
-    // Root may give files away, and gets them back as they were.
+    // Root may change the owner of files, and change it back.
     if std::os::unix::fs::chown(&path, Some(65534), Some(65534)).is_ok() {
         let after = write();
         assert_eq!((after.uid(), after.gid()), (65534, 65534));
@@ -549,7 +550,7 @@ fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
         assert!(path(link).symlink_metadata().unwrap().is_symlink(), "{link}");
         assert_eq!(fs::read(path(target)).unwrap(), b"whole", "{link}");
     }
-    // Nothing is left beside them.
+    // No file is left beside them.
     assert_eq!(fs::read_dir(path("there")).unwrap().count(), 2);
     let refused = |name| Output::create(&path(name), Overwrite::Replace).unwrap_err().to_string();
     assert!(refused("circle").contains("symbolic links"), "{}", refused("circle"));

@@ -5,21 +5,21 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lzma_rust2::XzReader;
 
-/// The largest dictionary that a file may ask for, as LZMA2 says sizes: 256 MiB. `xz -9` takes 64
+/// The largest dictionary that a file may need, in the encoding of LZMA2: 256 MiB. `xz -9` takes 64
 /// MiB.
 const LARGEST_DICTIONARY: u8 = 32;
 
-/// The name of LZMA2 among filters.
+/// The identifier of LZMA2 among filters.
 const LZMA2: u64 = 0x21;
 
 /// A file being unpacked.
 pub(super) struct Unpacker<R: Read>(XzReader<R>);
 
 impl<R: BufRead> Unpacker<R> {
-    /// Of a packed file at its start.
+    /// Creates an unpacker of a packed file at its start.
     pub(super) fn new(mut packed: R) -> io::Result<Self> {
         if dictionary(packed.fill_buf()?).is_some_and(|size| size > LARGEST_DICTIONARY) {
-            return Err(io::Error::other("asks for a dictionary of more than 256 MiB"));
+            return Err(io::Error::other("needs a dictionary of more than 256 MiB"));
         }
         Ok(Self(XzReader::new(packed, true)))
     }
@@ -27,14 +27,14 @@ impl<R: BufRead> Unpacker<R> {
 
 impl<R: Read> Read for Unpacker<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        // The crate is safe code that expects this and that of its input.
+        // The crate is safe code, which may panic on unexpected input.
         catch_unwind(AssertUnwindSafe(|| self.0.read(out)))
             .unwrap_or_else(|_| Err(io::Error::other("broken .xz file")))
     }
 }
 
-/// The size of the dictionary of the first block, as LZMA2 says it; `None` when there is no such
-/// block.
+/// Returns the size of the dictionary of the first block, in the encoding of LZMA2, or `None` when
+/// there is no such block.
 fn dictionary(file: &[u8]) -> Option<u8> {
     // After the stream header of 12 bytes: size of the block header, flags, sizes if flagged,
     // filters.
@@ -63,7 +63,7 @@ fn take(bytes: &mut &[u8]) -> Option<u8> {
     Some(first)
 }
 
-/// A number in groups of seven bits, lowest first.
+/// Reads a number in groups of seven bits, lowest first.
 fn number(bytes: &mut &[u8]) -> Option<u64> {
     let mut value = 0;
     for shift in (0..63).step_by(7) {

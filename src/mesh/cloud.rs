@@ -1,5 +1,5 @@
-//! The Laplacian of a point cloud: small triangulations around every point, and the tufted cover of
-//! all of them.
+//! The Laplacian of a point cloud: small triangulations around every point, joined in a tufted
+//! cover.
 //!
 //! Source: Sharp and Crane, A Laplacian for Nonmanifold Triangle Meshes (2020), section 5.7.
 
@@ -17,10 +17,10 @@ use crate::sparse::Mass;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CloudOptions {
-    /// Nearest points that a point is triangulated with; default 30, at least 3.
+    /// Number of nearest points with which each point is triangulated; default 30, at least 3.
     pub neighbours: usize,
-    /// What holds at the boundary: the points around which the triangles leave a gap. Default
-    /// [`Boundary::Neumann`].
+    /// Condition at the boundary, which consists of the points around which the triangles leave a
+    /// gap. Default [`Boundary::Neumann`].
     pub boundary: Boundary,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
@@ -41,21 +41,23 @@ builder! { CloudOptions {
 /// Points that a thread triangulates at a time.
 const BLOCK: usize = 256;
 
-/// Each triangle is found from its three corners, mostly.
+/// Divisor of the matrices: most triangles are found three times, once from each corner.
 const COPIES: f64 = 3.0;
 
-/// How far points are moved for the triangulation, relative to their nearest neighbour: then points
-/// on a circle are triangulated alike from wherever they are seen.
+/// Largest displacement of a point for the triangulation, relative to the distance of the nearest
+/// neighbour. The displacement depends on the point only, so that cocircular points are
+/// triangulated alike from each of them.
 const DISORDER: f64 = 1e-6;
 
-/// Sine of an angle of pi at a point of a straight boundary, for all that the disorder makes of it.
+/// Largest sine of an angle that counts as 0 or pi, as at a straight boundary: more than the
+/// displacement changes it.
 const FLAT: f64 = 1e-4;
 
 /// Computes the Laplacian of the surface that `points` were sampled from.
 ///
-/// Around each point its nearest ones are projected into the plane that fits best, where the
-/// point's triangles of the Delaunay triangulation are taken; the tufted Laplacian of all of these
-/// triangles, divided by three.
+/// Around each point, the nearest points are projected into the plane that fits them best, and the
+/// triangles at the point are those of the Delaunay triangulation there. The result is the tufted
+/// Laplacian of all these triangles, divided by three.
 ///
 /// ```
 /// use catamaran::mesh::{CloudOptions, cloud_laplacian, families};
@@ -89,7 +91,7 @@ pub fn cloud_laplacian(points: &[[f64; 3]], options: &CloudOptions) -> Result<La
     Ok(found)
 }
 
-/// Triangles around all points.
+/// The triangles around all points.
 struct Triangles {
     mesh: TriMesh,
     /// The points that are not surrounded, ascending.
@@ -98,7 +100,7 @@ struct Triangles {
 
 fn triangles(points: &[[f64; 3]], options: &CloudOptions) -> Result<Triangles> {
     if options.neighbours < 3 {
-        let why = format!("{}, where at least 3 are needed", options.neighbours);
+        let why = format!("must be at least 3, is {}", options.neighbours);
         return Err(Error::Argument { what: "neighbours", why });
     }
     for (i, p) in points.iter().enumerate() {
@@ -128,7 +130,7 @@ fn triangles(points: &[[f64; 3]], options: &CloudOptions) -> Result<Triangles> {
 /// The triangles around a point.
 struct Star {
     faces: Vec<[u32; 3]>,
-    /// Whether they leave a gap.
+    /// Whether the triangles leave a gap around the point.
     open: bool,
 }
 
@@ -147,7 +149,7 @@ fn star(
         .collect();
     near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     if let Some(&(_, other)) = near.first().filter(|first| first.0 == 0.0) {
-        let what = format!("at the same place as point {other}");
+        let what = format!("has the same position as point {other}");
         return Err(Error::Mesh { what, element: format!("point {centre}") });
     }
     let reach = DISORDER * near.first().map_or(0.0, |first| first.0);
@@ -156,9 +158,8 @@ fn star(
         let d = sub(disordered(points, i, reach), disordered(points, centre, reach));
         [dot(d, u), dot(d, v)]
     };
-    // Circles through the point are lines after an inversion at it, and circles without other
-    // points inside are lines with all others on the side of the point: the edges of the convex
-    // hull.
+    // An inversion at the point takes circles through it to lines, and circles without other points
+    // inside to lines with all other points on one side: the edges of the convex hull.
     let inverted: Vec<([f64; 2], u32)> = near
         .iter()
         .map(|&(_, i)| (flat(i), i))
@@ -180,13 +181,14 @@ fn star(
     Ok(star)
 }
 
-/// Where a point is for the triangulation: the same for every star but for the distance.
+/// Returns the displaced position of a point. Its direction is the same in every star; `reach`
+/// scales it.
 fn disordered(points: &[[f64; 3]], i: u32, reach: f64) -> Vector {
     let mut rng = Rng::new(u64::from(i));
     points[i as usize].map(|x| x + reach * (2.0 * rng.uniform() - 1.0))
 }
 
-/// Two directions that span the plane that fits the neighbours best.
+/// Returns two directions that span the plane that fits the neighbours best.
 fn plane(points: &[[f64; 3]], at: Vector, near: &[(f64, u32)]) -> Result<[Vector; 2]> {
     let size = near.last().map_or(1.0, |last| last.0);
     let mut moments = Mat::<f64>::zeros(3, 3);
@@ -204,7 +206,7 @@ fn plane(points: &[[f64; 3]], at: Vector, near: &[(f64, u32)]) -> Result<[Vector
     Ok([u, unit(cross(normal, u))])
 }
 
-/// The corners of the convex hull, counter-clockwise (Andrew 1979).
+/// Returns the corners of the convex hull, counter-clockwise (Andrew 1979).
 fn convex_hull(mut points: Vec<([f64; 2], u32)>) -> Vec<([f64; 2], u32)> {
     points.sort_unstable_by(|(p, i), (q, j)| {
         p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(i.cmp(j))
@@ -245,7 +247,7 @@ mod tests {
         eigs(found.stiffness.view(), &found.mass, &wanted).unwrap().values
     }
 
-    /// Points all over the unit sphere (a spiral).
+    /// Returns points spread over the unit sphere along a spiral.
     fn sphere(n: usize) -> Vec<[f64; 3]> {
         let point = |i: usize| {
             let z = 1.0 - (2 * i + 1) as f64 / n as f64;

@@ -1,4 +1,4 @@
-//! Two meshes compared: how far each is from the other, and how their normals differ.
+//! Compares two meshes: how far each is from the other, and how their normals differ.
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
@@ -9,7 +9,7 @@ use crate::base::{Error, Par, Result};
 /// Points that one thread takes at a time.
 const BLOCK: usize = 1024;
 
-/// Points spread over each surface, beside its vertices.
+/// Number of points spread over each surface, in addition to its vertices.
 const SAMPLES: usize = 100_000;
 
 /// Distances from one surface to another one, in units of length.
@@ -45,7 +45,7 @@ impl Comparison {
     ///
     /// let sphere = families::icosphere(2)?;
     /// let found = Comparison::between(&sphere, &families::icosphere(4)?, Par::Seq)?;
-    /// // The finer sphere is outside of the coarser one.
+    /// // The finer sphere lies outside of the coarser one.
     /// assert!(found.out.largest < found.back.largest && found.back.largest < 0.05);
     /// assert!(found.back.angle < 10.0);
     /// # Ok::<(), catamaran::Error>(())
@@ -61,7 +61,7 @@ impl Comparison {
 
 fn one_sided(mesh: &TriMesh, other: &Triangles, par: Par) -> Result<OneSided> {
     let points = spread(mesh)?;
-    let none = || Error::Mesh { what: "it has no face".into(), element: "mesh".into() };
+    let none = || Error::Mesh { what: "has no face".into(), element: "mesh".into() };
     let blocks = par.map_blocks(points.len(), BLOCK, |range| {
         let found = |(p, normal): &(Vector, Vector)| {
             let near = other.nearest(*p)?;
@@ -82,20 +82,20 @@ fn one_sided(mesh: &TriMesh, other: &Triangles, par: Par) -> Result<OneSided> {
     })
 }
 
-/// The angle between two directions, in degrees; `None` when one has none.
+/// Returns the angle between two directions, in degrees; `None` when one is zero.
 fn angle(a: Vector, b: Vector) -> Option<f64> {
     let there = norm(a) > 0.0 && norm(b) > 0.0;
     there.then(|| norm(cross(a, b)).atan2(dot(a, b)).to_degrees())
 }
 
-/// Points at equal shares of the area, each with the normal there. The places in the faces follow
-/// the sequence R2 (Roberts 2018), so that nothing is random.
+/// Returns points at equal shares of the area, each with the normal there. Positions in the faces
+/// follow the sequence R2 (Roberts 2018), so that the points are not random.
 fn spread(mesh: &TriMesh) -> Result<Vec<(Vector, Vector)>> {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
     let areas = mesh.face_areas();
     let total: f64 = areas.iter().sum();
     if !(total > 0.0 && total.is_finite()) {
-        let what = format!("its area is {total}, where a positive number is needed");
+        let what = format!("must have a positive finite area, has {total}");
         return Err(Error::Mesh { what, element: "mesh".into() });
     }
     let normals = mesh.face_normals();
@@ -115,7 +115,7 @@ fn spread(mesh: &TriMesh) -> Result<Vec<(Vector, Vector)>> {
     Ok(points)
 }
 
-/// The faces of a mesh, for nearest points.
+/// The faces of a mesh, in a tree that finds nearest points.
 pub(crate) struct Triangles(RTree<Triangle>);
 
 /// The nearest point of a mesh.
@@ -181,8 +181,8 @@ pub(crate) fn nearest_on_triangle(corners: [Vector; 3], p: Vector) -> (Vector, [
     (std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]), weights)
 }
 
-/// Barycentric coordinates of the point of the triangle nearest to p (Ericson, Real-Time Collision
-/// Detection, 2005, section 5.1.5).
+/// Returns the barycentric coordinates of the point of the triangle nearest to p (Ericson,
+/// Real-Time Collision Detection, 2005, section 5.1.5).
 fn weights_on_triangle([a, b, c]: [Vector; 3], p: Vector) -> [f64; 3] {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let (d1, d2) = (dot(ab, ap), dot(ac, ap));

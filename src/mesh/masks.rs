@@ -1,4 +1,4 @@
-//! Masks over the vertices of a mesh, and the parts that they cut out.
+//! Masks of vertices, and the parts of a mesh that they select.
 
 use super::{HeatMethod, HeatOptions, Part, TriMesh};
 use crate::base::{Error, Par, Result};

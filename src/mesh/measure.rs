@@ -1,12 +1,12 @@
-//! Areas, normals, volume, quality, scale. Sums run in the order of faces, so results do not depend
-//! on threads.
+//! Areas, normals, volume, quality and scale. Sums run in the order of the faces, so that results
+//! do not depend on the number of threads.
 
 use super::TriMesh;
 use super::vector::{cross, dot, norm, sub, unit};
 use crate::base::{Error, Result};
 
 /// A face counts as without area when its area is at most this times the square of its longest
-/// edge: rounding of a degenerate triangle gives no less.
+/// edge: the rounding error of a degenerate triangle is not larger.
 const FLAT: f64 = 8.0 * f64::EPSILON;
 
 /// The size to which [`TriMesh::normalized`] scales.
@@ -19,7 +19,7 @@ pub enum Normalization {
 }
 
 impl TriMesh {
-    /// Twice the area of face f times its unit normal.
+    /// Returns twice the area of face f times its unit normal.
     fn doubled_normal(&self, face: [u32; 3]) -> [f64; 3] {
         let [a, b, c] = self.corners_of(face);
         cross(sub(b, a), sub(c, a))
@@ -140,7 +140,7 @@ impl TriMesh {
         }))
     }
 
-    /// Returns the mesh moved and scaled, alike in all directions.
+    /// Returns the mesh moved and uniformly scaled to the size `to`.
     ///
     /// ```
     /// use catamaran::mesh::{Normalization, families};
@@ -151,7 +151,7 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] when area or box are zero, or too large to be computed with.
+    /// [`Error::Mesh`] when the area or the box is zero or too large.
     pub fn normalized(&self, to: Normalization) -> Result<TriMesh> {
         let (centre, size) = match to {
             Normalization::UnitArea => (self.centroid(), self.area().sqrt()),
@@ -163,7 +163,7 @@ impl TriMesh {
         };
         if !(size.is_normal() && centre.iter().all(|x: &f64| x.is_finite())) {
             return Err(Error::Mesh {
-                what: format!("can't be scaled, its size is {size}"),
+                what: format!("can't be scaled: its size is {size}"),
                 element: "mesh".into(),
             });
         }
@@ -171,7 +171,7 @@ impl TriMesh {
         TriMesh::new(self.vertices().iter().map(moved).collect(), self.faces().to_vec())
     }
 
-    /// The centroid of the surface; not finite when it has no area.
+    /// Returns the centroid of the surface; not finite when it has no area.
     fn centroid(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for &face in self.faces() {
@@ -187,7 +187,7 @@ impl TriMesh {
 /// Returns whether a triangle has no area: at most 8 eps times the square of its longest edge.
 pub(super) fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
     let edges = [sub(b, a), sub(c, b), sub(a, c)];
-    // Scaled, so that squares of small or large lengths are in range.
+    // Scaled, so that the squares of very small or very large lengths neither vanish nor overflow.
     let size = edges.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if size == 0.0 {
         return true;

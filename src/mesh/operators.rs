@@ -111,8 +111,8 @@ pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {
     areas
 }
 
-/// The gradients of the functions that are 1 at one corner of a face and 0 at the others, and its
-/// area.
+/// Returns the gradients of the functions that are 1 at one corner of a face and 0 at the others,
+/// and its area.
 fn of_hats(mesh: &TriMesh, f: usize) -> Result<([Vector; 3], f64)> {
     let p = mesh.faces()[f].map(|v| mesh.vertices()[v as usize]);
     let normal = cross(sub(p[1], p[0]), sub(p[2], p[0]));
@@ -123,7 +123,7 @@ fn of_hats(mesh: &TriMesh, f: usize) -> Result<([Vector; 3], f64)> {
     });
     let finite = gradients.as_flattened().iter().all(|x| x.is_finite());
     if !(finite && square > 0.0 && square.is_finite()) {
-        let what = "no area, or lengths out of range, and so no gradient".into();
+        let what = "no gradient: the face has no area, or lengths out of range".into();
         return Err(Error::Mesh { what, element: format!("face {f}") });
     }
     Ok((gradients, 0.5 * norm(normal)))

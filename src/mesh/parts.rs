@@ -1,16 +1,16 @@
-//! Parts of meshes as meshes.
+//! Parts of meshes, as meshes of their own.
 
 use super::{Components, TriMesh};
 use crate::base::{Error, Result};
 
-/// A part of a mesh, its vertices and faces in the order they had.
+/// A part of a mesh, with vertices and faces in the order of the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     /// The part.
     pub mesh: TriMesh,
-    /// For each of its vertices the number it had.
+    /// For each vertex of the part, its number in the mesh.
     pub vertices: Vec<u32>,
-    /// For each of its faces the number it had.
+    /// For each face of the part, its number in the mesh.
     pub faces: Vec<u32>,
 }
 
@@ -28,14 +28,19 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] for a number that no face has, or that comes twice.
+    /// [`Error::Argument`] for a face that does not exist or that is given twice.
     pub fn submesh(&self, faces: &[u32]) -> Result<Part> {
-        let mut wanted = vec![false; self.faces().len()];
+        let n = self.faces().len();
+        let mut wanted = vec![false; n];
         for &f in faces {
             let refused = |why| Err(Error::Argument { what: "faces", why });
             match wanted.get_mut(f as usize) {
-                None => return refused(format!("{f} of {} (numbered from 0)", self.faces().len())),
-                Some(true) => return refused(format!("{f} twice")),
+                None => {
+                    return refused(format!(
+                        "face {f} is out of range: {n} faces, numbered from 0"
+                    ));
+                }
+                Some(true) => return refused(format!("face {f} is given twice")),
                 Some(wanted) => *wanted = true,
             }
         }
@@ -54,13 +59,17 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] when there is none of that number.
+    /// [`Error::Argument`] when the component does not exist, or `components` are those of another
+    /// mesh.
     pub fn component(&self, components: &Components, component: usize) -> Result<Part> {
         let own = components.of_faces();
         if component >= components.len() || own.len() != self.faces().len() {
             return Err(Error::Argument {
                 what: "component",
-                why: format!("{component} of {} (numbered from 0)", components.len()),
+                why: format!(
+                    "{component} is not one of the {} components of this mesh (numbered from 0)",
+                    components.len()
+                ),
             });
         }
         self.part(|f| own[f as usize] as usize == component)
@@ -78,7 +87,7 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// None that a mesh could cause.
+    /// None in practice.
     pub fn without_unreferenced(&self) -> Result<Part> {
         self.part(|_| true)
     }

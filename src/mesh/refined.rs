@@ -1,14 +1,15 @@
-//! Meshes that were cut finer, and where their vertices and faces come from.
+//! Refined meshes, and where their vertices and faces come from.
 
 use super::TriMesh;
 use crate::base::{Error, Result};
 
-/// Where a vertex of a refined mesh is on the mesh: at a vertex, on an edge or on a face.
+/// Position of a vertex of a refined mesh on the coarser mesh: at a vertex, on an edge or on a
+/// face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Origin {
-    /// Vertices of the mesh, all of one face; those of weight 0 say nothing.
+    /// Vertices of the coarser mesh, all of one face; vertices of weight 0 are arbitrary.
     pub vertices: [u32; 3],
-    /// The shares of the vertices, 1 together (to rounding).
+    /// The weights of the vertices; they sum to 1 up to rounding.
     pub weights: [f64; 3],
 }
 
@@ -18,7 +19,7 @@ impl Origin {
         Self { vertices: [v; 3], weights: [1.0, 0.0, 0.0] }
     }
 
-    /// Returns the origin at the mean of places of one face, with these shares.
+    /// Returns the weighted mean of positions on one face.
     pub(crate) fn between(parts: &[(Self, f64)]) -> Self {
         let mut sum = Self { vertices: [u32::MAX; 3], weights: [0.0; 3] };
         let mut count = 0;
@@ -45,15 +46,15 @@ impl Origin {
         sum
     }
 
-    /// Returns the share of a vertex.
+    /// Returns the weight of a vertex.
     pub(crate) fn share(&self, vertex: u32) -> f64 {
         let all = self.vertices.iter().zip(self.weights);
         all.filter(|(v, _)| **v == vertex).map(|(_, weight)| weight).sum()
     }
 }
 
-/// A mesh that covers the same surface as another with more vertices and faces: its first vertices
-/// are those of the other.
+/// A mesh that covers the same surface as a coarser mesh with more vertices and faces. Its first
+/// vertices are those of the coarser mesh.
 ///
 /// ```
 /// use catamaran::mesh::{Refined, families};
@@ -67,22 +68,22 @@ impl Origin {
 pub struct Refined {
     /// The finer mesh.
     pub mesh: TriMesh,
-    /// For each of its faces the face that it is a piece of.
+    /// For each face, the face of the coarser mesh that contains it.
     pub faces: Vec<u32>,
-    /// For each of its vertices where it is on the coarser mesh.
+    /// For each vertex, its position on the coarser mesh.
     pub vertices: Vec<Origin>,
 }
 
 impl Refined {
-    /// Creates a refinement that is the mesh itself.
+    /// Creates the trivial refinement, which is the mesh itself.
     pub fn new(mesh: TriMesh) -> Self {
         let faces = (0..mesh.faces().len() as u32).collect();
         let vertices = (0..mesh.vertices().len() as u32).map(Origin::vertex).collect();
         Self { mesh, faces, vertices }
     }
 
-    /// Returns the composition of two refinements: `finer`, a refinement of the mesh of this one,
-    /// as a refinement of the mesh that this one refines.
+    /// Returns the composition of two refinements: `finer` refines the mesh of `self`, and the
+    /// result refines the mesh that `self` refines.
     #[must_use]
     pub fn then(&self, finer: Refined) -> Self {
         let faces = finer.faces.iter().map(|&f| self.faces[f as usize]).collect();

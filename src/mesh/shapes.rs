@@ -1,10 +1,10 @@
-//! Meshes for tests, beside those of [`super::families`].
+//! Meshes for tests, in addition to those of [`super::families`].
 
 use super::{TriMesh, families};
 use crate::base::Rng;
 
-/// Generates squares of side 1, x by y, each cut along the diagonal from its lower left corner;
-/// vertices are numbered along x first.
+/// Generates a grid of x by y squares of side 1, each cut along the diagonal from its lower left
+/// corner; vertices are numbered along x first.
 pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     let at = |i, j| j * (x + 1) + i;
     let vertices = (0..=y).flat_map(|j| (0..=x).map(move |i| [f64::from(i), f64::from(j), 0.0]));
@@ -17,12 +17,12 @@ pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     TriMesh::new(vertices.collect(), faces.collect()).unwrap()
 }
 
-/// Generates the unit sphere.
+/// Generates the unit sphere by subdivision of an icosahedron.
 pub(crate) fn sphere(subdivisions: u32) -> TriMesh {
     families::icosphere(subdivisions).unwrap()
 }
 
-/// Returns the mesh with every coordinate moved by up to `by`.
+/// Returns the mesh with every coordinate moved by a random amount of at most `by`.
 pub(crate) fn shaken(mesh: &TriMesh, by: f64, seed: u64) -> TriMesh {
     let mut rng = Rng::new(seed);
     let mut vertices = mesh.vertices().to_vec();
@@ -32,7 +32,7 @@ pub(crate) fn shaken(mesh: &TriMesh, by: f64, seed: u64) -> TriMesh {
     TriMesh::new(vertices, mesh.faces().to_vec()).unwrap()
 }
 
-/// Generates any triangles among n vertices, some of them in one place.
+/// Generates random triangles among n vertices, some of which have equal positions.
 pub(crate) fn soup(n: u32, faces: usize, seed: u64) -> TriMesh {
     let mut rng = Rng::new(seed);
     let mut below = |n: u32| (rng.bits() % u64::from(n)) as u32;
@@ -48,7 +48,7 @@ pub(crate) fn soup(n: u32, faces: usize, seed: u64) -> TriMesh {
     TriMesh::new(vertices, faces).unwrap()
 }
 
-/// Returns two meshes as one, the second moved along x.
+/// Returns two meshes as one mesh, the second moved along x.
 pub(crate) fn both(first: &TriMesh, second: &TriMesh, along: f64) -> TriMesh {
     let n = first.vertices().len() as u32;
     let mut vertices = first.vertices().to_vec();

@@ -1,9 +1,10 @@
 use crate::base::{Error, Result};
 
-/// A triangle mesh: positions of vertices, and three of them a face.
+/// A triangle mesh: positions of vertices, and faces of three vertices each.
 ///
-/// Any set of triangles: several components, boundary, edges of three faces, unreferenced vertices
-/// and faces without area are allowed here, and reported or refused by what can't work with them.
+/// Any set of triangles is allowed: several components, boundary, edges of three faces,
+/// unreferenced vertices and faces without area. Functions that can't handle one of these return an
+/// error that names it.
 ///
 /// ```
 /// use catamaran::mesh::{Edges, TriMesh};
@@ -34,16 +35,13 @@ impl TriMesh {
         if u32::try_from(vertices.len()).is_err() {
             return Err(Error::Argument {
                 what: "vertices",
-                why: format!("{} of them, where at most 2^32 - 1 can be numbered", vertices.len()),
+                why: format!("at most 2^32 - 1 are possible, got {}", vertices.len()),
             });
         }
         if u32::try_from(faces.len().saturating_mul(3)).is_err() {
             return Err(Error::Argument {
                 what: "faces",
-                why: format!(
-                    "{} of them, where at most 2^32 - 1 corners can be numbered",
-                    faces.len()
-                ),
+                why: format!("at most (2^32 - 1) / 3 are possible, got {}", faces.len()),
             });
         }
         let refused = |what: String, element: String| Err(Error::Mesh { what, element });
@@ -57,13 +55,16 @@ impl TriMesh {
             if let Some(&v) = face.iter().find(|&&v| v as usize >= vertices.len()) {
                 let n = vertices.len();
                 return refused(
-                    format!("vertex {v} of {n} (numbered from 0)"),
+                    format!("vertex {v} is out of range: {n} vertices, numbered from 0"),
                     format!("face {f}"),
                 );
             }
             let [a, b, c] = *face;
             if a == b || b == c || c == a {
-                return refused(format!("the same vertex twice in {face:?}"), format!("face {f}"));
+                return refused(
+                    format!("has the same vertex twice: {face:?}"),
+                    format!("face {f}"),
+                );
             }
         }
         Ok(Self { vertices, faces })

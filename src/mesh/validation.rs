@@ -1,21 +1,21 @@
-//! The report on a mesh: its counts and its problems.
+//! The validation report of a mesh: its counts and its problems.
 
 use std::fmt;
 
 use super::TriMesh;
 use super::topology::{Adjacency, Components, Edges, Genus, face_list, genus_of};
 
-/// Something that algorithms may stumble over, with the element that has it.
+/// A defect that some algorithms can't handle, with the element that has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
     /// No face has this vertex.
     UnreferencedVertex(u32),
-    /// An edge of three faces or more.
+    /// An edge with three faces or more.
     NonManifoldEdge {
-        /// Its vertices.
+        /// The vertices of the edge.
         ends: [u32; 2],
-        /// Its faces.
+        /// The faces of the edge.
         faces: Vec<u32>,
     },
     /// A vertex whose faces are not connected over edges at this vertex: the surface meets itself
@@ -26,31 +26,30 @@ pub enum Problem {
         /// The number of groups of faces there.
         fans: u32,
     },
-    /// A face with the vertices of another one, in any order.
+    /// A face with the same vertices as an earlier face, in any order.
     RepeatedFace {
-        /// The face.
+        /// The later face.
         face: u32,
-        /// The first one with these vertices.
+        /// The first face with these vertices.
         first: u32,
     },
     /// A face without area ([`TriMesh::faces_without_area`]).
     ZeroArea(u32),
-    /// An edge along which its two faces run in the same direction, so that they do not agree on
-    /// what is outside.
+    /// An edge along which both faces run in the same direction, so that they disagree about which
+    /// side is outside.
     Inconsistent {
-        /// Its vertices.
+        /// The vertices of the edge.
         ends: [u32; 2],
-        /// Its faces.
+        /// The faces of the edge.
         faces: [u32; 2],
     },
-    /// No flipping of faces makes them all agree; `why` names an edge.
+    /// The faces can't be flipped so that all agree; `why` names an edge.
     NotOrientable {
-        /// The edge, and its faces.
+        /// The edge and its faces.
         why: String,
     },
 }
 
-/// The headings of a report, and how a single problem is named.
 impl Problem {
     fn kind(&self) -> &'static str {
         match self {
@@ -85,7 +84,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// The report on a mesh.
+/// The validation report of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
     /// Number of vertices.
@@ -98,13 +97,13 @@ pub struct Validation {
     pub components: usize,
     /// Number of edges with one face.
     pub boundary_edges: usize,
-    /// Number of boundary loops; `None` when they are none because of non-manifold edges.
+    /// Number of boundary loops; `None` when they are undefined because of non-manifold edges.
     pub boundary_loops: Option<usize>,
     /// V - E + F, V without vertices that no face has.
     pub euler_characteristic: i64,
     /// The genus; `None` when the mesh is not a manifold.
     pub genus: Option<Genus>,
-    /// What is wrong, kind by kind, elements ascending.
+    /// The problems, by kind, then by element in ascending order.
     pub problems: Vec<Problem>,
 }
 
@@ -114,19 +113,19 @@ impl Validation {
         self.boundary_edges == 0
     }
 
-    /// The problems of each kind that there is, under a heading.
+    /// Returns the problems by kind; kinds without a problem are left out.
     fn groups(&self) -> impl Iterator<Item = &[Problem]> {
         self.problems.chunk_by(|a, b| a.kind() == b.kind())
     }
 }
 
 impl fmt::Display for Validation {
-    /// Counts, then for each kind of problem how many there are and the first of them; lines
-    /// without an end of the last.
+    /// Writes the counts, then for each kind of problem its number and its first elements, without
+    /// a newline at the end.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const SHOWN: usize = 5;
         let Self { vertices, edges, faces, components, .. } = self;
-        let unknown = || "none to speak of (not a manifold)".to_owned();
+        let unknown = || "undefined (not a manifold)".to_owned();
         writeln!(f, "vertices    {vertices}")?;
         writeln!(f, "edges       {edges}, {} on the boundary", self.boundary_edges)?;
         writeln!(f, "faces       {faces}")?;
@@ -150,8 +149,8 @@ impl fmt::Display for Validation {
 }
 
 impl TriMesh {
-    /// Checks for everything that [`Problem`] lists, and counts vertices, edges, faces, components
-    /// and boundary loops.
+    /// Checks the mesh for every [`Problem`], and counts vertices, edges, faces, components and
+    /// boundary loops.
     ///
     /// ```
     /// use catamaran::mesh::{Problem, TriMesh};

@@ -7,11 +7,11 @@ use super::memory::{entries, put_entries};
 use super::world::{Operation, World};
 use crate::base::Result;
 
-/// A call in which the ranks meet again and again. One that fails in between tells the others where
-/// they meet next, and all of them end with an error.
+/// A call during which the ranks meet several times. A rank that fails between two meetings reports
+/// this at the next one, and all ranks then return an error.
 pub(super) struct Call<'w> {
     pub world: &'w World,
-    /// Whether all know already that the call has failed.
+    /// Whether all ranks know already that the call has failed.
     over: Cell<bool>,
 }
 
@@ -33,8 +33,8 @@ impl<'w> Call<'w> {
         if call.over.get() { done } else { world.agree(done) }
     }
 
-    /// Waits for the others: `Ok` everywhere if it is everywhere. Before anything that ranks do
-    /// together.
+    /// Waits for the other ranks; returns `Ok` on every rank if it is `Ok` on every rank. Call it
+    /// before anything that ranks do together.
     pub fn meet<X>(&self, own: Result<X>) -> Result<X> {
         let met = self.world.agree(own);
         self.over.set(met.is_err());
@@ -44,8 +44,7 @@ impl<'w> Call<'w> {
     /// Computes the sum over the ranks of their matrices, on every rank.
     pub fn sum(&self, mut partial: MatMut<'_, f64>) -> Result<()> {
         let mut values = self.meet(entries(partial.as_ref()))?;
-        // MPI promises the same result on every rank, bit for bit: what is decided by it is decided
-        // alike.
+        // MPI promises the same result on every rank, bit for bit, so that all ranks decide alike.
         self.world.sum(&mut values);
         put_entries(partial.rb_mut(), &values);
         Ok(())

@@ -1,4 +1,4 @@
-//! Columns of A on every rank: blocks of them travel so that each pair meets once.
+//! Columns of A on every rank: blocks of columns travel so that each pair of blocks meets once.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -13,7 +13,7 @@ use crate::ata::distributed::{Blocks, Layout, packed_len, piece_height};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Result, reserved, zeros};
 
-/// Tags of the rows that travel; those of two pieces under way at the same time differ.
+/// Tags of rows under way; those of two pieces under way at the same time differ.
 const FIRST_TAG: i32 = 32;
 
 /// Computes `C = alpha A^T A` where every rank has some `columns` of A, possibly none, in the order
@@ -22,10 +22,10 @@ const FIRST_TAG: i32 = 32;
 /// This is the two-dimensional distribution, for matrices that are not much longer than wide. With
 /// about equal numbers of columns, each rank receives `m n / sqrt(P)` words (at most 1.5 times
 /// that, see [`difference_cover`](crate::ata::distributed::difference_cover)), piece by piece of
-/// rows, while it multiplies the piece before. The columns of a rank are m x n_r with any strides.
-/// Beside them and its part of C, a rank holds two pieces of the columns that it multiplies, not
-/// more than its share of A and C together. `options.uplo` does not matter. The result depends, by
-/// rounding, on the number of ranks and the widths.
+/// rows, while it multiplies the previous piece. The columns of a rank are m x n_r with any
+/// strides. Beside these columns and its part of C, a rank holds two pieces of the columns that it
+/// multiplies, not more than its share of A and C together. `options.uplo` does not matter. The
+/// result depends, by rounding, on the number of ranks and the widths.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_columns};
@@ -57,7 +57,7 @@ pub fn ata_columns<T: MpiReal>(
     world.begin(Operation::Columns, &facts, Ok(()))?;
     let blocks = Blocks::new(&world.gather_numbers(columns.ncols()));
     let width = columns.ncols();
-    // The triangle on the diagonal is computed as part of a square.
+    // The block on the diagonal is computed as a square, of which a triangle is used.
     let prepared = Exchange::new(world, &blocks, columns)
         .and_then(|exchange| Ok((exchange, zeros(blocks.len(own))?, zeros(width * width)?)));
     let (mut exchange, mut entries, mut square) = world.agree(prepared)?;
@@ -82,7 +82,7 @@ pub fn ata_columns<T: MpiReal>(
                 rest.split_off_mut(..left.ncols() * right.ncols()).unwrap_or_default()
             };
             let result = MatMut::from_row_major_slice_mut(result, left.ncols(), right.ncols());
-            // A rank that fails goes on sending, so that nobody waits for it.
+            // A rank that fails continues to send, so that no rank waits for it.
             if done.is_ok() {
                 let share = |i: usize| (piece * products.len() + i) as f64 / total;
                 done = world.with_progress(options, share(i)..share(i + 1), &|| false, |options| {
@@ -108,20 +108,20 @@ pub fn ata_columns<T: MpiReal>(
     Ok(Symmetric::new(Layout::Blocks(blocks), own, entries))
 }
 
-/// Sends the columns of this rank to those that need them, some rows at a time, and receives those
-/// it needs.
+/// Sends the columns of this rank to the ranks that need them, some rows at a time, and receives
+/// the columns that this rank needs.
 struct Exchange<'w, T> {
     world: &'w World,
     blocks: &'w Blocks,
     columns: MatRef<'w, T>,
-    /// Rows that travel at once.
+    /// Number of rows that travel at once.
     height: usize,
     /// Buffers for two pieces.
     spare: Vec<Vec<T>>,
     under_way: VecDeque<UnderWay<T>>,
 }
 
-/// A piece that travels.
+/// A piece under way.
 struct UnderWay<T> {
     piece: usize,
     sent: Option<Transfer<T>>,
@@ -147,7 +147,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
         Ok(Self { world, blocks, columns, height, spare, under_way: VecDeque::new() })
     }
 
-    /// The number of pieces.
+    /// Returns the number of pieces.
     fn pieces(&self) -> usize {
         self.columns.nrows().div_ceil(self.height)
     }
@@ -157,7 +157,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
         first..(first + self.height).min(self.columns.nrows())
     }
 
-    /// Lets a piece travel, if there is one.
+    /// Starts the transfers of a piece, if there is one.
     fn start(&mut self, piece: usize) {
         if piece >= self.pieces() {
             return;
@@ -179,7 +179,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
         self.under_way.push_back(UnderWay { piece, sent, received });
     }
 
-    /// The next piece that was started, when it has arrived.
+    /// Waits for the next piece that was started, and returns it.
     fn next(&mut self) -> Option<Piece<'w, T>> {
         let UnderWay { piece, sent, received } = self.under_way.pop_front()?;
         let rows = self.rows(piece);
@@ -189,7 +189,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
         Some(Piece { own, sent, received })
     }
 
-    /// Takes the buffers of a piece back.
+    /// Takes back the buffers of a piece.
     fn recycle(&mut self, piece: Piece<'w, T>) {
         self.spare.extend(piece.sent.map(Transfer::wait));
         self.spare.extend(piece.received.into_iter().map(|(_, buffer)| buffer));
@@ -197,7 +197,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
 }
 
 impl<T> Piece<'_, T> {
-    /// The columns of `rank`, which is the own one or a source of it.
+    /// Returns the columns of `rank`, which is this rank or a source of it.
     fn columns(&self, rank: usize) -> MatRef<'_, T> {
         match self.received.iter().find(|(source, _)| *source == rank) {
             Some((_, buffer)) => {

@@ -14,10 +14,10 @@ use crate::base::{Error, Real, Result, reserved, zeros};
 
 const TAG: i32 = 4;
 
-/// What a rank has of a block-cyclic matrix.
+/// The part of a block-cyclic matrix that a rank holds.
 #[derive(Debug, Clone, Copy)]
 pub struct CyclicRef<'a, T> {
-    /// How the whole matrix is dealt out.
+    /// How the whole matrix is distributed.
     pub matrix: BlockCyclic,
     /// The entries of this rank: [`BlockCyclic::local_shape`], any strides.
     pub entries: MatRef<'a, T>,
@@ -30,10 +30,10 @@ impl<T> CyclicRef<'_, T> {
     }
 }
 
-/// [`CyclicRef`], to be written.
+/// The part of a block-cyclic matrix that a rank holds, to be written.
 #[derive(Debug)]
 pub struct CyclicMut<'a, T> {
-    /// How the whole matrix is dealt out.
+    /// How the whole matrix is distributed.
     pub matrix: BlockCyclic,
     /// The entries of this rank: [`BlockCyclic::local_shape`], any strides.
     pub entries: MatMut<'a, T>,
@@ -43,15 +43,16 @@ pub struct CyclicMut<'a, T> {
 /// triangles of `options.uplo`. This is PDSYRK with TRANS = 'T', of whole matrices.
 ///
 /// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a
-/// grid hold nothing, but take part in the product. A goes to parts of rows or columns, whichever
-/// costs fewer words (see [`Parts::new`]), [`ata_rows`] or [`ata_columns`] multiplies them, and the
-/// result goes to C: each rank sends about `m n / P` and `n^2 / (2 P)` words more than they do, in
-/// at most P - 1 messages each (`n^2 / P` for both triangles). Beside A and C a rank holds its part
-/// of A, as much again as one message each way, and what [`ata_rows`] or [`ata_columns`] holds.
+/// grid hold nothing, but take part in the product. A is redistributed by rows or by columns,
+/// whichever costs fewer words (see [`Parts::new`]), [`ata_rows`] or [`ata_columns`] multiplies the
+/// parts, and the result is sent to C. Each rank sends about `m n / P` and `n^2 / (2 P)` words more
+/// than these functions do, in at most P - 1 messages each (`n^2 / P` for both triangles). Beside A
+/// and C a rank holds its part of A, as much again as one message each way, and what [`ata_rows`]
+/// or [`ata_columns`] holds.
 ///
-/// With `beta == 0` C is not read. Otherwise each wanted triangle is added to its own old one, so
-/// that for [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The result
-/// depends, by rounding, on the number of ranks and on how A is dealt out.
+/// With `beta == 0` C is not read. Otherwise each requested triangle is added to its own old
+/// values, so for [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The
+/// result depends, by rounding, on the number of ranks and on the distribution of A.
 ///
 /// ```no_run
 /// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
@@ -156,14 +157,14 @@ fn product<T: MpiReal>(
     deliver(world, &result, beta, c, options.uplo)
 }
 
-/// What this rank alone can see.
+/// Checks what this rank can check alone.
 fn check<T>(world: &World, a: CyclicRef<'_, T>, c: &CyclicMut<'_, T>) -> Result<()> {
     let n = a.matrix.shape().1;
     Error::check_shape("C", (n, n), c.matrix.shape())?;
     for grid in [a.matrix.grid(), c.matrix.grid()] {
         if grid.size() > world.size() {
             let (rows, cols, ranks) = (grid.rows(), grid.cols(), world.size());
-            let why = format!("{rows} x {cols} is more than there are ranks, {ranks}");
+            let why = format!("{rows} x {cols} needs more than the {ranks} ranks there are");
             return Err(Error::Argument { what: "grid", why });
         }
     }
@@ -172,7 +173,7 @@ fn check<T>(world: &World, a: CyclicRef<'_, T>, c: &CyclicMut<'_, T>) -> Result<
     Error::check_shape("this rank's part of C", c.matrix.local_shape(rank), c.entries.shape())
 }
 
-/// Agrees on everything that all ranks must say alike, a few numbers at a time.
+/// Agrees on everything that must be the same on all ranks, a few numbers at a time.
 fn begin<T: MpiReal, X>(
     world: &World,
     a: BlockCyclic,
@@ -215,7 +216,7 @@ fn begin<T: MpiReal, X>(
     Ok(prepared)
 }
 
-/// A's way from a grid to parts of rows or columns.
+/// The redistribution of A from a grid to parts of rows or columns.
 struct Collection<T> {
     parts: Parts,
     buffers: Buffers<T>,
@@ -234,7 +235,7 @@ impl<T: MpiReal> Collection<T> {
         Ok(Self { buffers, part: zeros(height.saturating_mul(width))?, parts })
     }
 
-    /// The part of this rank, column by column, and its shape.
+    /// Returns the part of this rank, column by column, and its shape.
     fn collect(self, world: &World, entries: MatRef<'_, T>) -> (Vec<T>, (usize, usize)) {
         let Self { parts, buffers, mut part } = self;
         let own = world.rank();
@@ -301,16 +302,16 @@ fn deliver<T: MpiReal>(
     Ok(())
 }
 
-/// Memory for one message each way, and their lengths.
+/// Memory for one message each way, and the lengths of the messages.
 struct Buffers<T> {
     outgoing: Vec<T>,
     incoming: Vec<T>,
-    /// Entries to be received from each rank.
+    /// Number of entries to be received from each rank.
     received: Vec<usize>,
 }
 
 impl<T: Real> Buffers<T> {
-    /// `len(from, to)` are the entries that rank `from` sends to rank `to`.
+    /// Creates the buffers; rank `from` sends `len(from, to)` entries to rank `to`.
     fn new(world: &World, len: impl Fn(usize, usize) -> usize) -> Result<Self> {
         let (own, ranks) = (world.rank(), world.size());
         let received: Vec<usize> = (0..ranks).map(|from| len(from, own)).collect();
@@ -321,10 +322,12 @@ impl<T: Real> Buffers<T> {
     }
 }
 
-/// Sends to every other rank what `pack` appends for it, and gives `unpack` what comes from each.
+/// Sends to every other rank what `pack` appends for it, and passes to `unpack` what comes from
+/// each.
 ///
-/// In round k a rank sends to the k-th after it and receives from the k-th before it: nobody is
-/// sent to by two at once, and memory for one message each way is enough. An empty one is not sent.
+/// In round k a rank sends to the k-th rank after it and receives from the k-th before it: no rank
+/// receives from two at once, and memory for one message each way is enough. An empty message is
+/// not sent.
 fn exchange<T: MpiReal>(
     world: &World,
     buffers: Buffers<T>,

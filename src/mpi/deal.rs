@@ -1,4 +1,4 @@
-//! A and C on one rank, the root, which deals rows of A.
+//! A and C on one rank, the root, which distributes the rows of A.
 
 use std::collections::VecDeque;
 
@@ -14,7 +14,7 @@ use crate::ata::distributed::{Machine, deal};
 use crate::ata::{AtaOptions, Uplo, ata, block_rows};
 use crate::base::{Result, zeros};
 
-/// Tag of the rows that are dealt.
+/// Tag of the rows that the root sends.
 const DEALT: i32 = 5;
 
 /// Computes the product: on the root, process 0, `own` is A and the lower triangle of C.
@@ -31,7 +31,7 @@ pub(super) fn run<T: MpiReal>(
     let rows = parts[form.process(world.rank(), size)].len();
     let height = block_rows::<T>(form.n, false);
     let facts = [("m", form.m), ("n", form.n)];
-    // The root computes where its matrices are.
+    // The root computes in the memory of its matrices.
     let memory =
         if own.is_some() { Hand::new(0, 0, height) } else { Hand::new(rows, form.n, height) };
     let mut hand = world.begin(Operation::Root, &facts, memory)?;
@@ -42,7 +42,7 @@ pub(super) fn run<T: MpiReal>(
         let sum = sum_symmetric(world, world.agree(sum)?)?;
         return sum.gather(world, form.root, None, Uplo::Lower);
     };
-    // All the others have been sent what they need before the root begins.
+    // The root sends everything that the other ranks need before it begins to compute.
     let blocks = |process: usize| {
         let rows = parts[process].clone();
         let to = form.rank(process, size);
@@ -64,7 +64,7 @@ pub(super) fn run<T: MpiReal>(
     sum.gather(world, form.root, Some(c), Uplo::Lower)
 }
 
-/// What a rank has that is dealt to.
+/// The memory of a rank that the root sends rows to.
 struct Hand<T> {
     rows: usize,
     sum: Vec<T>,
@@ -79,8 +79,8 @@ impl<T: MpiReal> Hand<T> {
         Ok(Self { rows, sum: zeros(n * n)?, blocks })
     }
 
-    /// Receives the blocks, one while the product of the one before is added to the sum, which
-    /// comes back.
+    /// Receives the blocks, each while the product of the one before is added to the sum. Returns
+    /// the sum.
     fn play(
         &mut self,
         world: &World,
@@ -105,7 +105,7 @@ impl<T: MpiReal> Hand<T> {
         while let Some(block) = arriving.pop_front() {
             let block = block.wait();
             let part = form.part_of_a(&block, block.len() / n.max(1), n);
-            // A rank that fails goes on receiving, so that the root need not wait.
+            // A rank that fails continues to receive, so that the root need not wait.
             if done.is_ok() {
                 let share = |rows: usize| rows as f64 / self.rows as f64;
                 let share = share(first)..share(first + part.nrows());

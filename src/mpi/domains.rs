@@ -2,13 +2,13 @@
 
 use sprs::CsMatView;
 
-/// Rows (ascending) of each domain, and those of the interface, without which no two domains touch.
+/// Rows (ascending) of each domain, and those of the interface, which separates the domains.
 pub(super) struct Domains {
     pub inner: Vec<Vec<usize>>,
     pub interface: Vec<usize>,
 }
 
-/// Share of the rows by which a half may differ from its part, to end where the graph is narrow.
+/// Share of the rows by which the size of a half may deviate, so that a cut can be narrow.
 const SLACK: f64 = 0.05;
 
 impl Domains {
@@ -38,11 +38,11 @@ impl Domains {
     }
 }
 
-/// Rows in sets, which have numbers; rows of the interface are in none.
+/// The rows in numbered sets; rows of the interface are in none.
 struct Graph<'a> {
     matrices: &'a [CsMatView<'a, f64>],
     set: Vec<usize>,
-    /// Rows with the number `marks` have been seen.
+    /// The last number of `marks` with which a row was visited.
     mark: Vec<usize>,
     marks: usize,
 }
@@ -50,13 +50,14 @@ struct Graph<'a> {
 const NONE: usize = usize::MAX;
 
 impl Graph<'_> {
-    /// Two parts of a set that do not touch, the first with about this share of it, and what is
-    /// between them; they become the sets `left` and `right`. `left` is the set's number.
+    /// Divides a set into two parts that do not touch, the first with about this share of it, and
+    /// the rows between them. The parts become the sets `left` and `right`. `left` is the number of
+    /// the set.
     fn halve(&mut self, rows: &[usize], share: f64, left: usize, right: usize) -> [Vec<usize>; 3] {
         let (order, levels) = self.levels(rows);
         let exact = share * rows.len() as f64;
         let near = |start: usize| (start as f64 - exact).abs() <= SLACK * rows.len() as f64;
-        // What follows a level's end is a level, or another component.
+        // The end of a level is followed by another level, or by another component.
         let narrowest = levels.iter().filter(|level| near(level.start)).min_by_key(|l| l.width);
         let cut = narrowest.map_or(exact as usize, |level| level.start);
         let (first, rest) = order.split_at(cut);
@@ -71,8 +72,8 @@ impl Graph<'_> {
         [first.to_vec(), between, rest]
     }
 
-    /// The rows of a set by breadth-first levels, component by component, each from a row that is
-    /// far from most.
+    /// Returns the rows of a set by breadth-first levels, component by component, each from a row
+    /// that is far from most others.
     fn levels(&mut self, rows: &[usize]) -> (Vec<usize>, Vec<Level>) {
         let (mut order, mut levels) = (Vec::with_capacity(rows.len()), vec![]);
         self.marks += 1;
@@ -98,7 +99,7 @@ impl Graph<'_> {
         (order, levels)
     }
 
-    /// The component of a row within its set, by levels, and where these begin. Marks its rows.
+    /// Returns the component of a row within its set, by levels, and their starts. Marks its rows.
     fn search(&mut self, start: usize) -> (Vec<usize>, Vec<usize>) {
         let (set, marks) = (self.set[start], self.marks);
         let (mut order, mut starts) = (vec![start], vec![]);
@@ -138,7 +139,7 @@ impl Graph<'_> {
 struct Level {
     /// Its first row.
     start: usize,
-    /// Rows of it that touch those before: none of the first level of a component, else all.
+    /// Rows of it that touch earlier ones: none of the first level of a component, else all.
     width: usize,
 }
 
@@ -148,7 +149,8 @@ mod tests {
 
     use super::*;
 
-    /// A grid of a x b nodes, each joined to its neighbours in rows, columns and one diagonal.
+    /// Returns a grid of a x b nodes, each joined to its neighbours in rows, columns and one
+    /// diagonal.
     fn grid(a: usize, b: usize) -> CsMat<f64> {
         let mut entries = TriMat::new((a * b, a * b));
         for i in 0..a * b {
@@ -169,7 +171,7 @@ mod tests {
         (0..50).for_each(|i| apart.add_triplet(i, i, 1.0));
         let mut full = TriMat::new((9, 9));
         (0..81).for_each(|i| full.add_triplet(i / 9, i % 9, 1.0));
-        // With the largest interface allowed, and the largest domain.
+        // Each with the largest allowed interface and the largest allowed domain.
         for (matrix, count, interface, largest) in [
             (grid(0, 0), 3, 0, 0),
             (grid(1, 1), 2, 1, 1),

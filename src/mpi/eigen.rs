@@ -1,5 +1,6 @@
-//! Eigenpairs of a pencil whose rows are spread over the ranks: the iteration of [`crate::sparse`]
-//! with a basis that is spread, and a factorisation that is (docs/algorithms/eigen.md).
+//! Eigenpairs of a pencil whose rows are distributed over the ranks: the iteration of
+//! [`crate::sparse`] with a distributed basis and a distributed factorisation
+//! (docs/algorithms/eigen.md).
 
 use faer::{MatMut, MatRef};
 use sprs::CsMatView;
@@ -25,9 +26,9 @@ use crate::sparse::{
 /// The basis, `2 k + 80` vectors, all work with it, and the factorisation of `W - sigma M` are
 /// distributed: each rank eliminates a domain of about n / P rows, and every rank eliminates the
 /// Schur complement of the interface between the domains. At the beginning every rank reads both
-/// matrices to choose the domains. The start does not depend on the number of ranks, the rounding
-/// does. Small matrices, and the interface, are treated by every rank, and must come out the same
-/// everywhere, so that all need the same instruction set.
+/// matrices to choose the domains. The starting vectors do not depend on the number of ranks, but
+/// the rounding does. Small matrices, and the interface, are processed by every rank and must give
+/// the same bits everywhere, so all ranks need the same instruction set.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, eigs};

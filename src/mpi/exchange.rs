@@ -1,4 +1,4 @@
-//! What ranks have, for all others or for each of them.
+//! Collective exchanges of numbers and rows between the ranks.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::dense;
 const EXCHANGE: i32 = 2;
 const GATHER_ROWS: i32 = 3;
 
-/// One number for each rank: those for this rank, from each.
+/// Sends one number to each rank, and returns the numbers for this rank.
 pub(super) fn exchange_numbers(call: &Call<'_>, outgoing: &[usize]) -> Result<Vec<usize>> {
     call.meet(Ok(()))?;
     let outgoing: Vec<u64> = outgoing.iter().map(|&number| number as u64).collect();
@@ -25,7 +25,7 @@ pub(super) fn exchange_numbers(call: &Call<'_>, outgoing: &[usize]) -> Result<Ve
     Ok(incoming.into_iter().map(|number| number as usize).collect())
 }
 
-/// `outgoing[r]` goes to rank r, and `lens[r]` numbers come from it.
+/// Sends `outgoing[r]` to rank r, and returns `lens[r]` numbers from each rank r.
 pub(super) fn exchange(
     call: &Call<'_>,
     mut outgoing: Vec<Vec<f64>>,
@@ -45,8 +45,8 @@ pub(super) fn exchange(
     Ok(incoming)
 }
 
-/// What every rank has, `lens[r]` entries of rank r, one after another, on every rank; by the MPI
-/// library, not counted.
+/// Returns the entries of all ranks, `lens[r]` of rank r, one after another, on every rank. It uses
+/// the collective operation of the MPI library, which is not counted as traffic.
 pub(super) fn all_gather<T: MpiReal>(call: &Call<'_>, own: &[T], lens: &[usize]) -> Result<Vec<T>> {
     let world = call.world;
     let mut all = call.meet(zeros::<T>(lens.iter().sum()))?;
@@ -65,15 +65,15 @@ pub(super) fn all_gather<T: MpiReal>(call: &Call<'_>, own: &[T], lens: &[usize])
     Ok(all)
 }
 
-/// The rows of a matrix, which are spread over the ranks in their order.
+/// The distribution of the rows of a matrix over the ranks, in their order.
 pub(super) struct Rows {
     rank: usize,
-    /// The first row of each rank, and their number.
+    /// The first row of each rank, and the number of all rows.
     starts: Vec<usize>,
 }
 
 impl Rows {
-    /// This rank has `own` of them.
+    /// Gathers the numbers of rows; this rank has `own` of them.
     pub fn new(call: &Call<'_>, own: usize) -> Result<Self> {
         call.meet(Ok(()))?;
         let mut starts = vec![0];
@@ -154,7 +154,7 @@ pub fn gather_rows(world: &World, root: usize, rows: MatRef<'_, f64>) -> Result<
             if rank == root {
                 put_entries(part, &own);
             } else {
-                // One rank at a time: no more memory than a share.
+                // One rank at a time, so that no more memory than a share is needed.
                 let entries = &mut buffer[..span.len() * columns];
                 receive(world, entries, rank, GATHER_ROWS);
                 put_entries(part, entries);

@@ -1,5 +1,5 @@
-//! `W - sigma M` factorised by all ranks: each eliminates the rows of a domain, and what is left,
-//! the Schur complement of the interface between the domains, all.
+//! `W - sigma M` factorised by all ranks: each rank eliminates the rows of a domain, and every rank
+//! eliminates the Schur complement of the interface between the domains.
 
 use std::ops::Range;
 
@@ -15,28 +15,28 @@ use crate::base::{Par, Result};
 use crate::dense::zeros;
 use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply, select};
 
-/// Columns of a coupling that are solved for together.
+/// Columns of a coupling that are solved together.
 const COLUMNS: usize = 64;
 
-/// The shifts of a pencil whose rows are spread, with the elimination spread too. With A the
-/// matrix, i the rows of this rank's domain and s those of the interface, a factorisation is one of
-/// `A_ii` on each rank, and of `S = A_ss - sum of A_si A_ii^-1 A_is` on all. Their inertias add up
-/// to that of A (Haynsworth 1968).
+/// The shifts of a pencil whose rows, and whose elimination, are distributed. With A the matrix, i
+/// the rows of this rank's domain and s those of the interface, a factorisation is one of `A_ii` on
+/// each rank, and of `S = A_ss - sum of A_si A_ii^-1 A_is` on all. Their inertias add up to that of
+/// A (Haynsworth 1968).
 ///
 /// Each rank's memory is a factor of its domain, and one of the interface: about `c sqrt(n P)` rows
 /// for a surface of n vertices on P ranks.
 pub(super) struct SpreadShifts<'c> {
     call: &'c Call<'c>,
     par: Par,
-    /// For each rank, which of the own rows are in its domain.
+    /// For each rank, which of this rank's rows are in its domain.
     outgoing: Vec<Vec<usize>>,
-    /// For each rank, which rows of the own domain it has.
+    /// For each rank, which rows of this rank's domain it has.
     incoming: Vec<Range<usize>>,
-    /// Own rows that are in the interface, and their places there.
+    /// Rows of this rank that are in the interface, and their places there.
     own_interface: Vec<(usize, usize)>,
     inner: Block,
     symbolic: Symbolic,
-    /// `A_si`, of the rows of the interface that touch the own domain.
+    /// `A_si`, of the rows of the interface that touch this rank's domain.
     coupling: Coupling,
     interface: Interface,
 }
@@ -53,14 +53,14 @@ impl Block {
     }
 }
 
-/// Another block of the pencil.
+/// An off-diagonal block of the pencil.
 struct Coupling {
     stiffness: CsMat<f64>,
     mass: Option<CsMat<f64>>,
 }
 
 impl Coupling {
-    /// `W - sigma M`.
+    /// Returns `W - sigma M` of this block.
     fn shifted(&self, sigma: f64) -> CsMat<f64> {
         match &self.mass {
             None => self.stiffness.clone(),
@@ -124,14 +124,14 @@ impl<'c> SpreadShifts<'c> {
         })
     }
 
-    /// The factorisation, with pivots or for a positive definite matrix; nothing if it is not that.
+    /// Factorises, with pivots or for a positive definite matrix; `None` if it is not that.
     fn factorise(&self, sigma: f64, pivots: bool) -> Result<Option<SpreadFactor<'_>>> {
         let shifted = self.inner.shifted();
         let entries = shifted.values(sigma);
         let inner = factorise(&self.symbolic, shifted.matrix(&entries), pivots);
         let inner = self.call.meet(inner)?;
         drop(entries);
-        // Ranks that found theirs indefinite, or singular, and negative eigenvalues.
+        // The ranks whose matrix is indefinite, or singular, and the negative eigenvalues.
         let mut found = Mat::<f64>::zeros(3, 1);
         match &inner {
             None => found[(0, 0)] = 1.0,
@@ -166,7 +166,7 @@ impl<'c> SpreadShifts<'c> {
     }
 }
 
-/// The factor of a symmetric matrix; nothing if it is not positive definite, and without pivots.
+/// Factorises a symmetric matrix; `None` if it is not positive definite, and without pivots.
 fn factorise(
     symbolic: &Symbolic,
     matrix: SparseColMatRef<'_, usize, f64>,
@@ -178,10 +178,10 @@ fn factorise(
     }
 }
 
-/// What all ranks know of the interface, and this one of its own part.
+/// What all ranks know about the interface, and this rank about its own part of it.
 struct Interface {
     block: Block,
-    /// The rows that touch the own domain.
+    /// The rows that touch this rank's domain.
     touching: Vec<usize>,
     /// Whether this rank adds `A_ss` to the sum that is S.
     begins: bool,
@@ -190,7 +190,8 @@ struct Interface {
 }
 
 impl Interface {
-    /// Of its block of the pencil, and of its rows that touch each domain, all ascending.
+    /// Creates the interface from its block of the pencil and the rows that touch each domain,
+    /// ascending.
     fn new(block: Block, touching: &[Vec<usize>], rank: usize) -> Result<Self> {
         let n = block.stiffness.rows();
         let mut domains = vec![vec![]; n];
@@ -216,7 +217,7 @@ impl Interface {
     }
 }
 
-/// Places of a lower triangle by columns, ascending.
+/// The pattern of a lower triangle by columns, ascending.
 struct LowerPlaces {
     starts: Vec<usize>,
     rows: Vec<usize>,
@@ -261,21 +262,21 @@ impl Shifts for SpreadShifts<'_> {
     }
 }
 
-/// What each rank has of a factorisation.
+/// The part of a factorisation that a rank holds.
 struct SpreadFactor<'s> {
     shifts: &'s SpreadShifts<'s>,
     inner: Factor,
     /// `A_si` and `A_is`.
     coupling: CsMat<f64>,
     transposed: CsMat<f64>,
-    /// Nothing if a domain's matrix is singular.
+    /// `None` if the matrix of a domain is singular.
     interface: Option<Factor>,
     below_zero: usize,
     pivots: bool,
 }
 
 impl SpreadFactor<'_> {
-    /// What this rank adds to the entries of S.
+    /// Returns what this rank adds to the entries of S.
     fn complement(&self, sigma: f64, par: Par) -> Result<Vec<f64>> {
         let Interface { block, touching, begins, places, .. } = &self.shifts.interface;
         let mut entries = crate::base::zeros(places.rows.len())?;
@@ -309,7 +310,7 @@ impl SpreadFactor<'_> {
         Ok(entries)
     }
 
-    /// The rows of X in the own domain, of those that all ranks have.
+    /// Returns the rows of X in this rank's domain, from the ranks that have them.
     fn collect(&self, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let shifts = self.shifts;
         let of = |rows: &Vec<usize>| {
@@ -327,7 +328,7 @@ impl SpreadFactor<'_> {
         Ok(inner)
     }
 
-    /// The inverse of [`SpreadFactor::collect`].
+    /// Undoes [`SpreadFactor::collect`].
     fn hand_back(&self, inner: MatRef<'_, f64>, mut x: MatMut<'_, f64>) -> Result<()> {
         let shifts = self.shifts;
         let of = |span: &Range<usize>| {
@@ -344,15 +345,15 @@ impl SpreadFactor<'_> {
         Ok(())
     }
 
-    /// Rows of the own domain.
+    /// Returns the number of rows of this rank's domain.
     fn inner_len(&self) -> usize {
         self.transposed.rows()
     }
 }
 
 impl Inverse for SpreadFactor<'_> {
-    /// With `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`,
-    /// `x_i = A_ii^-1 (b_i - A_is x_s)`.
+    /// Computes, with `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`, `x_i = A_ii^-1 (b_i
+    /// - A_is x_s)`.
     fn solve(&self, mut x: MatMut<'_, f64>, par: Par) -> Result<()> {
         let SpreadShifts { call, own_interface, interface, .. } = self.shifts;
         let (touching, width) = (&interface.touching, x.ncols());
@@ -400,21 +401,21 @@ impl Inverse for SpreadFactor<'_> {
     }
 }
 
-/// The places of some rows in an ascending list of them.
+/// The places of rows in an ascending list of some of them.
 struct Places {
     place: Vec<Option<usize>>,
     len: usize,
 }
 
 impl Places {
-    /// Of n rows.
+    /// Creates the places of these of n rows.
     fn new(n: usize, rows: &[usize]) -> Self {
         let mut place = vec![None; n];
         rows.iter().enumerate().for_each(|(p, &i)| place[i] = Some(p));
         Self { place, len: rows.len() }
     }
 
-    /// The places that these rows of the matrices have entries in, ascending.
+    /// Returns the places in which these rows of the matrices have entries, ascending.
     fn touched(&self, matrices: &[CsMatView<'_, f64>], rows: &[usize]) -> Vec<usize> {
         let of_row = |&i: &usize| {
             let rows = matrices.iter().filter_map(move |matrix| matrix.outer_view(i));
@@ -426,12 +427,12 @@ impl Places {
         places
     }
 
-    /// These rows of a matrix, with the columns that have places.
+    /// Returns these rows of a matrix, with the columns that have places.
     fn select(&self, matrix: CsMatView<'_, f64>, rows: &[usize]) -> CsMat<f64> {
         select(matrix, rows, &self.place, self.len)
     }
 
-    /// The block of these rows, which are those that have places.
+    /// Returns the block of these rows, which are those that have places.
     fn block(&self, stiffness: CsMatView<'_, f64>, mass: &Mass, rows: &[usize]) -> Block {
         let mass = match mass {
             Mass::Lumped(masses) => Mass::Lumped(rows.iter().map(|&i| masses[i]).collect()),

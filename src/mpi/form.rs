@@ -6,20 +6,20 @@ use super::pending_send::PendingSend;
 use super::world::{MpiReal, World};
 use crate::ata::Uplo;
 
-/// What the root tells the others.
+/// What the root broadcasts to the other ranks.
 #[derive(Clone, Copy)]
 pub(super) struct Form {
     pub(super) root: usize,
     pub(super) m: usize,
     pub(super) n: usize,
-    /// A and its parts are stored, and sent, row by row, and not column by column.
+    /// Whether A and its parts are stored, and sent, row by row, and not column by column.
     a_by_rows: bool,
-    /// The same of C, transposed if its upper triangle is wanted.
+    /// The same for C, transposed if its upper triangle is wanted.
     pub(super) c_by_rows: bool,
 }
 
 impl Form {
-    /// The root's, on all ranks.
+    /// Returns the form of the root on all ranks.
     pub(super) fn broadcast<T>(
         world: &World,
         root: usize,
@@ -39,17 +39,17 @@ impl Form {
         Self { root, m, n, a_by_rows: a_by_rows != 0, c_by_rows: c_by_rows != 0 }
     }
 
-    /// The number of this rank in plans, in which the root is process 0.
+    /// Returns the number of this rank in plans, in which the root is process 0.
     pub(super) fn process(self, rank: usize, size: usize) -> usize {
         (rank + size - self.root) % size
     }
 
-    /// The rank of a process.
+    /// Returns the rank of a process.
     pub(super) fn rank(self, process: usize, size: usize) -> usize {
         (process + self.root) % size
     }
 
-    /// A part of A that has been sent by [`Form::start_send`].
+    /// Returns a view of a part of A that was sent by [`Form::start_send`].
     pub(super) fn part_of_a<T>(self, entries: &[T], rows: usize, cols: usize) -> MatRef<'_, T> {
         match self.a_by_rows {
             true => MatRef::from_row_major_slice(entries, rows, cols),

@@ -1,4 +1,4 @@
-//! Least squares of rows that are spread over the ranks, from a Gram matrix in extended precision.
+//! Least squares with distributed rows, from a Gram matrix in extended precision.
 
 use ::mpi::collective::Root;
 use ::mpi::topology::Communicator;
@@ -17,8 +17,8 @@ use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, 
 /// are any. Every rank gets the whole solution: the same bits for any number of ranks and any
 /// distribution of the rows.
 ///
-/// Rank 0 solves. Standard errors are computed if any rank asks for them. `progress` reports the
-/// sums of the own rows, which are computed after the bounds of all rows are known.
+/// Rank 0 solves. Standard errors are computed if any rank requests them. `progress` reports the
+/// sums of this rank's rows, which are computed after the bounds of all rows are known.
 ///
 /// ```no_run
 /// use catamaran::base::Progress;
@@ -39,8 +39,8 @@ use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, 
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when n, k or the options but for threads differ, only some ranks have weights,
-/// or another rank failed or cancelled; else as [`gram::lstsq`](crate::gram::lstsq()).
+/// [`Error::Rank`] when n, k or the options other than threads differ, only some ranks have
+/// weights, or another rank failed or cancelled; else as [`gram::lstsq`](crate::gram::lstsq()).
 pub fn lstsq(
     world: &World,
     a: MatRef<'_, f64>,
@@ -52,10 +52,10 @@ pub fn lstsq(
     let facts = [
         ("the number of columns", a.ncols()),
         ("the number of targets", b.ncols()),
-        ("whether there are weights", usize::from(weights.is_some())),
+        ("the presence of weights (0 or 1)", usize::from(weights.is_some())),
         number_fact("the ridge", options.ridge),
-        ("whether there is an intercept", usize::from(options.intercept)),
-        ("what becomes of dependent columns", options.rank_deficiency as usize),
+        ("the intercept (0 or 1)", usize::from(options.intercept)),
+        ("the option for dependent columns", options.rank_deficiency as usize),
     ];
     Call::run(world, Operation::LeastSquares, &facts, |call| {
         let errors = world.gather_numbers(usize::from(options.standard_errors)).contains(&1);
@@ -93,7 +93,7 @@ pub fn lstsq(
     })
 }
 
-/// A place for the solution of n columns and k targets.
+/// Returns a solution of n columns and k targets to be overwritten.
 fn blank(n: usize, k: usize, options: &LeastSquaresOptions) -> Result<LeastSquares> {
     let errors = options.standard_errors;
     Ok(LeastSquares {
@@ -112,7 +112,7 @@ fn blank(n: usize, k: usize, options: &LeastSquaresOptions) -> Result<LeastSquar
     })
 }
 
-/// Overwrites the solution by that of rank 0, of the same shape.
+/// Overwrites the solution with that of rank 0, of the same shape.
 fn broadcast(world: &World, found: &mut LeastSquares) {
     let root = world.communicator().process_at_rank(0);
     let n = found.coefficients.nrows();

@@ -1,4 +1,4 @@
-//! Buffers that can fail, and what goes into them.
+//! Buffers whose allocation may fail, and copies of matrices in them.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
@@ -7,7 +7,7 @@ use crate::base::{Real, Result, reserved};
 
 /// Appends the rows of `matrix`, one after another.
 pub(super) fn append_rows<T: Real>(buffer: &mut Vec<T>, matrix: MatRef<'_, T>) {
-    /// Rows copied together: a line of the cache or two of each column.
+    /// Rows copied together: a cache line or two of each column.
     const ROWS: usize = 16;
     let width = matrix.ncols();
     if matrix.col_stride() == 1 {
@@ -31,7 +31,7 @@ pub(super) fn append_rows<T: Real>(buffer: &mut Vec<T>, matrix: MatRef<'_, T>) {
     }
 }
 
-/// The columns of a matrix, one after another.
+/// Returns the columns of a matrix, one after another.
 pub(super) fn entries(matrix: MatRef<'_, f64>) -> Result<Vec<f64>> {
     let mut entries = reserved(matrix.nrows() * matrix.ncols())?;
     for column in matrix.col_iter() {
@@ -40,7 +40,7 @@ pub(super) fn entries(matrix: MatRef<'_, f64>) -> Result<Vec<f64>> {
     Ok(entries)
 }
 
-/// The inverse of [`entries`].
+/// Undoes [`entries`].
 pub(super) fn put_entries(mut matrix: MatMut<'_, f64>, entries: &[f64]) {
     for (j, column) in entries.chunks_exact(matrix.nrows().max(1)).enumerate() {
         matrix.rb_mut().col_mut(j).iter_mut().zip(column).for_each(|(to, from)| *to = *from);

@@ -1,12 +1,13 @@
-//! Matrices that are spread over the ranks of an MPI communicator: A^T A, by the plans of
+//! Matrices that are distributed over the ranks of an MPI communicator: A^T A, by the plans of
 //! [`ata::distributed`](crate::ata::distributed); Gram-Schmidt and eigenpairs, by the algorithms of
 //! [`ortho`](crate::ortho) and [`sparse`](crate::sparse), and least squares by that of
 //! [`gram`](crate::gram), where every rank has some rows.
 //!
-//! Every function is collective: all ranks of the [`World`] call it, with the same options. An
-//! error on one rank is an error on all ([`Error::Rank`](crate::Error::Rank)); a panic aborts the
-//! job, since the other ranks would wait for ever; so does, by default, an error of MPI itself.
-//! Results depend on the number of ranks, not on that of threads nor on which message comes first.
+//! Every function is collective: all ranks of the [`World`] call it, with the same options. If one
+//! rank fails, every rank returns an error ([`Error::Rank`](crate::Error::Rank)). A panic aborts
+//! the job, because the other ranks would wait forever; by default, so does an error of MPI itself.
+//! Results depend on the number of ranks, but not on the number of threads or the order of
+//! messages.
 
 mod call;
 mod columns;

@@ -1,5 +1,5 @@
-//! Orthonormal bases of columns whose rows are spread over the ranks: the algorithms of
-//! [`crate::ortho`], their Gram matrices and overlaps summed over the ranks.
+//! Orthonormal bases of columns with distributed rows: the algorithms of [`crate::ortho`], with
+//! Gram matrices and overlaps summed over the ranks.
 
 use faer::{Mat, MatMut, MatRef};
 
@@ -17,10 +17,10 @@ use crate::sparse::Mass;
 /// has the own rows of A, `mass` is the lumped masses of these rows or own rows x n of a full mass
 /// matrix, stored by rows. Every rank gets its rows of Q, and all of R and the kept columns.
 ///
-/// The result depends, by rounding, on the number of ranks and on which rank has which rows, but
-/// not on threads. R and the small matrices are computed by every rank, and must be the same
-/// everywhere, so that all need the same instruction set. A full mass costs messages for every
-/// product with it: rows that are next to own ones.
+/// The result depends, by rounding, on the number of ranks and on the distribution of the rows, but
+/// not on threads. R and the small matrices are computed by every rank and must be the same
+/// everywhere, so all ranks need the same instruction set. Every product with a full mass costs
+/// messages: rows that are adjacent to those of the rank.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, gram_schmidt};
@@ -85,7 +85,7 @@ pub fn gram_schmidt_in_place(
         ("the number of columns", c),
         mass_fact(mass),
         number_fact("the threshold", options.threshold),
-        ("re-orthogonalisation", usize::from(options.reorthogonalise)),
+        ("re-orthogonalisation (0 or 1)", usize::from(options.reorthogonalise)),
     ];
     Call::run(world, Operation::GramSchmidt, &facts, |call| {
         let rows = Rows::new(call, own)?;
@@ -96,9 +96,9 @@ pub fn gram_schmidt_in_place(
 }
 
 /// Computes [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product
-/// that are spread as for [`gram_schmidt`]: the own rows of A become those of Q, and every rank
-/// gets R. For each of the two to five passes, a rank sends and receives the packed triangle of a c
-/// x c matrix at most twice.
+/// that are distributed as for [`gram_schmidt`]: the rows of A of a rank become those of Q, and
+/// every rank gets R. For each of the two to five passes, a rank sends and receives the packed
+/// triangle of a c x c matrix at most twice.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, cholesky_qr};
@@ -122,7 +122,7 @@ pub fn cholesky_qr(world: &World, a: MatMut<'_, f64>, mass: &Mass, par: Par) -> 
     watched_cholesky_qr(world, a, mass, par, Progress::none())
 }
 
-/// [`cholesky_qr`] that tells of its progress.
+/// Computes [`cholesky_qr`], and reports progress.
 pub(crate) fn watched_cholesky_qr(
     world: &World,
     a: MatMut<'_, f64>,

@@ -10,10 +10,10 @@ use faer::MatRef;
 use super::requests::Requests;
 use super::world::{MpiReal, PANICKED, Traffic, World};
 
-/// Blocks of matrices on their way to another rank, read where they are: no copy of ours is made.
+/// Blocks of matrices on their way to another rank, sent without a copy.
 ///
-/// Never to be forgotten: the end of its life is what keeps the blocks in place until they have
-/// been read.
+/// A value must never be forgotten: its destructor keeps the blocks in place until they have been
+/// read.
 pub(super) struct PendingSend<'a, T> {
     world: &'a World,
     requests: Requests,
@@ -37,7 +37,7 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
         send
     }
 
-    /// One message of all the entries of `parts`, at least one.
+    /// Starts one message of all the entries of `parts`, at least one.
     fn start(&mut self, parts: &[MatRef<'a, T>], to: usize, tag: i32) {
         let first = parts[0].as_ptr();
         let distance = |part: &MatRef<'_, T>| part.as_ptr() as Address - first as Address;
@@ -57,7 +57,7 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
 impl<T> Drop for PendingSend<'_, T> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            // The other side may never come, and what is being sent may not be let go.
+            // The receiver may never come, and memory that is being sent can't be released.
             use ::mpi::topology::Communicator;
             self.world.communicator().abort(PANICKED);
         }
@@ -65,7 +65,7 @@ impl<T> Drop for PendingSend<'_, T> {
     }
 }
 
-/// Several of them; the end of its life waits for all.
+/// Several pending sends; the destructor waits for all.
 pub(super) struct PendingSends<'a, T>(RefCell<Vec<PendingSend<'a, T>>>);
 
 impl<'a, T> FromIterator<PendingSend<'a, T>> for PendingSends<'a, T> {
@@ -75,8 +75,8 @@ impl<'a, T> FromIterator<PendingSend<'a, T>> for PendingSends<'a, T> {
 }
 
 impl<T> PendingSends<'_, T> {
-    /// Whether some are still on their way: entries that are not next to each other travel in
-    /// pieces, each of which this rank has to push by asking.
+    /// Returns whether some sends have not ended. Entries that are not adjacent travel in pieces,
+    /// and MPI moves each piece only when this rank asks for its state.
     pub(super) fn are_moving(&self) -> bool {
         let mut sends = self.0.borrow_mut();
         sends.retain_mut(|send| !send.requests.have_ended());
@@ -84,8 +84,8 @@ impl<T> PendingSends<'_, T> {
     }
 }
 
-/// The entries from `start`, `len` of them, of blocks one after another: in pieces of columns, and
-/// whole ones.
+/// Returns the entries from `start`, `len` of them, of blocks one after another, as parts of
+/// columns and whole columns.
 fn parts<'a, T>(blocks: &[MatRef<'a, T>], start: usize, len: usize) -> Vec<MatRef<'a, T>> {
     let mut parts = Vec::new();
     let (mut skipped, mut left) = (start, len);
@@ -110,12 +110,12 @@ fn parts<'a, T>(blocks: &[MatRef<'a, T>], start: usize, len: usize) -> Vec<MatRe
     parts
 }
 
-/// The entries of `part`, column by column.
+/// Returns the datatype of the entries of `part`, column by column.
 fn datatype<T: MpiReal>(part: MatRef<'_, T>) -> UncommittedUserDatatype {
     type Type = UncommittedUserDatatype;
     let scalar = T::equivalent_datatype();
     let bytes = |stride: isize| stride as Address * size_of::<T>() as Address;
-    // Messages are shorter than what an i32 can count, and so are their sides.
+    // The entries of a message can be counted by an i32, and so can its sides.
     let (rows, cols) = (part.nrows() as i32, part.ncols() as i32);
     let next_col = bytes(part.col_stride());
     if part.row_stride() == 1 {

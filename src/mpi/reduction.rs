@@ -11,8 +11,8 @@ use crate::base::{Result, reserved};
 /// Tags of the rounds; those of successive chunks differ.
 const FIRST_TAG: i32 = 64;
 
-/// The sum of a chunk over the ranks, scattered to them; of one chunk after another, in memory that
-/// is there from the start.
+/// Sums chunks over the ranks and scatters the sums, one chunk after another, in memory that is
+/// allocated once.
 pub(super) struct Reduction<'c, T> {
     chunks: &'c Chunks,
     rank: usize,
@@ -20,16 +20,16 @@ pub(super) struct Reduction<'c, T> {
     /// sends in the last round, ..., in the first round.
     parts: Vec<Range<usize>>,
     pieces: Vec<Vec<T>>,
-    /// Where the sums of others arrive.
+    /// Where the sums of other ranks arrive.
     incoming: Vec<T>,
     chunk: usize,
-    /// Pieces that are still to be sent, the last one first; `None` when there is no sum to be had.
+    /// Pieces that are still to be sent, the last one first; `None` when no sum was started.
     left: Option<usize>,
     under_way: Option<(Transfer<T>, Transfer<T>)>,
 }
 
 impl<'c, T: MpiReal> Reduction<'c, T> {
-    /// Room for the largest chunk.
+    /// Allocates memory for the largest chunk.
     pub(super) fn new(chunks: &'c Chunks, rank: usize) -> Result<Self> {
         let rounds = rounds(chunks.ranks()).into_iter().rev().map(|round| round.parts);
         let parts: Vec<_> = std::iter::once(0..1).chain(rounds).collect();
@@ -58,7 +58,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
         }
     }
 
-    /// Starts the rounds for `chunk`, with whatever entries there are if it was not filled.
+    /// Starts the rounds for `chunk`, with unspecified entries if it was not filled.
     pub(super) fn start(&mut self, world: &World, chunk: usize) {
         for (parts, piece) in self.parts.iter().zip(&mut self.pieces) {
             piece.resize(entries(self.chunks, chunk, self.rank, parts), T::ZERO);
@@ -68,7 +68,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
         self.next_round(world);
     }
 
-    /// Goes on as far as possible without waiting.
+    /// Continues as far as possible without waiting.
     pub(super) fn advance(&mut self, world: &World) {
         while let Some((sent, received)) = &mut self.under_way {
             if !(sent.has_ended() && received.has_ended()) {
@@ -79,7 +79,8 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
         }
     }
 
-    /// Waits for the end: the sum of this rank's part of the chunk, nothing when none was started.
+    /// Waits for the end, and returns the sum of this rank's part of the chunk, or nothing if none
+    /// was started.
     pub(super) fn finish(&mut self, world: &World) -> &[T] {
         while self.under_way.is_some() {
             self.end_round();
@@ -101,7 +102,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
         self.under_way = Some((Transfer::send(world, outgoing, [to], tag), received));
     }
 
-    /// Waits for the round, and adds what came.
+    /// Waits for the round, and adds what has arrived.
     fn end_round(&mut self) {
         let (Some((sent, received)), Some(piece)) = (self.under_way.take(), self.left) else {
             return;
@@ -114,7 +115,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
     }
 }
 
-/// Entries of `chunk` in the parts of `rank + i`, `i` in `parts`.
+/// Returns the number of entries of `chunk` in the parts of `rank + i`, `i` in `parts`.
 fn entries(chunks: &Chunks, chunk: usize, rank: usize, parts: &Range<usize>) -> usize {
     parts.clone().map(|i| chunks.entries(chunk, (rank + i) % chunks.ranks()).len()).sum()
 }

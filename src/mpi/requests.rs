@@ -1,12 +1,12 @@
 use ::mpi::ffi;
 
-/// Messages that have been started, of one owner: what they read or write stays in place until they
-/// have ended.
+/// Messages of one owner that have been started. The memory that they read or write stays in place
+/// until they have ended.
 #[derive(Default)]
 pub(super) struct Requests(Vec<ffi::MPI_Request>);
 
 impl Requests {
-    /// One more: `start` has MPI set it.
+    /// Adds a request, which `start` lets MPI set.
     pub(super) fn start(&mut self, start: impl FnOnce(&mut ffi::MPI_Request)) {
         // SAFETY: a constant of the MPI library.
         let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
@@ -22,7 +22,7 @@ impl Requests {
         self.0.is_empty()
     }
 
-    /// Whether all have ended.
+    /// Returns whether all have ended.
     pub(super) fn have_ended(&mut self) -> bool {
         let mut flag = 0;
         let count = self.0.len() as i32;
@@ -33,7 +33,7 @@ impl Requests {
         flag != 0
     }
 
-    /// Waits until all have ended, and forgets them.
+    /// Waits until all have ended, and removes them.
     pub(super) fn wait(&mut self) {
         let count = self.0.len() as i32;
         // SAFETY: as above.

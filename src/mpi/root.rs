@@ -1,4 +1,4 @@
-//! A and C on one rank: AtA-D, or its rows dealt to all.
+//! A and C on one rank: AtA-D, or rows distributed to all ranks.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
@@ -15,7 +15,7 @@ use crate::base::{Error, Result};
 ///
 /// It calls [`ata_tree`] or [`ata_deal`], whichever [`choose`] expects to be faster for this shape
 /// and number of ranks on the default [`Machine`]. The result depends on the shape and the number
-/// of ranks and on nothing else.
+/// of ranks only.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_root};
@@ -90,8 +90,8 @@ pub fn ata_tree<T: MpiReal>(
     from_root(world, root, alpha, a, beta, c, options, |_| Mode::Tree)
 }
 
-/// Computes [`ata_root`] by rows: the root deals blocks of rows to the ranks, every rank sums the
-/// products of its blocks, and the sums are added, chunk by chunk as by
+/// Computes [`ata_root`] by rows: the root distributes blocks of rows to the ranks, every rank sums
+/// the products of its blocks, and the sums are added, chunk by chunk as by
 /// [`sum_symmetric`](super::sum_symmetric), and gathered.
 ///
 /// It suits tall A: every entry of A is sent at most once, and `n^2` entries of C in all. The root
@@ -156,7 +156,7 @@ fn from_root<T: MpiReal>(
     Ok(())
 }
 
-/// A and C, on the root alone.
+/// Returns A and C, on the root alone.
 fn on_root<'a, 'c, T>(
     world: &World,
     root: usize,

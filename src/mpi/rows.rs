@@ -21,12 +21,12 @@ use crate::base::{Error, Progress, Result, Workspace, reserved};
 /// every chunk of C, while it computes the next one. Rows are m_r x n with any strides; beside them
 /// and its part of C a rank holds a few chunks of C, which for large n are less than a part.
 /// `options.uplo` does not matter. The result depends, by rounding, on the number of ranks and on
-/// which rank has which rows.
+/// the distribution of the rows.
 ///
-/// On the exact path, when the options ask for it, C has the same bytes for any number of ranks and
-/// any distribution of the rows. The ranks agree on the bounds of the rows, and their sums are
-/// integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)), which are added in parts of
-/// 32 bits, at five times the traffic of f64.
+/// On the exact path, which is used if the options request it, C has the same bytes for any number
+/// of ranks and any distribution of the rows. The ranks agree on the bounds of the rows, and their
+/// sums are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)), which are added in
+/// parts of 32 bits, at five times the traffic of f64.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_rows};
@@ -55,7 +55,7 @@ pub fn ata_rows<T: MpiReal>(
 ) -> Result<Symmetric<T>> {
     let _guard = world.abort_on_panic();
     let n = rows.ncols();
-    let exact = ("whether it is exact", usize::from(options.asks_for_exact()));
+    let exact = ("the exact path (0 or 1)", usize::from(options.asks_for_exact()));
     let facts = [("n", n), scalar_fact::<T>(), number_fact("alpha", alpha), exact];
     world.begin(Operation::Rows, &facts, Ok(()))?;
     let m = world.gather_numbers(rows.nrows()).iter().sum();
@@ -103,8 +103,8 @@ pub fn sum_symmetric<T: MpiReal>(world: &World, c: MatRef<'_, T>) -> Result<Symm
     reduce(world, chunks, Ok(c), |c, span, _| Ok(c.get(span.clone(), ..span.end)))
 }
 
-/// Sums the chunks over the ranks: `panel` gives the rows of the next one, up to the diagonal and
-/// beyond, and calls its last argument now and then.
+/// Sums the chunks over the ranks. `panel` computes the rows of the next chunk, up to the diagonal
+/// and beyond, and calls its last argument from time to time.
 fn reduce<T: MpiReal, S>(
     world: &World,
     chunks: Chunks,
@@ -116,7 +116,7 @@ fn reduce<T: MpiReal, S>(
         .and_then(|state| Ok((state, Reduction::new(&chunks, own)?, reserved(chunks.len(own))?)));
     let (mut state, reduction, mut entries) = world.agree(prepared)?;
 
-    // The reduction of a chunk goes on while the next one is computed.
+    // The reduction of a chunk continues while the next one is computed.
     let reduction = RefCell::new(reduction);
     let advance = || {
         reduction.borrow_mut().advance(world);
@@ -124,7 +124,7 @@ fn reduce<T: MpiReal, S>(
     };
     let mut done = Ok(());
     for chunk in 0..chunks.count() {
-        // A rank that fails goes on with whatever it has, so that nobody waits for it.
+        // A rank that fails continues with unspecified entries, so that no rank waits for it.
         let computed = match &done {
             Ok(()) => panel(&mut state, chunks.rows(chunk), &advance).map(Some),
             Err(_) => Ok(None),
@@ -144,21 +144,21 @@ fn reduce<T: MpiReal, S>(
     Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
 }
 
-/// Parts that a sum is sent in: 32 bits each, as floating-point numbers that add up exactly, and
+/// Parts in which a sum is sent: 32 bits each, as floating-point numbers whose sums are exact, and
 /// the number of ranks with each kind of terms that are not finite.
 const PARTS: usize = 5;
 
-/// What is sent of entry (i, j), part by part.
+/// Returns one part of what is sent for entry (i, j).
 fn part_of((c, flags): (i128, Flags), part: usize) -> f64 {
     match part {
         0..3 => f64::from((c >> (32 * part)) as u32),
         3 => f64::from((c >> 96) as i32),
-        // Digits for up to 2^16 ranks.
+        // One digit of base 2^16 for each kind of flag: enough for 2^16 ranks.
         _ => (0..2).map(|bit| f64::from(flags.0 >> bit & 1) * f64::from(16 * bit).exp2()).sum(),
     }
 }
 
-/// The sum of the parts of all ranks.
+/// Returns the sum of the parts of all ranks.
 fn whole(parts: &[f64; PARTS]) -> (i128, Flags) {
     let c = (0..4).map(|part| (parts[part] as i128) << (32 * part)).sum();
     let counts = parts[4] as u64;
@@ -166,7 +166,7 @@ fn whole(parts: &[f64; PARTS]) -> (i128, Flags) {
     (c, Flags((0..2).map(flag).sum()))
 }
 
-/// [`ata_rows`] in integers.
+/// Computes [`ata_rows`] in integers.
 fn reduce_exact<T: MpiReal>(
     world: &World,
     alpha: T,
@@ -187,7 +187,7 @@ fn reduce_exact<T: MpiReal>(
     for chunk in 0..chunks.count() {
         let span = chunks.rows(chunk);
         let share = |rows: usize| (rows as f64 / n.max(1) as f64).powi(2);
-        // A rank that fails goes on with zeros, so that nobody waits for it.
+        // A rank that fails continues with zeros, so that no rank waits for it.
         let sums = match &done {
             Ok(()) => {
                 let share = share(span.start)..share(span.end);
@@ -229,7 +229,7 @@ fn reduce_exact<T: MpiReal>(
     Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
 }
 
-/// Rows `span` of `alpha A^T A`, up to the diagonal; beyond it the panel is not touched.
+/// Computes rows `span` of `alpha A^T A`, up to the diagonal; beyond it the panel is not touched.
 fn panel_product<T: MpiReal>(
     alpha: T,
     a: MatRef<'_, T>,

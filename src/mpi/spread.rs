@@ -1,5 +1,4 @@
-//! Sparse matrices of which every rank has some rows, and products with vectors that are spread
-//! likewise.
+//! Sparse matrices with distributed rows, and products with vectors that are distributed likewise.
 
 use std::ops::Range;
 
@@ -13,11 +12,11 @@ use crate::base::{Error, Par, Result, reserved};
 use crate::dense::zeros;
 use crate::sparse::{InnerSpace, Mass, check_mirrored, multiply};
 
-/// Own rows of a matrix of n x n, with columns numbered anew: first those of own rows, then those
-/// that other ranks have to send.
+/// This rank's rows of an n x n matrix, with columns renumbered: first those of this rank's rows,
+/// then those that other ranks have to send.
 pub(super) struct SpreadMatrix {
     local: CsMat<f64>,
-    /// For each rank, own rows that it asks for.
+    /// For each rank, which of this rank's rows it needs.
     asked: Vec<Vec<usize>>,
     /// For each rank, how many rows come from it.
     needed: Vec<usize>,
@@ -63,12 +62,12 @@ impl SpreadMatrix {
         Ok(Self { local, asked: asked.collect(), needed })
     }
 
-    /// Returns the own rows, with columns as in [`SpreadMatrix::extended`].
+    /// Returns this rank's rows, with columns as in [`SpreadMatrix::extended`].
     pub fn rows(&self) -> CsMatView<'_, f64> {
         self.local.view()
     }
 
-    /// Computes the own rows of `Y := A X`.
+    /// Computes this rank's rows of `Y := A X`.
     pub fn multiply(
         &self,
         call: &Call<'_>,
@@ -79,8 +78,8 @@ impl SpreadMatrix {
         multiply(self.rows(), self.extended(call, x)?.as_ref(), y, par)
     }
 
-    /// Returns X extended by the rows of other ranks that the own rows of A need: first the own
-    /// rows of X, then those of the others.
+    /// Returns X extended by the rows of other ranks that this rank's rows of A need: first this
+    /// rank's rows of X, then those of the others.
     pub fn extended(&self, call: &Call<'_>, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let (own, columns) = x.shape();
         let of = |rows: &Vec<usize>| {
@@ -104,7 +103,7 @@ impl SpreadMatrix {
     }
 }
 
-/// A mass whose rows are spread over the ranks.
+/// A mass matrix with distributed rows.
 pub(super) struct SpreadMass<'c> {
     call: &'c Call<'c>,
     rows: &'c Rows,
@@ -168,7 +167,7 @@ impl InnerSpace for SpreadMass<'_> {
     }
 }
 
-/// Whether a matrix of `rows` own rows fits n of them in all; errors name `what`.
+/// Checks the shape of this rank's `rows` rows of an n x n matrix; errors name `what`.
 pub(super) fn check_rows(
     what: &'static str,
     matrix: CsMatView<'_, f64>,
@@ -181,7 +180,7 @@ pub(super) fn check_rows(
     Error::check_shape(what, (rows, n), matrix.shape())
 }
 
-/// Whether a mass has the own rows, and is of n rows in all.
+/// Checks that a mass has this rank's rows, and n rows in all.
 pub(super) fn check_mass_shape(mass: &Mass, rows: &Rows) -> Result<()> {
     let (own, n) = (rows.own().len(), rows.count());
     match mass {
@@ -190,7 +189,8 @@ pub(super) fn check_mass_shape(mass: &Mass, rows: &Rows) -> Result<()> {
     }
 }
 
-/// [`Mass::check`] of a mass that is spread: of each entry by the rank that has its mirror image.
+/// Checks a distributed mass as [`Mass::check`] does, each entry on the rank that has its mirror
+/// image.
 pub(super) fn check_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<()> {
     call.meet(check_mass_shape(mass, rows))?;
     let matrix = match mass {
@@ -235,7 +235,7 @@ pub(super) fn check_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<()
     Ok(())
 }
 
-/// The whole matrix on every rank, of the rows that each has.
+/// Returns the whole matrix on every rank, from the rows of all ranks.
 pub(super) fn gather_matrix(
     call: &Call<'_>,
     rows: &Rows,
@@ -260,7 +260,7 @@ pub(super) fn gather_matrix(
     Ok(CsMat::new((rows.count(), matrix.cols()), starts, columns, entries))
 }
 
-/// The whole mass on every rank.
+/// Returns the whole mass on every rank.
 pub(super) fn gather_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<Mass> {
     let lens: Vec<usize> = (0..rows.ranks()).map(|rank| rows.of(rank).len()).collect();
     Ok(match mass {
@@ -269,7 +269,7 @@ pub(super) fn gather_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<M
     })
 }
 
-/// The fact that ranks have the same kind of mass.
+/// Returns the fact that all ranks have the same kind of mass.
 pub(super) fn mass_fact(mass: &Mass) -> (&'static str, usize) {
-    ("the kind of mass", usize::from(matches!(mass, Mass::Full(_))))
+    ("the kind of mass (0 lumped, 1 full)", usize::from(matches!(mass, Mass::Full(_))))
 }

@@ -14,8 +14,9 @@ const TAG: i32 = 4;
 /// Bytes of a message.
 const MESSAGE: usize = 1 << 20;
 
-/// Joins the bounds of the rows of all ranks: the same on every rank, for [`Accumulator::exact`]
-/// sums that merge to the same bytes however the rows are shared out.
+/// Joins the bounds of the rows of all ranks. The result is the same on every rank:
+/// [`Accumulator::exact`] sums with these bounds merge to the same bytes for any distribution of
+/// rows.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, agree_bounds, merge_accumulators};
@@ -38,27 +39,27 @@ const MESSAGE: usize = 1 << 20;
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when the columns or the precision differ, only some have weights, or another
-/// rank failed.
+/// [`Error::Rank`] when the columns or the precision differ, only some ranks have weights, or
+/// another rank failed.
 pub fn agree_bounds<T: MpiReal>(world: &World, bounds: &RowBounds<T>) -> Result<RowBounds<T>> {
     let _guard = world.abort_on_panic();
     let facts = [
         ("the number of columns", bounds.ncols()),
-        ("whether there are weights", usize::from(bounds.weight().is_some())),
+        ("the presence of weights (0 or 1)", usize::from(bounds.weight().is_some())),
         scalar_fact::<T>(),
     ];
     world.begin(Operation::Bounds, &facts, Ok(()))?;
     joined_bounds(world, bounds)
 }
 
-/// [`agree_bounds`], inside of a call.
+/// Computes [`agree_bounds`] inside a call.
 pub(super) fn joined_bounds<T: MpiReal>(
     world: &World,
     bounds: &RowBounds<T>,
 ) -> Result<RowBounds<T>> {
     let n = bounds.ncols();
     let rows = world.gather_numbers(bounds.rows() as usize).iter().sum::<usize>() as u64;
-    // The largest is the least of the negatives.
+    // The largest value is the negative of the least negative.
     let weight = bounds.weight().map(|w| -w.to_f64());
     let lower = bounds.lower().iter().map(|x| x.to_f64());
     let upper = bounds.upper().iter().map(|x| -x.to_f64());
@@ -73,9 +74,10 @@ pub(super) fn joined_bounds<T: MpiReal>(
     Ok(RowBounds::from_parts(bounds, units, weight, rows))
 }
 
-/// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the
-/// sum on rank 0, and `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are
-/// the same bytes for any P. Beside its own accumulator a rank holds one more.
+/// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only.
+/// Returns the sum on rank 0, and `None` on the others. Exact sums on the same bounds
+/// ([`agree_bounds`]) are the same bytes for any P. Beside its own accumulator a rank holds one
+/// more.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, merge_accumulators};
@@ -103,15 +105,15 @@ pub fn merge_accumulators<T: MpiReal>(
     let _guard = world.abort_on_panic();
     let facts = [
         ("the number of columns", sum.ncols()),
-        ("centring", usize::from(sum.is_centered())),
-        ("exactness", usize::from(sum.is_exact()) + usize::from(sum.is_extended())),
+        ("centring (0 or 1)", usize::from(sum.is_centered())),
+        ("the kind of sums", usize::from(sum.is_exact()) + usize::from(sum.is_extended())),
         scalar_fact::<T>(),
     ];
     world.begin(Operation::Merge, &facts, Ok(()))?;
     let (rank, size) = (world.rank(), world.size());
     let mut done = Ok(());
     let mut step = 1;
-    // A rank that fails goes on with what it has, so that nobody waits for it.
+    // A rank that fails continues with what it has, so that no rank waits for it.
     while step < size && rank.is_multiple_of(2 * step) {
         if rank + step < size {
             let mut stream = Incoming::new(world, rank + step);
@@ -134,7 +136,7 @@ pub fn merge_accumulators<T: MpiReal>(
     Ok((rank == 0).then_some(sum))
 }
 
-/// Bytes to another rank, in messages of one length but the last, which is shorter.
+/// Writes bytes to another rank, in messages of one length except the last, which is shorter.
 struct Outgoing<'w> {
     world: &'w World,
     to: usize,
@@ -156,7 +158,7 @@ impl<'w> Outgoing<'w> {
         self.buffer.clear();
     }
 
-    /// The last message, which may be empty.
+    /// Sends the last message, which may be empty.
     fn end<T>(mut self) -> io::Result<()> {
         self.send();
         let messages_sent = (self.bytes / MESSAGE + 1) as u64;
@@ -181,7 +183,7 @@ impl Write for Outgoing<'_> {
     }
 }
 
-/// What [`Outgoing`] sends.
+/// Reads the bytes of an [`Outgoing`].
 struct Incoming<'w> {
     world: &'w World,
     from: usize,
@@ -196,7 +198,7 @@ impl<'w> Incoming<'w> {
         Self { world, from, buffer: Vec::new(), taken: 0, bytes: 0, ended: false }
     }
 
-    /// After the end.
+    /// Adds the received messages to the traffic, after the end.
     fn count<T>(&self) {
         let messages_received = (self.bytes / MESSAGE + 1) as u64;
         let words_received = self.bytes.div_ceil(size_of::<T>()) as u64;

@@ -9,7 +9,7 @@ use crate::ata::Uplo;
 use crate::ata::distributed::Layout;
 use crate::base::{Error, Real, Result, zeros};
 
-/// A symmetric matrix whose lower triangle is spread over the ranks.
+/// A symmetric matrix whose lower triangle is distributed over the ranks.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_rows};
@@ -34,13 +34,13 @@ pub struct Symmetric<T> {
 }
 
 impl<T: Real> Symmetric<T> {
-    /// `entries` are those of `rank`.
+    /// Creates the matrix from the `entries` of `rank`.
     pub(super) fn new(layout: Layout, rank: usize, entries: Vec<T>) -> Self {
         debug_assert_eq!(layout.len(rank), entries.len());
         Self { layout, rank, entries }
     }
 
-    /// Rows and columns.
+    /// Returns the number of rows and columns.
     pub fn n(&self) -> usize {
         self.layout.n()
     }
@@ -69,8 +69,8 @@ impl<T: Real> Symmetric<T> {
 const GATHER: i32 = 1;
 
 impl<T: MpiReal> Symmetric<T> {
-    /// Puts the whole matrix into `c` on rank `root`, the triangles of `uplo`; the others give
-    /// `None`.
+    /// Gathers the whole matrix in `c` on rank `root`, the triangles of `uplo`. The other ranks
+    /// pass `None`.
     ///
     /// # Errors
     /// [`Error::Shape`] when C is not n x n or missing on the root, [`Error::OutOfMemory`];
@@ -107,7 +107,7 @@ impl<T: MpiReal> Symmetric<T> {
             let entries = if rank == root {
                 &self.entries[..]
             } else {
-                // One rank at a time: no more memory than a share.
+                // One rank at a time, so that no more memory than a share is needed.
                 let entries = &mut buffer[..self.layout.len(rank)];
                 receive(world, entries, rank, GATHER);
                 entries
@@ -124,7 +124,7 @@ impl<T: MpiReal> Symmetric<T> {
 }
 
 impl<T: MpiReal> Symmetric<T> {
-    /// Puts the whole matrix, both triangles, into `c` (n x n) on every rank.
+    /// Writes the whole matrix, both triangles, into `c` (n x n) on every rank.
     pub(super) fn spread(&self, call: &Call<'_>, mut c: MatMut<'_, T>) -> Result<()> {
         let lens: Vec<usize> = (0..call.world.size()).map(|rank| self.layout.len(rank)).collect();
         let entries = all_gather(call, &self.entries, &lens)?;

@@ -6,14 +6,15 @@ use ::mpi::topology::Communicator;
 use super::requests::Requests;
 use super::world::{MpiReal, Traffic, World};
 
-/// A message on its way, which owns its entries until it has arrived.
+/// A message on its way that owns its entries until it has arrived.
 pub(super) struct Transfer<T> {
     buffer: Vec<T>,
     requests: Requests,
 }
 
 impl<T: MpiReal> Transfer<T> {
-    /// Starts to send `buffer` to each of the ranks `to`; a long one in several messages.
+    /// Starts to send `buffer` to each of the ranks `to`; a long buffer is sent in several
+    /// messages.
     pub(super) fn send(
         world: &World,
         buffer: Vec<T>,
@@ -25,7 +26,7 @@ impl<T: MpiReal> Transfer<T> {
         for to in to {
             for part in transfer.buffer.chunks(world.longest_message()) {
                 // SAFETY: the entries stay in place on the heap until the request has ended: only
-                // then are they given back, and a transfer that is dropped waits for it.
+                // then are they returned, and a transfer that is dropped waits for it.
                 transfer.requests.start(|request| unsafe {
                     ffi::MPI_Isend(
                         part.as_ptr().cast(),
@@ -53,7 +54,7 @@ impl<T: MpiReal> Transfer<T> {
         let mut requests = Requests::default();
         let datatype = T::equivalent_datatype();
         for part in buffer.chunks_mut(world.longest_message()) {
-            // SAFETY: as above, and nobody else sees the entries.
+            // SAFETY: as above, and nothing else accesses the entries.
             requests.start(|request| unsafe {
                 ffi::MPI_Irecv(
                     part.as_mut_ptr().cast(),
@@ -76,12 +77,12 @@ impl<T: MpiReal> Transfer<T> {
 }
 
 impl<T> Transfer<T> {
-    /// Whether it has ended.
+    /// Returns whether the transfer has ended.
     pub(super) fn has_ended(&mut self) -> bool {
         self.requests.have_ended()
     }
 
-    /// Waits for its end, and gives the entries back.
+    /// Waits for the end, and returns the entries.
     pub(super) fn wait(mut self) -> Vec<T> {
         self.requests.wait();
         std::mem::take(&mut self.buffer)
@@ -112,7 +113,7 @@ impl<T> Drop for Transfer<T> {
             return;
         }
         if std::thread::panicking() {
-            // The other side may never come, and the job is about to be aborted: the entries stay.
+            // The receiver may never come, and the job is about to be aborted: the entries stay.
             std::mem::forget(std::mem::take(&mut self.buffer));
         } else {
             self.requests.wait();

@@ -52,8 +52,8 @@ pub(super) fn run<T: MpiReal>(
     world.agree(worker.done)
 }
 
-/// `rows` rows of the parts of A that `node` reads: the columns for the rows of its block, and
-/// those for its columns.
+/// Returns `rows` rows of the parts of A that `node` reads: the columns for the rows of its block,
+/// and those for its columns.
 fn operands<'a, T>(
     form: Form,
     node: &TreeNode,
@@ -66,7 +66,7 @@ fn operands<'a, T>(
     [left, if node.task.triangle { left } else { right() }]
 }
 
-/// The block of C of `node`.
+/// Returns the block of C of `node`.
 fn block<'a, T>(form: Form, node: &TreeNode, entries: &'a mut [T]) -> MatMut<'a, T> {
     let (rows, cols) = (node.task.rows.len(), node.task.cols.len());
     match form.c_by_rows {
@@ -75,10 +75,10 @@ fn block<'a, T>(form: Form, node: &TreeNode, entries: &'a mut [T]) -> MatMut<'a,
     }
 }
 
-/// Everything that a process needs, so that nothing can fail for want of it later.
+/// All memory that a process needs, so that no later allocation can fail.
 struct Memory<T> {
     results: Results<T>,
-    /// Strips of the nodes that are sent to it.
+    /// The strips of the nodes that are sent to the process.
     inputs: Vec<Vec<Vec<T>>>,
     blocks: Vec<Vec<T>>,
 }
@@ -99,10 +99,10 @@ impl<T: Real> Memory<T> {
     }
 }
 
-/// The results of others, received in the order in which they are added: the next one arrives while
-/// the process does something else.
+/// Receives the results of other processes in the order in which they are added: the next one
+/// arrives while the process does something else.
 struct Results<T> {
-    /// Nodes.
+    /// The nodes whose results are expected.
     expected: VecDeque<usize>,
     under_way: VecDeque<Transfer<T>>,
     spare: Vec<Vec<T>>,
@@ -123,10 +123,10 @@ struct Worker<'w, T> {
     alpha: T,
     options: &'w AtaOptions<'w>,
     results: Results<T>,
-    /// Done, and in all.
+    /// Work done, and all work.
     products: (f64, f64),
-    /// The first error; after it the messages go on, with whatever is there, so that nobody waits
-    /// for them.
+    /// The first error. After it the messages continue, with unspecified entries, so that no rank
+    /// waits.
     done: Result<()>,
 }
 
@@ -161,9 +161,9 @@ impl<T: MpiReal> Worker<'_, T> {
         returned.into_iter().for_each(|result| drop(result.wait()));
     }
 
-    /// `C := beta C` + the product of node `id`, of which this process has the operands, or some
-    /// rows of them if it is a leaf. `moves` says whether parts of A are still on their way from
-    /// this process.
+    /// Computes `C := beta C` + the product of node `id`. This process has the operands, or some
+    /// rows of them if the node is a leaf. `moves` returns whether parts of A are still on their
+    /// way from this process.
     fn run(
         &mut self,
         id: usize,
@@ -178,7 +178,7 @@ impl<T: MpiReal> Worker<'_, T> {
         if node.is_leaf() {
             return self.multiply(node, operands, beta, c, moves);
         }
-        // All others have what they need before this process begins.
+        // All other processes get what they need before this process begins.
         let sent = tree.planned_sends(node);
         let sent: PendingSends<'_, T> =
             sent.map(|it| self.start_send(node, &it, operands)).collect();
@@ -221,7 +221,7 @@ impl<T: MpiReal> Worker<'_, T> {
         });
     }
 
-    /// Starts to send a strip of what a child reads of its parent's operands.
+    /// Starts to send a strip of the operands of a child.
     fn start_send<'a>(
         &self,
         parent: &TreeNode,
@@ -255,7 +255,7 @@ impl<T: MpiReal> Worker<'_, T> {
         }
     }
 
-    /// `C := beta C` + the next result, which is that of `child`.
+    /// Computes `C := beta C` + the next result, which is that of `child`.
     fn add_result(&mut self, child: &TreeNode, beta: T, c: MatMut<'_, T>) {
         self.start_results();
         let Some(result) = self.results.under_way.pop_front() else {
@@ -267,12 +267,12 @@ impl<T: MpiReal> Worker<'_, T> {
     }
 }
 
-/// A range inside another one, counted from its start.
+/// Returns a range inside another one, counted from the start of that.
 fn within(range: &Range<usize>, outer: &Range<usize>) -> Range<usize> {
     range.start - outer.start..range.end - outer.start
 }
 
-/// The operands of a child, out of those of its parent.
+/// Returns the operands of a child, from those of its parent.
 fn operands_of<'a, T>(
     child: &TreeNode,
     parent: &TreeNode,
@@ -285,12 +285,12 @@ fn operands_of<'a, T>(
     ]
 }
 
-/// Entries of line `line` of a lower triangle of n lines, rows or columns.
+/// Returns the entries of line `line` of a lower triangle of n lines, rows or columns.
 fn triangle_line(line: usize, n: usize, by_rows: bool) -> Range<usize> {
     if by_rows { 0..line + 1 } else { line..n }
 }
 
-/// Leaves of a square of n lines what is not above the diagonal.
+/// Removes the entries above the diagonal from a square of n lines.
 fn pack<T: Copy>(square: &mut Vec<T>, n: usize, by_rows: bool) {
     let mut end = 0;
     for line in 0..n {
@@ -302,7 +302,7 @@ fn pack<T: Copy>(square: &mut Vec<T>, n: usize, by_rows: bool) {
     square.truncate(end);
 }
 
-/// `C := beta C` + the lines of `result` one after another; with `beta == 0` C is not read.
+/// Computes `C := beta C` + the lines of `result`; with `beta == 0` C is not read.
 fn add<T: Real>(c: MatMut<'_, T>, beta: T, result: &[T], triangle: bool, by_rows: bool) {
     let mut c = if by_rows { c } else { c.transpose_mut() };
     let len = c.ncols();

@@ -9,7 +9,7 @@ use crate::ata::{Verification, check_rounds, signs, verdict};
 use crate::base::{Error, Result, zeros};
 use crate::blas::{self, Kernels};
 
-/// A matrix of which every rank has a part.
+/// A matrix of which every rank holds a part.
 #[derive(Debug, Clone, Copy)]
 pub enum Distributed<'a, T> {
     /// Rows, as for [`ata_rows`](super::ata_rows).
@@ -63,7 +63,7 @@ pub fn verify<T: MpiReal>(
     };
     let facts = [
         ("n", n),
-        ("the distribution of A", usize::from(by_columns)),
+        ("the distribution of A (0 rows, 1 columns)", usize::from(by_columns)),
         ("the number of rounds", r),
         ("the seed", seed as usize),
         number_fact("alpha", alpha),
@@ -77,13 +77,13 @@ pub fn verify<T: MpiReal>(
         false => (own.ncols(), heights.iter().sum()),
     };
     let fits = Error::check_shape("A", (m, n), (m, width)).and_then(|()| {
-        // Of one height, or the sums over the ranks would not be of the same rows.
+        // All parts need the same height, or the sums over the ranks would be of different rows.
         let rows = heights.iter().find(|&&rows| by_columns && rows != m).map_or(m, |&rows| rows);
         Error::check_shape("A", (m, n), (rows, n))
     });
     world.agree(fits)?;
 
-    // Z = C X, the part that this rank has
+    // This rank's part of Z = C X.
     c.for_each_segment(|i, start, entries| {
         for (j, entry) in (start..).zip(entries) {
             let entry = entry.to_f64();

@@ -61,7 +61,7 @@ impl AddAssign for Traffic {
 }
 
 /// The ranks that work together: a duplicate of the caller's communicator, so that messages of the
-/// caller and of this crate are never confused.
+/// caller and of this crate never mix.
 ///
 /// All calls of MPI are made by the calling thread, which must be allowed to call MPI. MPI is
 /// neither initialised nor finalised; a world should be dropped before the caller finalises it.
@@ -85,10 +85,10 @@ pub struct World {
     longest: Cell<usize>,
 }
 
-/// Entries of a message: counts are 32-bit in MPI.
+/// Most entries of a message: counts are 32-bit in MPI.
 const LONGEST: usize = 1 << 30;
-/// Between two looks at messages while nothing waits for this rank. A look every 50 microseconds
-/// costs a product on the same core a quarter of its speed.
+/// Time between two polls of messages while no rank waits for this one. A poll every 50
+/// microseconds costs a product on the same core a quarter of its speed.
 const PAUSE: Duration = Duration::from_millis(1);
 /// Entries that the MPI library sums at a time.
 const SUMMED: usize = 1 << 16;
@@ -97,14 +97,16 @@ pub(super) const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
 const FACTS: usize = 10;
 
+/// Checks that MPI was not started for a single thread.
+///
 /// # Errors
-/// [`Error::Argument`] when MPI, which runs, was told that there is one thread only.
+/// [`Error::Argument`] when MPI was started with `MPI_THREAD_SINGLE`.
 fn check_threads() -> Result<()> {
     match ::mpi::environment::threading_support() {
         Threading::Single => Err(Error::Argument {
             what: "communicator",
             why: "MPI was started with MPI_THREAD_SINGLE; MPI_THREAD_FUNNELED is needed \
-                  (MPI_Init_thread), for calls compute on threads of their own"
+                  (MPI_Init_thread), because calls compute on other threads"
                 .into(),
         }),
         Threading::Funneled | Threading::Serialized | Threading::Multiple => Ok(()),
@@ -112,18 +114,18 @@ fn check_threads() -> Result<()> {
 }
 
 impl World {
-    /// Creates a world of the ranks of `comm`. All of them must call this function.
+    /// Creates a world of the ranks of `comm`. All ranks must call this function.
     ///
     /// # Errors
     /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`: calls compute
-    /// on threads of their own, beside the one that calls MPI.
+    /// on other threads than the one that calls MPI.
     pub fn new(comm: &impl Communicator) -> Result<Self> {
         check_threads()?;
         Ok(Self::owning(comm.duplicate()))
     }
 
     /// Creates a world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`).
-    /// All of them must call this function.
+    /// All ranks must call this function.
     ///
     /// # Errors
     /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialised, or finalised
@@ -158,7 +160,7 @@ impl World {
         Self { comm, rank, size, traffic, work_time, longest: Cell::new(LONGEST) }
     }
 
-    /// This rank, from 0.
+    /// Returns this rank, from 0.
     pub fn rank(&self) -> usize {
         self.rank
     }
@@ -190,8 +192,8 @@ impl World {
         self.work_time.take()
     }
 
-    /// Entries of a message above which it is cut in several; default 2^30. All ranks must set the
-    /// same.
+    /// Sets the number of entries above which a message is cut; default 2^30. All ranks must set
+    /// the same number.
     pub fn set_longest_message(&self, entries: usize) {
         self.longest.set(entries.clamp(1, LONGEST));
     }
@@ -207,10 +209,10 @@ impl World {
         self.traffic.set(sum);
     }
 
-    /// Calls `work` with options whose progress is told as part `share` of the whole. It runs on a
-    /// thread of its own; this one keeps messages moving, for a product says nothing for seconds,
-    /// and calls `meanwhile`, which returns whether others wait for what this rank sends: then
-    /// there is no pause.
+    /// Calls `work` with options whose progress is part `share` of the whole, on another thread.
+    /// The calling thread keeps messages moving, because a product takes seconds without a call of
+    /// MPI. It calls `meanwhile`, which returns whether other ranks wait for what this rank sends:
+    /// then there is no pause.
     pub(super) fn with_progress<X: Send>(
         &self,
         options: &AtaOptions<'_>,
@@ -235,17 +237,18 @@ impl World {
         done
     }
 
-    /// Lets the MPI library get on with what has been started. Many do nothing between calls.
+    /// Lets the MPI library continue with what has been started. Many libraries do nothing between
+    /// calls.
     fn poll(&self) {
         use ::mpi::point_to_point::Source;
         let _ = self.comm.any_process().immediate_probe();
     }
 
-    /// The beginning of every call that all ranks make together: `Ok` everywhere if all ranks are
-    /// `prepared` and say the same `facts`, else an error everywhere, of the first rank at fault.
+    /// Begins a call that all ranks make together. Returns `Ok` everywhere if all ranks are
+    /// `prepared` and have the same `facts`, else an error everywhere, of the first rank at fault.
     ///
     /// # Errors
-    /// The rank's own; [`Error::Rank`] for that of another one, and for facts that differ.
+    /// The error of this rank; [`Error::Rank`] for that of another rank, and for facts that differ.
     pub(crate) fn begin<X>(
         &self,
         operation: Operation,
@@ -280,10 +283,10 @@ impl World {
         prepared
     }
 
-    /// The end of such a call: `Ok` everywhere if it is everywhere.
+    /// Ends a call that all ranks make together: returns `Ok` everywhere if it is `Ok` everywhere.
     ///
     /// # Errors
-    /// The rank's own; [`Error::Rank`] for that of another one.
+    /// The error of this rank; [`Error::Rank`] for that of another rank.
     pub(crate) fn agree<X>(&self, own: Result<X>) -> Result<X> {
         use ::mpi::collective::CommunicatorCollectives;
         let at_fault = if own.is_err() { self.rank as i32 } else { i32::MAX };
@@ -292,7 +295,7 @@ impl World {
         if first == i32::MAX { own } else { self.error_of(first as usize, own) }
     }
 
-    /// The error of `rank`, told by it to all; a rank with an error of its own keeps that.
+    /// Returns the error of `rank`, sent to all ranks. A rank with an error of its own keeps that.
     fn error_of<X>(&self, rank: usize, own: Result<X>) -> Result<X> {
         use ::mpi::collective::Root;
         let text = match &own {
@@ -310,7 +313,7 @@ impl World {
         own.and_then(|_| Err(Error::Rank { rank, why: String::from_utf8_lossy(&text).into() }))
     }
 
-    /// One number of every rank, on every rank.
+    /// Returns one number of every rank, on every rank.
     pub(super) fn gather_numbers(&self, own: usize) -> Vec<usize> {
         use ::mpi::collective::CommunicatorCollectives;
         let mut all = vec![0_u64; self.size];
@@ -318,8 +321,8 @@ impl World {
         all.into_iter().map(|number| number as usize).collect()
     }
 
-    /// The sums over the ranks of the entries of `values`, on every rank; by the MPI library, not
-    /// counted.
+    /// Computes the sums over the ranks of the entries of `values`, on every rank, by the MPI
+    /// library. They are not counted as traffic.
     pub(super) fn sum(&self, values: &mut [f64]) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();
@@ -330,8 +333,8 @@ impl World {
         }
     }
 
-    /// The least of each entry of `values` over the ranks, on every rank; by the MPI library, not
-    /// counted.
+    /// Computes the least of each entry of `values` over the ranks, on every rank, by the MPI
+    /// library. It is not counted as traffic.
     pub(super) fn least(&self, values: &mut [f64]) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();
@@ -342,7 +345,8 @@ impl World {
         }
     }
 
-    /// Ends the whole job if the scope is left by a panic, as the other ranks would wait for ever.
+    /// Aborts the whole job if the scope is left by a panic, because the other ranks would wait
+    /// forever.
     pub(crate) fn abort_on_panic(&self) -> impl Drop + '_ {
         struct Guard<'w>(&'w World);
         impl Drop for Guard<'_> {
@@ -360,8 +364,8 @@ impl World {
     }
 }
 
-/// Calls `work` on a thread of its own, and `meanwhile` on this one until that is done: at once
-/// again where it returns true, else after a [`PAUSE`].
+/// Calls `work` on another thread, and `meanwhile` on this one until `work` is done: again at once
+/// where `meanwhile` returns true, else after a [`PAUSE`].
 fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: impl Fn() -> bool) -> X {
     let caller = thread::current();
     let over = AtomicBool::new(false);
@@ -382,7 +386,7 @@ fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: impl Fn() -> bool
     })
 }
 
-/// Wakes the caller when the work is over, by a panic too.
+/// Wakes the caller when the work is over, also by a panic.
 struct Over<'o> {
     over: &'o AtomicBool,
     caller: Thread,
@@ -405,17 +409,17 @@ impl Drop for World {
     }
 }
 
-/// The fact that ranks have the same scalar T.
+/// Returns the fact that all ranks have the same scalar T.
 pub(super) fn scalar_fact<T>() -> (&'static str, usize) {
     ("the size of a scalar", size_of::<T>())
 }
 
-/// The fact that ranks have the same number `what`, bit for bit.
+/// Returns the fact that all ranks have the same number `what`, bit for bit.
 pub(super) fn number_fact<T: Real>(what: &'static str, value: T) -> (&'static str, usize) {
     (what, value.to_f64().to_bits() as usize)
 }
 
-/// What all ranks do together, so that they notice when they don't.
+/// The collective calls, by which ranks notice that they make different ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u64)]
 pub(crate) enum Operation {

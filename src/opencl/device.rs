@@ -1,4 +1,4 @@
-//! Which devices there are, and which one is meant.
+//! Lists and selects devices.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -26,19 +26,19 @@ pub enum DeviceKind {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct DeviceInfo {
-    /// Its number, from 0, in the order of the loader.
+    /// Its index, from 0, in the order of the loader.
     pub index: usize,
     /// Its name.
     pub name: String,
-    /// The platform (driver) it belongs to.
+    /// The platform (driver) to which it belongs.
     pub platform: String,
-    /// The version of OpenCL it has.
+    /// The version of OpenCL that it supports.
     pub version: String,
-    /// What it is.
+    /// The kind of the device.
     pub kind: DeviceKind,
-    /// Its compute units.
+    /// Number of compute units.
     pub compute_units: u32,
-    /// Its memory, in bytes.
+    /// Size of its memory, in bytes.
     pub memory: u64,
 }
 
@@ -47,7 +47,7 @@ pub struct DeviceInfo {
 /// ```
 /// use catamaran::opencl::devices;
 ///
-/// // An error says what is missing.
+/// // The error says what is missing.
 /// match devices() {
 ///     Ok(devices) => assert_eq!(devices[0].index, 0),
 ///     Err(error) => println!("{error}"),
@@ -55,15 +55,15 @@ pub struct DeviceInfo {
 /// ```
 ///
 /// # Errors
-/// [`Error::Backend`] that says what is missing and how to install it, when there is no loader, no
+/// [`Error::Backend`] says what is missing and how to install it, when there is no loader, no
 /// driver or no device.
 pub fn devices() -> Result<Vec<DeviceInfo>> {
     Ok(all()?.into_iter().map(|(info, _)| info).collect())
 }
 
-/// Returns the device that `selector` names: its number, or a part of its name or of its
-/// platform's, in any case. Of several that fit, and for an empty selector, the first GPU is taken,
-/// or else the first device.
+/// Returns the device that `selector` names: by its index, or a part of its name or of that of its
+/// platform, in any case. Among several matches, and for an empty selector, returns the first GPU,
+/// otherwise the first device.
 ///
 /// ```
 /// use catamaran::opencl::{devices, find};
@@ -80,7 +80,7 @@ pub fn find(selector: &str) -> Result<DeviceInfo> {
     chosen(selector).map(|(info, _)| info)
 }
 
-/// Returns the device as [`find`] does, opened.
+/// Opens the device that [`find`] returns.
 pub(super) fn chosen(selector: &str) -> Result<(DeviceInfo, Device)> {
     let mut all = all()?;
     let infos: Vec<&DeviceInfo> = all.iter().map(|(info, _)| info).collect();
@@ -89,13 +89,13 @@ pub(super) fn chosen(selector: &str) -> Result<(DeviceInfo, Device)> {
         None => {
             let known: Vec<_> =
                 infos.iter().map(|info| format!("{}: {}", info.index, info.name)).collect();
-            let why = format!("no OpenCL device is {selector:?}; there are {}", known.join(", "));
+            let why = format!("no device matches {selector:?}; there are {}", known.join(", "));
             Err(Error::Argument { what: "device", why })
         }
     }
 }
 
-/// The place of the device that is meant.
+/// Returns the index of the selected device.
 fn choice(devices: &[&DeviceInfo], selector: &str) -> Option<usize> {
     if let Ok(index) = selector.parse::<usize>() {
         return devices.iter().position(|device| device.index == index);
@@ -108,8 +108,8 @@ fn choice(devices: &[&DeviceInfo], selector: &str) -> Option<usize> {
     gpu.or_else(|| devices.iter().position(|info| fits(info)))
 }
 
-/// Held while drivers are asked: the first question starts them, and PoCL 3.1 has no devices for a
-/// second thread that asks meanwhile.
+/// Locked during queries of drivers: the first query starts them, and PoCL 3.1 has no devices for a
+/// second thread that queries meanwhile.
 static START: Mutex<()> = Mutex::new(());
 
 fn all() -> Result<Vec<(DeviceInfo, Device)>> {
@@ -152,17 +152,18 @@ fn describe(
     })
 }
 
-/// What an error on the way to a device means to the user of the machine.
+/// Returns an error that explains to the user of the machine what is missing.
 fn missing(error: ClError) -> Error {
     let why = match error.0 {
         DLOPEN_RUNTIME_LOAD_FAILED | DLOPEN_FUNCTION_NOT_AVAILABLE => {
-            "the OpenCL loader libOpenCL.so.1 is not installed (Debian: apt install ocl-icd-libopencl1 pocl-opencl-icd; for a \
-             GPU, its maker's driver instead of pocl-opencl-icd)"
+            "the OpenCL loader libOpenCL.so.1 is not installed (Debian: apt install \
+             ocl-icd-libopencl1 pocl-opencl-icd; for a GPU, its maker's driver instead of \
+             pocl-opencl-icd)"
                 .into()
         }
         CL_PLATFORM_NOT_FOUND_KHR | CL_DEVICE_NOT_FOUND => {
-            "the OpenCL loader is there, but no driver with a device (Debian: apt install pocl-opencl-icd for the processor; \
-             for a GPU, its maker's driver)"
+            "the OpenCL loader is installed, but no driver with a device (Debian: apt install \
+             pocl-opencl-icd for the processor; for a GPU, its maker's driver)"
                 .into()
         }
         _ => error.to_string(),

@@ -9,12 +9,13 @@ use crate::texture::newton::{Fractal, Newton, Points};
 
 const SOURCE: &str = include_str!("kernels/newton.cl");
 
-/// Points that go to the device at a time, a multiple of all lanes: 18 bytes of its memory each.
+/// Number of points that go to the device at a time, a multiple of all numbers of lanes; each takes
+/// 18 bytes of device memory.
 const PART: usize = 1 << 22;
 
-/// Computes on a device what [`Newton::evaluate`] computes: the same bits where the device rounds
+/// Computes the same as [`Newton::evaluate`] on a device, with the same bits if the device rounds
 /// divisions and square roots correctly, as processors do. Otherwise roots and convergence differ
-/// at the few points (1 of 4,000, say) where fractals are chaotic.
+/// at a few points, about 1 of 4,000, where fractals are chaotic.
 ///
 /// ```
 /// use catamaran::opencl::{Device, evaluate_newton};
@@ -32,7 +33,7 @@ const PART: usize = 1 << 22;
 /// ```
 ///
 /// # Errors
-/// As those of [`Newton::evaluate`]; [`Error::Backend`] when the device refuses.
+/// As [`Newton::evaluate`]; [`Error::Backend`] when the device fails.
 pub fn evaluate_newton(
     device: &Device,
     newton: &Newton,
@@ -42,8 +43,8 @@ pub fn evaluate_newton(
     evaluate_newton_in_groups(device, newton, points, None, progress)
 }
 
-/// Computes [`evaluate_newton`] in work-groups of this many work-items, instead of the driver's
-/// choice; the result does not depend on it.
+/// Computes [`evaluate_newton`] in work-groups of this number of work-items, instead of the
+/// driver's choice; the result does not depend on the number.
 ///
 /// ```
 /// use catamaran::base::Progress;
@@ -59,7 +60,7 @@ pub fn evaluate_newton(
 /// ```
 ///
 /// # Errors
-/// As [`evaluate_newton`]; [`Error::Backend`] also for groups that the device can't have.
+/// As [`evaluate_newton`]; [`Error::Backend`] also for groups that the device does not support.
 pub fn evaluate_newton_in_groups(
     device: &Device,
     newton: &Newton,
@@ -98,13 +99,13 @@ pub fn evaluate_newton_in_groups(
     Ok(fractal)
 }
 
-/// On the device.
+/// The buffers on the device.
 struct Memory {
-    /// Real and imaginary parts in turn.
+    /// Real and imaginary parts, alternating.
     roots: Buffer<f32>,
     numbers: Buffer<u16>,
     convergence: Buffer<f32>,
-    /// Coordinates of points of a list, made when there is one.
+    /// Coordinates of the points of a list; allocated for a list only.
     coordinates: Option<[Buffer<f32>; 3]>,
     len: usize,
 }
@@ -114,7 +115,7 @@ impl Memory {
         let roots = newton.parameters.roots.as_flattened();
         let len = count.min(PART).next_multiple_of(16);
         let mut memory = Self {
-            // At least one root, as kernels take no empty buffer.
+            // At least one root, because kernels take no empty buffer.
             roots: device.buffer(roots.len().max(2))?,
             numbers: device.buffer(len)?,
             convergence: device.buffer(len)?,
@@ -135,7 +136,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Computes `len` points from the one with this number on.
+    /// Computes `len` points from point number `first` on.
     fn part(&mut self, points: Points<'_>, first: usize, len: usize) -> Result<()> {
         let items = len.div_ceil(self.lanes);
         if let Points::List(list) = points {
@@ -179,11 +180,12 @@ impl Run<'_> {
                 .set_arg(&p.offset)
                 .set_arg(&p.nearest);
         }
-        // SAFETY: as above; the buffers outlive the queue's work, for reading them waits for it.
+        // SAFETY: as above; the buffers outlive the work in the queue, because reading them waits
+        // for it.
         unsafe { self.launcher.enqueue(call, items) }
     }
 
-    /// Points of a list, each coordinate by itself; what fills the last lanes is zero.
+    /// Sends the points of a list, each coordinate separately; zeros fill the last lanes.
     fn send(&mut self, points: &[[f32; 3]]) -> Result<()> {
         let len = self.memory.len;
         let coordinates = match &mut self.memory.coordinates {

@@ -1,4 +1,4 @@
-//! A device that work is given to: its context, its queue, and the programs built for it.
+//! An opened device: its context, its queue, and the programs built for it.
 
 use std::collections::HashMap;
 use std::ptr;
@@ -19,7 +19,7 @@ use opencl3::types::CL_BLOCKING;
 use super::device::{DeviceInfo, chosen};
 use crate::base::{Error, Result, reserved};
 
-/// A device that is ready for work. Programs are built once, when they are first used.
+/// A device that is ready for work. Programs are built at their first use.
 ///
 /// ```
 /// use catamaran::opencl::{Device, find};
@@ -29,7 +29,7 @@ use crate::base::{Error, Result, reserved};
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
-/// Clones are the same device, with one queue and one set of programs.
+/// Clones refer to the same device, with one queue and one set of programs.
 #[derive(Clone)]
 pub struct Device(Arc<Opened>);
 
@@ -47,7 +47,7 @@ impl std::fmt::Debug for Device {
     }
 }
 
-/// A number that any bits are, of the same size here and on devices.
+/// A number for which all bit patterns are valid, of the same size on the host and on devices.
 pub(super) trait Number: Copy {}
 impl Number for f32 {}
 impl Number for u8 {}
@@ -59,13 +59,12 @@ impl Device {
     /// Opens the device that `selector` names, as in [`find`](super::find).
     ///
     /// # Errors
-    /// As [`find`](super::find); [`Error::Backend`] when the device refuses.
+    /// As [`find`](super::find); [`Error::Backend`] when the device fails.
     pub fn open(selector: &str) -> Result<Self> {
         let (info, handle) = chosen(selector)?;
-        let refused = |e: ClError| refusal(&info, "no context", e);
+        let refused = |e: ClError| refusal(&info, "creating a context failed", e);
         let context = Context::from_device(&handle).map_err(refused)?;
-        // SAFETY: the device is the one of the context.
-        // The newer call is not in OpenCL 1.2.
+        // SAFETY: the device belongs to the context.
         #[allow(deprecated)]
         let queue = unsafe { CommandQueue::create(&context, handle.id(), 0) }.map_err(refused)?;
         let programs = Mutex::default();
@@ -77,8 +76,8 @@ impl Device {
         &self.0.info
     }
 
-    /// Returns how many numbers of 32 bits the device computes with at once: 16, 8, 4, or 1 where
-    /// the device has many threads instead.
+    /// Returns how many 32-bit numbers the device processes at once: 16, 8, 4, or 1 for a device
+    /// that has many threads instead.
     pub(super) fn lanes(&self) -> usize {
         match self.0.handle.native_vector_width_float() {
             Ok(16..) => 16,
@@ -88,8 +87,8 @@ impl Device {
         }
     }
 
-    /// Returns the kernel `name` of a program, which is built unless it was before. `source` is the
-    /// text of the program, and `options` is for its compiler.
+    /// Returns the kernel `name` of a program, which is built at its first use. `source` is the
+    /// text of the program, and `options` are for its compiler.
     pub(super) fn kernel(&self, source: &'static str, options: &str, name: &str) -> Result<Kernel> {
         let program = self.program(source, options)?;
         Kernel::create(&program, name).map_err(|e| self.failed(name, e))
@@ -108,17 +107,17 @@ impl Device {
         let built = Program::create_and_build_from_source(&self.0.context, source, &options);
         let program = Arc::new(built.map_err(|log| Error::Backend {
             name: self.0.info.name.clone(),
-            why: format!("a program of ours is not accepted: {log}"),
+            why: format!("a kernel could not be compiled: {log}"),
             cause: None,
         })?);
         programs.insert((source, options), program.clone());
         Ok(program)
     }
 
-    /// Allocates memory for `len` numbers; at least one.
+    /// Allocates memory for `len` numbers, at least for one.
     pub(super) fn buffer<T: Number>(&self, len: usize) -> Result<Buffer<T>> {
         let len = len.max(1);
-        // SAFETY: the device's own memory, which no pointer of ours is behind.
+        // SAFETY: the memory belongs to the device, and no pointer of the host refers to it.
         unsafe { Buffer::create(&self.0.context, CL_MEM_READ_WRITE, len, ptr::null_mut()) }.map_err(
             |e| match e.0 {
                 CL_MEM_OBJECT_ALLOCATION_FAILURE
@@ -132,25 +131,25 @@ impl Device {
         )
     }
 
-    /// Copies `values` to the beginning of `buffer`, which is large enough, and waits until they
-    /// are there.
+    /// Copies `values` to the beginning of `buffer`, which must be large enough, and waits for the
+    /// end of the copy.
     pub(super) fn write<T: Number>(&self, buffer: &mut Buffer<T>, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
-        // SAFETY: the call blocks until `values` were read.
+        // SAFETY: the call blocks until `values` have been read.
         let sent =
             unsafe { self.0.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
         sent.map(drop).map_err(|e| self.failed("sending", e))
     }
 
-    /// Copies the beginning of `buffer`, which is large enough, to `values`, after all work before
-    /// it.
+    /// Copies the beginning of `buffer`, which must be large enough, to `values`, after all earlier
+    /// work.
     pub(super) fn read<T: Number>(&self, buffer: &Buffer<T>, values: &mut [T]) -> Result<()> {
         self.read_from(buffer, 0, values)
     }
 
-    /// Copies as [`Device::read`] does, from the number `first` of `buffer` on.
+    /// Copies from number `first` of `buffer` on, as [`Device::read`] does.
     pub(super) fn read_from<T: Number>(
         &self,
         buffer: &Buffer<T>,
@@ -160,7 +159,8 @@ impl Device {
         if values.is_empty() {
             return Ok(());
         }
-        // SAFETY: the call blocks until `values` were written, and any bits are a `Number`.
+        // SAFETY: the call blocks until `values` have been written, and all bit patterns are valid
+        // for a `Number`.
         let got = unsafe {
             let queue = &self.0.queue;
             queue.enqueue_read_buffer(buffer, CL_BLOCKING, first * size_of::<T>(), values, &[])
@@ -175,7 +175,7 @@ impl Device {
         Ok(buffer)
     }
 
-    /// Returns the first `len` numbers of `buffer`, after all work before it.
+    /// Returns the first `len` numbers of `buffer`, after all earlier work.
     pub(super) fn values<T: Number + Default>(
         &self,
         buffer: &Buffer<T>,
@@ -187,7 +187,7 @@ impl Device {
         Ok(values)
     }
 
-    /// Returns the queue in which kernels wait for their turn, one after the other.
+    /// Returns the queue, which runs kernels one after the other.
     pub(super) fn queue(&self) -> &CommandQueue {
         &self.0.queue
     }
@@ -197,22 +197,22 @@ impl Device {
     }
 }
 
-/// Gives kernels to a device.
+/// Launches kernels on a device.
 #[derive(Debug, Clone)]
 pub(super) struct Launcher {
     pub device: Device,
-    /// Work-items of a work-group; as many as the driver likes without.
+    /// Number of work-items of a work-group; `None` leaves the choice to the driver.
     pub group: Option<usize>,
-    /// What is done, for errors.
+    /// Name of the work, for errors.
     pub what: &'static str,
 }
 
 impl Launcher {
-    /// Puts a call with all its arguments behind what the device has to do already.
+    /// Appends a call with all its arguments to the queue of the device.
     ///
     /// # Safety
     /// The arguments are those that the kernel declares, and `items` work-items stay within its
-    /// buffers, which live until the device is done.
+    /// buffers, which live until the device has finished.
     pub(super) unsafe fn enqueue(&self, mut call: ExecuteKernel<'_>, items: usize) -> Result<()> {
         if items == 0 {
             return Ok(());
@@ -238,8 +238,8 @@ fn refusal(info: &DeviceInfo, what: &str, error: ClError) -> Error {
 pub(super) mod tests {
     use super::*;
 
-    /// Returns the device of tests, or `None`, said aloud, where there may be none: `scripts/test`
-    /// sets CATAMARAN_REQUIRE_OPENCL.
+    /// Returns the device of tests, or `None`, with a message, where there may be none:
+    /// `scripts/test` sets CATAMARAN_REQUIRE_OPENCL.
     pub(crate) fn device() -> Option<Device> {
         match Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default()) {
             Ok(device) => Some(device),

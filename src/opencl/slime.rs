@@ -17,8 +17,9 @@ use agents::{Agents, Ordering};
 
 const SOURCE: &str = include_str!("kernels/slime.cl");
 
-/// A simulation whose agents and textures are on a device: the same bits as [`Simulation::step`]
-/// where the device rounds divisions and square roots correctly, as processors do.
+/// A simulation whose agents and textures are on a device: it gives the same bits as
+/// [`Simulation::step`] if the device rounds divisions and square roots correctly, as processors
+/// do.
 ///
 /// ```
 /// use catamaran::opencl::{Device, SlimeOnDevice};
@@ -48,8 +49,8 @@ pub struct SlimeOnDevice {
     agents: Agents,
     ordering: Ordering,
     launcher: Launcher,
-    /// Held while coverages are summed, whose kernel and memory are shared; the C ABI lets several
-    /// threads ask.
+    /// Locked during sums of coverages, whose kernel and memory are shared; the C ABI allows calls
+    /// from several threads.
     covering: Mutex<()>,
 }
 
@@ -83,16 +84,16 @@ struct Memory {
 }
 
 impl SlimeOnDevice {
-    /// Copies the simulation as it is now to a device.
+    /// Copies the simulation in its current state to a device.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
+    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device fails.
     pub fn new(device: &Device, simulation: &Simulation) -> Result<Self> {
         Self::in_groups(device, simulation, None)
     }
 
-    /// Copies a simulation as [`SlimeOnDevice::new`] does, with work-groups of this many
-    /// work-items, instead of the driver's choice; the result does not depend on it.
+    /// Copies a simulation as [`SlimeOnDevice::new`] does, with work-groups of this number of
+    /// work-items, instead of the driver's choice; the result does not depend on the number.
     ///
     /// # Errors
     /// As [`SlimeOnDevice::new`]; [`Error::Argument`] for a group of 0.
@@ -155,12 +156,12 @@ impl SlimeOnDevice {
         })
     }
 
-    /// Computes `steps` steps. `progress` is told after each; without it, the host waits only at
-    /// the end.
+    /// Computes `steps` steps. `progress` is called after each; without a callback, the host waits
+    /// only at the end.
     ///
     /// # Errors
-    /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are
-    /// done, and a later call can continue.
+    /// [`Error::Backend`] when the device fails; [`Error::Cancelled`]: earlier steps are complete,
+    /// and a later call can continue.
     pub fn run(&mut self, steps: u32, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.enqueue_step()?;
@@ -172,17 +173,17 @@ impl SlimeOnDevice {
         self.wait()
     }
 
-    /// Returns the device that the simulation is on.
+    /// Returns the device of the simulation.
     pub fn device(&self) -> &Device {
         &self.launcher.device
     }
 
-    /// Returns the number of steps that are done, including those of the original simulation.
+    /// Returns the number of steps done, including those of the original simulation.
     pub fn steps(&self) -> u32 {
         self.step
     }
 
-    /// Copies the texture of a species as it is now to `texture`, and nothing else from the device.
+    /// Copies the current texture of a species to `texture`, and nothing else from the device.
     ///
     /// ```no_run
     /// use catamaran::opencl::{Device, SlimeOnDevice};
@@ -198,22 +199,22 @@ impl SlimeOnDevice {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] for a species that is not there, [`Error::Shape`] for a texture of
-    /// another size, [`Error::Backend`] when the device refuses.
+    /// [`Error::Argument`] for a species that does not exist, [`Error::Shape`] for a texture of
+    /// another size, [`Error::Backend`] when the device fails.
     pub fn read_texture(&self, species: usize, texture: &mut [f32]) -> Result<()> {
         let (size, count) = (self.parameters.size as usize, self.parameters.species as usize);
         if species >= count {
-            let why = format!("{species} of {count} (numbered from 0)");
+            let why = format!("must be below {count}, is {species}");
             return Err(Error::Argument { what: "species", why });
         }
         Error::check_shape("texture", (size * size, 1), (texture.len(), 1))?;
         self.device().read_from(&self.memory.texture, species * size * size, texture)
     }
 
-    /// Returns the agents, by their numbers, and the textures as they are now.
+    /// Returns the current agents, in the order of their numbers, and the current textures.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
+    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device fails.
     pub fn state(&self) -> Result<State> {
         let mut state = self.agents.read(self.device())?;
         let size = self.parameters.size as usize;
@@ -226,12 +227,12 @@ impl SlimeOnDevice {
     /// Computes [`Simulation::coverage`] on the device.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
+    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device fails.
     pub fn coverage(&self) -> Result<Vec<Coverage>> {
         let _one_at_a_time = self.covering.lock().unwrap_or_else(PoisonError::into_inner);
         let (p, m) = (&self.parameters, &self.memory);
-        // Rows on processors, which read on and on; columns on graphics cards, whose work-items are
-        // side by side.
+        // Rows on processors, which read consecutive numbers; columns on graphics cards, whose
+        // work-items read side by side.
         let (across, along) = if self.lanes > 1 { (p.size, 1) } else { (1, p.size) };
         let lines = lines_of(p);
         let mut call = ExecuteKernel::new(&self.kernels.cover);
@@ -246,11 +247,11 @@ impl SlimeOnDevice {
         Ok(sums.as_chunks().0.chunks(p.size as usize).map(of).collect())
     }
 
-    /// Copies agents and textures as they are now to `simulation`, which is usually the one that
-    /// this began with.
+    /// Copies the current agents and textures to `simulation`, usually the one from which this one
+    /// was created.
     ///
     /// # Errors
-    /// As [`SlimeOnDevice::state`], and [`Error::Shape`] for a simulation of other numbers of
+    /// As [`SlimeOnDevice::state`], and [`Error::Shape`] for a simulation with another number of
     /// agents or texels.
     pub fn give_back(&self, simulation: &mut Simulation) -> Result<()> {
         simulation.put_state(self.state()?)
@@ -260,7 +261,7 @@ impl SlimeOnDevice {
         self.device().queue().finish().map_err(|e| self.device().failed("slime", e))
     }
 
-    /// All kernels of a step, one after the other; the queue keeps their order.
+    /// Enqueues all kernels of a step, one after the other; the queue keeps their order.
     fn enqueue_step(&mut self) -> Result<()> {
         if self.step.is_multiple_of(EVERY) {
             self.ordering.order(&self.launcher, &self.memory.records, &mut self.agents)?;
@@ -278,8 +279,8 @@ impl SlimeOnDevice {
             self.border * p.species as usize,
         ];
         // SAFETY: numbers and types are those that the kernels declare, and the buffers have the
-        // lengths that src/texture/slime/mod.rs says; they live as long as the queue's work, which
-        // reading them, and `run`, wait for.
+        // lengths given in src/texture/slime/mod.rs. They outlive the work in the queue, because
+        // reading them, and `run`, wait for it.
         unsafe {
             moving.set_arg(&(a.len() as u32)).set_arg(&self.step).set_arg(&p.seed).set_arg(&p.size);
             moving.set_arg(&p.species).set_arg(&p.substeps).set_arg(&p.rescale);
@@ -307,15 +308,15 @@ impl SlimeOnDevice {
     }
 }
 
-/// Rows of the textures of all species.
+/// Returns the number of rows of the textures of all species.
 fn lines_of(parameters: &Parameters) -> usize {
     parameters.size as usize * parameters.species as usize
 }
 
-/// Buffers go away with this; no work may be left on them.
+/// The buffers are freed afterwards, so no work may be left in the queue.
 impl Drop for SlimeOnDevice {
     fn drop(&mut self) {
-        // Whatever is wrong with the device, its user was told by the call before.
+        // An error of the device was reported by the previous call.
         let _ = self.wait();
     }
 }

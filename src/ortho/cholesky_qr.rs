@@ -26,24 +26,24 @@ use crate::sparse::{InnerSpace, Mass};
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] of "A" when its columns are dependent as far as rounding can tell, and A is
-/// unspecified then; else as [`gram_schmidt`](super::gram_schmidt()).
+/// [`Error::Argument`] of "A" when its columns are linearly dependent to working precision; A is
+/// then unspecified. Other errors are those of [`gram_schmidt`](super::gram_schmidt()).
 pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     mass.check(a.nrows())?;
     cholesky_qr_of(a, mass, par, Progress::none())
 }
 
-/// [`cholesky_qr`] of the rows that are here; the mass is checked. Progress is told after each
-/// pass.
+/// Computes [`cholesky_qr`] of the rows that this process holds; the mass has been checked. Reports
+/// progress before each pass.
 pub(crate) fn cholesky_qr_of(
     mut a: MatMut<'_, f64>,
     space: &dyn InnerSpace,
     par: Par,
     progress: Progress<'_>,
 ) -> Result<Mat<f64>> {
-    /// Distance of the Gram matrix from the identity from which on one more pass is the last.
+    /// Distance of the Gram matrix from the identity below which a pass is the last one.
     const NEAR: f64 = 1e-4;
-    /// What is left of a column, relative to it, that may be rounding.
+    /// Remainder of a column, relative to its length, that may consist of rounding errors.
     const DEPENDENT: f64 = 1e-14;
     const PASSES: usize = 6;
     let (n, c) = (space.dimension(), a.ncols());
@@ -65,7 +65,7 @@ pub(crate) fn cholesky_qr_of(
         }
         let mut l = gram.clone();
         if cholesky(l.as_mut())?.is_err() {
-            // As much as rounding may have taken from the smallest eigenvalue.
+            // At least what rounding may have taken from the smallest eigenvalue.
             let trace = (0..c).map(|j| gram[(j, j)]).sum::<f64>();
             let shift = 11.0 * (n + c + 1) as f64 * f64::EPSILON / 2.0 * trace;
             l = gram;
@@ -84,12 +84,12 @@ pub(crate) fn cholesky_qr_of(
         if far < NEAR {
             inner.leave(a.rb_mut());
             progress.report(1.0)?;
-            // The shift hides dependence behind a direction made of rounding.
+            // The shift turns a dependent column into a direction that consists of rounding errors.
             return match (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
                 Some(j) => dependent(format!("column {j} depends on those before it")),
                 None => Ok(r),
             };
         }
     }
-    dependent("its columns depend on each other, as far as rounding can tell".into())
+    dependent("its columns are linearly dependent to working precision".into())
 }

@@ -17,7 +17,7 @@ const PANEL: usize = 256;
 /// ```
 /// use catamaran::{faer::mat, prelude::*, sparse::Mass};
 ///
-/// // The second column is the first but for a thousandth.
+/// The second column differs from the first by a thousandth.
 /// let a = mat![[1.0, 1.0], [0.0, 1e-3]];
 /// let rank = |options| {
 ///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())
@@ -29,15 +29,14 @@ const PANEL: usize = 256;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct GramSchmidtOptions<'a> {
-    /// A column is dropped when no more of it is left, relative to its length before, after what
-    /// the columns before it span was taken away; between 1e-13 and 1. A column of zeros is always
-    /// dropped.
+    /// A column is dropped if the part of it that is orthogonal to the columns before it is at most
+    /// this fraction of its length; between 1e-13 and 1. A column of zeros is always dropped.
     pub threshold: f64,
-    /// Whether columns are projected again, until nothing changes any more.
+    /// Whether columns are projected again until they no longer change.
     pub reorthogonalise: bool,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Progress callback, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -56,8 +55,8 @@ builder! { GramSchmidtOptions<'a> {
 
 impl GramSchmidtOptions<'_> {
     /// Returns the thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to
-    /// about 1e-13 / 1e-2 and the loss of orthogonality of the blocks before: good enough for least
-    /// squares, not for inner products.
+    /// about 1e-13 / 1e-2 and the loss of orthogonality of the blocks before: accurate enough for
+    /// least squares, but not for inner products.
     pub fn single_pass() -> Self {
         Self {
             threshold: 1e-2,
@@ -82,17 +81,17 @@ impl GramSchmidtOptions<'_> {
     }
 }
 
-/// `A[:, kept] = Q R[:, kept]`, and Q R is the rest of A up to what the threshold allows.
+/// The factor R of `A[:, kept] = Q R[:, kept]`. The other columns equal Q R up to the threshold.
 #[derive(Debug, Clone)]
 pub struct Factors {
-    /// Rank x columns of A: coefficients of every column. Those of the kept ones are an upper
+    /// Rank x columns of A: coefficients of every column. Those of the kept columns form an upper
     /// triangle with a positive diagonal.
     pub r: Mat<f64>,
     /// The columns of A that Q is made of, ascending.
     pub kept: Vec<usize>,
 }
 
-/// [`Factors`] and their Q.
+/// An orthonormal basis Q and its [`Factors`].
 #[derive(Debug, Clone)]
 pub struct Orthonormal {
     /// n x rank, `Q^T M Q = I`.
@@ -104,7 +103,7 @@ pub struct Orthonormal {
 }
 
 impl Orthonormal {
-    /// That of A by a method that works in the memory of A.
+    /// Applies a method that works in the memory of A to a copy of A.
     pub(super) fn of(
         a: MatRef<'_, f64>,
         in_place: impl FnOnce(MatMut<'_, f64>) -> Result<Factors>,
@@ -175,7 +174,8 @@ pub fn gram_schmidt_in_place(
     gram_schmidt_of(a, mass, options)
 }
 
-/// [`gram_schmidt_in_place`] of the rows that are here; the mass is checked.
+/// Computes [`gram_schmidt_in_place`] of the rows that this process holds; the mass has been
+/// checked.
 pub(crate) fn gram_schmidt_of(
     mut a: MatMut<'_, f64>,
     space: &dyn InnerSpace,
@@ -199,7 +199,7 @@ pub(crate) fn gram_schmidt_of(
     Ok(Factors { r, kept })
 }
 
-/// A basis, in the first columns of A, that grows by panels.
+/// A basis in the first columns of A that grows panel by panel.
 struct Growing<'o> {
     r: Mat<f64>,
     kept: Vec<usize>,
@@ -207,8 +207,8 @@ struct Growing<'o> {
 }
 
 impl Growing<'_> {
-    /// Adds what the columns of a panel, which are those of A still, have beside the basis: all at
-    /// once, or, where too much of them would be lost that way, by halves.
+    /// Adds the part of a panel that is orthogonal to the basis: all columns at once or, where that
+    /// would lose too much of them, by halves. The panel still holds columns of A.
     fn add(
         &mut self,
         inner: &mut Inner<'_>,
@@ -249,27 +249,27 @@ impl Growing<'_> {
     }
 }
 
-/// What becomes of a panel.
+/// The result of [`orthonormalise`] for one panel.
 struct Block {
     kept: Vec<usize>,
-    /// Coefficients of its columns in the basis before, and in its own.
+    /// Coefficients of the panel's columns in the basis before it; `own`: in its own columns.
     above: Mat<f64>,
     own: Mat<f64>,
 }
 
-/// Makes the panel orthogonal to Q, and orthonormal, its first columns; nothing when too much of a
-/// column is lost with others: a column that is dropped in a later pass is one that columns after
-/// it had been freed from.
+/// Makes the first columns of the panel orthonormal, and orthogonal to Q. Returns `None` when too
+/// much of a column is lost with others: the part along a column that a later pass drops has
+/// already been removed from the columns after it.
 fn orthonormalise(
     inner: &mut Inner<'_>,
     q: MatRef<'_, f64>,
     mut panel: MatMut<'_, f64>,
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Option<Block>> {
-    /// What a pass must leave of normalised columns for it to have been the last (Giraud et al.).
+    /// A pass is the last one if it leaves this much of normalised columns (Giraud et al.).
     const ENOUGH: f64 = 0.5;
     const PASSES: usize = 5;
-    /// What may be lost of a column that is kept.
+    /// Part of a kept column that may be lost.
     const ROUNDING: f64 = 1e-14;
     let width = panel.ncols();
     let sizes = inner.lengths(panel.rb())?;
@@ -283,7 +283,7 @@ fn orthonormalise(
         if !options.reorthogonalise || kept.is_empty() {
             break;
         }
-        // Columns are of length 1 now, and so is what the limits are relative to.
+        // The columns have length 1 now, so the limits become relative to that length.
         limits.iter_mut().zip(&lengths).for_each(|(limit, length)| *limit /= length);
         let mut x = panel.rb_mut().subcols_mut(0, kept.len());
         let more = inner.project(q, x.rb_mut())?;

@@ -6,8 +6,8 @@ use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
 use crate::sparse::InnerSpace;
 
-/// An inner product and how to compute with it. Vectors are scaled by the square roots of lumped
-/// masses for the length of a computation, so that only a full mass is ever multiplied with.
+/// An inner product and its work memory. For lumped masses, vectors are scaled by the square roots
+/// of the masses during a computation, so that only a full mass is ever multiplied.
 pub(super) struct Inner<'a> {
     space: &'a dyn InnerSpace,
     par: Par,
@@ -20,8 +20,8 @@ impl<'a> Inner<'a> {
     /// Creates an inner product for blocks of at most `width` columns.
     pub fn new(space: &'a dyn InnerSpace, width: usize, par: Par) -> Result<Self> {
         let width = if space.masses().is_none() { width } else { 0 };
-        // Of tall matrices with narrow ones the exact path has residues as large as the tall one,
-        // for nothing.
+        // For a tall matrix with a narrow one the exact path needs residues as large as the tall
+        // matrix, and gains nothing.
         let scheme = SchemeChoice::Float;
         let products = AtaOptions { par, scheme, uplo: Uplo::Both, ..AtaOptions::default() };
         Ok(Self { space, par, products, weighted: zeros(space.rows().len(), width)? })
@@ -127,9 +127,9 @@ impl<'a> Inner<'a> {
     }
 }
 
-/// Of two columns.
+/// Returns the scalar product of column i of x and column j of y.
 fn dot(x: MatRef<'_, f64>, i: usize, y: MatRef<'_, f64>, j: usize) -> f64 {
-    /// Sums side by side.
+    /// Partial sums side by side.
     const LANES: usize = 8;
     let (x, y) = (x.col(i), y.col(j));
     let (Some(a), Some(b)) = (x.try_as_col_major(), y.try_as_col_major()) else {
@@ -147,7 +147,7 @@ fn dot(x: MatRef<'_, f64>, i: usize, y: MatRef<'_, f64>, j: usize) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Refuses what is not finite, by name.
+/// Checks that A is finite; the error names the first entry that is not.
 pub(super) fn check_finite(a: MatRef<'_, f64>) -> Result<()> {
     for j in 0..a.ncols() {
         if let Some(i) = a.col(j).iter().position(|x| !x.is_finite()) {

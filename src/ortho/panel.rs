@@ -7,25 +7,25 @@ use super::inner::Inner;
 use crate::base::Result;
 use crate::dense::{cholesky, lower_solve_in_place, multiply_in_place, zeros};
 
-/// Columns that are made orthonormal one by one.
+/// Largest number of columns that are made orthonormal one by one.
 const LEAF: usize = 8;
 
 /// One pass of Gram-Schmidt over the columns of a panel.
 pub(super) struct Pass {
-    /// Columns that stay, ascending; the first columns of the panel hold them now, orthonormal as
-    /// far as one pass goes.
+    /// Columns that are kept, ascending. The first columns of the panel hold them, orthonormal to
+    /// the accuracy of one pass.
     pub kept: Vec<usize>,
-    /// Their lengths, after what is before them was taken away.
+    /// The lengths of their parts that are orthogonal to the columns before them.
     pub lengths: Vec<f64>,
     /// Kept x columns of the panel: the coefficients of all columns.
     pub r: Mat<f64>,
-    /// Columns that were dropped, and what was left of them.
+    /// Columns that were dropped, and the lengths that were left of them.
     pub dropped: Vec<(usize, f64)>,
 }
 
-/// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is
-/// dropped. Blocks are done at once where that is as good, else by halves, of which the second is
-/// projected by the first.
+/// Makes the columns of a panel orthonormal, and drops column j if at most `limits[j]` is left of
+/// it. Columns are processed at once where that is as accurate, otherwise by halves; the projection
+/// onto the first half is removed from the second.
 pub(super) fn pass(
     inner: &mut Inner<'_>,
     mut panel: MatMut<'_, f64>,
@@ -40,7 +40,7 @@ pub(super) fn pass(
 }
 
 impl Pass {
-    /// The columns of `range`, which are orthogonal to what was kept before them.
+    /// Processes the columns of `range`, which are orthogonal to those kept before them.
     fn columns(
         &mut self,
         inner: &mut Inner<'_>,
@@ -69,8 +69,8 @@ impl Pass {
         self.columns(inner, panel, limits, middle..range.end)
     }
 
-    /// Cholesky QR of the columns of `range`, if all are kept and so independent that their Gram
-    /// matrix has lost nothing that matters; whether it was done.
+    /// Computes Cholesky QR of the columns of `range`, if all are kept and their Gram matrix is
+    /// accurate enough. Returns whether it was done.
     fn at_once(
         &mut self,
         inner: &mut Inner<'_>,
@@ -78,8 +78,8 @@ impl Pass {
         limits: &[f64],
         range: &Range<usize>,
     ) -> Result<bool> {
-        /// The mean square of singular values of the inverse, of columns of length 1: what may be
-        /// lost, in units of rounding.
+        /// Largest mean square of the singular values of the inverse, for columns of length 1:
+        /// bounds the loss of accuracy in units of rounding.
         const SPREAD: f64 = 100.0;
         let (width, count) = (range.len(), self.kept.len());
         let mut l = inner.gram(panel.rb().subcols(range.start, width))?;
@@ -139,14 +139,14 @@ impl Pass {
     }
 }
 
-/// Column j plus a multiple of column q, `q < j`.
+/// Adds a multiple of column q to column j, `q < j`.
 fn add_multiple(x: MatMut<'_, f64>, j: usize, factor: f64, q: usize) {
     let (left, right) = x.split_at_col_mut(j);
     let (from, to) = (left.rb().col(q), right.col_mut(0));
     to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to += factor * from);
 }
 
-/// A multiple of column j, into column `to <= j`.
+/// Writes a multiple of column j to column `to <= j`.
 fn scaled_move(x: MatMut<'_, f64>, j: usize, factor: f64, to: usize) {
     if to == j {
         return x.col_mut(j).iter_mut().for_each(|x| *x *= factor);

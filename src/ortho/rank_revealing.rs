@@ -8,7 +8,8 @@ use crate::base::{Progress, Result};
 use crate::dense::{multiply_in_place, pivots, right_singular, transposed_product};
 use crate::sparse::Mass;
 
-/// What Gram-Schmidt drops at before the rank is known: as a part of the threshold, and at least.
+/// Threshold of Gram-Schmidt before the rank is known: relative to the threshold of the options,
+/// and at least `FINEST`.
 const FINER: f64 = 1e-3;
 const FINEST: f64 = 1e-13;
 
@@ -94,7 +95,7 @@ pub fn rank_revealing_in_place(
     if rank == found.kept.len() {
         return Ok(found);
     }
-    // Only columns that R has to rounding.
+    // Only the columns that were kept: R represents them to rounding.
     let leading = Mat::from_fn(rank, found.kept.len(), |i, j| vectors[(found.kept[j], i)]);
     let mut kept: Vec<usize> =
         pivots(leading.as_ref())?.into_iter().map(|j| found.kept[j]).take(rank).collect();
@@ -102,12 +103,13 @@ pub fn rank_revealing_in_place(
     let chosen = Mat::from_fn(found.kept.len(), rank, |i, j| found.r[(i, kept[j])]);
     let finest = GramSchmidtOptions { threshold: FINEST, progress: Progress::none(), ..finer };
     let turn = gram_schmidt(chosen.as_ref(), &Mass::identity(chosen.nrows()), &finest)?;
-    // Columns that pivoting takes first are independent far above rounding, so all of them stay.
+    // The columns that pivoting takes first are independent, far above rounding, so all of them
+    // stay.
     let kept: Vec<usize> = turn.kept.iter().map(|&j| kept[j]).collect();
     multiply_in_place(a.subcols_mut(0, found.kept.len()), turn.q.as_ref(), options.par);
     let mut r = transposed_product(turn.q.as_ref(), found.r.as_ref(), options.par);
     for (j, &column) in kept.iter().enumerate() {
-        // Below the diagonal is rounding only.
+        // The entries below the diagonal are rounding errors.
         (j + 1..r.nrows()).for_each(|i| r[(i, column)] = 0.0);
     }
     Ok(Factors { r, kept })

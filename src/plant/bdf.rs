@@ -3,8 +3,8 @@ use super::rational::{EXPONENTIAL, RADAU, Workspace};
 use super::water::{WaterModel, positive};
 use crate::base::{Error, Par, Progress, Result, zeros};
 
-/// The weights of the last six values, oldest first, and that of the right-hand side, as multiples
-/// of 1 / 147.
+/// The weights of the last six values, oldest first, and the weight of the right-hand side, as
+/// multiples of 1 / 147.
 const WEIGHTS: [f64; 6] = [-10.0, 72.0, -225.0, 400.0, -450.0, 360.0];
 const RIGHT: f64 = 60.0;
 const UNIT: f64 = 147.0;
@@ -12,8 +12,7 @@ const UNIT: f64 = 147.0;
 /// The source of the first six values of [`Bdf6`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// Steps of Radau IIA of order 5 (Hairer and Wanner 1996, section IV.5). The default
-    /// everywhere.
+    /// Steps of Radau IIA of order 5 (Hairer and Wanner 1996, section IV.5). The default.
     Radau,
     /// The exponential itself, by the rational approximation of [`WaterModel::water_after`].
     Exact,
@@ -23,7 +22,8 @@ pub enum Start {
 }
 
 /// The backward differentiation formula of order 6 with a fixed step (thesis, equation 4.8): a
-/// factorisation per change of the model or the step, and two passes over the tree per step.
+/// factorisation for each change of the model or the step, and two passes over the tree for each
+/// step.
 ///
 /// ```
 /// use catamaran::Par;
@@ -42,13 +42,13 @@ pub enum Start {
 pub struct Bdf6 {
     model: WaterModel,
     factor: Factor<f64>,
-    /// Relative water content, oldest first; the last entry is the present.
+    /// Relative water content, oldest first; the last entry is the current one.
     history: [Vec<f64>; 6],
     next: Vec<f64>,
     workspace: Option<Workspace>,
     step: f64,
     start: Start,
-    /// Steps since the last restart.
+    /// Number of steps since the last restart.
     steps: usize,
     time: f64,
     par: Par,
@@ -87,8 +87,8 @@ impl Bdf6 {
         Ok(solver)
     }
 
-    /// Continues from the present water with another model of the same plant (another loss, damage)
-    /// or another step. The history starts anew, since derivatives jump.
+    /// Continues from the current water with another model of the same plant (another loss, damage)
+    /// or another step. The history restarts, because derivatives jump.
     ///
     /// ```
     /// use catamaran::Par;
@@ -97,7 +97,7 @@ impl Bdf6 {
     /// let mut model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
     /// let mut solver = Bdf6::new(&model, &model.full(), 10.0, Start::Radau, Par::Seq)?;
     /// solver.step();
-    /// // From now on leaves lose nothing.
+    /// // From now on, leaves lose nothing.
     /// let before: f64 = solver.water().iter().sum();
     /// model.set_loss(0.0)?;
     /// solver.restart(&model, 60.0)?;
@@ -142,7 +142,7 @@ impl Bdf6 {
                 rational.apply(&self.model, &mut self.next, self.step, workspace, self.par);
             }
             None => {
-                // The memory of the start is not needed any more.
+                // The memory of the start is no longer needed.
                 self.workspace = None;
                 self.implicit_step();
             }
@@ -156,7 +156,7 @@ impl Bdf6 {
     /// Advances by `count` steps.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]: the steps before are done, and a later call can continue.
+    /// [`Error::Cancelled`]: earlier steps are complete, and a later call can continue.
     pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
         for done in 1..=count {
             self.step();
@@ -168,7 +168,7 @@ impl Bdf6 {
     fn implicit_step(&mut self) {
         let Self { model, history, .. } = self;
         let order = &model.order;
-        // Taken up by the root alone.
+        // Only the root takes in water.
         let intake = RIGHT / UNIT * self.step * model.intake;
         let root = model.root();
         let right = |range: std::ops::Range<usize>, out: &mut [f64]| {
@@ -190,7 +190,7 @@ impl Bdf6 {
         self.factor.solve(order, right, &mut self.next, self.par);
     }
 
-    /// Returns the present water of every node, in kg.
+    /// Returns the current water of every node, in kg.
     pub fn water(&self) -> Vec<f64> {
         self.model.water_by_nodes(&self.history[5])
     }

@@ -5,8 +5,8 @@ use super::water::{WaterModel, at_least_zero};
 use crate::base::{Error, Result};
 
 /// Computes the water of every node, in kg, at each of `times` (seconds from 0, ascending), from
-/// `water` at time 0. Where the loss changes, one solution ends and the next begins: nothing is
-/// interpolated.
+/// `water` at time 0. Where the loss changes, one solution ends and the next one begins, without
+/// interpolation.
 ///
 /// ```
 /// use catamaran::plant::{CurveOptions, WaterModel, WaterOptions, families, water_curve};
@@ -22,7 +22,7 @@ use crate::base::{Error, Result};
 /// # Errors
 /// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault;
 /// [`Error::OutOfMemory`]; [`Error::Cancelled`]; [`Error::NotConverged`] for stomata or soil whose
-/// constants leave no step.
+/// constants admit no step.
 pub fn water_curve(
     model: &WaterModel,
     water: &[f64],
@@ -32,17 +32,17 @@ pub fn water_curve(
     Ok(water_course(model, water, times, options)?.water)
 }
 
-/// The result of [`water_course`], time by time.
+/// The result of [`water_course`], with an entry for each time.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct WaterCourse {
-    /// Of every node, in kg.
+    /// Water of every node, in kg.
     pub water: Vec<Vec<f64>>,
-    /// Of plant and soil.
+    /// Balance of the water of plant and soil.
     pub balance: Vec<Balance>,
 }
 
-/// Computes what [`water_curve`] does and the balance of the water: the water of the soil, the
+/// Computes the same as [`water_curve`], and the balance of the water: the water of the soil, the
 /// water that leaves have lost, and the water that was poured.
 ///
 /// ```
@@ -78,7 +78,7 @@ pub fn water_course(
     for (i, &time) in times.iter().enumerate() {
         at_least_zero("times", time)?;
         if i > 0 && time < times[i - 1] {
-            let why = format!("{time} s after {} s: they must ascend", times[i - 1]);
+            let why = format!("must ascend, but {time} s follows {} s", times[i - 1]);
             return Err(Error::Argument { what: "times", why });
         }
     }

@@ -2,41 +2,41 @@ use super::soil::{Rewatering, Soil};
 use super::stomata::Stomata;
 use crate::base::{Par, Progress, builder};
 
-/// The method by which water is computed at many times.
+/// The method by which the water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The fastest of the others that is accurate to about 1e-12 of the water of a full plant, as
-    /// rates of the model and times tell beforehand. With [`CurveOptions::stomata`] or
+    /// The fastest of the other methods that is accurate to about 1e-12 of the water of a full
+    /// plant, according to the rates of the model and the times. With [`CurveOptions::stomata`] or
     /// [`CurveOptions::soil`], where the problem is not linear: an implicit Runge-Kutta method of
-    /// order 4 that chooses its steps (SDIRK, Hairer and Wanner 1996), to about 1e-8; the others
-    /// are refused then.
+    /// order 4 that chooses its steps (SDIRK, Hairer and Wanner 1996), to about 1e-8; the other
+    /// methods then return an error.
     Auto,
-    /// From one time to the next by the rational approximation of the exponential: any times, any
-    /// stiffness.
+    /// From one time to the next by the rational approximation of the exponential, for any times
+    /// and any stiffness.
     Rational,
-    /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)): small plants that are not
-    /// stiff, many times.
+    /// By eigenvalues ([`SpectralSolution`](super::SpectralSolution)), for small plants that are
+    /// not stiff, and many times.
     Spectral,
     /// By [`Bdf6`](super::Bdf6) with steps of at most `step` seconds, shortened so that they end
     /// at the requested times.
     Bdf6 {
-        /// In seconds.
+        /// Length of a step, in seconds.
         step: f64,
     },
 }
 
-/// A part of a cycle of weather.
+/// A part of a cycle of losses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Its length in seconds, above 0.
     pub seconds: f64,
-    /// What leaves lose then, in kg / (s m^2).
+    /// Loss of leaves in this time, in kg / (s m^2).
     pub loss: f64,
 }
 
 impl Interval {
     /// Returns a cycle of 16 hours of light, in which leaves lose `loss`, in kg / (s m^2), and 8
-    /// hours of dark, in which they lose a twelfth of it.
+    /// hours of darkness, in which they lose a twelfth of it.
     ///
     /// ```
     /// use catamaran::plant::Interval;
@@ -65,20 +65,20 @@ impl Interval {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CurveOptions<'a> {
-    /// Default [`Method::Auto`].
+    /// The method; default [`Method::Auto`].
     pub method: Method,
-    /// Losses that follow each other again and again, such as a day and a night, from time 0; none
-    /// (default): the loss of the model.
+    /// Losses of a cycle that repeats from time 0, such as a day and a night. Empty by default: the
+    /// loss of the model.
     pub cycle: Vec<Interval>,
-    /// Whether and how stomata close; `None` (default): they stay open.
+    /// The response of stomata to drought; `None` (default) keeps them open.
     pub stomata: Option<Stomata>,
-    /// The soil; `None` (default): there is none but [`WaterOptions::intake`](super::WaterOptions).
+    /// The soil; `None` (default) leaves only [`WaterOptions::intake`](super::WaterOptions).
     pub soil: Option<Soil>,
-    /// When the soil is watered; it may be in any order, and needs a soil.
+    /// When the soil is watered, in any order; requires a soil.
     pub rewatering: Vec<Rewatering>,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 

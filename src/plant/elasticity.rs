@@ -8,19 +8,19 @@ pub enum Elasticity {
     /// 1: `dry + (full - dry) (s(k (w - x)) - s(-k x)) / (s(k (1 - x)) - s(-k x))`, s the logistic
     /// function.
     Relative {
-        /// Without water, in Pa, above 0.
+        /// Modulus without water, in Pa, above 0.
         dry: f64,
-        /// With full cells, in Pa, above `dry`.
+        /// Modulus with full cells, in Pa, above `dry`.
         full: f64,
         /// kappa, the steepness, above 0.
         steepness: f64,
-        /// chi_0, the relative water content of the steepest place.
+        /// chi_0, the relative water content at which the curve is steepest.
         shift: f64,
     },
-    /// `full / (1 + exp(-kappa (theta - chi_0)))` of theta in grams, literally equation 4.9 of the
-    /// thesis: a segment that is cut in two changes its stiffness.
+    /// `full / (1 + exp(-kappa (theta - chi_0)))` of theta in grams, equation 4.9 of the thesis as
+    /// printed. The stiffness of a segment that is cut in two changes.
     Literal {
-        /// For much water, in Pa, above 0.
+        /// Limit of the modulus for much water, in Pa, above 0.
         full: f64,
         /// kappa, in 1 / g.
         steepness: f64,
@@ -30,8 +30,8 @@ pub enum Elasticity {
 }
 
 impl Default for Elasticity {
-    /// 50 MPa full, 0.3 MPa dry, steepness 10, shift 0.75: soft stems, which lose their turgor
-    /// early.
+    /// Returns 50 MPa full, 0.3 MPa dry, steepness 10, shift 0.75: soft stems, which lose their
+    /// turgor early.
     fn default() -> Self {
         Self::Relative { dry: 3e5, full: 5e7, steepness: 10.0, shift: 0.75 }
     }
@@ -50,7 +50,7 @@ impl Elasticity {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] names a constant that is out of its range, [`Error::Shape`] `water`.
+    /// [`Error::Argument`] names a constant out of its range, [`Error::Shape`] names `water`.
     pub fn moduli(&self, water: &[f64], full: &[f64]) -> Result<Vec<f64>> {
         self.check()?;
         Error::check_shape("water", (full.len(), 1), (water.len(), 1))?;
@@ -89,15 +89,16 @@ impl Elasticity {
                 positive("dry modulus", dry)?;
                 positive("steepness", steepness)?;
                 if !(full >= dry && full.is_finite() && shift.is_finite()) {
-                    let why = format!("{full} Pa full, {dry} Pa dry, shift {shift}");
+                    let why = format!(
+                        "must be finite with dry <= full, is {dry} and {full} Pa, shift {shift}"
+                    );
                     return Err(Error::Argument { what: "elasticity", why });
                 }
                 let range = logistic(steepness * (1.0 - shift)) - logistic(-steepness * shift);
                 if range > 0.0 {
                     return Ok(());
                 }
-                let why =
-                    format!("steepness {steepness} at {shift} leaves nothing between 0 and 1");
+                let why = format!("steepness {steepness} and shift {shift} give a constant");
                 Err(Error::Argument { what: "elasticity", why })
             }
             Self::Literal { full, steepness, shift } => {
@@ -106,7 +107,7 @@ impl Elasticity {
                 if shift.is_finite() {
                     return Ok(());
                 }
-                Err(Error::Argument { what: "shift", why: format!("{shift} is not finite") })
+                Err(Error::Argument { what: "shift", why: format!("must be finite, is {shift}") })
             }
         }
     }
@@ -141,7 +142,7 @@ mod tests {
     #[test]
     fn constants_out_of_range_are_named() {
         let flat = Elasticity::Relative { dry: 1.0, full: 2.0, steepness: 1e9, shift: 2.0 };
-        assert!(flat.moduli(&[], &[]).unwrap_err().to_string().contains("leaves nothing"));
+        assert!(flat.moduli(&[], &[]).unwrap_err().to_string().contains("give a constant"));
         let upside_down = Elasticity::Relative { dry: 2.0, full: 1.0, steepness: 1.0, shift: 0.0 };
         assert!(upside_down.moduli(&[], &[]).is_err());
     }

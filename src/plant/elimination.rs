@@ -1,6 +1,6 @@
-//! Gaussian elimination on a tree, from the leaves to the root: no fill-in and, with the diagonal
-//! kept as its excess over the couplings, no subtraction (Hines 1984; Grassmann, Taksar and Heyman
-//! 1985 for the excess).
+//! Gaussian elimination on a tree, from the leaves to the root: without fill-in and, because the
+//! diagonal is stored as its excess over the couplings, without subtraction (Hines 1984; Grassmann,
+//! Taksar and Heyman 1985 for the excess).
 //!
 //! For every node v with parent u, coupling `w_v >= 0` and excess `d_v >= 0` the matrix has `-w_v`
 //! at (u, v) and (v, u), and on the diagonal `d_v` plus the couplings of all edges at v. Real and
@@ -13,18 +13,18 @@ use faer::c64;
 use super::graph::{NONE, Plant};
 use crate::base::{Par, Result, reserved};
 
-/// Nodes of a piece of work, and of the largest subtree that one thread eliminates alone; it
-/// decides on no result.
+/// Number of nodes of a unit of work, and of the largest subtree that one thread eliminates alone.
+/// It does not change results.
 const BIN: usize = 8192;
 
 impl Factor<f64> {
-    /// Returns whether a pivot is 0: a part of the tree without any excess.
+    /// Returns whether a pivot is 0, as for a part of the tree without any excess.
     pub fn is_singular(&self) -> bool {
         self.inverses.iter().any(|i| !i.is_finite())
     }
 }
 
-/// What elimination computes with.
+/// The arithmetic of elimination.
 pub(crate) trait Number:
     Copy + Send + Sync + Add<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self>
 {
@@ -60,9 +60,9 @@ impl Number for c64 {
     }
 }
 
-/// The nodes in the order of elimination, backwards: first the trunk, those on which more than
-/// [`BIN`] nodes hang, then bins of whole subtrees. Arrays of the functions below are in this
-/// order, and so are positions.
+/// The order of elimination, reversed: first the trunk, which consists of the nodes whose subtrees
+/// have more than [`BIN`] nodes, then bins of whole subtrees. Positions and the arrays of the
+/// functions below follow this order.
 #[derive(Debug, Clone)]
 pub(crate) struct Order {
     /// The node at each position.
@@ -71,9 +71,9 @@ pub(crate) struct Order {
     positions: Vec<u32>,
     /// The position of the parent, always a lower one, or [`NONE`].
     parents: Vec<u32>,
-    /// Nodes of the trunk.
+    /// Number of nodes of the trunk.
     trunk: usize,
-    /// Where each bin begins, and the end.
+    /// The start of each bin, and the end of the last one.
     bins: Vec<usize>,
     /// The children of the nodes of the trunk, last ones first:
     /// `children[starts[k]..starts[k + 1]]`.
@@ -107,7 +107,8 @@ impl Order {
         let position_of = |p: u32| if p == NONE { NONE } else { positions[p as usize] };
         let parents: Vec<u32> =
             nodes.iter().map(|&v| position_of(plant.parents()[v as usize])).collect();
-        // Subtrees are contiguous in preorder; as many as fit are one bin.
+        // Subtrees are contiguous in preorder; consecutive ones are joined into a bin as far as
+        // they fit.
         let mut bins = vec![trunk];
         let (mut k, mut begin) = (trunk, trunk);
         while k < n {
@@ -122,7 +123,8 @@ impl Order {
             bins.push(n);
         }
         let (starts, mut children) = children(&parents, trunk);
-        // The order in which a bin meets children, so that sums do not know where the trunk ends.
+        // The order in which a bin visits children, so that sums do not depend on where the trunk
+        // ends.
         for k in 0..trunk {
             let range = starts[k] as usize..starts[k + 1] as usize;
             children[range].sort_unstable_by_key(|&c| std::cmp::Reverse(nodes[c as usize]));
@@ -145,12 +147,12 @@ impl Order {
         self.positions[node] as usize
     }
 
-    /// Returns values of positions, by nodes.
+    /// Returns the values at positions in the order of nodes.
     pub fn by_nodes<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.positions.iter().map(|&k| values[k as usize]).collect()
     }
 
-    /// Returns values of nodes, by positions.
+    /// Returns the values of nodes in the order of positions.
     pub fn by_positions<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.nodes.iter().map(|&v| values[v as usize]).collect()
     }
@@ -163,7 +165,7 @@ impl Order {
         &self.children[self.starts[k] as usize..self.starts[k + 1] as usize]
     }
 
-    /// Returns the parts of an array: that of the trunk, and those of the bins.
+    /// Returns the parts of an array: the part of the trunk, and those of the bins.
     pub fn split<'a, T>(&self, array: &'a mut [T]) -> (&'a mut [T], Vec<&'a mut [T]>) {
         let (trunk, mut rest) = array.split_at_mut(self.trunk);
         let mut parts = Vec::with_capacity(self.bins.len());
@@ -206,14 +208,14 @@ fn children(parents: &[u32], trunk: usize) -> (Vec<u32>, Vec<u32>) {
     (starts, children)
 }
 
-/// A factorised matrix, and memory for another one of the same tree.
+/// A factorised matrix, and memory for further matrices of the same tree.
 #[derive(Debug, Clone)]
 pub(crate) struct Factor<T> {
     /// `w / (d + w)` of every position.
     fractions: Vec<T>,
     /// `1 / (d + w)`.
     inverses: Vec<T>,
-    /// Excesses, as they are summed.
+    /// The excesses during their summation.
     excess: Vec<T>,
 }
 
@@ -249,7 +251,7 @@ impl<T: Number> Factor<T> {
                 let (fraction, inverse) = eliminate(d[k], couplings[k]);
                 (fractions[k], inverses[k]) = (fraction, inverse);
                 let up = d[k] * fraction;
-                // A parent in the trunk, or none, is beyond the end of the bin.
+                // A parent in the trunk, or none, is outside of the bin.
                 match d.get_mut((parents[k] as usize).wrapping_sub(range.start)) {
                     Some(parent) => *parent = *parent + up,
                     None => d[k] = up,
@@ -287,7 +289,7 @@ impl<T: Number> Factor<T> {
         order.for_bins(par, parts.into_iter(), |range, b| self.down(order, range, trunk, b));
     }
 
-    /// The way to the root within a bin.
+    /// Eliminates towards the root within a bin.
     fn up(&self, order: &Order, range: Range<usize>, b: &mut [T]) {
         let parents = &order.parents[range.clone()];
         let fractions = &self.fractions[range.clone()];
@@ -299,7 +301,7 @@ impl<T: Number> Factor<T> {
         }
     }
 
-    /// The way to the root and back in the trunk, after that of all bins.
+    /// Eliminates towards the root and substitutes back in the trunk, after all bins.
     fn trunk(&self, order: &Order, b: &mut [T]) {
         for k in (0..order.trunk).rev() {
             let mut sum = b[k];
@@ -317,7 +319,7 @@ impl<T: Number> Factor<T> {
         }
     }
 
-    /// The way to the leaves within a bin.
+    /// Substitutes back towards the leaves within a bin.
     fn down(&self, order: &Order, range: Range<usize>, trunk: &[T], b: &mut [T]) {
         let parents = &order.parents[range.clone()];
         let (fractions, inverses) = (&self.fractions[range.clone()], &self.inverses[range.clone()]);
@@ -349,7 +351,7 @@ mod tests {
     use crate::base::Rng;
     use crate::plant::families::{GrowthOptions, grow};
 
-    /// The product of the matrix with x, node by node.
+    /// Returns the product of the matrix with x, node by node.
     fn product(order: &Order, excess: &[f64], couplings: &[f64], x: &[f64]) -> Vec<f64> {
         let mut b: Vec<f64> = (0..x.len()).map(|k| excess[k] * x[k]).collect();
         for k in 0..x.len() {

@@ -1,4 +1,4 @@
-//! Generated plants, of any size.
+//! Generated plants of any size.
 
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -7,13 +7,13 @@ use super::{Plant, Segment};
 use crate::base::{Error, Result, Rng, builder, reserved};
 use crate::mesh::vector::{add, cross, dot, scale, unit};
 
-/// Segments of an internode.
+/// Number of segments of an internode.
 const SEGMENTS: usize = 3;
 
-/// Generations that a lateral bud sleeps: the apex is dominant.
+/// Number of generations for which a lateral bud is dormant: the apex is dominant.
 const DORMANCY: u32 = 4;
 
-/// Generations after which an axis is spent and becomes a leaf's vein.
+/// Number of generations after which an axis ends as the vein of a leaf.
 const LIFE: u32 = 24;
 
 /// The divergence of successive laterals, 137.5 degrees.
@@ -23,7 +23,7 @@ const GOLDEN_ANGLE: f64 = PI * 0.763_932_022_500_210_3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct GrowthOptions {
-    /// Nodes, at least 1. Default 500.
+    /// Number of nodes, at least 1. Default 500.
     pub nodes: usize,
     /// Seed of the variation of angles. Default 0.
     pub seed: u64,
@@ -54,13 +54,13 @@ struct Bud {
     parent: Option<u32>,
     tail: [f64; 3],
     direction: [f64; 3],
-    /// At right angles to the direction; the next lateral is turned from it.
+    /// A unit vector orthogonal to the direction, from which the next lateral is rotated.
     side: [f64; 3],
     radius: f64,
     length: f64,
     asleep: u32,
     age: u32,
-    /// 0 for the stem, 1 for its branches, and so on.
+    /// The order of branching: 0 for the stem, 1 for its branches, and so on.
     order: u32,
 }
 
@@ -68,7 +68,7 @@ struct Bud {
 /// Lindenmayer 1990, section 1.10):
 /// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and
 /// `B(r, l, s) -> B(r, l, s - 1)`, `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of
-/// order 2 and more, old ones and all tips are veins of leaves. Nodes are numbered as they grow.
+/// order 2 and more, old axes and all tips are veins of leaves. Nodes are numbered as they grow.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
@@ -78,11 +78,11 @@ struct Bud {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names the option that is out of its range; [`Error::OutOfMemory`].
+/// [`Error::Argument`] names the options when one is out of its range; [`Error::OutOfMemory`].
 pub fn grow(options: &GrowthOptions) -> Result<Plant> {
     let positive = [options.radius, options.internode].iter().all(|x| *x > 0.0 && x.is_finite());
     if options.nodes == 0 || !positive || !options.branching.is_finite() {
-        let why = format!("{options:?}: nodes, radius and internode must be positive");
+        let why = format!("nodes, radius and internode must be positive, in {options:?}");
         return Err(Error::Argument { what: "growth", why });
     }
     let mut rng = Rng::new(options.seed);
@@ -100,7 +100,7 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
         order: 0,
     }]);
     while segments.len() < options.nodes {
-        // There is always the apex of the stem: it never ends.
+        // The apex of the stem never ends, so there is always a bud.
         let Some(mut bud) = buds.pop_front() else { break };
         if bud.asleep > 0 {
             bud.asleep -= 1;
@@ -153,8 +153,8 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
     Plant::new(segments, &parents, Some([0.0; 3]))
 }
 
-/// Generates a straight, vertical stem of `nodes` equal segments (at least 1), the last of which is
-/// on a leaf: a chain.
+/// Generates a straight, vertical stem of `nodes` equal segments (at least 1), of which the last
+/// one is on a leaf.
 ///
 /// ```
 /// use catamaran::plant::families::chain;
@@ -166,7 +166,7 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
 /// ```
 ///
 /// # Errors
-/// As those of [`Plant::new`].
+/// As [`Plant::new`].
 pub fn chain(nodes: usize, length: f64, radius: f64) -> Result<Plant> {
     let step = length / nodes as f64;
     let mut segments: Vec<Segment> = reserved(nodes)?;
@@ -178,7 +178,7 @@ pub fn chain(nodes: usize, length: f64, radius: f64) -> Result<Plant> {
     Plant::new(segments, &parents, Some([0.0; 3]))
 }
 
-/// `a` turned about the unit vector `axis` (Rodrigues).
+/// Returns `a` rotated about the unit vector `axis` (Rodrigues).
 fn rotated(a: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
     let (s, c) = angle.sin_cos();
     let across = cross(axis, a);

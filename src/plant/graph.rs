@@ -1,31 +1,31 @@
 use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
 
-/// No parent: the root.
+/// Marks the root, which has no parent.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A straight piece of stem, branch or vein, named after the end at which it stops: a node of the
-/// plant.
+/// A straight segment of stem, branch or vein. It is identified by the node of the plant at its
+/// end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Where it ends, in metres; it begins where its parent ends.
+    /// The end of the segment, in metres; it begins at the end of its parent.
     pub tail: [f64; 3],
     /// Its radius, in metres, above 0.
     pub radius: f64,
     /// Whether it is a vein of a leaf, which loses water.
     pub leaf: bool,
-    /// Whether it is labelled as the stalk of a leaf, which counts unless it is a vein; see
+    /// Whether it is labelled as the stalk of a leaf; the label is ignored for a vein. See
     /// [`Plant::parts`].
     pub petiole: bool,
-    /// The area of leaf that it supplies, in square metres; `None`: radius times length (thesis,
-    /// section 4.3.2).
+    /// The area of leaf that the segment supplies, in square metres; by default (`None`) radius
+    /// times length (thesis, section 4.3.2).
     pub leaf_area: Option<f64>,
-    /// Whether it is held where it is.
+    /// Whether the segment is fixed in space.
     pub pinned: bool,
 }
 
 impl Segment {
-    /// Creates a piece of stem: no leaf, not pinned. `tail` and `radius` are in metres.
+    /// Creates a segment of stem: no leaf, not pinned. `tail` and `radius` are in metres.
     pub fn stem(tail: [f64; 3], radius: f64) -> Self {
         Self { tail, radius, leaf: false, petiole: false, leaf_area: None, pinned: false }
     }
@@ -56,7 +56,7 @@ impl Segment {
 pub struct Plant {
     segments: Vec<Segment>,
     parents: Vec<u32>,
-    /// Of each segment, in metres.
+    /// The length of each segment, in metres.
     lengths: Vec<f64>,
     root: u32,
     base: [f64; 3],
@@ -68,15 +68,15 @@ fn refused<T>(element: String, what: impl Into<String>) -> Result<T> {
 
 impl Plant {
     /// Creates a plant of n >= 1 segments from the parent of each, `None` for the root. The root
-    /// segment begins at `base`; without `base`, or where the segment ends there, it is as long as
-    /// its first child and continues straight into it (in a plant of one segment: it stands
-    /// upright, 1 cm long).
+    /// segment begins at `base`. Without `base`, or if the segment ends there, it is as long as its
+    /// first child and collinear with it; the only segment of a plant is then upright and 1 cm
+    /// long.
     ///
     /// # Errors
-    /// [`Error::Mesh`] names the node without a finite position, positive radius, leaf area at
-    /// least 0, positive length, or existing parent; the second root; an isolated node; a node on a
-    /// cycle. [`Error::Argument`] for no nodes or 2^32 - 1 and more; [`Error::Shape`] for a number
-    /// of parents that differs.
+    /// [`Error::Mesh`] names a node whose position is not finite, whose radius or length is not
+    /// positive, whose leaf area is negative, or whose parent does not exist; a second root; an
+    /// isolated node; a node on a cycle. [`Error::Argument`] for no nodes, or for 2^32 - 1 or more;
+    /// [`Error::Shape`] when the numbers of parents and segments differ.
     pub fn new(
         segments: Vec<Segment>,
         parents: &[Option<u32>],
@@ -89,10 +89,10 @@ impl Plant {
         for (v, parent) in parents.iter().enumerate() {
             match *parent {
                 Some(p) if p as usize >= n => {
-                    return refused(format!("node {v}"), format!("its parent {p} is not there"));
+                    return refused(format!("node {v}"), format!("its parent {p} does not exist"));
                 }
                 Some(p) if p as usize == v => {
-                    return refused(format!("node {v}"), "on a cycle: it is its own parent");
+                    return refused(format!("node {v}"), "is on a cycle: it is its own parent");
                 }
                 Some(p) => has_child[p as usize] = true,
                 None => {}
@@ -101,13 +101,13 @@ impl Plant {
         let Some(root) = parents.iter().position(Option::is_none) else {
             return refused(
                 "node 0".into(),
-                "no root: every node has a parent, so there is a cycle",
+                "has no root: every node has a parent, so there is a cycle",
             );
         };
         if let Some(v) = (root + 1..n).find(|&v| parents[v].is_none()) {
             let what = match has_child[v] {
-                true => format!("a second root, beside node {root}"),
-                false => "isolated: neither a parent nor a child".into(),
+                true => format!("is a second root besides node {root}"),
+                false => "is isolated: it has neither a parent nor a child".into(),
             };
             return refused(format!("node {v}"), what);
         }
@@ -131,8 +131,8 @@ impl Plant {
     /// ```
     ///
     /// # Errors
-    /// As those of [`Plant::new`]; an edge that closes a cycle, and a node that no edges connect to
-    /// the root.
+    /// As [`Plant::new`]; [`Error::Mesh`] also names an edge that closes a cycle, and a node that
+    /// is not connected to the root.
     pub fn from_edges(
         segments: Vec<Segment>,
         edges: &[[u32; 2]],
@@ -145,7 +145,7 @@ impl Plant {
         for (e, &[a, b]) in edges.iter().enumerate() {
             let name = || format!("edge {e} ({a}, {b})");
             if let Some(v) = [a, b].into_iter().find(|&v| v as usize >= n) {
-                return refused(name(), format!("node {v} of {n} (numbered from 0)"));
+                return refused(name(), format!("node {v} is out of range: {n}, numbered from 0"));
             }
             let [x, y] = [a, b].map(|v| find(&mut sets, v));
             if x == y {
@@ -156,14 +156,14 @@ impl Plant {
             degrees[b as usize] += 1;
         }
         if let Some(v) = (0..n).find(|&v| n > 1 && degrees[v] == 0) {
-            return refused(format!("node {v}"), "isolated: in no edge");
+            return refused(format!("node {v}"), "is isolated: it has no edge");
         }
         let origin = base.unwrap_or_default();
         let away = |v: &usize| distance(segments[*v].tail, origin);
         let root = (0..n).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or_default();
         let set = find(&mut sets, root as u32);
         if let Some(v) = (0..n).find(|&v| find(&mut sets, v as u32) != set) {
-            let what = format!("not connected to the root, node {root}: a plant has one root");
+            let what = format!("is not connected to the root, node {root}");
             return refused(format!("node {v}"), what);
         }
         let parents = away_from(root as u32, &degrees, edges);
@@ -195,7 +195,7 @@ impl Plant {
         match plant.lengths.iter().position(|&h| h.is_nan() || h <= 0.0 || h.is_infinite()) {
             Some(v) => refused(
                 format!("node {v}"),
-                format!("a segment of length {}: it must be positive", plant.lengths[v]),
+                format!("the length of its segment must be positive, is {}", plant.lengths[v]),
             ),
             None => Ok(plant),
         }
@@ -212,17 +212,17 @@ impl Plant {
         &self.segments
     }
 
-    /// Returns the node before node `v`; `None` for the root.
+    /// Returns the parent of node `v`; `None` for the root.
     pub fn parent(&self, v: usize) -> Option<usize> {
         self.parents.get(v).filter(|&&p| p != NONE).map(|&p| p as usize)
     }
 
-    /// Returns the parents as they are stored.
+    /// Returns the parents in their stored form.
     pub(crate) fn parents(&self) -> &[u32] {
         &self.parents
     }
 
-    /// Returns the node that has no parent.
+    /// Returns the node without a parent.
     pub fn root(&self) -> usize {
         self.root as usize
     }
@@ -247,8 +247,8 @@ impl Plant {
         std::f64::consts::PI * self.segments[v].radius.powi(2) * self.lengths[v]
     }
 
-    /// Returns the area of leaf that node `v` supplies, in square metres; 0 if the node is not on a
-    /// leaf.
+    /// Returns the area of leaf that node `v` supplies, in square metres; 0 for a node that is not
+    /// on a leaf.
     pub fn leaf_area(&self, v: usize) -> f64 {
         let segment = &self.segments[v];
         match segment.leaf {
@@ -261,7 +261,7 @@ impl Plant {
     /// ascending order, each followed by its subtree.
     pub(crate) fn preorder(&self) -> Vec<u32> {
         let n = self.len();
-        // Children as linked lists, so that a node with thousands of them costs no more than
+        // Children are linked lists, so that a node with thousands of them costs no more than
         // others.
         let (mut first, mut next) = (vec![NONE; n], vec![NONE; n]);
         for v in (0..n).rev() {
@@ -288,7 +288,7 @@ impl Plant {
 
 fn check_segments(segments: &[Segment]) -> Result<()> {
     if segments.is_empty() || segments.len() >= NONE as usize {
-        let why = format!("{} nodes, where 1 to 2^32 - 2 are possible", segments.len());
+        let why = format!("must have 1 to 2^32 - 2 nodes, has {}", segments.len());
         return Err(Error::Argument { what: "plant", why });
     }
     for (v, segment) in segments.iter().enumerate() {
@@ -298,20 +298,20 @@ fn check_segments(segments: &[Segment]) -> Result<()> {
         }
         if !(segment.radius > 0.0 && segment.radius.is_finite()) {
             let r = segment.radius;
-            return refused(name(), format!("radius {r}, where a positive number is needed"));
+            return refused(name(), format!("radius must be positive and finite, is {r}"));
         }
         if let Some(area) = segment.leaf_area
             && !(area >= 0.0 && area.is_finite())
         {
-            return refused(name(), format!("leaf area {area}, where at least 0 is needed"));
+            return refused(name(), format!("leaf area must be at least 0, is {area}"));
         }
     }
     Ok(())
 }
 
-/// Every node leads to the root.
+/// Returns an error unless every node leads to the root.
 fn check_cycles(parents: &[u32], root: usize) -> Result<()> {
-    // 0: unknown, 1: on the way at hand, 2: leads to the root.
+    // 0: unknown, 1: on the current path, 2: leads to the root.
     let mut states = vec![0_u8; parents.len()];
     states[root] = 2;
     for start in 0..parents.len() {
@@ -321,7 +321,7 @@ fn check_cycles(parents: &[u32], root: usize) -> Result<()> {
             v = parents[v] as usize;
         }
         if states[v] == 1 {
-            return refused(format!("node {v}"), "on a cycle: its parents lead back to it");
+            return refused(format!("node {v}"), "is on a cycle: its ancestors lead back to it");
         }
         let mut v = start;
         while states[v] == 1 {
@@ -332,7 +332,7 @@ fn check_cycles(parents: &[u32], root: usize) -> Result<()> {
     Ok(())
 }
 
-/// The parents in the tree of these edges, seen from its root.
+/// Returns the parent of each node in the tree of these edges, rooted at `root`.
 fn away_from(root: u32, degrees: &[u32], edges: &[[u32; 2]]) -> Vec<u32> {
     let n = degrees.len() - 1;
     let mut starts = vec![0_u32; n + 1];
@@ -411,9 +411,9 @@ mod tests {
         let edges = |edges: &[[u32; 2]], n| Plant::from_edges(line(n), edges, None);
         named(edges(&[[0, 1], [1, 2], [2, 0]], 3), "edge 2 (2, 0)", "closes a cycle");
         named(edges(&[[0, 1], [1, 1]], 3), "edge 1 (1, 1)", "closes a cycle");
-        named(edges(&[[0, 1], [1, 5]], 3), "edge 1 (1, 5)", "node 5 of 3");
+        named(edges(&[[0, 1], [1, 5]], 3), "edge 1 (1, 5)", "node 5 is out of");
         named(edges(&[[0, 1]], 3), "node 2", "isolated");
-        named(edges(&[[0, 1], [2, 3]], 4), "node 2", "one root");
+        named(edges(&[[0, 1], [2, 3]], 4), "node 2", "not connected to the root");
         let parents = |parents: &[Option<u32>]| Plant::new(line(parents.len()), parents, None);
         named(parents(&[None, None, Some(1)]), "node 1", "a second root");
         named(parents(&[None, Some(0), None]), "node 2", "isolated");
@@ -422,10 +422,10 @@ mod tests {
         named(parents(&[None, Some(7)]), "node 1", "parent 7");
         let mut thin = line(3);
         thin[1].radius = 0.0;
-        named(Plant::from_edges(thin, &[[0, 1], [1, 2]], None), "node 1", "radius 0");
+        named(Plant::from_edges(thin, &[[0, 1], [1, 2]], None), "node 1", "radius must be");
         let mut short = line(3);
         short[2].tail = short[1].tail;
-        named(Plant::from_edges(short, &[[0, 1], [1, 2]], None), "node 2", "length 0");
+        named(Plant::from_edges(short, &[[0, 1], [1, 2]], None), "node 2", "positive, is 0");
         assert!(matches!(Plant::new(vec![], &[], None), Err(Error::Argument { .. })));
     }
 }

@@ -1,5 +1,5 @@
-//! Least squares with bounds: the method of Levenberg (1944) and Marquardt (1963), projected onto a
-//! box.
+//! Nonlinear least squares with bounds: the method of Levenberg (1944) and Marquardt (1963),
+//! projected onto a box.
 
 use faer::Mat;
 
@@ -9,35 +9,35 @@ use crate::dense;
 /// Half of the interval of central differences, in the units of parameters, which are of order 1.
 const DIFFERENCE: f64 = 1e-4;
 
-/// A change of all parameters that counts as none.
+/// A change of all parameters at which the iteration stops.
 const SMALL: f64 = 1e-11;
 
-/// The largest change of a parameter in a step: beyond it the linear model tells nothing.
+/// The largest change of a parameter in a step, within which the linear model is trusted.
 const LARGEST_STEP: f64 = 1.0;
 
 const MAX_ITERATIONS: usize = 200;
 
-/// Where the sum of squares is least.
+/// The minimum of a sum of squares.
 #[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub parameters: Vec<f64>,
-    /// Standard deviations of parameters; infinite where the data don't tell them apart, NaN at a
+    /// Standard deviations of parameters; infinite where the data do not determine them, NaN at a
     /// bound.
     pub errors: Vec<f64>,
-    /// That of a residual.
+    /// The standard deviation of a residual.
     pub deviation: f64,
     /// The sum of squares.
     pub sum: f64,
 }
 
-/// Residuals of parameters.
+/// The residuals as a function of the parameters.
 pub(super) type Residuals<'a> = &'a dyn Fn(&[f64]) -> Result<Vec<f64>>;
 
 /// Finds the minimum of the sum of squares near `start`, between bounds, by central differences. In
-/// each step parameters that are at a bound and would leave it stay.
+/// each step, parameters at a bound that would leave the box stay.
 ///
 /// # Errors
-/// Those of residuals; [`Error::Argument`] for no more residuals than parameters;
+/// Those of residuals; [`Error::Argument`] unless there are more residuals than parameters;
 /// [`Error::NotConverged`], [`Error::Cancelled`].
 pub(super) fn minimize(
     residuals: Residuals<'_>,
@@ -49,7 +49,7 @@ pub(super) fn minimize(
         start.iter().zip(bounds).map(|(x, [low, high])| x.clamp(*low, *high)).collect();
     let mut r = residuals(&x)?;
     if r.len() <= x.len() {
-        let why = format!("{} of them, where more than {} are needed", r.len(), x.len());
+        let why = format!("must be more than {}, are {}", x.len(), r.len());
         return Err(Error::Argument { what: "measurements", why });
     }
     let mut damping = 1e-3;
@@ -97,7 +97,7 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The derivatives of residuals, a column for each parameter.
+/// Returns the derivatives of the residuals, a column for each parameter.
 fn jacobian(residuals: Residuals<'_>, x: &[f64], bounds: &[[f64; 2]]) -> Result<Vec<Vec<f64>>> {
     let mut columns = Vec::with_capacity(x.len());
     for i in 0..x.len() {
@@ -113,12 +113,12 @@ fn jacobian(residuals: Residuals<'_>, x: &[f64], bounds: &[[f64; 2]]) -> Result<
     Ok(columns)
 }
 
-/// The step of the free parameters: `(J^T J + damping diag(J^T J)) step = -J^T r`.
+/// Returns the step of the free parameters: `(J^T J + damping diag(J^T J)) step = -J^T r`.
 fn step(jacobian: &[Vec<f64>], gradient: &[f64], free: &[usize], damping: f64) -> Result<Vec<f64>> {
     let mut right = Mat::from_fn(free.len(), 1, |i, _| -gradient[free[i]]);
     let mut matrix = squared(jacobian, free);
     for i in 0..free.len() {
-        // What changes no residual stays.
+        // A parameter that changes no residual does not move.
         let own = matrix[(i, i)];
         matrix[(i, i)] = if own > 0.0 { own * (1.0 + damping) } else { 1.0 };
     }
@@ -130,13 +130,14 @@ fn step(jacobian: &[Vec<f64>], gradient: &[f64], free: &[usize], damping: f64) -
     Ok((0..free.len()).map(|i| right[(i, 0)]).collect())
 }
 
-/// `J^T J` of some parameters.
+/// Returns `J^T J` for some parameters.
 fn squared(jacobian: &[Vec<f64>], free: &[usize]) -> Mat<f64> {
     let entry = |i: usize, j: usize| product(&jacobian[free[i]], &jacobian[free[j]]);
     Mat::from_fn(free.len(), free.len(), entry)
 }
 
-/// The roots of the diagonal of `deviation^2 (J^T J)^-1`, by columns of length 1.
+/// Returns the square roots of the diagonal of `deviation^2 (J^T J)^-1`, computed with columns of
+/// length 1.
 fn errors(jacobian: &[Vec<f64>], free: &[usize], deviation: f64) -> Vec<f64> {
     let mut errors = vec![f64::NAN; jacobian.len()];
     free.iter().for_each(|&i| errors[i] = f64::INFINITY);
@@ -169,7 +170,7 @@ mod tests {
 
     const FREE: [[f64; 2]; 2] = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
 
-    /// `y = a exp(-b t)` at 12 times, with noise.
+    /// Returns `y = a exp(-b t)` at 12 times, with noise.
     fn decay(a: f64, b: f64, noise: f64, rng: &mut Rng) -> Vec<[f64; 2]> {
         let time = |i: usize| 0.25 * i as f64;
         (0..12).map(|i| [time(i), a * (-b * time(i)).exp() + noise * rng.normal()]).collect()
@@ -197,7 +198,7 @@ mod tests {
             let mean = |f: &dyn Fn(&Minimum) -> f64| fits.iter().map(f).sum::<f64>() / 400.0;
             let scatter = mean(&|x| (x.parameters[i] - truth).powi(2)).sqrt();
             let stated = mean(&|x| x.errors[i].powi(2)).sqrt();
-            // A deviation of 400 samples is off by 1 / sqrt(800) = 3.5 %.
+            // The deviation of 400 samples has a relative error of 1 / sqrt(800) = 3.5 %.
             assert!((stated / scatter - 1.0).abs() < 0.12, "{i}: {stated} {scatter}");
         }
     }
@@ -208,7 +209,7 @@ mod tests {
         let found = fit(&data, &[[0.0, 1.5], FREE[1]]);
         assert_eq!(found.parameters[0], 1.5);
         assert!(found.errors[0].is_nan() && found.errors[1] > 0.0);
-        // The derivative by the other is 0.
+        // The derivative with respect to the other parameter is 0.
         let slope = |b: f64| -> f64 {
             let of = |[t, y]: &[f64; 2]| (y - 1.5 * (-b * t).exp()) * 1.5 * t * (-b * t).exp();
             data.iter().map(of).sum()
@@ -220,7 +221,7 @@ mod tests {
     fn what_no_residual_depends_on_stays_and_has_no_error_bar() {
         let residuals = |x: &[f64]| Ok(vec![x[0] - 1.0, x[0] - 2.0, x[0] - 3.0]);
         let found = minimize(&residuals, &[0.0, 7.0], &FREE, Progress::none()).unwrap();
-        // Sums of squares tell parameters apart to the root of rounding.
+        // A sum of squares determines parameters to the square root of the rounding error.
         assert!((found.parameters[0] - 2.0).abs() < 1e-7 && found.parameters[1] == 7.0);
         assert_eq!(found.errors[1], f64::INFINITY);
         let few = minimize(&residuals, &[0.0; 3], &[FREE[0]; 3], Progress::none());

@@ -1,5 +1,5 @@
 //! Plants that lose water and wilt (thesis, chapter 4; docs/algorithms/plant.md): their graph and
-//! files, the water in them, and the rods that bend as the water is lost.
+//! files, the water in them, and rods that bend as water is lost.
 
 mod bdf;
 mod course;

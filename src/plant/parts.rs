@@ -1,6 +1,6 @@
 use super::Plant;
 
-/// The part of a plant that a segment belongs to.
+/// The part of a plant to which a segment belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Part {
     /// A vein of a leaf ([`Segment::leaf`](super::Segment::leaf)).
@@ -12,11 +12,11 @@ pub enum Part {
 }
 
 impl Plant {
-    /// Returns the part that each segment belongs to. Leaves are the segments that the plant marks
+    /// Returns the part to which each segment belongs. Leaves are the segments that the plant marks
     /// as such. Petioles are the segments that the plant labels
     /// ([`Segment::petiole`](super::Segment::petiole), class `P...` of MTG files); in a plant
-    /// without such labels they are the stalks: rows of segments without a branch that end where
-    /// only veins of leaves continue, and do not reach the root.
+    /// without such labels they are the unbranched sequences of segments that end where only veins
+    /// of leaves continue, and that do not reach the root.
     ///
     /// ```
     /// use catamaran::plant::{Part, Plant, Segment};

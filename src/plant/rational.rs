@@ -4,17 +4,16 @@ use super::elimination::{Factor, Order};
 use super::water::{WaterModel, at_least_zero};
 use crate::base::{Par, Progress, Result, reserved};
 
-/// A rational function near the exponential on the negative axis, as the real part of partial
+/// A rational approximation of the exponential on the negative axis, as the real part of partial
 /// fractions: `constant + sum of 2 Re(c / (x - z))`.
 pub(crate) struct Rational {
     constant: f64,
-    /// Re z, Im z, Re c, Im c. Of a pair of conjugate poles one is listed; of a real one half of
-    /// its c.
+    /// Re z, Im z, Re c, Im c. Of two conjugate poles one is listed; for a real pole, c is halved.
     terms: &'static [[f64; 4]],
 }
 
-/// The best approximation of the exponential on the negative axis of degree 16: off by 2.1e-16
-/// everywhere, but for rounding (Cody, Meinardus and Varga 1969; computed in 60 digits by the
+/// The best approximation of the exponential on the negative axis of degree 16: its error is
+/// 2.1e-16 everywhere, up to rounding (Cody, Meinardus and Varga 1969; computed in 60 digits by the
 /// method of Caratheodory and Fejer, Trefethen 1981).
 #[rustfmt::skip]
 pub(crate) const EXPONENTIAL: Rational = Rational {
@@ -42,7 +41,7 @@ pub(crate) const RADAU: Rational = Rational {
     ],
 };
 
-/// The memory that a rational function of a matrix takes.
+/// The memory for a rational function of a matrix.
 #[derive(Debug, Clone)]
 pub(crate) struct Workspace {
     factor: Factor<c64>,
@@ -59,8 +58,8 @@ impl Workspace {
 }
 
 impl Rational {
-    /// Computes `relative := r(t S) relative` and what the root takes in meanwhile, `t phi(t S) s`
-    /// with `phi(x) = (r(x) - r(0)) / x`, whose partial fractions have c / z for c.
+    /// Computes `relative := r(t S) relative` and adds the intake of the root in this time,
+    /// `t phi(t S) s` with `phi(x) = (r(x) - r(0)) / x`, whose partial fractions have c / z for c.
     pub fn apply(
         &self,
         model: &WaterModel,
@@ -104,9 +103,9 @@ impl Rational {
 
 impl WaterModel {
     /// Computes the water of every node, in kg, `seconds` after it was `water` (kg, by nodes): the
-    /// exponential of S by a rational approximation, 8 factorisations with complex shifts, O(n).
-    /// Takes no time steps, except for times in which most of the water is lost: each part may lose
-    /// a factor of about 20, so that the rest keeps its digits.
+    /// exponential of S by a rational approximation, with 8 factorisations with complex shifts, in
+    /// O(n). There are no time steps, unless most of the water is lost: a step may lose a factor of
+    /// about 20, so that the rest keeps its digits.
     ///
     /// ```
     /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families}};
@@ -117,7 +116,8 @@ impl WaterModel {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     ///
-    /// Off by about 1e-13 of the water there was in a part; the same for every `par`, bit for bit.
+    /// The error is about 1e-13 of the water at the beginning of a step; the result is the same for
+    /// every `par`, bit for bit.
     ///
     /// # Errors
     /// [`Error::Shape`](crate::Error::Shape), [`Error::NonFinite`](crate::Error::NonFinite) and
@@ -127,7 +127,7 @@ impl WaterModel {
         self.water_after_with(water, seconds, par, Progress::none())
     }
 
-    /// Computes [`WaterModel::water_after`], and tells of its progress.
+    /// Computes the same as [`WaterModel::water_after`], with a callback for progress.
     pub(crate) fn water_after_with(
         &self,
         water: &[f64],
@@ -148,14 +148,14 @@ impl WaterModel {
         Ok(self.water_by_nodes(&relative))
     }
 
-    /// Returns the number of parts of a time in each of which not too much is lost.
+    /// Returns the number of steps of a time, none of which loses too much.
     pub(super) fn substeps(&self, seconds: f64) -> usize {
-        /// Exponent of what is lost in a part.
+        /// Exponent of the loss in a step.
         const LOST: f64 = 3.0;
-        /// Exponent of what a leaf that nothing fills loses in one part. Of more, two parts are
-        /// made: the first dries the leaf, and the second rounds to parts of what is left in it.
+        /// Exponent of the loss in a step of a leaf that gets no water. For more there are two
+        /// steps: the first dries the leaf, and the second rounds relative to the rest.
         const LOST_BY_A_LEAF: f64 = 4.0;
-        /// What is left after so many parts is nothing.
+        /// After this many steps nothing is left.
         const MOST: f64 = 64.0;
         let fastest = self.losses.iter().copied().fold(0.0, f64::max);
         let least = if seconds * fastest > LOST_BY_A_LEAF { 2.0 } else { 1.0 };

@@ -1,9 +1,10 @@
-//! The water of a plant whose stomata close, or whose soil empties: no linear problem any more.
+//! The water of a plant whose stomata close, or whose soil empties: a nonlinear problem.
 //!
 //! SDIRK of order 4 with 5 stages (Hairer and Wanner 1996, section IV.6), L-stable and stiffly
-//! accurate, with an error estimate of order 3. In every Newton iteration of a stage the linearised
-//! equations are solved for the new value, not for a change: the matrix stays that of a tree with a
-//! positive excess, so that the elimination subtracts nothing, and each solution keeps all water.
+//! accurate, with an error estimate of order 3. In every Newton iteration of a stage, the
+//! linearised equations are solved for the new value, not for a change. The matrix is that of a
+//! tree with a positive excess, so that the elimination needs no subtraction, and each solution
+//! conserves the water.
 
 use std::ops::Range;
 
@@ -18,7 +19,7 @@ const STAGES: usize = 5;
 /// The diagonal of the method.
 const GAMMA: f64 = 0.25;
 
-/// Below the diagonal; the last row has the weights of the solution, too.
+/// The coefficients below the diagonal; the last row holds the weights of the solution, too.
 #[rustfmt::skip]
 const WEIGHTS: [[f64; STAGES - 1]; STAGES] = [
     [0.0; 4],
@@ -28,22 +29,22 @@ const WEIGHTS: [[f64; STAGES - 1]; STAGES] = [
     [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
 ];
 
-/// The solution less the embedded one of order 3.
+/// The difference between the solution and the embedded one of order 3.
 const ERROR: [f64; STAGES] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
 
-/// The error of a step in the relative water content of any node.
+/// Tolerance of a step for the relative water content of any node.
 const TOLERANCE: f64 = 1e-9;
 
-/// A change of an iteration after which the next one, quadratically smaller, is beyond rounding.
+/// A change of an iteration after which the next, quadratically smaller change is below rounding.
 const SMALL: f64 = 1e-9;
 
-/// Newton iterations of a stage before the step is shortened.
+/// Number of Newton iterations of a stage after which the step is shortened.
 const ITERATIONS: usize = 12;
 
-/// Steps that end before so small a part of the time are not shortened any more.
+/// Smallest step relative to the time, below which a step is not shortened.
 const SHORTEST: f64 = 1e-14;
 
-/// What changes the linear model.
+/// The responses that make the model nonlinear.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Responses {
     pub stomata: Option<Stomata>,
@@ -56,42 +57,42 @@ impl Responses {
         self.stomata.is_none() && self.soil.is_none()
     }
 
-    /// Returns an error that names what is out of range.
+    /// Returns an error that names a constant out of its range.
     pub fn check(&self) -> Result<()> {
         self.stomata.map_or(Ok(()), |stomata| stomata.check())?;
         self.soil.map_or(Ok(()), |soil| soil.check())
     }
 }
 
-/// A plant and its soil at some time.
+/// The state of a plant and its soil.
 #[derive(Debug, Clone)]
 pub(super) struct Sdirk {
     model: WaterModel,
     responses: Responses,
-    /// Into the root, in kg / s; 0 without soil.
+    /// Conductance into the root, in kg / s; 0 without soil.
     conductance: f64,
     /// Relative water content by positions.
     present: Vec<f64>,
-    /// Of the soil, in kg.
+    /// Water of the soil, in kg.
     content: f64,
-    /// In kg, and what the sum has lost by rounding.
+    /// Transpired water in kg, and the rounding error of its sum.
     transpired: [f64; 2],
     factor: Factor<f64>,
     /// Derivatives of the stages, by positions in 1 / s, of the soil in kg / s.
     rates: [Vec<f64>; STAGES],
     soil_rates: [f64; STAGES],
-    /// What a stage begins with, its last iterate, and the next one.
+    /// The start value of a stage, its last iterate, and the next one.
     base: Vec<f64>,
     guess: Vec<f64>,
     next: Vec<f64>,
-    /// Seconds of the next step; 0 before the first one.
+    /// Seconds of the next step; 0 before the first step.
     step: f64,
     par: Par,
 }
 
-/// What a step comes to.
+/// The result of a step.
 struct Attempt {
-    /// As a part of the tolerance.
+    /// Error relative to the tolerance.
     error: f64,
     content: f64,
     transpired: f64,
@@ -160,7 +161,7 @@ impl Sdirk {
             self.step = (0.01 / loss).min(seconds);
         }
         while left > 0.0 {
-            // Two steps of half the length rather than a whole and a tiny one.
+            // Two steps of half the length instead of a whole and a tiny one.
             let h = match left / self.step {
                 parts if parts <= 1.0 => left,
                 parts if parts < 2.0 => 0.5 * left,
@@ -180,7 +181,7 @@ impl Sdirk {
         Ok(())
     }
 
-    /// Adds to what is lost (Neumaier's sum, so that many steps lose no digits).
+    /// Adds to the transpired water by Neumaier's sum, so that many steps lose no digits.
     fn lose(&mut self, amount: f64) {
         let [sum, rest] = self.transpired;
         let total = sum + amount;
@@ -189,8 +190,8 @@ impl Sdirk {
         self.transpired = [total, rest + lost];
     }
 
-    /// A step of h seconds into `next`; `None` when Newton's method does not converge. Chooses the
-    /// length of the step after it.
+    /// Tries a step of h seconds into `next`; returns `None` when Newton's method does not
+    /// converge. Chooses the length of the next step.
     fn attempt(&mut self, h: f64) -> Result<Option<Attempt>> {
         let tau = GAMMA * h;
         let mut transpired = 0.0;
@@ -218,13 +219,13 @@ impl Sdirk {
         }
         let error = self.error(h) / TOLERANCE;
         let factor = if error.is_nan() { 0.2 } else { (0.9 * error.powf(-0.25)).clamp(0.2, 5.0) };
-        // A step that was cut short by the end of the time says little about the longest one.
+        // A step that the end of the time cuts short says little about the longest possible one.
         let cut_short = error <= 1.0 && h < self.step;
         self.step = if cut_short { self.step.max(h * factor) } else { h * factor };
         Ok(Some(Attempt { error, content, transpired }))
     }
 
-    /// What leaves lose at the stage in `next`, in kg / s.
+    /// Returns the loss of leaves at the stage in `next`, in kg / s.
     fn loss(&self) -> f64 {
         let WaterModel { full, losses, .. } = &self.model;
         let open = |w: f64| self.responses.stomata.map_or(1.0, |s| s.openness(w));
@@ -244,8 +245,7 @@ impl Sdirk {
         for _ in 0..ITERATIONS {
             std::mem::swap(&mut self.guess, &mut self.next);
             let root = self.model.root();
-            // Uptake, linearised, after the equation of the soil is eliminated:
-            // tau q = share (1 - w) + kept (soil_base - content) / (1 + kept).
+            // The uptake, linearised, after elimination of the equation of the soil:
             let (mut share, mut pushed) = (0.0, 0.0);
             if let Some(soil) = self.responses.soil {
                 let dryness = 1.0 - self.guess[root];
@@ -273,8 +273,8 @@ impl Sdirk {
         self.responses.stomata.is_none() && self.conductance == 0.0
     }
 
-    /// The linearised equations: `share` is added to the excess of the root, `supply` to its right
-    /// side.
+    /// Solves the linearised equations; `share` is added to the excess of the root, `supply` to its
+    /// right-hand side.
     fn solve(&mut self, tau: f64, share: f64, supply: f64) {
         let Self { model, responses, factor, base, guess, next, par, .. } = self;
         let WaterModel { order, full, losses, exchange, .. } = &*model;
@@ -313,8 +313,8 @@ impl Sdirk {
         factor.solve(order, right, next, *par);
     }
 
-    /// The largest error of the step in a relative water content, its stiff part damped by the
-    /// matrix of the last stage.
+    /// Returns the largest error of the step in a relative water content; the matrix of the last
+    /// stage damps its stiff part.
     fn error(&mut self, h: f64) -> f64 {
         for (k, base) in self.base.iter_mut().enumerate() {
             *base = h * (0..STAGES).map(|i| ERROR[i] * self.rates[i][k]).sum::<f64>();

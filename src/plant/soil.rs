@@ -3,11 +3,11 @@ use crate::base::{Error, Result, builder};
 
 /// The soil of a pot: a reservoir at the root.
 ///
-/// From a content of c kg, with x = c / capacity, the root takes up
-/// `conductance a(x) (1 - w)` kg / s, w the relative water content of its segment: wet soil holds
-/// water at the potential of full cells. What reaches the root falls as the soil dries,
-/// `a(x) = (1 + h) x / (h + x)`: a smooth form of the threshold of Feddes, Kowalik and Zaradny
-/// (1978). Water that can't be taken up is no part of the content, and a plant gives none back.
+/// From a content of c kg, with x = c / capacity, the root takes up `conductance a(x) (1 - w)` kg /
+/// s, where w is the relative water content of its segment: wet soil holds water at the potential
+/// of full cells. The supply decreases as the soil dries, `a(x) = (1 + h) x / (h + x)`: a smooth
+/// form of the threshold of Feddes, Kowalik and Zaradny (1978). The content does not include water
+/// that roots can't take up, and a plant returns no water.
 ///
 /// ```
 /// use catamaran::plant::Soil;
@@ -18,19 +18,19 @@ use crate::base::{Error, Result, builder};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Soil {
-    /// The water that it holds at most, in kg, above 0.
+    /// The largest content, in kg, above 0.
     pub capacity: f64,
     /// The water in it at time 0, in kg, from 0 to the capacity. Default: the capacity.
     pub content: f64,
-    /// Of the way into the root, in kg / s at a difference of 1 in relative water content, at
+    /// Conductance into the root, in kg / s at a difference of 1 in relative water content, at
     /// least 0. Default (`None`): that of half of the root segment.
     pub conductance: Option<f64>,
-    /// h: the part of the capacity at which uptake has fallen by half, above 0. Default 0.1.
+    /// h: the fraction of the capacity at which uptake has halved, above 0. Default 0.1.
     pub half: f64,
 }
 
 impl Soil {
-    /// Creates wet soil that holds `capacity` kg of water.
+    /// Creates wet soil with this capacity in kg.
     pub fn new(capacity: f64) -> Self {
         Self { capacity, content: capacity, conductance: None, half: 0.1 }
     }
@@ -43,11 +43,12 @@ impl Soil {
         if self.content <= self.capacity {
             return Ok(());
         }
-        let why = format!("{} kg, where at most {} kg fit", self.content, self.capacity);
+        let why = format!("must be at most {} kg, is {} kg", self.capacity, self.content);
         Err(Error::Argument { what: "content of the soil", why })
     }
 
-    /// Returns a, for a content in kg; below 0, where only rounding leads, its tangent at 0.
+    /// Returns a for a content in kg; below 0, which only rounding reaches, returns the tangent
+    /// at 0.
     pub(super) fn supply(&self, content: f64) -> f64 {
         let x = content / self.capacity;
         if x > 0.0 {
@@ -57,7 +58,7 @@ impl Soil {
         }
     }
 
-    /// Returns the derivative of a by the content, in 1 / kg.
+    /// Returns the derivative of a with respect to the content, in 1 / kg.
     pub(super) fn supply_slope(&self, content: f64) -> f64 {
         let x = (content / self.capacity).max(0.0);
         (1.0 + self.half) * self.half / (self.half + x).powi(2) / self.capacity
@@ -70,30 +71,30 @@ builder! { setters only Soil {
     half: f64,
 }}
 
-/// An amount of water that is poured on the soil at a time.
+/// A single watering of the soil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rewatering {
-    /// When, in seconds from time 0.
+    /// Time in seconds from time 0.
     pub seconds: f64,
-    /// How much, in kg, at least 0; what the soil can't hold drains. `None`: as much as it holds.
+    /// Amount in kg, at least 0; the excess over the capacity drains. `None` fills the soil.
     pub amount: Option<f64>,
 }
 
-/// The water of a plant and its soil, and where it went since time 0, in kg:
-/// `plant + soil + transpired` is what there was at time 0 plus `supplied`.
+/// The water of a plant and its soil, and its losses since time 0, in kg:
+/// `plant + soil + transpired` equals the water at time 0 plus `supplied`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Balance {
-    /// In the plant.
+    /// Water in the plant.
     pub plant: f64,
-    /// In the soil; 0 without.
+    /// Water in the soil; 0 without soil.
     pub soil: f64,
-    /// What leaves have lost.
+    /// Water that leaves have lost.
     pub transpired: f64,
-    /// What came from outside: rewatering that the soil could hold, and the
+    /// Water from outside: rewatering that the soil could hold, and the
     /// [intake](super::WaterOptions::intake) of the root.
     pub supplied: f64,
-    /// What was poured on the soil, but drained.
+    /// Water that was poured on the soil, but drained.
     pub drained: f64,
 }
 

@@ -4,12 +4,12 @@ use super::water::{WaterModel, at_least_zero};
 use crate::base::{Result, zeros};
 use crate::dense::{self, SymmetricEigen, symmetric_eigen};
 
-/// The solution by eigenvalues (thesis, equations 4.6 and 4.7), of the symmetric matrix
-/// `D^(-1/2) S D^(1/2)`: real numbers, orthonormal vectors, no inverse.
+/// The solution by eigenvalues (thesis, equations 4.6 and 4.7) of the symmetric matrix
+/// `D^(-1/2) S D^(1/2)`, with real numbers and orthonormal vectors, and without an inverse.
 ///
-/// O(n^3) once and O(n^2) per time: for small plants, and for looking at the modes. Dense
-/// eigenvalues are right up to rounding of the largest one, so slow rates of a stiff plant have few
-/// right digits; [`WaterModel::water_after`] has no such limit.
+/// It costs O(n^3) once and O(n^2) for each time, for small plants and for the analysis of modes.
+/// The error of dense eigenvalues is the rounding error of the largest one, so slow rates of a
+/// stiff plant have few correct digits; [`WaterModel::water_after`] has no such limit.
 ///
 /// ```
 /// use catamaran::Par;
@@ -51,7 +51,7 @@ impl SpectralSolution {
             }
         }
         let SymmetricEigen { values, vectors } = symmetric_eigen(matrix.as_ref())?;
-        // Below zero is rounding.
+        // Rates below zero are rounding errors.
         let rates = values.into_iter().map(|x| x.max(0.0)).collect();
         Ok(Self { model: model.clone(), rates, modes: vectors })
     }
@@ -61,10 +61,10 @@ impl SpectralSolution {
         &self.rates
     }
 
-    /// Computes the water of every node as [`WaterModel::water_after`] does.
+    /// Computes the water of every node, as [`WaterModel::water_after`] does.
     ///
     /// # Errors
-    /// As those of [`WaterModel::water_after`].
+    /// As [`WaterModel::water_after`].
     pub fn water_after(&self, water: &[f64], seconds: f64) -> Result<Vec<f64>> {
         at_least_zero("seconds", seconds)?;
         let mut relative = self.model.relative_by_positions(water)?;
@@ -75,7 +75,7 @@ impl SpectralSolution {
         for (j, &rate) in self.rates.iter().enumerate() {
             let mode = self.modes.col(j);
             let part: f64 = (0..n).map(|k| mode[k] * relative[k] * roots[k]).sum();
-            // What the root takes in, worn off since then.
+            // The water that the root took in, decayed since then.
             let z = rate * seconds;
             let worn = if z == 0.0 { seconds } else { -(-z).exp_m1() / rate };
             let intake = self.model.intake / roots[root] * mode[root] * worn;

@@ -1,15 +1,14 @@
 use super::water::at_least_zero;
 use crate::base::{Error, Result, builder};
 
-/// Stomata that close as the leaf dries: a leaf of relative water content w loses
-/// `delta A f(w) w` instead of `delta A w`, with the logistic function
+/// Stomata that close as the leaf dries. A leaf of relative water content w loses `delta A f(w) w`
+/// instead of `delta A w`, with the logistic function
 ///
 /// `f(w) = (1 + exp(s (x - 1))) / (1 + exp(s (x - w)))`,
 ///
-/// which is 1 for full cells. That stomata answer to several stimuli by one factor each is
-/// Jarvis' (1976); this form of the factor of water is that of Tuzet, Perrier and Leuning (2003),
-/// of the water potential, which is linear in w here. The thesis leaves it for future work
-/// (section 4.6).
+/// which is 1 for full cells. One factor for each stimulus of stomata goes back to Jarvis (1976).
+/// This factor is that of Tuzet, Perrier and Leuning (2003) for the water potential, which is
+/// linear in w here. The thesis leaves stomata for future work (section 4.6).
 ///
 /// ```
 /// use catamaran::plant::Stomata;
@@ -21,9 +20,9 @@ use crate::base::{Error, Result, builder};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Stomata {
-    /// x, the relative water content at which they are about half closed. Default 0.8.
+    /// x, the relative water content at which stomata are about half closed. Default 0.8.
     pub half: f64,
-    /// s, how steeply they close, at least 0; with 0 they stay open. Default 25.
+    /// s, the steepness of the closing, at least 0; with 0 they stay open. Default 25.
     pub steepness: f64,
 }
 
@@ -39,8 +38,8 @@ builder! { Stomata {
 }}
 
 impl Stomata {
-    /// Returns f: the water that a leaf of this relative water content loses, as a part of what it
-    /// would lose with open stomata.
+    /// Returns f: the loss of a leaf of this relative water content relative to its loss with open
+    /// stomata.
     pub fn openness(&self, relative: f64) -> f64 {
         self.scale() * logistic(self.steepness * (relative - self.half))
     }
@@ -60,7 +59,7 @@ impl Stomata {
         if self.half.is_finite() && self.scale().is_finite() {
             return Ok(());
         }
-        let why = format!("half {}, steepness {}", self.half, self.steepness);
+        let why = format!("half {} and steepness {} are out of range", self.half, self.steepness);
         Err(Error::Argument { what: "stomata", why })
     }
 }

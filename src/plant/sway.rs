@@ -15,13 +15,13 @@ use crate::base::{Error, Par, Progress, Result, builder};
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct SwayOptions<'a> {
-    /// How long the plant dries, in seconds. Default 0.
+    /// Duration of the drought, in seconds. Default 0.
     pub drought: f64,
-    /// How long the film of it is, in seconds. Default 10.
+    /// Duration of the motion, in seconds. Default 10.
     pub seconds: f64,
-    /// Frames after the first, at equal times, at least 1. Default 240.
+    /// Number of frames after the first, at equal times, at least 1. Default 240.
     pub frames: usize,
-    /// Stiffness from water, one for all segments or by classes; default that of
+    /// The law from water to stiffness, one for all segments or by classes; default that of
     /// [`Elasticity`](super::Elasticity).
     pub elasticity: Tissue,
     /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
@@ -32,14 +32,14 @@ pub struct SwayOptions<'a> {
     pub soil: Option<Soil>,
     /// As [`CurveOptions::rewatering`].
     pub rewatering: Vec<Rewatering>,
-    /// The rods' options. The step is the longest: it is shortened so that frames are at its
-    /// multiples.
+    /// The options of the motion. Steps are shortened, if needed, so that frames are at multiples
+    /// of them.
     pub motion: MotionOptions,
-    /// The air; default none.
+    /// The wind; by default there is no air.
     pub wind: Option<Wind>,
     /// Threads of the water; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -77,39 +77,40 @@ builder! { SwayOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// The result of [`sway`]: a plant in motion, frame by frame, the first one at rest.
+/// The result of [`sway`]: a plant in motion, frame by frame. In the first frame it is at rest.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Sway {
-    /// Of every node, in kg.
+    /// Water of every node, in kg.
     pub water: Vec<Vec<f64>>,
-    /// Where the water is and where it went, of plant and soil.
+    /// Balance of the water of plant and soil.
     pub balance: Vec<Balance>,
     /// The modulus of elasticity of every segment, in Pa.
     pub moduli: Vec<Vec<f64>>,
-    /// In motion.
+    /// The poses in motion.
     pub poses: Vec<Pose>,
-    /// Steps between frames, and their length in seconds.
+    /// Number of steps between frames.
     pub steps: usize,
-    /// In seconds.
+    /// Length of a step in seconds.
     pub step: f64,
-    /// The largest gap between a segment and what it grows on, in metres.
+    /// The largest gap between a segment and its parent, in metres.
     pub largest_gap: f64,
-    /// The time that went into water and the stiffness that follows from it, in all steps.
+    /// Time for the computation of water and stiffness, in all steps.
     pub water_time: Duration,
-    /// The time that went into rods.
+    /// Time for the computation of the rods.
     pub rods_time: Duration,
 }
 
 impl Sway {
-    /// Returns the share of the water in the time of a step (thesis, figure 4.11: about 0.01).
+    /// Returns the share of the water in the computing time of a step (thesis, figure 4.11: about
+    /// 0.01).
     pub fn water_share(&self) -> f64 {
         let water = self.water_time.as_secs_f64();
         water / (water + self.rods_time.as_secs_f64()).max(f64::MIN_POSITIVE)
     }
 }
 
-/// How the water goes, in steps of `lapse` seconds.
+/// Returns the options of the water, in steps of `lapse` seconds.
 fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
     let is_linear = options.stomata.is_none() && options.soil.is_none();
     let method = match is_linear {
@@ -126,11 +127,11 @@ fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
         .par(options.par)
 }
 
-/// Simulates a plant that dries, wilts and moves, as in a film in time lapse: `options.drought`
-/// seconds of water pass in `options.seconds` of motion. In every step [`Bdf6`](super::Bdf6) (with
-/// stomata or soil as [`Method::Auto`] says) advances the water, the stiffness and the weight
-/// follow from it (thesis, section 4.5.4), and [`Motion`] advances the rods in the wind of the
-/// moment. The plant begins with full cells and at rest, or, between pins, in the pose of
+/// Simulates a plant that dries, wilts and moves, as in a time-lapse film: `options.drought`
+/// seconds of water pass in `options.seconds` of motion. In every step, [`Bdf6`](super::Bdf6) (with
+/// stomata or soil, the method of [`Method::Auto`]) advances the water, the stiffness and the
+/// weight are computed from it (thesis, section 4.5.4), and [`Motion`] advances the rods in the
+/// current wind. The plant begins with full cells and at rest, or, between pins, in the pose of
 /// [`Rods::relax`].
 ///
 /// ```
@@ -150,7 +151,7 @@ fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names the option that is out of its range; those of [`WaterModel`],
+/// [`Error::Argument`] names an option out of its range; those of [`WaterModel`],
 /// [`Tissue::moduli`], [`Rods::relax`] and [`Motion::step`]; [`Error::Cancelled`],
 /// [`Error::OutOfMemory`].
 pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Result<Sway> {
@@ -158,13 +159,10 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
     positive("seconds", options.seconds)?;
     positive("step", options.motion.step)?;
     if options.frames == 0 {
-        return Err(Error::Argument {
-            what: "frames",
-            why: "0, where at least 1 is needed".into(),
-        });
+        return Err(Error::Argument { what: "frames", why: "must be at least 1, is 0".into() });
     }
     let frame = options.seconds / options.frames as f64;
-    // A step that fits but for rounding fits.
+    // A step that exceeds the interval by rounding only counts as fitting.
     let steps = (frame / options.motion.step - 1e-9).ceil().max(1.0);
     let step = frame / steps;
     let steps = steps as usize;
@@ -181,7 +179,7 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
     rods.set_state(&moduli, &water)?;
     let mut pose = rods.rest_pose();
     match settle(&rods, &mut pose, Progress::none()) {
-        // What is pulled straight between pins comes to rest slowly: the motion goes on from there.
+        // A plant that pins stretch comes to rest slowly; the motion continues from there.
         Ok(_) | Err(Error::NotConverged { .. }) => {}
         Err(error) => return Err(error),
     }

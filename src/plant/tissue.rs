@@ -11,7 +11,7 @@ use crate::base::{Error, Result};
 /// ```
 /// use catamaran::plant::{Elasticity, Part, Tissue, families};
 ///
-/// let plant = families::chain(3, 0.3, 1e-3)?; // the last segment is a leaf's
+/// let plant = families::chain(3, 0.3, 1e-3)?; // the last segment is on a leaf
 /// let of = |steepness| Elasticity::Relative { dry: 3e5, full: 5e7, steepness, shift: 0.75 };
 /// let tissue = Tissue::by_part(&plant, of(20.0), &[(Part::Leaf, of(5.0))]);
 /// let moduli = tissue.moduli(&[0.5; 3], &[1.0; 3])?;
@@ -20,14 +20,14 @@ use crate::base::{Error, Result};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tissue {
-    /// At least one.
+    /// The elasticity of each class, at least one.
     classes: Vec<Elasticity>,
-    /// The class of each segment; empty: the first one of all.
+    /// The class of each segment; empty if all belong to the first one.
     members: Vec<u32>,
 }
 
 impl From<Elasticity> for Tissue {
-    /// The same elasticity everywhere.
+    /// Returns a tissue with the same elasticity everywhere.
     fn from(elasticity: Elasticity) -> Self {
         Self { classes: vec![elasticity], members: vec![] }
     }
@@ -44,20 +44,21 @@ impl Tissue {
     /// the class of each segment.
     ///
     /// # Errors
-    /// [`Error::Argument`] for no class, or names the segment whose class is not there.
+    /// [`Error::Argument`] for no class, or when the class of a segment does not exist.
     pub fn new(classes: Vec<Elasticity>, members: Vec<u32>) -> Result<Self> {
         if classes.is_empty() {
-            return Err(Error::Argument { what: "classes", why: "none of them".into() });
+            return Err(Error::Argument { what: "classes", why: "must not be empty".into() });
         }
         if let Some(v) = members.iter().position(|&class| class as usize >= classes.len()) {
-            let why = format!("segment {v}: class {} of {}", members[v], classes.len());
+            let (class, count) = (members[v], classes.len());
+            let why = format!("segment {v}: class {class} is out of range: {count} classes");
             return Err(Error::Argument { what: "classes", why });
         }
         Ok(Self { classes, members })
     }
 
-    /// Creates classes by the part of the plant ([`Plant::parts`]): class 0 is that of all parts
-    /// that are not named, class i that of `named[i - 1]`.
+    /// Creates classes by the part of the plant ([`Plant::parts`]): class 0 holds all parts that
+    /// are not named, class i the part `named[i - 1]`.
     pub fn by_part(plant: &Plant, others: Elasticity, named: &[(Part, Elasticity)]) -> Self {
         let class = |part: Part| named.iter().position(|(p, _)| *p == part).map_or(0, |i| i + 1);
         let members = plant.parts().into_iter().map(|part| class(part) as u32).collect();
@@ -65,8 +66,8 @@ impl Tissue {
         Self { classes, members }
     }
 
-    /// Creates classes by radius: class 0 is that of segments thinner than all of `thicker`, class
-    /// i that of segments whose radius is at least `thicker[i - 1].0` metres.
+    /// Creates classes by radius: class 0 holds segments thinner than all of `thicker`, class i
+    /// segments whose radius is at least `thicker[i - 1].0` metres.
     ///
     /// ```
     /// use catamaran::plant::{Elasticity, Tissue, families};
@@ -79,7 +80,7 @@ impl Tissue {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] unless radii are positive and ascend.
+    /// [`Error::Argument`] unless the radii are positive and ascend.
     pub fn by_radius(
         plant: &Plant,
         thinnest: Elasticity,
@@ -88,7 +89,7 @@ impl Tissue {
         for (i, &(radius, _)) in thicker.iter().enumerate() {
             positive("radius of a class", radius)?;
             if i > 0 && radius <= thicker[i - 1].0 {
-                let why = format!("{radius} m after {} m: they must ascend", thicker[i - 1].0);
+                let why = format!("must ascend, but {radius} m follows {} m", thicker[i - 1].0);
                 return Err(Error::Argument { what: "radius of a class", why });
             }
         }
@@ -112,7 +113,7 @@ impl Tissue {
     /// in kg.
     ///
     /// # Errors
-    /// As those of [`Elasticity::moduli`]; [`Error::Shape`] for classes of another plant.
+    /// As [`Elasticity::moduli`]; [`Error::Shape`] for classes of another plant.
     pub fn moduli(&self, water: &[f64], full: &[f64]) -> Result<Vec<f64>> {
         self.classes.iter().try_for_each(Elasticity::check)?;
         Error::check_shape("water", (full.len(), 1), (water.len(), 1))?;
@@ -184,8 +185,8 @@ mod tests {
         let says = |result: Result<Tissue>, part: &str| {
             assert!(result.unwrap_err().to_string().contains(part));
         };
-        says(Tissue::new(vec![], vec![]), "none");
-        says(Tissue::new(vec![of(1.0)], vec![0, 1]), "segment 1: class 1 of 1");
+        says(Tissue::new(vec![], vec![]), "must not be empty");
+        says(Tissue::new(vec![of(1.0)], vec![0, 1]), "segment 1: class 1 is out of");
         let steps = [(2e-3, of(1.0)), (1e-3, of(1.0))];
         says(Tissue::by_radius(&plant, of(1.0), &steps), "ascend");
         says(Tissue::by_radius(&plant, of(1.0), &[(0.0, of(1.0))]), "radius");

@@ -5,9 +5,9 @@ use crate::base::{Error, Result, reserved};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{cross, sub, unit};
 
-/// Returns a plant as a mesh of tubes: a frustum of `sides` >= 3 flat sides for each segment, from
-/// the radius of its parent to its own, each at least `thinnest` metres. Segment v has the vertices
-/// `2 sides v .. 2 sides (v + 1)`.
+/// Returns a plant as a mesh of tubes: for each segment a frustum of `sides` >= 3 flat sides, from
+/// the radius of its parent to its own, where each radius is at least `thinnest` metres. Segment v
+/// has the vertices `2 sides v .. 2 sides (v + 1)`.
 ///
 /// ```
 /// use catamaran::plant::{RodOptions, Rods, families, tubes};
@@ -28,21 +28,20 @@ pub fn tubes(plant: &Plant, pose: &Pose, sides: usize, thinnest: f64) -> Result<
     Error::check_shape("pose", (n, 3), (pose.tails.len(), 3))?;
     Error::check_shape("pose", (n, 3), (pose.heads.len(), 3))?;
     if sides < 3 || !(thinnest >= 0.0 && thinnest.is_finite()) {
-        let why =
-            format!("{sides} sides of at least {thinnest} m, where 3 sides and 0 m are the least");
+        let why = format!("must have at least 3 sides and 0 m, has {sides} and {thinnest} m");
         return Err(Error::Argument { what: "tubes", why });
     }
     let count = n.saturating_mul(sides).saturating_mul(2);
     let mut vertices: Vec<[f64; 3]> = reserved(count)?;
     let mut faces: Vec<[u32; 3]> = reserved(count)?;
     if count > u32::MAX as usize / 3 {
-        let why = format!("{count} vertices, more than can be numbered");
+        let why = format!("would have {count} vertices, more than indices can number");
         return Err(Error::Argument { what: "tubes", why });
     }
     for v in 0..n {
         let radius = plant.segments()[v].radius;
         let above = plant.parent(v).map_or(radius, |p| plant.segments()[p].radius);
-        // A branch is not as thick as the stem it leaves.
+        // A branch does not start with the thickness of its stem.
         let first_radius = above.min(1.5 * radius).max(thinnest);
         let along = unit(sub(pose.tails[v], pose.heads[v]));
         let (across, third) = frame(along);
@@ -66,7 +65,7 @@ pub fn tubes(plant: &Plant, pose: &Pose, sides: usize, thinnest: f64) -> Result<
     TriMesh::new(vertices, faces)
 }
 
-/// Two unit vectors at right angles to a third and to each other.
+/// Returns two unit vectors orthogonal to a third one and to each other.
 fn frame(along: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let least = (0..3).min_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
     let mut axis = [0.0; 3];

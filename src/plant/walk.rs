@@ -1,4 +1,4 @@
-//! A solution that goes on from time to time, through changes of the weather and rewatering.
+//! A solution that advances through times, changes of the loss, and rewatering.
 
 use super::bdf::{Bdf6, Start};
 use super::curve::{CurveOptions, Interval, Method};
@@ -9,14 +9,16 @@ use super::spectral::SpectralSolution;
 use super::water::{WaterModel, at_least_zero, positive};
 use crate::base::{Error, Par, Result};
 
-/// What [`Method::Auto`] stands for.
+/// Returns the method that [`Method::Auto`] stands for.
 fn choose(model: &WaterModel, times: &[f64], cycle: &[Interval]) -> Method {
-    /// Steps that resolve the fastest rate this often are accurate to 0.14 / 64^6 = 2e-12.
+    /// Least number of steps per time constant of the fastest rate; their error is 0.14 / 64^6 =
+    /// 2e-12.
     const RESOLUTION: f64 = 64.0;
-    /// Eigenvalues are off by rounding of the largest one; so is, times the time, the result.
+    /// Largest time relative to the fastest rate: the error of eigenvalues is the rounding error of
+    /// the largest one, and the result multiplies it by the time.
     const LARGEST_EXPONENT: f64 = 1e3;
-    /// A decomposition costs about n^3 / 10^9 s, an evaluation of the rational approximation n /
-    /// 10^6 s.
+    /// Largest plant for a decomposition, which costs about n^3 / 10^9 s; an evaluation of the
+    /// rational approximation costs n / 10^6 s.
     const LARGEST_MATRIX: usize = 256;
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
         return Method::Rational;
@@ -46,11 +48,11 @@ enum Solver {
     Sdirk(Box<Sdirk>),
 }
 
-/// A solution that has come to some time.
+/// A solution that has reached some time.
 pub(super) struct Walk<'a> {
     model: WaterModel,
     cycle: &'a [Interval],
-    /// The interval at hand, and when it ends.
+    /// The current interval, and its end.
     interval: usize,
     end: f64,
     solver: Option<Solver>,
@@ -61,9 +63,9 @@ pub(super) struct Walk<'a> {
     initial: f64,
     /// The capacity of the soil, in kg.
     capacity: f64,
-    /// What is still to be poured, the next one last.
+    /// Rewaterings that are still to come, the next one last.
     rewatering: Vec<Rewatering>,
-    /// Poured on the soil: what it held, and what drained, in kg.
+    /// Water poured on the soil: the part that it held, and the part that drained, in kg.
     held: f64,
     drained: f64,
     time: f64,
@@ -71,7 +73,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Starts from `water` at time 0; [`Method::Auto`] is chosen for these times.
+    /// Starts from `water` at time 0; [`Method::Auto`] is resolved for these times.
     pub fn new(
         model: &WaterModel,
         water: &[f64],
@@ -101,7 +103,7 @@ impl<'a> Walk<'a> {
             let sdirk = Sdirk::new(&model, responses, present.clone(), options.par)?;
             solver = Some(Solver::Sdirk(Box::new(sdirk)));
         } else {
-            let why = format!("{method:?} is of linear problems, and stomata or soil make none");
+            let why = format!("{method:?} is for linear problems, not for stomata or soil");
             return Err(Error::Argument { what: "method", why });
         }
         let soil = options.soil;
@@ -123,7 +125,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Computes the water at a later time, after what is poured then.
+    /// Computes the water at a later time, after the rewatering at that time.
     pub fn to(&mut self, time: f64) -> Result<Vec<f64>> {
         loop {
             match self.rewatering.last().copied() {
@@ -143,7 +145,7 @@ impl<'a> Walk<'a> {
         Ok(self.model.water_by_nodes(&self.present))
     }
 
-    /// Returns the balance: where all water is, and where it went.
+    /// Returns the balance of the water.
     pub fn balance(&self) -> Balance {
         let plant = self.present.iter().zip(&self.model.full).map(|(w, m)| w * m).sum();
         let supplied = self.held + self.model.intake * self.time;
@@ -240,25 +242,25 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The fewest equal steps of at most `longest`, and their length.
+/// Returns the least number of equal steps of at most `longest`, and their length.
 fn equal_steps(seconds: f64, longest: f64) -> (usize, f64) {
-    // A step that fits but for rounding fits.
+    // A step that exceeds the limit by rounding only counts as fitting.
     let count = (seconds / longest - 1e-9).ceil().max(1.0);
     (count as usize, seconds / count)
 }
 
-/// What is to be poured, the last one first.
+/// Returns the rewaterings, the last one first.
 fn rewatering(options: &CurveOptions<'_>) -> Result<Vec<Rewatering>> {
     for pour in &options.rewatering {
         at_least_zero("time of rewatering", pour.seconds)?;
         at_least_zero("amount of rewatering", pour.amount.unwrap_or(0.0))?;
     }
     if options.soil.is_none() && !options.rewatering.is_empty() {
-        let why = "there is no soil to water".into();
+        let why = "requires a soil".into();
         return Err(Error::Argument { what: "rewatering", why });
     }
     let mut rewatering = options.rewatering.clone();
-    // Of the same time, the first one first.
+    // Rewaterings at the same time keep their order.
     rewatering.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     rewatering.reverse();
     Ok(rewatering)

@@ -5,17 +5,18 @@ use super::Plant;
 use super::elimination::{Factor, Order};
 use crate::base::{Error, Par, Result, builder, zeros};
 
-/// The law by which segments conduct water along themselves.
+/// The law of the conductance of segments along their axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Conductivity {
-    /// That of a pipe as wide as the segment (Hagen and Poiseuille), times `scale`, a number that
-    /// is calibrated: vessels are much thinner than the stem, and with 1 every plant behaves as one
-    /// bucket.
+    /// The conductance of a pipe as wide as the segment (Hagen and Poiseuille), times the
+    /// calibrated factor `scale`: vessels are much thinner than the stem, and with a factor of 1
+    /// every plant behaves like a single reservoir.
     Pipe {
-        /// Times the conductance of the full lumen.
+        /// Factor of the conductance of the full lumen.
         scale: f64,
     },
-    /// `a D^b` in kg m / (s Pa), D the diameter in metres: measured laws of hydraulic conductivity.
+    /// `a D^b` in kg m / (s Pa), where D is the diameter in metres: a measured law of hydraulic
+    /// conductivity.
     Power {
         /// The factor, above 0.
         a: f64,
@@ -28,11 +29,11 @@ pub enum Conductivity {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct WaterOptions {
-    /// What a square metre of leaf loses when its cells are full, in kg / (s m^2), at least 0. 15
-    /// to 250 g / (h m^2) by day and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]).
-    /// Default 60 g / (h m^2).
+    /// Loss of a square metre of leaf with full cells, in kg / (s m^2), at least 0. Typical losses
+    /// are 15 to 250 g / (h m^2) by day and 1 to 20 by night (thesis, section 4.3.1;
+    /// [`grams_per_hour`]). Default 60 g / (h m^2).
     pub loss: f64,
-    /// Default [`Conductivity::Pipe`] with scale 1e-9.
+    /// The conductance of segments; default [`Conductivity::Pipe`] with scale 1e-9.
     pub conductivity: Conductivity,
     /// The pressure in full cells, in Pa: `P = modulus * theta / theta_full`. Default 1 MPa.
     pub modulus: f64,
@@ -40,7 +41,7 @@ pub struct WaterOptions {
     pub viscosity: f64,
     /// Water in a cubic metre of full tissue, in kg. Default 1000.
     pub density: f64,
-    /// What the root takes from the soil, in kg / s. Default 0: drought.
+    /// Intake of the root from the soil, in kg / s. Default 0: drought.
     pub intake: f64,
 }
 
@@ -66,7 +67,7 @@ builder! { WaterOptions {
     intake: f64,
 }}
 
-/// Returns a loss in g / (h m^2) in kg / (s m^2).
+/// Converts a loss from g / (h m^2) to kg / (s m^2).
 ///
 /// ```
 /// assert_eq!(catamaran::plant::grams_per_hour(3600.0), 1e-3);
@@ -78,10 +79,10 @@ pub fn grams_per_hour(loss: f64) -> f64 {
 /// The water in a plant: `d theta / dt = S theta + s` with `S = -(L D^-1 + D_l)` (thesis, equation
 /// 4.3; corrections in docs/algorithms/plant.md).
 ///
-/// theta is the water of every node in kg; D the diagonal of `theta_full / modulus` in kg / Pa; L
-/// the Laplacian of the tree with the conductances of its edges, in kg / (s Pa); D_l the losses in
-/// 1 / s; s what the root takes from the soil. S is similar to a symmetric negative semi-definite
-/// matrix. Models share nothing that changes.
+/// theta is the water of every node in kg; D is the diagonal matrix of `theta_full / modulus` in kg
+/// / Pa; L is the Laplacian of the tree with the conductances of its edges, in kg / (s Pa); D_l are
+/// the losses in 1 / s; s is the intake of the root. S is similar to a symmetric negative
+/// semi-definite matrix. Models share no mutable state.
 ///
 /// ```
 /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families, grams_per_hour}};
@@ -101,9 +102,9 @@ pub struct WaterModel {
     pub(super) exchange: Vec<f64>,
     /// Area of leaf, in m^2.
     areas: Arc<[f64]>,
-    /// In 1 / s.
+    /// Losses, in 1 / s.
     pub(super) losses: Vec<f64>,
-    /// In kg / s.
+    /// Intake of the root, in kg / s.
     pub(super) intake: f64,
     /// modulus times conductance of half of the root segment, in kg / s.
     pub(super) into_root: f64,
@@ -114,8 +115,8 @@ impl WaterModel {
     /// Creates the model of a plant.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the option that is out of its range; [`Error::Mesh`] a node whose
-    /// conductance or volume is 0 or infinite in numbers of 64 bits; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names an option out of its range; [`Error::Mesh`] a node whose
+    /// conductance or volume is 0 or infinite in `f64`; [`Error::OutOfMemory`].
     pub fn new(plant: &Plant, options: &WaterOptions) -> Result<Self> {
         let WaterOptions { conductivity, modulus, viscosity, density, .. } = *options;
         positive("modulus", modulus)?;
@@ -139,14 +140,17 @@ impl WaterModel {
         let mut exchange = Vec::with_capacity(plant.len());
         for v in 0..plant.len() {
             full.push(density * plant.volume(v));
-            // Two halves of segments in series.
+            // Two half segments in series.
             exchange.push(
                 plant.parent(v).map_or(0.0, |p| modulus * 2.0 / (resistance(p) + resistance(v))),
             );
             let conducts =
                 plant.parent(v).is_none() || (exchange[v] > 0.0 && exchange[v].is_finite());
             if !(full[v] > 0.0 && full[v].is_finite() && conducts) {
-                let what = format!("{} kg of water, {} kg / s to its parent", full[v], exchange[v]);
+                let what = format!(
+                    "water ({} kg) and exchange ({} kg / s) must be positive and finite",
+                    full[v], exchange[v]
+                );
                 return Err(Error::Mesh { what, element: format!("node {v}") });
             }
         }
@@ -178,8 +182,7 @@ impl WaterModel {
         self.order.by_nodes(&self.full)
     }
 
-    /// Returns the water of every node as a part of what the node holds when full, from water in
-    /// kg.
+    /// Returns the water of every node relative to its water when full, from water in kg.
     ///
     /// ```
     /// use catamaran::plant::{WaterModel, WaterOptions, families};
@@ -201,13 +204,13 @@ impl WaterModel {
         self.order.by_nodes(&self.losses)
     }
 
-    /// Returns what passes between each node and its parent at a difference of 1 of their relative
-    /// water contents, in kg / s: modulus times conductance. 0 for the root.
+    /// Returns the flow between each node and its parent at a difference of 1 of their relative
+    /// water contents, in kg / s: modulus times conductance; 0 for the root.
     pub fn exchanges(&self) -> Vec<f64> {
         self.order.by_nodes(&self.exchange)
     }
 
-    /// Sets the loss of all leaves, in kg / (s m^2), for another weather.
+    /// Sets the loss of all leaves, in kg / (s m^2), as for a change of weather.
     ///
     /// ```
     /// use catamaran::{Par, plant::{WaterModel, WaterOptions, families}};
@@ -219,7 +222,7 @@ impl WaterModel {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] if it is negative or not finite.
+    /// [`Error::Argument`] if the loss is negative or not finite.
     pub fn set_loss(&mut self, loss: f64) -> Result<()> {
         at_least_zero("loss", loss)?;
         for k in 0..self.len() {
@@ -231,7 +234,8 @@ impl WaterModel {
     /// Sets the loss of one node, in 1 / s, until the next [`WaterModel::set_loss`].
     ///
     /// # Errors
-    /// [`Error::Argument`] for a node that is not there, or a loss that is negative or not finite.
+    /// [`Error::Argument`] for a node that does not exist, or a loss that is negative or not
+    /// finite.
     pub fn set_loss_of(&mut self, node: usize, loss: f64) -> Result<()> {
         at_least_zero("loss", loss)?;
         let k = self.position(node)?;
@@ -239,21 +243,21 @@ impl WaterModel {
         Ok(())
     }
 
-    /// Sets what the root takes from the soil, in kg / s.
+    /// Sets the intake of the root from the soil, in kg / s.
     ///
     /// # Errors
-    /// [`Error::Argument`] if it is negative or not finite.
+    /// [`Error::Argument`] if the intake is negative or not finite.
     pub fn set_intake(&mut self, intake: f64) -> Result<()> {
         at_least_zero("intake", intake)?;
         self.intake = intake;
         Ok(())
     }
 
-    /// Damages the connection of a node to its parent: its conductance is multiplied by `factor`, 0
-    /// cuts it.
+    /// Damages the connection of a node to its parent: multiplies its conductance by `factor`,
+    /// where 0 cuts it.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a node that is not there or is the root, or a factor that is
+    /// [`Error::Argument`] for a node that does not exist or is the root, or a factor that is
     /// negative or not finite.
     pub fn weaken(&mut self, node: usize, factor: f64) -> Result<()> {
         at_least_zero("factor", factor)?;
@@ -281,14 +285,14 @@ impl WaterModel {
     /// ```
     ///
     /// # Errors
-    /// As those of [`WaterModel::weaken`].
+    /// As [`WaterModel::weaken`].
     pub fn cut(&mut self, node: usize) -> Result<()> {
         self.weaken(node, 0.0)
     }
 
     /// Computes the slowest rate at which water is lost, in 1 / s: the smallest eigenvalue of -S,
-    /// by inverse iteration. Every digit of it is right, as elimination does not subtract. 0 if a
-    /// part of the plant loses nothing.
+    /// by inverse iteration. All of its digits are correct, because elimination does not subtract.
+    /// The rate is 0 if a part of the plant loses nothing.
     ///
     /// ```
     /// use catamaran::{Par, plant::{SpectralSolution, WaterModel, WaterOptions, families}};
@@ -300,8 +304,7 @@ impl WaterModel {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotConverged`] when the two slowest rates are all but equal;
-    /// [`Error::OutOfMemory`].
+    /// [`Error::NotConverged`] when the two slowest rates are nearly equal; [`Error::OutOfMemory`].
     pub fn slowest_rate(&self, par: Par) -> Result<f64> {
         const ITERATIONS: usize = 500;
         let mut factor = Factor::new(&self.order)?;
@@ -337,7 +340,7 @@ impl WaterModel {
         Err(Error::NotConverged { iterations: ITERATIONS, residual: change })
     }
 
-    /// Returns a bound that no rate of the plant exceeds, in 1 / s (Gershgorin).
+    /// Returns an upper bound of the rates of the plant, in 1 / s (Gershgorin).
     pub(super) fn fastest_rate_bound(&self) -> f64 {
         let mut sums = self.exchange.clone();
         for k in 0..self.len() {
@@ -349,7 +352,7 @@ impl WaterModel {
         (0..self.len()).map(rate).fold(0.0, f64::max)
     }
 
-    /// Returns the loss of a full plant as a part of its water, in 1 / s.
+    /// Returns the loss of a full plant relative to its water, in 1 / s.
     pub(super) fn mean_loss(&self) -> f64 {
         let lost: f64 = (0..self.len()).map(|k| self.losses[k] * self.full[k]).sum();
         lost / self.full.iter().sum::<f64>()
@@ -366,7 +369,7 @@ impl WaterModel {
         Ok(relative)
     }
 
-    /// Returns the water of nodes, in kg.
+    /// Converts relative water content by positions to the water of nodes, in kg.
     pub(super) fn water_by_nodes(&self, relative: &[f64]) -> Vec<f64> {
         let water: Vec<f64> = relative.iter().zip(&self.full).map(|(x, full)| x * full).collect();
         self.order.by_nodes(&water)
@@ -381,7 +384,7 @@ impl WaterModel {
         if node < self.len() {
             return Ok(self.order.position(node));
         }
-        let why = format!("node {node} of {} (numbered from 0)", self.len());
+        let why = format!("node {node} is out of range: {} nodes, numbered from 0", self.len());
         Err(Error::Argument { what: "node", why })
     }
 }
@@ -391,7 +394,7 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
+    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
 }
 
 /// Returns an error unless `value` is finite and at least 0.
@@ -399,5 +402,5 @@ pub(super) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     if value >= 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Argument { what, why: format!("{value}, where a number from 0 is needed") })
+    Err(Error::Argument { what, why: format!("must be finite and at least 0, is {value}") })
 }

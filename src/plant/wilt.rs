@@ -7,17 +7,18 @@ use super::tissue::Tissue;
 use super::water::WaterModel;
 use crate::base::{Error, Par, Progress, Result, builder};
 
-/// A torque out of balance, as a part of the largest torque of a weight, that no picture shows.
+/// Torque out of balance, relative to the largest torque of a weight, below which the error of a
+/// pose is invisible.
 const SEEN: f64 = 1e-4;
 
-/// The share of the time that goes into water, not poses.
+/// Share of the progress that the water takes; the rest is for poses.
 const WATER_SHARE: f64 = 0.2;
 
 /// Options of [`wilt`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct WiltOptions<'a> {
-    /// Stiffness from water, one for all segments or by classes; default that of
+    /// The law from water to stiffness, one for all segments or by classes; default that of
     /// [`Elasticity`](super::Elasticity).
     pub elasticity: Tissue,
     /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
@@ -30,7 +31,7 @@ pub struct WiltOptions<'a> {
     pub rewatering: Vec<Rewatering>,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -58,25 +59,25 @@ builder! { WiltOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// The result of [`wilt`], time by time.
+/// The result of [`wilt`], with an entry for each time.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Wilting {
-    /// Of every node, in kg.
+    /// Water of every node, in kg.
     pub water: Vec<Vec<f64>>,
-    /// Where the water is and where it went, of plant and soil.
+    /// Balance of the water of plant and soil.
     pub balance: Vec<Balance>,
     /// The modulus of elasticity of every segment, in Pa.
     pub moduli: Vec<Vec<f64>>,
-    /// At rest, in the weight and with the stiffness of each time.
+    /// The pose at rest, with the weight and the stiffness at each time.
     pub poses: Vec<Pose>,
-    /// The most Newton iterations that a pose took.
+    /// The largest number of Newton iterations of a pose.
     pub iterations: usize,
 }
 
-/// Lets a plant wilt, from full cells at time 0 on: computes its water at each of `times` (seconds,
-/// ascending), the stiffness that follows from the water, and the pose in which the plant then
-/// rests, each found from the previous one.
+/// Simulates how a plant wilts, from full cells at time 0: computes its water at each of `times`
+/// (seconds, ascending), the resulting stiffness, and the pose at rest, which is found from the
+/// previous pose.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
@@ -91,14 +92,13 @@ pub struct Wilting {
 /// let weather = WiltOptions::new().cycle(Interval::day_and_night(options.loss));
 /// let found = wilt(&model, &rods, &days, &weather)?;
 /// let height = |i: usize| found.poses[i].tails.iter().map(|tail| tail[2]).sum::<f64>();
-/// assert!(height(4) < 0.8 * height(0)); // it hangs its head
+/// assert!(height(4) < 0.8 * height(0)); // the top hangs down
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// As those of [`water_course`], [`Tissue::moduli`] and [`Rods::relax`], but for a pose that comes
-/// so near to balance that no picture shows it: what is pulled straight between pins comes there
-/// slowly.
+/// As [`water_course`], [`Tissue::moduli`] and [`Rods::relax`], except that a pose whose error is
+/// invisible is accepted: a plant that pins stretch converges slowly to balance.
 pub fn wilt(
     model: &WaterModel,
     rods: &Rods,
@@ -131,7 +131,7 @@ pub fn wilt(
     Ok(Wilting { water, balance, moduli, poses, iterations })
 }
 
-/// Applies [`Rods::relax`] until no picture shows the rest. Returns the Newton iterations.
+/// Applies [`Rods::relax`] until the error is invisible. Returns the number of Newton iterations.
 pub(super) fn settle(rods: &Rods, pose: &mut Pose, progress: Progress<'_>) -> Result<usize> {
     match rods.relax(pose, &RelaxOptions::new().progress(progress)) {
         Ok(done) => Ok(done.iterations),

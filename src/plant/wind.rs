@@ -1,16 +1,17 @@
 use super::water::{at_least_zero, positive};
 use crate::base::{Error, Result, Rng, builder};
 
-/// A wind that is the same over the whole plant, and its gusts.
+/// A wind that is uniform over the plant, with gusts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Wind {
-    /// The mean velocity, in m / s. Default 0: still air, which damps.
+    /// The mean velocity, in m / s. Default 0: still air, which damps motion.
     pub velocity: [f64; 3],
-    /// The turbulence intensity: the standard deviation of each component of the velocity, as a
-    /// part of the mean speed. Default 0.2.
+    /// The turbulence intensity: the standard deviation of each component of the velocity, relative
+    /// to the mean speed. Default 0.2.
     pub turbulence: f64,
-    /// The time after which a gust is forgotten by a factor of e, in s. Default 1.
+    /// The correlation time of gusts: the time in which a gust decays by a factor of e, in s.
+    /// Default 1.
     pub memory: f64,
     /// Seed of the gusts. Default 0.
     pub seed: u64,
@@ -29,8 +30,8 @@ builder! { Wind {
     seed: u64,
 }}
 
-/// A wind in time: around the mean, each component is an Ornstein-Uhlenbeck process, stationary
-/// from the beginning and exact for every step.
+/// The wind as a function of time: around the mean, each component is an Ornstein-Uhlenbeck
+/// process, stationary from the beginning and exact for every step.
 ///
 /// ```
 /// use catamaran::plant::{Gusts, Wind};
@@ -43,7 +44,7 @@ builder! { Wind {
 pub struct Gusts {
     wind: Wind,
     rng: Rng,
-    /// Around the mean, in standard deviations.
+    /// Deviation from the mean, in standard deviations.
     present: [f64; 3],
 }
 
@@ -51,10 +52,10 @@ impl Gusts {
     /// Creates the wind at time 0.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the option that is out of its range.
+    /// [`Error::Argument`] names an option out of its range.
     pub fn new(wind: &Wind) -> Result<Self> {
         if wind.velocity.iter().any(|x| !x.is_finite()) {
-            let why = format!("{:?} is not finite", wind.velocity);
+            let why = format!("the velocity must be finite, is {:?}", wind.velocity);
             return Err(Error::Argument { what: "wind", why });
         }
         at_least_zero("turbulence", wind.turbulence)?;
@@ -64,7 +65,7 @@ impl Gusts {
         Ok(Self { wind: *wind, rng, present })
     }
 
-    /// Returns the velocity of the air `seconds` later than before, in m / s.
+    /// Advances by `seconds`, and returns the velocity of the air, in m / s.
     pub fn after(&mut self, seconds: f64) -> [f64; 3] {
         let kept = (-seconds / self.wind.memory).exp();
         let fresh = (1.0 - kept * kept).max(0.0).sqrt();
@@ -88,7 +89,7 @@ mod tests {
         let mean = |f: &dyn Fn(usize) -> f64| (0..count - 2).map(f).sum::<f64>() / count as f64;
         for i in 0..3 {
             let off = |k: usize| found[k][i] - wind.velocity[i];
-            // 1.5 m / s of deviation, of 20,000 memories: errors of about 0.02.
+            // A deviation of 1.5 m / s over 20,000 correlation times: errors of about 0.02.
             assert!(mean(&off).abs() < 0.05);
             assert!((mean(&|k| off(k) * off(k)).sqrt() - 1.5).abs() < 0.05);
             let kept = mean(&|k| off(k) * off(k + 2)) / 2.25;

@@ -5,26 +5,26 @@ use super::options::EigenOptions;
 use super::space::Pencil;
 use crate::base::Result;
 
-/// Columns that are looked at together.
+/// Columns that are processed together.
 const COLUMNS: usize = 8;
 
-/// Roundings of each entry of W phi that no solver can do without, in units of epsilon.
+/// Rounding errors of each entry of W phi that no solver can avoid, in units of epsilon.
 pub(crate) const ROUNDINGS: f64 = 8.0;
 
-/// How good pairs are.
+/// The accuracy of eigenpairs.
 pub(crate) struct Certificate {
-    /// Those of [`super::Eigenpairs`].
+    /// The residuals as in [`super::Eigenpairs`].
     pub residuals: Vec<f64>,
-    /// The largest of them.
+    /// The largest residual.
     pub largest: f64,
-    /// The largest of them as a part of what it may be: 1 or less is good; infinite where one is
-    /// not a number.
+    /// The largest ratio of a residual to its bound: 1 or less is good; infinite where a residual
+    /// is not a number.
     pub excess: f64,
 }
 
-/// The certificate of pairs for residuals of `options.tolerance`, or of so many `roundings` of phi,
-/// where that is more: `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and
-/// Prager 1964). `scale` is the s of [`super::Eigenpairs`].
+/// Returns the certificate of pairs. The bound of a residual is `options.tolerance`, or, where that
+/// is more, the residual of so many `roundings` of phi: with `eps | |W| |phi| |` each in place of
+/// `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of [`super::Eigenpairs`].
 pub(crate) fn certify(
     pencil: &dyn Pencil,
     values: &[f64],
@@ -76,7 +76,7 @@ pub(crate) fn certify(
     Ok(found)
 }
 
-/// `| |W| |phi| |`.
+/// Computes the norm `| |W| |phi| |`.
 fn magnitude(pencil: &dyn Pencil, phi: MatRef<'_, f64>) -> Result<f64> {
     let mut sums = Mat::zeros(phi.nrows(), 1);
     pencil.apply_magnitudes(phi, sums.as_mut())?;
@@ -85,18 +85,18 @@ fn magnitude(pencil: &dyn Pencil, phi: MatRef<'_, f64>) -> Result<f64> {
     Ok(square[(0, 0)].sqrt())
 }
 
-/// Distance of two eigenvalues, relative to them, from which on they are counted apart.
+/// Distance of two eigenvalues, relative to them, above which they can be counted apart.
 const APART: f64 = 1e-6;
 
-/// Whether two eigenvalues, the lower one first, are so far apart that a shift between them counts
-/// right.
+/// Returns whether two eigenvalues, the lower one first, are so far apart that the count of
+/// eigenvalues below a shift between them is correct.
 pub(crate) fn apart(low: f64, high: f64, scale: f64) -> bool {
     high - low > APART * (high.abs() + scale)
 }
 
-/// Whether no eigenvalue is missing among `values` (any order), between two of them that are apart,
-/// as close to both ends as possible; `from_below`: from the lower end of the spectrum on. `below`
-/// counts the eigenvalues below a shift.
+/// Returns whether no eigenvalue is missing among `values` (any order), between two of them that
+/// are apart, as close to both ends as possible; with `from_below`, from the lower end of the
+/// spectrum on. `below` counts the eigenvalues below a shift.
 pub(crate) fn count_is_complete(
     values: &[f64],
     from_below: bool,

@@ -2,10 +2,10 @@ use sprs::CsMatView;
 
 use crate::base::{Error, Result};
 
-/// Asymmetry that is still rounding, relative to the entries and to the diagonal.
+/// Asymmetry that may be rounding, relative to the entries and to the diagonal.
 const SYMMETRY: f64 = 1e-10;
 
-/// Whether the matrix is square, finite and symmetric; errors name `what` and the entry.
+/// Checks that the matrix is square, finite and symmetric; errors name `what` and the entry.
 pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) -> Result<()> {
     let n = matrix.rows();
     Error::check_shape(what, (n, n), matrix.shape())?;
@@ -29,7 +29,7 @@ pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) ->
     Ok(())
 }
 
-/// Whether entries (i, j) and (j, i) are the same but for rounding, beside these magnitudes on the
+/// Checks that entries (i, j) and (j, i) agree up to rounding, given these magnitudes on the
 /// diagonal.
 pub(crate) fn check_mirrored(
     what: &'static str,

@@ -4,9 +4,9 @@ use super::Mass;
 use super::product::row_sum;
 use crate::base::Sets;
 
-/// The null vectors of W that can be seen without arithmetic: each is 1 on one connected component
-/// of the graph of W and M, if the rows of W there sum to zero, and 0 elsewhere. As lists of rows,
-/// in the order of their first rows.
+/// Returns the null vectors of W that can be seen without arithmetic: each is 1 on one connected
+/// component of the graph of W and M, if the rows of W there sum to zero, and 0 elsewhere. They are
+/// lists of rows, in the order of their first rows.
 pub(crate) fn null_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec<Vec<usize>> {
     let n = stiffness.rows();
     let mut sets = Sets::new(n);
@@ -52,7 +52,7 @@ mod tests {
         let w = entries.to_csr::<usize>();
         let found = null_components(w.view(), &Mass::identity(7));
         assert_eq!(found, [vec![0, 4], vec![1, 2, 6], vec![3]]);
-        // A mass that joins two of them.
+        // A mass matrix that joins two of the components.
         let mut entries = TriMat::new((7, 7));
         (0..7).for_each(|i| entries.add_triplet(i, i, 1.0));
         entries.add_triplet(0, 1, 0.1);

@@ -25,8 +25,8 @@ use crate::base::{Error, Result};
 /// ```
 ///
 /// # Errors
-/// As [`eigs`](super::eigs()); [`Error::Argument`] of "value": it is not finite, or an eigenvalue
-/// as far as elimination can tell.
+/// As [`eigs`](super::eigs()); [`Error::Argument`] of "value" when it is not finite, or an
+/// eigenvalue to the precision of the elimination.
 pub fn count_below(stiffness: CsMatView<'_, f64>, mass: &Mass, value: f64) -> Result<usize> {
     check(stiffness, mass, &EigenOptions { k: 0, ..EigenOptions::default() })?;
     let refuse = |why: &str| Error::Argument { what: "value", why: format!("{value:e} {why}") };
@@ -37,9 +37,9 @@ pub fn count_below(stiffness: CsMatView<'_, f64>, mass: &Mass, value: f64) -> Re
         return Ok(0);
     }
     let pencil = WholePencil { stiffness, mass };
-    Problem::whole(&pencil)?.count_below(value).and_then(|count| {
-        count.ok_or_else(|| refuse("is an eigenvalue, as far as elimination can tell"))
-    })
+    Problem::whole(&pencil)?
+        .count_below(value)
+        .and_then(|count| count.ok_or_else(|| refuse("is an eigenvalue up to rounding")))
 }
 
 #[cfg(test)]

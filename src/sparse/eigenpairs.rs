@@ -38,8 +38,8 @@ impl Eigenpairs {
     }
 }
 
-/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is
-/// zero.
+/// Returns these pairs in ascending order. For a semi-definite matrix (`positive`), negative values
+/// are rounding errors and become zero.
 pub(crate) fn ascending(
     values: &[f64],
     vectors: MatRef<'_, f64>,

@@ -20,7 +20,7 @@ use crate::base::Result;
 /// Lewis and Simon 1994) on a sparse Cholesky factorisation of `W - sigma M`. Without a shift,
 /// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
 /// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null vectors that are constant
-/// on components of the graph of W are taken as they are, however many there are. Other eigenvalues
+/// on components of the graph of W are not iterated, however many there are. Other eigenvalues
 /// of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors
@@ -63,8 +63,8 @@ pub fn eigs(
     one_window(&problem, options)
 }
 
-/// The pairs, where there are none or the matrices are small. These, checked, are those of the
-/// pencil, with all rows.
+/// Returns the pairs where none are wanted or the matrices are small. The matrices, which have been
+/// checked, are those of the pencil, with all rows.
 pub(crate) fn without_iteration(
     pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
@@ -81,7 +81,7 @@ pub(crate) fn without_iteration(
     }
 }
 
-/// Refuses what is not a problem.
+/// Checks the matrices and the options.
 pub(crate) fn check(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -93,7 +93,7 @@ pub(crate) fn check(
     options.check(n)
 }
 
-/// All pairs at once.
+/// Computes all pairs at once.
 pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> Result<Eigenpairs> {
     let (sigma, factor) = match options.shift {
         Some(shift) => (shift, problem.any(shift)?),
@@ -110,7 +110,7 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
     Ok(pairs)
 }
 
-/// The wanted pairs of all.
+/// Computes all pairs as a dense problem, and returns the wanted ones.
 fn small(
     pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,

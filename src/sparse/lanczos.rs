@@ -10,17 +10,17 @@ use crate::dense::{
     SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product, zeros,
 };
 
-/// Columns of a block: what the solves are fast at; multiplicities up to this are found at once.
+/// Columns of a block: a fast width for solves; finds multiplicities up to this number at once.
 pub(crate) const WIDTH: usize = 8;
 
-/// Vectors of the basis, without the last block.
+/// Returns the number of vectors of the basis, without the last block.
 pub(crate) fn basis_size(k: usize) -> usize {
     (2 * k + 9 * WIDTH).next_multiple_of(WIDTH)
 }
 
-/// A Krylov space, of which each process has the rows that the pencil says: a basis V,
-/// `V^T M V = I`, of which the first `len` columns satisfy
-/// `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with the block Q of the next `WIDTH` columns.
+/// A Krylov space, of which each process has the rows given by the pencil: a basis V, `V^T M V =
+/// I`, of which the first `len` columns satisfy `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with
+/// the block Q of the next `WIDTH` columns.
 pub(crate) struct Krylov<'a> {
     pencil: &'a dyn Pencil,
     options: &'a EigenOptions<'a>,
@@ -28,7 +28,7 @@ pub(crate) struct Krylov<'a> {
     scale: f64,
     /// Typical length of M phi.
     mass_norm: f64,
-    /// V, then Q, then nothing yet.
+    /// V, then Q, then unused columns.
     basis: Mat<f64>,
     len: usize,
     /// T, and below it the coupling of Q to the columns from `coupled` on.
@@ -36,12 +36,12 @@ pub(crate) struct Krylov<'a> {
     coupled: usize,
     /// M Q.
     weighted: Mat<f64>,
-    /// Two blocks.
+    /// Two work blocks.
     work: [Mat<f64>; 2],
     rng: Rng,
     solves: usize,
     restarts: usize,
-    /// Estimated residuals have to be this much smaller than the tolerance.
+    /// Estimated residuals must be smaller than the tolerance by this factor.
     caution: f64,
     /// Eigenvalues of the first columns of the basis, the wanted ones first, once converged.
     found: Vec<f64>,
@@ -85,7 +85,7 @@ impl<'a> Krylov<'a> {
         let space = self.pencil.inner();
         let here = space.rows();
         for rows in sets.iter().take(self.options.k) {
-            // They ascend.
+            // Row numbers ascend.
             let own =
                 rows.partition_point(|&i| i < here.start)..rows.partition_point(|&i| i < here.end);
             let own = || rows[own.clone()].iter().map(|&i| i - here.start);
@@ -103,8 +103,8 @@ impl<'a> Krylov<'a> {
         self.random_restart(factor)
     }
 
-    /// Replaces Q by random directions that have been through the operator once, and couple to
-    /// nothing.
+    /// Replaces Q by random directions to which the operator has been applied once, and which
+    /// couple to nothing.
     fn random_restart(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
@@ -136,7 +136,7 @@ impl<'a> Krylov<'a> {
         self.solves += WIDTH;
         let diagonal = inner_products(self.pencil, self.weighted.as_ref(), x.as_ref(), par)?;
         self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
-        // What Q and its neighbours have of it.
+        // The components along Q and its neighbours.
         let near = self.basis.as_ref().subcols(coupled, len + WIDTH - coupled);
         let mut coefficients = Mat::zeros(near.ncols(), WIDTH);
         let (mut above, mut own) = coefficients.as_mut().split_at_row_mut(len - coupled);
@@ -161,20 +161,21 @@ impl<'a> Krylov<'a> {
     }
 
     /// Makes the first work block X orthonormal and orthogonal to the first `count` columns of the
-    /// basis, and returns B with `X before = X after B + (columns of the basis)`. What is below
-    /// rounding, of columns of the length `reference`, gives way to random directions, with zeros
-    /// in B. What is found of the block at `own` is added to T.
+    /// basis, and returns B with `X before = X after B + (columns of the basis)`. Columns that are
+    /// below rounding, for the length `reference`, are replaced by random directions, with zeros in
+    /// B. Components along the block at `own` are added to T.
     fn orthonormalise(
         &mut self,
         count: usize,
         reference: f64,
         own: Option<usize>,
     ) -> Result<Mat<f64>> {
-        /// Length, relative to the reference, of what is only rounding.
+        /// Length, relative to the reference, below which a column is only rounding.
         const ROUNDING: f64 = 1e-14;
-        /// Each pass normalises columns that are shorter than the longest by up to this.
+        /// Each pass normalises columns that are shorter than the longest by up to this factor.
         const RANGE: f64 = 1e-8;
-        /// A normalised column that projection leaves shorter than this had nothing of its own.
+        /// A normalised column that projection makes shorter than this lay in the span of the
+        /// others.
         const SHRUNK: f64 = 1e-3;
         const PASSES: usize = 12;
         let (pencil, par) = (self.pencil, self.options.par);
@@ -270,13 +271,13 @@ impl<'a> Krylov<'a> {
         }
     }
 
-    /// Eigenvalues of the pencil, of these Ritz values.
+    /// Returns the eigenvalues of the pencil for these Ritz values.
     fn eigenvalues(&self, ritz: &SymmetricEigen, order: &[usize]) -> Vec<f64> {
         order.iter().map(|&i| self.sigma + 1.0 / ritz.values[i]).collect()
     }
 
-    /// Residuals, as [`super::Eigenpairs::residuals`] defines them, without forming the vectors:
-    /// `(W - lambda M) phi = -(W - sigma M) Q B s / theta`.
+    /// Estimates residuals, as [`super::Eigenpairs::residuals`] defines them, without forming the
+    /// vectors: `(W - lambda M) phi = -(W - sigma M) Q B s / theta`.
     fn estimates(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<Vec<f64>> {
         let par = self.options.par;
         let [w, _] = &mut self.work;
@@ -299,13 +300,13 @@ impl<'a> Krylov<'a> {
         Ok(order.iter().zip(self.eigenvalues(ritz, order)).map(estimate).collect())
     }
 
-    /// B: the coupling of Q to the columns of V from `coupled` on.
+    /// Returns B: the coupling of Q to the columns of V from `coupled` on.
     fn coupling(&self) -> MatRef<'_, f64> {
         let (len, coupled) = (self.len, self.coupled);
         self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled)
     }
 
-    /// Keeps these Ritz vectors, and Q.
+    /// Keeps these Ritz vectors, and Q, and discards the rest of the basis.
     fn restart(&mut self, ritz: &SymmetricEigen, order: &[usize]) {
         let (len, keep) = (self.len, order.len());
         let turn = Mat::from_fn(len, keep, |i, j| ritz.vectors[(i, order[j])]);
@@ -360,17 +361,17 @@ impl<'a> Krylov<'a> {
         self.basis.as_ref().subcols(0, self.found.len())
     }
 
-    /// Vectors that the operator was applied to.
+    /// Returns the number of vectors that the operator was applied to.
     pub fn solves(&self) -> usize {
         self.solves
     }
 
-    /// Restarts done.
+    /// Returns the number of restarts.
     pub fn restarts(&self) -> usize {
         self.restarts
     }
 
-    /// Tells of progress, with this many pairs converged.
+    /// Reports progress, with this many pairs converged.
     fn report(&mut self, good: usize) -> Result<()> {
         let (k, size) = (self.options.k as f64, basis_size(self.options.k) as f64);
         let filled = if self.restarts == 0 { 0.4 * self.len as f64 / size } else { 0.4 };
@@ -379,7 +380,7 @@ impl<'a> Krylov<'a> {
     }
 }
 
-/// `X^T Y`, of all rows.
+/// Computes `X^T Y`, over the rows of all processes.
 fn inner_products(
     pencil: &dyn Pencil,
     x: MatRef<'_, f64>,
@@ -391,11 +392,11 @@ fn inner_products(
     Ok(products)
 }
 
-/// A random direction, of length about 1 in the inner product.
+/// Fills a column with a random direction, of length about 1 in the inner product.
 fn randomise(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, mass_norm: f64) {
     let (n, here) = (pencil.inner().dimension(), pencil.inner().rows());
     let size = 12f64.sqrt() / ((n as f64).sqrt() * mass_norm);
-    // Every process draws all entries, so that they do not depend on who has which.
+    // Every process draws all entries, so that they do not depend on the distribution of rows.
     for i in 0..n {
         let entry = (rng.uniform() - 0.5) * size;
         if here.contains(&i) {
@@ -404,7 +405,7 @@ fn randomise(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, ma
     }
 }
 
-/// Something overflowed.
+/// Returns the error for numbers that have overflowed.
 fn not_finite(iterations: usize) -> Error {
     Error::NotConverged { iterations, residual: f64::INFINITY }
 }

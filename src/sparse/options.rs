@@ -1,6 +1,6 @@
 use crate::base::{Error, Par, Progress, Result, builder};
 
-/// What [`eigs`](super::eigs()) is asked for.
+/// Options of [`eigs`](super::eigs()).
 ///
 /// ```
 /// use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
@@ -19,15 +19,14 @@ pub struct EigenOptions<'a> {
     pub k: usize,
     /// The k eigenvalues nearest to this number; `None` (default): the k smallest.
     pub shift: Option<f64>,
-    /// Residual that every pair must reach (as
-    /// [`Eigenpairs::residuals`](super::Eigenpairs::residuals) says), between 1e-14 and 1e-2;
-    /// default 1e-9. Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`:
-    /// huge weights), those are enough; and problems of few rows, which are solved as dense ones,
-    /// are solved as far as rounding lets them.
-    /// [`Eigenpairs::worst`](super::Eigenpairs::worst) tells.
+    /// Largest residual of a pair (as [`Eigenpairs::residuals`](super::Eigenpairs::residuals)
+    /// defines it), between 1e-14 and 1e-2; default 1e-9. Where a few roundings of the vector alone
+    /// exceed it (`eps | |W| |phi| |`: huge weights), residuals of that size are accepted. Problems
+    /// of few rows are solved as dense ones, as accurately as rounding allows.
+    /// [`Eigenpairs::worst`](super::Eigenpairs::worst) returns the largest residual.
     pub tolerance: f64,
-    /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester),
-    /// and goes on until none is missing; default false.
+    /// Counts the eigenvalues by the inertia of another factorisation (Sylvester), and continues
+    /// until none is missing; default false.
     pub verify_count: bool,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
@@ -35,7 +34,7 @@ pub struct EigenOptions<'a> {
     pub seed: u64,
     /// Restarts after which [`Error::NotConverged`] is returned; default 60.
     pub max_restarts: usize,
-    /// Told of progress; may cancel.
+    /// Progress callback, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -66,7 +65,7 @@ builder! { EigenOptions<'a> {
 }}
 
 impl EigenOptions<'_> {
-    /// Refuses what is out of range for a matrix of `n` rows.
+    /// Checks the options for a matrix of `n` rows.
     pub(super) fn check(&self, n: usize) -> Result<()> {
         let refuse = |what, why: String| Err(Error::Argument { what, why });
         if self.k > n {

@@ -1,8 +1,8 @@
-//! A matrix whose eigenvalues are known, for the tests of this room.
+//! A matrix whose eigenvalues are known, for the tests of this module.
 
 use sprs::{CsMat, TriMat};
 
-/// The Laplacian of a path of n vertices; its eigenvalues are `2 - 2 cos(pi i / n)`, i from 0.
+/// Returns the Laplacian of a path of n vertices, with eigenvalues `2 - 2 cos(pi i / n)`, i from 0.
 pub(super) fn path(n: usize) -> CsMat<f64> {
     let mut entries = TriMat::new((n, n));
     for i in 1..n {

@@ -10,7 +10,7 @@ use super::space::{Inverse, Pencil, Shifts, WholePencil};
 use super::{Mass, components};
 use crate::base::{Error, Result};
 
-/// W and M, and what all runs with them have in common.
+/// The matrices W and M, with the data that all runs share.
 pub(crate) struct Problem<'a> {
     pub pencil: &'a dyn Pencil,
     /// The s of [`Eigenpairs`].
@@ -44,7 +44,7 @@ impl<'a> Problem<'a> {
         Self { pencil, scale: scale(stiffness, mass), shifts, mean_mass, null }
     }
 
-    /// Bytes that a factorisation takes, and those that are there anyway.
+    /// Returns the bytes that a factorisation takes, and those that are allocated anyway.
     pub fn bytes(&self) -> usize {
         self.shifts.bytes()
     }
@@ -54,8 +54,7 @@ impl<'a> Problem<'a> {
         Ok(self.shifts.indefinite(value)?.below_zero())
     }
 
-    /// Returns [`Problem::below`], or `None` where `value` is an eigenvalue as far as elimination
-    /// can tell.
+    /// Returns [`Problem::below`], or `None` where `value` is an eigenvalue up to rounding.
     pub fn count_below(&self, value: f64) -> Result<Option<usize>> {
         let factor = self.shifts.indefinite(value)?;
         Ok(factor.is_finite().then(|| factor.below_zero()))
@@ -64,7 +63,7 @@ impl<'a> Problem<'a> {
     /// Factorises `W - sigma M` for a semi-definite W.
     pub fn positive(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         self.shifts.positive(sigma)?.ok_or_else(|| {
-            let why = "not positive semi-definite: give a shift".into();
+            let why = "not positive semi-definite, which needs a shift".into();
             Error::Argument { what: "stiffness", why }
         })
     }
@@ -78,15 +77,14 @@ impl<'a> Problem<'a> {
         }
         let factor = self.shifts.indefinite(sigma)?;
         if !factor.is_finite() {
-            let why = format!("{sigma:e} is an eigenvalue, as far as elimination can tell");
+            let why = format!("{sigma:e} is an eigenvalue up to rounding");
             return Err(Error::Argument { what: "shift", why });
         }
         Ok(factor)
     }
 
     /// Computes the `options.k` pairs nearest to sigma, given the factor for it. Continues until
-    /// `complete` says of the eigenvalues that none is missing; the factor is freed before each
-    /// such call.
+    /// `complete` returns that no eigenvalue is missing; the factor is freed before each such call.
     pub fn nearest(
         &self,
         sigma: f64,
@@ -102,8 +100,8 @@ impl<'a> Problem<'a> {
             let (values, vectors) = (krylov.values(), krylov.vectors());
             certify(self.pencil, values, vectors, self.scale, ROUNDINGS, options)
         };
-        // Each round tightens the estimate, or adds a block of directions that the earlier ones had
-        // nothing of.
+        // Each round tightens the estimate, or adds a block of directions in which the earlier ones
+        // have no component.
         let rounds = 8 + options.k / WIDTH;
         let mut kept = Some(factor);
         let mut least = f64::INFINITY;
@@ -140,7 +138,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// All rows are here.
+/// The shifts of a pencil whose rows are all on this process.
 struct WholeShifts<'a> {
     shifted: Shifted<'a>,
     symbolic: Symbolic,
@@ -161,7 +159,7 @@ impl Shifts for WholeShifts<'_> {
     }
 }
 
-/// A failure to converge reports the smallest residual that a round before it had, if that is less.
+/// Replaces the residual of an [`Error::NotConverged`] by that of an earlier round, if it is less.
 fn not_above(error: Error, least: f64) -> Error {
     match error {
         Error::NotConverged { iterations, residual } => {
@@ -171,7 +169,7 @@ fn not_above(error: Error, least: f64) -> Error {
     }
 }
 
-/// s of [`super::eigs()`].
+/// Returns the scale s of [`super::eigs()`].
 pub(crate) fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
     let n = stiffness.rows();
     let ratio = |i: usize| stiffness.get(i, i).copied().unwrap_or(0.0) / mass.diagonal(i);

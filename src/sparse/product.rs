@@ -34,7 +34,7 @@ pub fn multiply(
     Ok(())
 }
 
-/// [`multiply`] by the rows that A is stored in, or by the columns of a symmetric one.
+/// Computes [`multiply`] by the rows that A is stored in, or by the columns of a symmetric A.
 pub(crate) fn multiply_symmetric_or_rows(
     a: CsMatView<'_, f64>,
     x: MatRef<'_, f64>,
@@ -58,18 +58,18 @@ pub(crate) fn multiply_symmetric_or_rows(
     });
 }
 
-/// The sum of these entries of a row; zero where it is but rounding.
+/// Returns the sum of these entries of a row, or zero where the sum is only rounding.
 pub(crate) fn row_sum(entries: &[f64]) -> f64 {
-    /// Of the sum of magnitudes.
+    /// Relative to the sum of magnitudes.
     const ROUNDING: f64 = 1e-12;
     let (sum, magnitude) =
         entries.iter().fold((0.0, 0.0), |(sum, magnitude), x| (sum + x, magnitude + x.abs()));
     if f64::abs(sum) > ROUNDING * magnitude { sum } else { 0.0 }
 }
 
-/// `Y := A X` for a symmetric A, as `sum of a_ij (x_j - x_i) + (sum of a_ij) x_i`: exact for the
-/// constants that a Laplacian with huge weights takes to nothing. Or for some rows of such an A,
-/// with their columns first.
+/// Computes `Y := A X` for a symmetric A, as `sum of a_ij (x_j - x_i) + (sum of a_ij) x_i`: exact
+/// for the constants that a Laplacian with huge weights maps to zero. A may also be some rows of
+/// such a matrix, with the columns of these rows first.
 pub(crate) fn multiply_by_differences(
     a: CsMatView<'_, f64>,
     x: MatRef<'_, f64>,
@@ -89,7 +89,7 @@ pub(crate) fn multiply_by_differences(
     });
 }
 
-/// `Y := |A| |X|` for a symmetric A, or for rows.
+/// Computes `Y := |A| |X|` for a symmetric A, or for rows.
 pub(crate) fn multiply_magnitudes(
     a: CsMatView<'_, f64>,
     x: MatRef<'_, f64>,

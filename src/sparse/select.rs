@@ -1,7 +1,7 @@
 use sprs::{CsMat, CsMatView};
 
-/// These rows of a matrix, with the columns that have a place, at their places: `columns` of them,
-/// in the order of the matrix.
+/// Returns the given rows of a matrix, with the columns that have a place, at these places; the
+/// result has `columns` columns, in the order of the matrix.
 pub(crate) fn select(
     matrix: CsMatView<'_, f64>,
     rows: &[usize],

@@ -3,7 +3,7 @@ use sprs::CsMatView;
 
 use super::Mass;
 
-/// The lower triangle of `W - sigma M` by columns, its diagonal always stored: the same places for
+/// The lower triangle of `W - sigma M` by columns, its diagonal always stored: the same pattern for
 /// every sigma.
 pub(crate) struct Shifted<'a> {
     stiffness: CsMatView<'a, f64>,
@@ -54,7 +54,7 @@ impl<'a> Shifted<'a> {
         self.stiffness.rows()
     }
 
-    /// Bytes of the places, and of the entries while there are any.
+    /// Returns the bytes of the pattern, and of the entries while they exist.
     pub fn bytes(&self) -> usize {
         (self.column_starts.len() + 2 * self.rows.len()) * size_of::<usize>()
     }
@@ -80,25 +80,25 @@ impl<'a> Shifted<'a> {
     }
 }
 
-/// A walk down the places of a sparse column.
+/// A position in a sparse column that only moves down.
 struct Cursor<'a> {
     rows: &'a [usize],
     values: &'a [f64],
 }
 
 impl<'a> Cursor<'a> {
-    /// From the first place at or below `first`.
+    /// Creates a cursor at the first entry at or below `first`.
     fn new(rows: &'a [usize], values: &'a [f64], first: usize) -> Self {
         let skipped = rows.partition_point(|&i| i < first);
         Self { rows: &rows[skipped..], values: &values[skipped..] }
     }
 
-    /// The row it stands at.
+    /// Returns the row of the cursor's entry.
     fn row(&self) -> Option<usize> {
         self.rows.first().copied()
     }
 
-    /// The entry of row i, and a step on, if it stands there; else 0.
+    /// Returns the entry of row i and steps on, if the cursor is there; otherwise returns 0.
     fn take(&mut self, i: usize) -> f64 {
         if self.row() != Some(i) {
             return 0.0;

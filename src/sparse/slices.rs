@@ -15,7 +15,7 @@ use super::space::{Inverse, WholePencil};
 use crate::base::{Error, Result};
 use crate::dense::{subtract_product, transposed_product, zeros};
 
-/// Least number of pairs that are looked for at once.
+/// Least number of pairs that are computed at once.
 const LEAST: usize = 32;
 
 /// Vectors handed out last, to which the next ones are made orthogonal.
@@ -24,11 +24,11 @@ const GUARD: usize = 16;
 /// Progress of the checks and of the analysis of the matrices, before the first run.
 const PREPARED: f64 = 0.01;
 
-/// Part of the progress of a slice that is left after the earlier runs for it, which the next one
-/// takes: it may not be the last one.
+/// Share of the remaining progress of a slice that the next run takes. The run may not be the last
+/// one of the slice.
 const RUN_SHARE: f64 = 0.8;
 
-/// Shifts tried for a slice.
+/// Largest number of shifts that are tried for a slice.
 const ATTEMPTS: usize = 20;
 
 /// Computes the k smallest eigenpairs as [`eigs`](super::eigs()) does, in slices of the spectrum.
@@ -39,12 +39,11 @@ const ATTEMPTS: usize = 20;
 /// A slice is a run with a shift of its own, and ends in a gap between eigenvalues: equal ones are
 /// never in two slices (but k may end among them). The eigenvalues below each cut are counted by
 /// the inertia of a factorisation there (Sylvester), and the run goes on until none is missing, as
-/// under [`EigenOptions::verify_count`]. Vectors of one slice are orthonormal to rounding, and so
-/// are the last of a slice to those of the next; vectors farther apart to about the tolerance times
-/// the eigenvalue over the distance of their eigenvalues.
+/// under [`EigenOptions::verify_count`]. Vectors of one slice are orthonormal to rounding, and
+/// orthogonal to the last ones of the slice before. Vectors farther apart are orthogonal to about
+/// the tolerance times the eigenvalue over the distance of their eigenvalues.
 ///
-/// The result is the same, bit for bit, for every `options.par`; it is different for another
-/// `memory`.
+/// The result is the same, bit for bit, for every `options.par`. It depends on `memory`.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families, sparse::eigs_sliced};
@@ -89,7 +88,7 @@ pub fn eigs_sliced(
     }
     let refuse = |why| Err(Error::Argument { what: "memory", why });
     if options.shift.is_some() {
-        return refuse(format!("{memory} bytes, too little for {k} pairs around a shift"));
+        return refuse(format!("{memory} bytes are too little for {k} pairs around a shift"));
     }
     if largest < LEAST {
         let least = problem.bytes() + (3 * LEAST + vectors_beside()) * n * size_of::<f64>();
@@ -103,13 +102,13 @@ pub fn eigs_sliced(
     options.progress.report(1.0)
 }
 
-/// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate,
-/// and the guard.
+/// Returns the number of vectors that a run takes beside three for each pair: of its basis, its
+/// blocks, the certificate, and the guard.
 fn vectors_beside() -> usize {
     basis_size(0) + 7 * WIDTH + GUARD
 }
 
-/// What was found so far.
+/// The slices found so far.
 struct Slices<'a> {
     problem: &'a Problem<'a>,
     options: &'a EigenOptions<'a>,
@@ -122,13 +121,13 @@ struct Slices<'a> {
     spacing: f64,
     /// The last vectors handed out.
     guard: Mat<f64>,
-    /// Progress up to here belongs to earlier runs.
+    /// Progress that earlier runs have taken.
     reported: f64,
 }
 
 /// How a run ended.
 enum End {
-    /// With all eigenvalues up to this cut, so many.
+    /// With all eigenvalues up to this cut, `count` of them.
     Slice { cut: f64, count: usize },
     /// Before it reached the last cut.
     Short,
@@ -150,12 +149,12 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// Pairs beyond those of a slice, among which its end is looked for.
+    /// Returns how many pairs are computed beyond a slice, to find its end among them.
     fn margin(&self) -> usize {
         (self.largest / 6).max(8)
     }
 
-    /// The next slice.
+    /// Computes the next slice.
     fn next(&mut self) -> Result<Eigenpairs> {
         let rest = self.options.k - self.handed;
         let usable = self.largest - self.margin();
@@ -169,7 +168,7 @@ impl<'a> Slices<'a> {
             let sigma = self.cut + width;
             let factor = match self.problem.any(sigma) {
                 Ok(factor) => factor,
-                // It is an eigenvalue; another is not.
+                // This shift is an eigenvalue; a slightly different one is not.
                 Err(Error::Argument { what: "shift", .. }) => {
                     width *= 0.97;
                     continue;
@@ -197,7 +196,7 @@ impl<'a> Slices<'a> {
         self.too_large()
     }
 
-    /// The first slice, from below.
+    /// Computes the first slice, from below.
     fn first(&mut self, aim: usize) -> Result<Eigenpairs> {
         let sigma = -self.problem.scale;
         for size in [aim + self.margin(), self.largest] {
@@ -210,8 +209,8 @@ impl<'a> Slices<'a> {
         self.too_large()
     }
 
-    /// The pairs nearest to sigma, below which there are `left` that were not handed out, and how
-    /// that ended.
+    /// Computes the pairs nearest to sigma, below which `left` eigenvalues have not been handed
+    /// out. Returns them and how the run ended.
     fn run(
         &mut self,
         sigma: f64,
@@ -225,7 +224,7 @@ impl<'a> Slices<'a> {
         self.reported += RUN_SHARE * (end - start).max(0.0);
         let options = EigenOptions {
             k: size,
-            // What is taken away of the guard afterwards must leave residuals good enough.
+            // Stricter, so that residuals stay small enough when the guard is projected out.
             tolerance: (0.25 * self.options.tolerance).max(1e-14),
             progress: self.options.progress.part(start..self.reported),
             ..self.options.clone()
@@ -241,18 +240,18 @@ impl<'a> Slices<'a> {
         Ok((pairs, end))
     }
 
-    /// Whether what is missing on the left is missing because too few were looked for.
+    /// Returns whether no pair is missing on the left, except because too few were computed.
     fn reached(&self, sigma: f64, left: usize, values: &[f64]) -> bool {
         let radius = values.iter().map(|v| (v - sigma).abs()).fold(0.0, f64::max);
         radius < sigma - self.cut || self.between(sigma, values) >= left
     }
 
-    /// The number of values from the cut to sigma.
+    /// Returns the number of values from the cut to sigma.
     fn between(&self, sigma: f64, values: &[f64]) -> usize {
         values.iter().filter(|v| (self.cut..sigma).contains(v)).count()
     }
 
-    /// Where a slice with these values of a run can end, as far as they tell.
+    /// Returns where a slice with these values of a run can end, judging by the values alone.
     fn end(&self, sigma: f64, left: usize, values: &[f64]) -> End {
         if self.between(sigma, values) != left {
             return End::Short;
@@ -274,7 +273,7 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// What is wanted of a run, made orthogonal to what was handed out last.
+    /// Selects the wanted pairs of a run, and makes them orthogonal to those handed out last.
     fn take(&mut self, pairs: Eigenpairs, cut: f64, count: usize) -> Result<Eigenpairs> {
         let Problem { pencil, scale, .. } = *self.problem;
         let skip = pairs.values.partition_point(|v| *v <= self.cut);
@@ -300,7 +299,7 @@ impl<'a> Slices<'a> {
         Ok(Eigenpairs { values, vectors, residuals: found.residuals, solves })
     }
 
-    /// Takes the part of the guard from vectors, a few at a time.
+    /// Removes the projection onto the guard from vectors, a few at a time.
     fn leave_guard(&self, vectors: &mut Mat<f64>) -> Result<()> {
         let par = self.options.par;
         let guard: MatRef<'_, f64> = self.guard.as_ref();
@@ -322,7 +321,8 @@ impl<'a> Slices<'a> {
     fn too_large(&self) -> Result<Eigenpairs> {
         let (largest, handed) = (self.largest, self.handed);
         let why = format!(
-            "too little for a cluster of eigenvalues after the first {handed}: a slice has at most {largest}"
+            "too little for a cluster of eigenvalues after the first {handed}: a slice has at most \
+             {largest} pairs"
         );
         Err(Error::Argument { what: "memory", why })
     }

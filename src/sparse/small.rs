@@ -8,8 +8,8 @@ use crate::dense::{
     SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
 };
 
-/// All eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and those of
-/// `L^-1 W L^-T`. Ascending, the vectors M-orthonormal.
+/// Computes all eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and the pairs
+/// of `L^-1 W L^-T`. Values ascend, vectors are M-orthonormal.
 pub(crate) fn dense_pairs(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -22,7 +22,7 @@ pub(crate) fn dense_pairs(
         Mass::Full(matrix) => scatter(matrix.view(), &mut l),
     }
     if let Err(i) = cholesky(l.as_mut())? {
-        let why = format!("not positive definite, as elimination finds at row {i}");
+        let why = format!("not positive definite (elimination fails at row {i})");
         return Err(Error::Argument { what: "mass", why });
     }
     let mut w = Mat::<f64>::zeros(n, n);

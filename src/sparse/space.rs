@@ -1,5 +1,4 @@
-//! Vectors of which this process may have some rows only: what the iterations ask of those who
-//! know.
+//! Interfaces of vectors and matrices that may be distributed over processes by rows.
 
 use std::ops::Range;
 
@@ -12,72 +11,72 @@ use crate::base::{Par, Result};
 
 /// An inner product of vectors whose rows may be spread over processes.
 pub(crate) trait InnerSpace {
-    /// Entries of a vector, on all processes.
+    /// Returns the number of entries of a vector, on all processes.
     fn dimension(&self) -> usize;
 
-    /// Those that this process has.
+    /// Returns the rows of this process.
     fn rows(&self) -> Range<usize>;
 
-    /// Their masses, if these are lumped.
+    /// Returns the masses of these rows, if the mass is lumped.
     fn masses(&self) -> Option<&[f64]>;
 
-    /// `Y := M X`, of the rows that are here.
+    /// Computes `Y := M X`, of the rows of this process.
     fn apply_mass(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
 
-    /// Adds what the other processes have; the same on all of them.
+    /// Adds the partial sums of the other processes; all processes get the same sum.
     fn sum(&self, partial: MatMut<'_, f64>) -> Result<()>;
 
-    /// [`InnerSpace::sum`] of a symmetric matrix, of which only the lower triangle need be right.
+    /// Computes [`InnerSpace::sum`] of a symmetric matrix; only its lower triangle must be right.
     fn sum_symmetric(&self, partial: MatMut<'_, f64>) -> Result<()> {
         self.sum(partial)
     }
 }
 
-/// `W phi = lambda M phi` for such vectors.
+/// The pencil of `W phi = lambda M phi`, for vectors that may be distributed.
 pub(crate) trait Pencil {
-    /// The inner product of M.
+    /// Returns the inner product of M.
     fn inner(&self) -> &dyn InnerSpace;
 
-    /// `Y := W X`, of the rows that are here.
+    /// Computes `Y := W X`, of the rows of this process.
     fn apply_stiffness(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
 
-    /// [`Pencil::apply_stiffness`] by differences of entries: exact for the constants that a
-    /// Laplacian with huge weights takes to nothing.
+    /// Computes [`Pencil::apply_stiffness`] by differences of entries: exact for the constants that
+    /// a Laplacian with huge weights maps to zero.
     fn apply_differences(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
 
-    /// `Y := |W| |X|`, of the rows that are here.
+    /// Computes `Y := |W| |X|`, of the rows of this process.
     fn apply_magnitudes(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>) -> Result<()>;
 }
 
-/// `W - sigma M` for every sigma, of which each process may hold a part. All processes call the
-/// same functions in the same order, and get the same answers.
+/// The matrices `W - sigma M` for every sigma, of which each process may hold a part. All processes
+/// call the same functions in the same order, and get the same results.
 pub(crate) trait Shifts {
-    /// Bytes that a factorisation takes, and those that are there anyway.
+    /// Returns the bytes that a factorisation takes, and those that are allocated anyway.
     fn bytes(&self) -> usize;
 
-    /// The factorisation of the matrix, if it is positive definite.
+    /// Factorises the matrix; returns `None` unless it is positive definite.
     fn positive(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>>;
 
-    /// The factorisation of the matrix with pivots.
+    /// Factorises the matrix with pivots.
     fn indefinite(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>>;
 }
 
 /// A symmetric matrix A that is factorised.
 pub(crate) trait Inverse {
-    /// `X := A^-1 X`, of the rows that are here; the same for every `par`, bit for bit.
+    /// Computes `X := A^-1 X`, of the rows of this process; the same for every `par`, bit for bit.
     fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()>;
 
-    /// The number of negative eigenvalues of A, by Sylvester's law of inertia.
+    /// Returns the number of negative eigenvalues of A, by Sylvester's law of inertia.
     fn below_zero(&self) -> usize;
 
-    /// Whether A was found positive definite: there were no pivots.
+    /// Returns whether A was found positive definite, without pivots.
     fn is_positive(&self) -> bool;
 
-    /// Whether the factor is finite: a singular matrix leaves a zero for a pivot.
+    /// Returns whether the factor is finite: a singular matrix leaves a zero for a pivot.
     fn is_finite(&self) -> bool;
 }
 
-/// All rows are here.
+/// All rows are on this process.
 impl InnerSpace for Mass {
     fn dimension(&self) -> usize {
         self.len()
@@ -103,7 +102,7 @@ impl InnerSpace for Mass {
     }
 }
 
-/// Matrices that are here as a whole.
+/// Matrices whose rows are all on this process.
 pub(crate) struct WholePencil<'a> {
     pub stiffness: CsMatView<'a, f64>,
     pub mass: &'a Mass,

@@ -17,9 +17,9 @@ use crate::dense::{
     multiply_in_place, symmetric_eigen, transposed_product, zeros,
 };
 
-/// Steps of smoothing after the small problem. Each costs about k products with W and M and takes
-/// the errors of eigenvalues down, to an eighth after two and a fourteenth after four on the
-/// armadillo.
+/// Steps of smoothing after the small problem. Each costs about k products with W and M. On the
+/// armadillo, errors of eigenvalues fall to an eighth after two steps and to a fourteenth after
+/// four.
 const STEPS: usize = 4;
 
 /// Computes the k smallest eigenpairs of `W phi = lambda M phi` approximately, without a
@@ -70,7 +70,7 @@ pub fn eigs_two_level(
     let coarse_space = used_columns(stiffness.rows(), prolongation, options.k)?;
     let p = coarse_space.view();
     let k = options.k;
-    // The span should hold what the last pairs would otherwise be mixed with.
+    // More vectors than k: the last pairs would be mixed with those of the missing directions.
     let spanned = (k + 8.max(k / 4)).min(p.cols());
     let progress = options.progress;
     progress.report(0.02)?;
@@ -103,20 +103,20 @@ pub fn eigs_two_level(
     Ok(ascending(&values[..k], found, &certificate.residuals, small.solves, true))
 }
 
-/// Refuses options that make no sense for two levels.
+/// Rejects options that have no meaning for two levels.
 fn check_options(options: &EigenOptions<'_>) -> Result<()> {
     let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
     if options.shift.is_some() {
-        return refuse("shift", "two levels find the smallest eigenvalues only");
+        return refuse("shift", "not supported: two levels find the smallest eigenvalues only");
     }
     if options.verify_count {
-        return refuse("verify_count", "what two levels find is approximate");
+        return refuse("verify_count", "not supported: the values of two levels are approximate");
     }
     Ok(())
 }
 
-/// The prolongation, to n rows, without columns of zeros only, which have no mass; of these at
-/// least k have to be left.
+/// Returns the prolongation, to n rows, without columns of zeros only, which have no mass. At least
+/// k columns must remain.
 fn used_columns(n: usize, prolongation: CsMatView<'_, f64>, k: usize) -> Result<CsMat<f64>> {
     let columns = prolongation.cols();
     Error::check_shape("prolongation", (n, columns), prolongation.shape())?;
@@ -142,7 +142,7 @@ fn used_columns(n: usize, prolongation: CsMatView<'_, f64>, k: usize) -> Result<
     Ok(&prolongation * &chosen.to_csr::<usize>())
 }
 
-/// `P^T A P`, symmetric to the bit, of P and its transpose by rows.
+/// Computes `P^T A P`, symmetric to the bit, of P and its transpose by rows.
 fn congruent(
     p: CsMatView<'_, f64>,
     transposed: CsMatView<'_, f64>,
@@ -157,8 +157,8 @@ fn congruent(
 }
 
 /// Adds a little to the diagonal, so that combinations of columns of the prolongation that are zero
-/// have eigenvalues, and large ones. They exist where the coarse mesh is finer than the fine one.
-/// The fine space knows nothing of it.
+/// have large eigenvalues. Such combinations exist where the coarse mesh is finer than the fine
+/// one. The matrices of the fine space do not change.
 fn lift(matrix: &mut CsMat<f64>) {
     const PART: f64 = 1e-9;
     for i in 0..matrix.rows() {
@@ -168,7 +168,7 @@ fn lift(matrix: &mut CsMat<f64>) {
     }
 }
 
-/// M as a sparse matrix.
+/// Returns M as a sparse matrix.
 fn full(mass: &Mass) -> CsMat<f64> {
     match mass {
         Mass::Full(matrix) => matrix.clone(),
@@ -182,12 +182,12 @@ fn full(mass: &Mass) -> CsMat<f64> {
 /// Vectors that are multiplied with W and M together.
 const PANEL: usize = 32;
 
-/// Makes approximate eigenvectors better.
+/// Smooths approximate eigenvectors.
 struct Smoother<'a> {
     pencil: WholePencil<'a>,
-    /// For each row of W a step, over the sum of its magnitudes.
+    /// For each row of W, the step divided by the sum of its magnitudes.
     steps: Vec<f64>,
-    /// W and M times a panel of vectors.
+    /// The products of W and M with a panel of vectors.
     images: [Mat<f64>; 2],
     par: Par,
 }
@@ -199,8 +199,8 @@ impl<'a> Smoother<'a> {
         vectors: usize,
         par: Par,
     ) -> Result<Self> {
-        /// Below 2 it converges for every W; errors that change from row to row fall fastest at
-        /// about this.
+        /// Below 2 the iteration converges for every W; errors that change from row to row fall
+        /// fastest at about this value.
         const STEP: f64 = 1.2;
         let sum = |row: sprs::CsVecView<'_, f64>| row.data().iter().map(|x| x.abs()).sum::<f64>();
         let step = |sum: f64| if sum > 0.0 { STEP / sum } else { 0.0 };
@@ -210,7 +210,7 @@ impl<'a> Smoother<'a> {
         Ok(Self { pencil: WholePencil { stiffness, mass }, steps, images, par })
     }
 
-    /// `x -= S (W x - lambda M x)` for each vector x and its value.
+    /// Computes `x -= S (W x - lambda M x)` for each vector x and its value.
     fn apply(&mut self, values: &[f64], vectors: &mut Mat<f64>) -> Result<()> {
         for (panel, values) in values.chunks(PANEL).enumerate() {
             let columns = panel * PANEL..panel * PANEL + values.len();
@@ -234,7 +234,8 @@ impl<'a> Smoother<'a> {
         Ok(())
     }
 
-    /// Turns the vectors into the eigenvectors of the projection to their span; its eigenvalues.
+    /// Turns the vectors into the eigenvectors of the projection to their span; returns its
+    /// eigenvalues.
     fn rotate(&mut self, vectors: &mut Mat<f64>) -> Result<Vec<f64>> {
         let (x, count, par) = (vectors.as_ref(), vectors.ncols(), self.par);
         let (mut projected, mut gram) = (Mat::zeros(count, count), Mat::zeros(count, count));
@@ -263,7 +264,7 @@ impl<'a> Smoother<'a> {
     }
 }
 
-/// `W X` and `M X` of at most [`PANEL`] vectors.
+/// Computes `W X` and `M X` of at most [`PANEL`] vectors.
 fn images_of<'m>(
     pencil: &WholePencil<'_>,
     [w, m]: &'m mut [Mat<f64>; 2],
@@ -282,7 +283,7 @@ mod tests {
     use crate::base::Rng;
     use crate::sparse::path::path;
 
-    /// Linear interpolation from every `width`-th row, and a last column of zeros only.
+    /// Returns the linear interpolation from every `width`-th row, and a last column of zeros.
     fn interpolation(n: usize, width: usize) -> CsMat<f64> {
         let coarse = n.div_ceil(width) + 2;
         let mut entries = TriMat::new((n, coarse));

@@ -1,4 +1,5 @@
-//! Functions on a mesh as coefficients: analysis and synthesis in the inner product of its mass.
+//! Functions on a mesh as coefficients in a basis: analysis and synthesis in the inner product of
+//! the mass.
 
 use faer::{Mat, MatRef};
 
@@ -7,11 +8,12 @@ use crate::base::{Error, Par, Result};
 use crate::dense::zeros;
 use crate::sparse::Mass;
 
-/// Columns that are weighted at once: M X of all functions would take as much memory as they do.
+/// Number of columns that are weighted at once: M X of all functions would take as much memory as
+/// the functions.
 const PANEL: usize = 256;
 
-/// A function of which less than this part of its square is left beyond those before it depends on
-/// them, but for rounding.
+/// A function depends on those before it, up to rounding, if less than this share of its square is
+/// left beyond them.
 const DEPENDENT: f64 = 1e-14;
 
 /// Linearly independent functions on the n vertices of a mesh, as the columns of Q, and the inner
@@ -32,7 +34,7 @@ const DEPENDENT: f64 = 1e-14;
 pub struct Basis {
     functions: Mat<f64>,
     mass: Mass,
-    /// The Cholesky factor of `Q^T M Q`; `None` stands for the identity.
+    /// The Cholesky factor of `Q^T M Q`; `None` for the identity.
     gram: Option<Mat<f64>>,
 }
 
@@ -42,7 +44,7 @@ impl Basis {
     /// `functions` is n x r, the mass n x n.
     ///
     /// # Errors
-    /// [`Error::Shape`] when the mass is not of n vertices, [`Error::NonFinite`],
+    /// [`Error::Shape`] when the mass does not have n vertices, [`Error::NonFinite`],
     /// [`Error::Argument`] for a mass that is not positive or symmetric.
     pub fn orthonormal(functions: Mat<f64>, mass: Mass) -> Result<Self> {
         mass.check(functions.nrows())?;
@@ -54,8 +56,8 @@ impl Basis {
     /// projections onto their span are by least squares.
     ///
     /// # Errors
-    /// As [`Basis::orthonormal`]; [`Error::Argument`] names the first function that depends, to
-    /// rounding, on those before it.
+    /// As [`Basis::orthonormal`]; [`Error::Argument`] names the first function that is, up to
+    /// rounding, a combination of those before it.
     pub fn independent(functions: Mat<f64>, mass: Mass, par: Par) -> Result<Self> {
         let mut basis = Self::orthonormal(functions, mass)?;
         let q = basis.functions.as_ref();
@@ -63,7 +65,7 @@ impl Basis {
         let squares: Vec<f64> = (0..basis.len()).map(|j| gram[(j, j)]).collect();
         let dependent = |column: usize| Error::Argument {
             what: "functions",
-            why: format!("function {column} depends on those before it"),
+            why: format!("function {column} is a linear combination of those before it"),
         };
         let factor = dense::cholesky(gram)?.map_err(dependent)?;
         let is_lost = |j: &usize| factor[(*j, *j)].powi(2) <= DEPENDENT * squares[*j];
@@ -118,7 +120,8 @@ impl Basis {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when `f` has not n rows, [`Error::NonFinite`], [`Error::OutOfMemory`].
+    /// [`Error::Shape`] when `f` does not have n rows, [`Error::NonFinite`],
+    /// [`Error::OutOfMemory`].
     pub fn analysis(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
         Error::check_shape("functions", (self.vertices(), f.ncols()), f.shape())?;
         dense::check_finite("functions", f)?;
@@ -157,10 +160,10 @@ impl Basis {
         self.synthesis(self.analysis(f, par)?.as_ref(), par)
     }
 
-    /// Reflects the first functions, orthonormal ones, such that the combination with these
+    /// Reflects the first functions, which are orthonormal, so that the combination with these
     /// coefficients, of norm 1, comes first (Householder 1958).
     pub(super) fn reflect(&mut self, coefficients: &[f64]) {
-        // The mirror between `coefficients` and the first axis, on the side where nothing cancels.
+        // The mirror maps `coefficients` to the first axis; the sign avoids cancellation.
         let sign = if coefficients[0] > 0.0 { -1.0 } else { 1.0 };
         let mut normal = coefficients.to_vec();
         normal[0] -= sign;
@@ -192,17 +195,17 @@ impl Basis {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] when it is not positive, as without vertices.
+    /// [`Error::Argument`] when the area is not positive, as without vertices.
     pub fn area(&self) -> Result<f64> {
         let weighted = times_mass(&self.mass, Mat::ones(self.vertices(), 1).as_ref(), Par::Seq)?;
         let area: f64 = weighted.col(0).iter().sum();
         if area.is_finite() && area > 0.0 {
             return Ok(area);
         }
-        Err(Error::Argument { what: "mass", why: format!("the area is {area}, not positive") })
+        Err(Error::Argument { what: "mass", why: format!("the area must be positive, is {area}") })
     }
 
-    /// `Q^T M F`.
+    /// Computes `Q^T M F`.
     fn inner_products(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
         let mut out = zeros(self.len(), f.ncols())?;
         for first in (0..f.ncols()).step_by(PANEL) {
@@ -218,7 +221,7 @@ impl Basis {
 /// Computes the error `|f_j - g_j| / |f_j|` of each column, in the norm of the mass, of an
 /// approximation or a transfer g of f (thesis, sections 1.4.3 and 1.4.4).
 ///
-/// Both are n x c. It is 0 where both columns are zero, infinite where only f is.
+/// Both are n x c. The error is 0 where both columns are zero, and infinite where only f is zero.
 ///
 /// ```
 /// use catamaran::{faer::mat, sparse::Mass, spectral::relative_errors};
@@ -229,7 +232,7 @@ impl Basis {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when shapes differ or the mass is not of n vertices, [`Error::NonFinite`].
+/// [`Error::Shape`] when shapes differ or the mass does not have n vertices, [`Error::NonFinite`].
 pub fn relative_errors(f: MatRef<'_, f64>, g: MatRef<'_, f64>, mass: &Mass) -> Result<Vec<f64>> {
     Error::check_shape("approximation", f.shape(), g.shape())?;
     Error::check_shape("mass", (f.nrows(), f.nrows()), (mass.len(), mass.len()))?;

@@ -1,7 +1,7 @@
-//! Dense matrices: products on our kernels, factorisations by faer.
+//! Dense matrices: products by the kernels of this crate, factorisations by faer.
 //!
-//! faer's factorisations run on the calling thread, as its parallel ones need not give the same
-//! bits for every number of threads; the matrices here have as many rows as there are basis
+//! faer's factorisations run on the calling thread, because parallel factorisations may round
+//! differently for every number of threads; the matrices here have as many rows as there are basis
 //! functions, not vertices.
 
 use faer::diag::Diag;
@@ -54,8 +54,8 @@ pub(super) fn check_finite(what: &'static str, a: MatRef<'_, f64>) -> Result<()>
     Ok(())
 }
 
-/// Returns the Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read;
-/// or the index of the first pivot that is not positive.
+/// Returns the Cholesky factor L, lower, of a symmetric matrix, whose lower triangle is read, or
+/// the index of the first pivot that is not positive.
 pub(super) fn cholesky(mut a: Mat<f64>) -> Result<std::result::Result<Mat<f64>, usize>> {
     Ok(dense::cholesky(a.as_mut())?.map(|()| a))
 }
@@ -90,7 +90,7 @@ pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
     Ok(Svd { u, s, v })
 }
 
-/// Returns the X with the least `|A X - B|`, for A of full column rank, by Householder's QR.
+/// Returns the X that minimises `|A X - B|`, for A of full column rank, by Householder's QR.
 pub(super) fn least_squares(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Mat<f64>> {
     let (m, n) = a.shape();
     let mut basis = zeros(m, n)?;

@@ -13,11 +13,11 @@ use crate::mesh::TriMesh;
 pub struct Split {
     /// The nearest functions in the span, n x c.
     pub low: Mat<f64>,
-    /// What `low` lacks, n x c: the detail.
+    /// The detail, n x c: the difference between the functions and `low`.
     pub high: Mat<f64>,
 }
 
-/// Splits the columns of `f`, n x c, into their part in the span of a basis, as a few
+/// Splits the columns of `f`, n x c, into their part in the span of a basis, such as a few
 /// eigenfunctions, and the detail.
 ///
 /// ```
@@ -37,17 +37,17 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
     Ok(Split { low, high })
 }
 
-/// Gives the target the detail of the source, as heights over its smooth part, in place of its own.
+/// Replaces the detail of the target by that of the source, as heights over the smooth part.
 ///
-/// The coordinates of both meshes are split by `smooth`, a basis of low frequencies on each
-/// (source, target). The height of the source over its smooth part, along that one's normals, is
-/// carried over by `transfer`, times the ratio of lengths where the sizes differ, and replaces the
-/// height of the target over its own smooth part. Heights, unlike positions, do not change with the
-/// pose. What the target has of detail along its smooth part stays: it is most of thin limbs, which
-/// few low frequencies do not reach.
+/// `smooth` is a basis of low frequencies on each mesh (source, target), which splits the
+/// coordinates into a smooth part and detail. The height of the source over its smooth part, along
+/// the normals of that part, is transferred by `transfer`, scaled by the ratio of lengths where the
+/// sizes differ, and replaces the height of the target over its own smooth part. Heights, unlike
+/// positions, do not depend on the pose. Detail of the target tangential to its smooth part stays:
+/// thin limbs consist mostly of it, because few low frequencies represent them.
 ///
-/// To replace all of the target's coordinates by the source's, as in figure 1.13,
-/// [`Transfer::apply`] does.
+/// [`Transfer::apply`] replaces all coordinates of the target by those of the source, as in figure
+/// 1.13.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, Transfer, transfer_details};
@@ -57,7 +57,7 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
-/// // A sphere that gets its own detail stays nearly as it is: as far as four functions reach.
+/// // A sphere that gets its own detail changes little: four functions represent it nearly.
 /// let basis = basis.basis();
 /// let transfer = Transfer::new(basis, basis, Mat::identity(4, 4))?;
 /// let found = transfer_details(&mesh, &mesh, (basis, basis), &transfer, Par::Seq)?;
@@ -67,7 +67,7 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when a basis or the transfer is not of the mesh, as those of
+/// [`Error::Shape`] when a basis or the transfer belongs to another mesh, and as
 /// [`Transfer::apply`] and [`TriMesh::new`].
 pub fn transfer_details(
     source: &TriMesh,
@@ -91,7 +91,7 @@ pub fn transfer_details(
     moved(target, positions.as_ref())
 }
 
-/// The normals of the mesh that the low part of the coordinates makes, and the height of each
+/// Returns the normals of the mesh of the low part of the coordinates, and the height of each
 /// vertex along its normal.
 fn heights(mesh: &TriMesh, basis: &Basis, par: Par) -> Result<(Vec<[f64; 3]>, Mat<f64>)> {
     let parts = split(basis, coordinates(mesh).as_ref(), par)?;
@@ -101,7 +101,7 @@ fn heights(mesh: &TriMesh, basis: &Basis, par: Par) -> Result<(Vec<[f64; 3]>, Ma
     Ok((normals, heights))
 }
 
-/// The mesh with its vertices at these positions.
+/// Returns the mesh with its vertices at these positions.
 fn moved(mesh: &TriMesh, positions: MatRef<'_, f64>) -> Result<TriMesh> {
     let vertices = (0..positions.nrows()).map(|i| [0, 1, 2].map(|c| positions[(i, c)])).collect();
     TriMesh::new(vertices, mesh.faces().to_vec())

@@ -6,18 +6,19 @@ use super::basis::Basis;
 use crate::base::{Error, Par, Result};
 use crate::sparse::Mass;
 
-/// Eigenvalues below this part of the largest one, or of 1 / area, are taken for zero.
+/// Eigenvalues below this share of the largest one, or of 1 / area, count as zero.
 const NULL: f64 = 1e-8;
 
-/// What the squared norm of the constant function may lack, of its part in the null space.
+/// Largest deficit of the squared norm of the constant function in the null space.
 const CONSTANT: f64 = 1e-6;
 
 /// The first eigenfunctions of a Laplacian, `W phi = lambda M phi`, orthonormal in the inner
 /// product of the mass M.
 ///
 /// Where the constant is among the functions with eigenvalue zero, as it is unless boundary values
-/// are prescribed, it is the first one, positive. A mesh in several pieces has several of these,
-/// any rotation of them as good as another: here they are rotated to have the constant among them.
+/// are prescribed, it becomes the first function, positive. A mesh of several components has
+/// several such functions, which any rotation maps to equally good ones: they are rotated so that
+/// the constant is among them.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families, spectral::Eigenbasis};
@@ -41,7 +42,7 @@ impl Eigenbasis {
     /// (which is not checked).
     ///
     /// # Errors
-    /// [`Error::Shape`] when numbers of values, columns, rows and masses don't fit,
+    /// [`Error::Shape`] when the numbers of values, columns, rows and masses differ,
     /// [`Error::NonFinite`], [`Error::Argument`] when the values do not ascend.
     pub fn new(values: Vec<f64>, vectors: Mat<f64>, mass: Mass) -> Result<Self> {
         Error::check_shape("eigenvalues", (vectors.ncols(), 1), (values.len(), 1))?;
@@ -49,7 +50,7 @@ impl Eigenbasis {
             return Err(Error::NonFinite { what: "eigenvalues", index: (index, 0) });
         }
         if let Some(index) = (1..values.len()).find(|&i| values[i] < values[i - 1]) {
-            let why = format!("value {index} is less than the one before it");
+            let why = format!("must ascend, but value {index} is less than the one before it");
             return Err(Error::Argument { what: "eigenvalues", why });
         }
         let mut basis = Basis::orthonormal(vectors, mass)?;
@@ -113,13 +114,13 @@ impl Eigenbasis {
     pub(super) fn need_constant(&self, what: &'static str) -> Result<f64> {
         self.constant.ok_or_else(|| {
             let (len, area) = (self.len(), self.basis.area().unwrap_or(f64::INFINITY));
-            // Eigenfunctions of components come before all others.
+            // Eigenfunctions of eigenvalue zero, one for each component, come first.
             let why = match null_count(&self.values, area) {
                 null if null == len => format!(
-                    "all {len} eigenvalues are zero: the mesh has more components than that, and \
-                     the constant takes an eigenfunction of each"
+                    "all {len} eigenvalues are zero: to contain the constant, the basis needs more \
+                     functions than the mesh has components"
                 ),
-                _ => "the constant is not among its eigenfunctions (prescribed boundary values?)"
+                _ => "the constant is not among the eigenfunctions (prescribed boundary values?)"
                     .into(),
             };
             Error::Argument { what, why }
@@ -135,14 +136,14 @@ impl Eigenbasis {
     }
 }
 
-/// How many of these eigenvalues, which ascend, are zero on a mesh of this area.
+/// Returns how many of these eigenvalues, which ascend, are zero on a mesh of this area.
 fn null_count(values: &[f64], area: f64) -> usize {
     let largest = values.last().copied().unwrap_or(0.0);
     let zero = NULL * largest.max(1.0 / area);
     values.partition_point(|&value| value <= zero)
 }
 
-/// Makes the first function the constant one, if it can be; returns its value.
+/// Makes the constant the first function if it lies in the null space; returns its value.
 fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
     let Ok(area) = basis.area() else { return Ok(None) };
     let null = null_count(values, area);
@@ -150,8 +151,8 @@ fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
         return Ok(None);
     }
     let value = 1.0 / area.sqrt();
-    // Coefficients of the constant of norm 1 in the null space: a vector of norm 1 if it lies
-    // there.
+    // Coefficients of the normalised constant in the null space: a vector of norm 1 if the constant
+    // lies there.
     let ones = Mat::<f64>::ones(basis.vertices(), 1);
     let parts = basis.analysis(ones.as_ref(), Par::Seq)?;
     let mut parts: Vec<f64> = parts.col(0).iter().take(null).map(|part| part * value).collect();
@@ -161,7 +162,7 @@ fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
     }
     parts.iter_mut().for_each(|part| *part /= norm.sqrt());
     basis.reflect(&parts);
-    // But for rounding it is already.
+    // Up to rounding it is constant already.
     basis.set_constant(0, value);
     Ok(Some(value))
 }

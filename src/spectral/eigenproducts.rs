@@ -6,18 +6,18 @@ use faer::{MatMut, MatRef};
 use crate::base::{Error, Par, Result};
 use crate::dense::for_row_blocks;
 
-/// Products of more factors say nothing in f64.
+/// Largest number of factors: products of more factors are beyond the precision of f64.
 const MAX_ORDER: usize = 255;
 
-/// Rows that are evaluated at once: their products stay in the cache until they are factors of
-/// others.
+/// Number of rows that are evaluated at once: their products stay in the cache until they are
+/// factors of longer products.
 const BLOCK_ROWS: usize = 256;
 
 /// The dictionary of all products of at most `order` of `k` functions, repetitions allowed.
 ///
 /// A product is the sorted list of its factors, numbered from 1 to `k`: `[]` is the constant one,
-/// `[2, 2]` the square of the second function. Shorter products come first, those of one length as
-/// in a dictionary:
+/// `[2, 2]` the square of the second function. Shorter products come first; products of the same
+/// length are in lexicographic order:
 ///
 /// ```
 /// use catamaran::spectral::Eigenproducts;
@@ -28,12 +28,12 @@ const BLOCK_ROWS: usize = 256;
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
-/// So the products of a lower order are the first ones of a higher order. There are
-/// `(k + order)! / (k! order!)`.
+/// Therefore the products of a lower order come first among those of a higher order. Their number
+/// is `(k + order)! / (k! order!)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Eigenproducts {
     k: usize,
-    /// Index of the first product of each number of factors, and the number of all products.
+    /// Index of the first product of each number of factors, and the total number of products.
     starts: Vec<usize>,
 }
 
@@ -41,7 +41,7 @@ impl Eigenproducts {
     /// Creates the dictionary of the products of at most `order` (0 to 255) of `k` functions.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the order is larger, or the products are more than a `u32` can
+    /// [`Error::Argument`] when the order is larger, or there are more products than a `u32` can
     /// number.
     pub fn new(k: usize, order: usize) -> Result<Self> {
         if order > MAX_ORDER {
@@ -81,7 +81,7 @@ impl Eigenproducts {
         self.starts[order.min(self.order()) + 1]
     }
 
-    /// Number of factors of the product `index`, which is one.
+    /// Returns the number of factors of the product `index`, which must exist.
     fn degree(&self, index: usize) -> usize {
         self.starts.partition_point(|&start| start <= index) - 1
     }
@@ -98,7 +98,7 @@ impl Eigenproducts {
         let mut least = 1;
         for place in 0..degree {
             let open = degree - place;
-            // The largest factor whose first product comes no later.
+            // The largest factor whose first product is not after `index`.
             let (mut low, mut high) = (least, self.k);
             while low < high {
                 let middle = low + (high - low).div_ceil(2);
@@ -134,17 +134,18 @@ impl Eigenproducts {
         Some(index)
     }
 
-    /// How many sorted lists of `len` factors from `least` on have a first factor before `first`.
+    /// Returns how many sorted lists of `len` factors, all at least `least`, begin with a factor
+    /// below `first`.
     fn skipped(&self, least: usize, first: usize, len: usize) -> usize {
-        // Lists of `len` from `v` on: (k - v + len) over len. Those that begin before `first` are
-        // the difference.
+        // The number of lists of `len` factors from `v` on is (k - v + len) over len. Those that
+        // begin before `first` are the difference.
         let from = |v: usize| {
             binomial((self.k - v + len) as u128, len as u128).expect("as many as all, or fewer")
         };
         (from(least) - from(first)) as usize
     }
 
-    /// Returns for each product but the first the index of the product without its last factor,
+    /// Returns for each product except the first the index of the product without its last factor,
     /// and that factor.
     pub(super) fn steps(&self) -> Vec<(usize, usize)> {
         let mut steps: Vec<(usize, usize)> = Vec::with_capacity(self.len() - 1);
@@ -160,13 +161,14 @@ impl Eigenproducts {
     /// Computes all products of the given functions, pointwise.
     ///
     /// `functions` is n x k, a function in each column; `out` is n x [`Eigenproducts::len`] and is
-    /// overwritten. Fastest by columns (unit row stride). The same, bit for bit, for every `par`.
+    /// overwritten. Fastest for matrices by columns (unit row stride). The result is the same, bit
+    /// for bit, for every `par`.
     ///
     /// ```
     /// use catamaran::{Par, faer::{Mat, mat}, spectral::Eigenproducts};
     ///
     /// let products = Eigenproducts::new(2, 2)?;
-    /// // 1, f, g, f f, f g and g g for functions f and g on two vertices.
+    /// // The products 1, f, g, f f, f g and g g of functions f and g on two vertices.
     /// let mut values = Mat::zeros(2, products.len());
     /// products.evaluate(mat![[2.0, 3.0], [1.0, 5.0]].as_ref(), values.as_mut(), Par::Seq)?;
     /// assert_eq!(values, mat![[1.0, 2.0, 3.0, 4.0, 6.0, 9.0], [1.0, 1.0, 5.0, 1.0, 5.0, 25.0]]);
@@ -198,7 +200,7 @@ impl Eigenproducts {
     }
 }
 
-/// `out := a b`, pointwise.
+/// Computes `out := a b`, pointwise.
 fn multiply(a: faer::ColRef<'_, f64>, b: faer::ColRef<'_, f64>, mut out: faer::ColMut<'_, f64>) {
     let contiguous =
         (a.try_as_col_major().map(|a| a.as_slice()), b.try_as_col_major().map(|b| b.as_slice()));
@@ -215,12 +217,12 @@ fn multiply(a: faer::ColRef<'_, f64>, b: faer::ColRef<'_, f64>, mut out: faer::C
     }
 }
 
-/// n over m; `None` beyond 128 bits.
+/// Returns the binomial coefficient n over m; `None` beyond 128 bits.
 fn binomial(n: u128, m: u128) -> Option<u128> {
     let m = m.min(n - m);
     let mut result = 1u128;
     for i in 0..m {
-        // Exact: the product of i + 1 consecutive numbers is divisible by (i + 1)!.
+        // The division is exact: the product of i + 1 consecutive numbers is divisible by (i + 1)!.
         result = result.checked_mul(n - i)? / (i + 1);
     }
     Some(result)
@@ -233,7 +235,7 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    /// The dictionary by the definition: all lists, the unsorted ones left out.
+    /// Returns the dictionary by its definition: all lists without the unsorted ones.
     fn by_definition(k: usize, order: usize) -> Vec<Vec<usize>> {
         let mut all = vec![vec![]];
         let mut last: Vec<Vec<usize>> = vec![vec![]];

@@ -7,8 +7,8 @@ use super::dense;
 use crate::base::{Error, Par, Result};
 use crate::sparse::{CsMatView, Mass};
 
-/// The gain of a filter for each frequency: an eigenvalue, or the Dirichlet energy of a basis
-/// function, in 1 / length^2.
+/// The gain of a filter for each frequency. A frequency is an eigenvalue, or the Dirichlet energy
+/// of a basis function, in 1 / length^2.
 ///
 /// ```
 /// use catamaran::spectral::Response;
@@ -25,13 +25,13 @@ pub enum Response {
     HighPass(f64),
     /// 1 from the first to the second frequency, both included, 0 elsewhere.
     BandPass(f64, f64),
-    /// `exp(-t frequency)`: what heat does in the time t, in length^2.
+    /// `exp(-t frequency)`: diffusion for the time t, in length^2.
     Heat(f64),
-    /// `1 + amount (1 - exp(-t frequency))`: strengthens what heat takes away in the time t.
+    /// `1 + amount (1 - exp(-t frequency))`: amplifies what diffusion for the time t removes.
     Sharpen {
         /// Time, in length^2.
         time: f64,
-        /// How much is added to the highest frequencies.
+        /// Additional gain of the highest frequencies.
         amount: f64,
     },
 }
@@ -57,9 +57,9 @@ impl Response {
 
 /// Multiplies the coefficients of functions by gains.
 ///
-/// `f` is n x c, and there is a gain for each function of the basis. What of `f` is outside of the
-/// span is multiplied by `rest`: 0 leaves it out, as the thesis does, and 1 keeps detail that is
-/// finer than the basis.
+/// `f` is n x c, and there is a gain for each function of the basis. The part of `f` outside of the
+/// span is multiplied by `rest`: 0 removes it, as in the thesis, and 1 keeps detail that is finer
+/// than the basis.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, Response, filter, test_functions::coordinates};
@@ -78,7 +78,7 @@ impl Response {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `f` has not n rows or there are not as many gains as functions,
+/// [`Error::Shape`] when `f` does not have n rows, or the numbers of gains and functions differ,
 /// [`Error::NonFinite`], [`Error::OutOfMemory`].
 pub fn filter(
     basis: &Basis,
@@ -109,8 +109,8 @@ pub fn filter(
     Ok(out)
 }
 
-/// Adds `amount` of one function of the basis to every column of `f`: changes a single coefficient
-/// (figure 1.15).
+/// Adds `amount` times one function of the basis to every column of `f`, which changes a single
+/// coefficient (figure 1.15).
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, sparse::Mass, spectral::{Basis, add_coefficient}};
@@ -122,7 +122,8 @@ pub fn filter(
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `f` has not n rows, [`Error::Argument`] when there is no such function.
+/// [`Error::Shape`] when `f` does not have n rows, [`Error::Argument`] when the function does not
+/// exist.
 pub fn add_coefficient(
     basis: &Basis,
     f: MatRef<'_, f64>,
@@ -139,7 +140,7 @@ pub fn add_coefficient(
 }
 
 /// Computes the Dirichlet energy `<q, W q> / <q, q>` of each function (thesis, definition 7): for
-/// eigenfunctions the eigenvalue, for products what comes nearest to a frequency.
+/// eigenfunctions the eigenvalue, for products the closest equivalent of a frequency.
 ///
 /// `functions` is n x r, the stiffness matrix W and the mass are n x n. The energy of the function
 /// zero is 0.
@@ -156,7 +157,7 @@ pub fn add_coefficient(
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when they don't fit, [`Error::NonFinite`], [`Error::OutOfMemory`].
+/// [`Error::Shape`] when the shapes do not fit, [`Error::NonFinite`], [`Error::OutOfMemory`].
 pub fn dirichlet_energies(
     functions: MatRef<'_, f64>,
     stiffness: CsMatView<'_, f64>,
@@ -170,7 +171,7 @@ pub fn dirichlet_energies(
         let q = functions.col(j);
         let weighted = times_mass(mass, functions.subcols(j, 1), Par::Seq)?;
         let square: f64 = q.transpose() * weighted.col(0);
-        // W is symmetric: by rows or by columns is the same.
+        // W is symmetric: storage by rows and by columns is the same.
         let outer = stiffness.outer_iterator().enumerate();
         let energy: f64 =
             outer.map(|(i, row)| q[i] * row.iter().map(|(l, w)| w * q[l]).sum::<f64>()).sum();

@@ -9,21 +9,22 @@ use crate::base::{Par, Progress, Result, builder};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place};
 
-/// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4), and by rank.
+/// The method of orthogonalisation of eigenproducts: the two methods of the thesis (section 1.4),
+/// and one by rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Orthogonalization {
     /// "ours": one pass of Gram-Schmidt; a product is dropped when less than 1e-2 of its norm is
-    /// left. Not exactly orthogonal, so that projections are by least squares. The stabler one
-    /// under transfer, and the default.
+    /// left. The result is not exactly orthogonal, so that projections are by least squares. The
+    /// more stable method under transfer, and the default.
     #[default]
     SinglePass,
     /// "ours*": repeated until orthogonal; a product is dropped when less than 1e-9 of its norm is
-    /// left. The larger one, for approximation and filters.
+    /// left. The basis is larger, for approximation and filters.
     Reorthogonalized,
-    /// As many products as their numerical rank: singular values above 1e-9 of the largest, of all
-    /// products scaled to norm 1 ([`rank_revealing`](crate::ortho::rank_revealing())). Orthogonal
-    /// to rounding. Where "ours*" keeps nearly dependent products this has fewer, and coefficients
-    /// of moderate size. `Q R = B` up to the threshold in all columns.
+    /// Keeps as many products as their numerical rank: singular values above 1e-9 of the largest,
+    /// of all products scaled to norm 1 ([`rank_revealing`](crate::ortho::rank_revealing())).
+    /// Orthogonal to rounding. Where "ours*" keeps nearly dependent products, this basis has fewer
+    /// functions, and coefficients of moderate size. `Q R = B` up to the threshold in all columns.
     RankRevealing,
 }
 
@@ -31,11 +32,11 @@ pub enum Orthogonalization {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ProductBasisOptions<'a> {
-    /// Default [`Orthogonalization::SinglePass`].
+    /// The method; default [`Orthogonalization::SinglePass`].
     pub orthogonalization: Orthogonalization,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -55,10 +56,10 @@ builder! { ProductBasisOptions<'a> {
 /// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order,
 /// orthogonalised.
 ///
-/// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: without a unit
-/// and of mean square 1, so that nothing depends on the size of the mesh. With the L products as
-/// columns of B, `Q R = B` to rounding in the columns that are kept, and up to the threshold in the
-/// others (equation 1.13).
+/// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: they have no
+/// unit and mean square 1, so that the basis does not depend on the size of the mesh. With the L
+/// products as columns of B, `Q R = B` to rounding in the columns that are kept, and up to the
+/// threshold in the others (equation 1.13).
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions};
@@ -81,11 +82,11 @@ pub struct ProductBasis {
 }
 
 impl ProductBasis {
-    /// Computes the basis of all products of at most `order` of the eigenfunctions, the constant
-    /// one excepted.
+    /// Computes the basis of all products of at most `order` of the eigenfunctions other than the
+    /// constant.
     ///
-    /// The products are made and orthogonalised in the memory of the result; R needs more beside
-    /// it.
+    /// The products are computed and orthogonalised in the memory of the result; R takes additional
+    /// memory.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) when the order is too large or the constant is
@@ -150,7 +151,7 @@ impl ProductBasis {
         self.r.as_ref()
     }
 
-    /// Returns the index of the product that each function comes from, r of them, ascending:
+    /// Returns for each of the r functions the index of the product it comes from, ascending:
     /// `R[.., kept]` is upper triangular.
     pub fn kept(&self) -> &[usize] {
         &self.kept

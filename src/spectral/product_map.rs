@@ -1,5 +1,5 @@
-//! A functional map, extended to eigenproducts (thesis, section 1.3.3, equation 1.12; Nogneng et
-//! al. 2018).
+//! Extends a functional map to eigenproducts (thesis, section 1.3.3, equation 1.12; Nogneng et al.
+//! 2018).
 
 use std::ops::Range;
 
@@ -12,15 +12,16 @@ use super::eigenproducts::Eigenproducts;
 use crate::base::{Error, Par, Result};
 use crate::dense::{for_row_blocks, zeros};
 
-/// Columns that a thread computes at once.
+/// Number of columns that a thread computes at once.
 const PANEL: usize = 16;
 
 /// The map C~ of eigenproducts that a functional map C of eigenfunctions implies:
 /// `T(phi_i phi_j) = T(phi_i) T(phi_j)`.
 ///
 /// A column of C is a polynomial of degree 1 in the functions on the target, and a column of C~ the
-/// product of such polynomials, its coefficients collected by the dictionary of [`Eigenproducts`].
-/// It is computed as that: neither the Kronecker product of C with itself nor C~ is stored.
+/// product of such polynomials, whose coefficients the dictionary of [`Eigenproducts`] orders. The
+/// map multiplies these polynomials; it stores neither the Kronecker product of C with itself nor
+/// C~.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductMap};
@@ -41,11 +42,11 @@ const PANEL: usize = 16;
 pub struct ProductMap {
     source: Eigenproducts,
     target: Eigenproducts,
-    /// The polynomials: column i - 1 has the coefficients of 1, psi_1, psi_2, ... in the image of
+    /// The polynomials. Column i - 1 holds the coefficients of 1, psi_1, psi_2, ... in the image of
     /// phi_i.
     linear: Mat<f64>,
-    /// The index of the product of target product p (of less than the full order) and psi_h: at
-    /// `p * k + h - 1`.
+    /// The index of the product of target product p, which has less than the full order, and psi_h,
+    /// at `p * k + h - 1`.
     times: Vec<u32>,
 }
 
@@ -53,10 +54,10 @@ impl ProductMap {
     /// Creates the extension of `c` to products of at most `order` of the functions of
     /// [`ProductBasis`](super::ProductBasis).
     ///
-    /// `c` maps coefficients of eigenfunctions on `source` to such on `target`, the constant
-    /// included: it has as many rows as the target and as many columns as the source has
-    /// eigenfunctions. As every pull-back does, the extension takes the constant one to the
-    /// constant one, whatever the first column of `c` says.
+    /// `c` maps coefficients of eigenfunctions on `source` to coefficients on `target`, the
+    /// constant included. It has a row for each eigenfunction of the target and a column for each
+    /// of the source. Like every pull-back, the extension maps the constant to the constant,
+    /// whatever the first column of `c`.
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`] when the order is too large or a
@@ -70,13 +71,13 @@ impl ProductMap {
         Error::check_shape("functional map", (target.len(), source.len()), c.shape())?;
         dense::check_finite("functional map", c)?;
         let scale = target.need_constant("target")? / source.need_constant("source")?;
-        // Both sides divided by their constants, as in `ProductBasis`.
+        // Both sides are divided by their constants, as in `ProductBasis`.
         let linear = Mat::from_fn(c.nrows(), c.ncols() - 1, |h, i| c[(h, i + 1)] * scale);
         Self::from_polynomials(linear, order)
     }
 
-    /// Creates the extension of `phi_i -> linear[0, i] + sum_h linear[h, i] psi_h`, all numbered
-    /// from 1 but the columns.
+    /// Creates the extension of `phi_i -> linear[0, i] + sum_h linear[h, i] psi_h`. Functions are
+    /// numbered from 1, except in the columns of `linear`.
     pub(super) fn from_polynomials(linear: Mat<f64>, order: usize) -> Result<Self> {
         let source = Eigenproducts::new(linear.ncols(), order)?;
         let target = Eigenproducts::new(linear.nrows() - 1, order)?;
@@ -84,12 +85,12 @@ impl ProductMap {
         Ok(Self { source, target, linear, times })
     }
 
-    /// Returns the products on the source, as many as C~ has columns.
+    /// Returns the products on the source, one for each column of C~.
     pub fn source(&self) -> &Eigenproducts {
         &self.source
     }
 
-    /// Returns the products on the target, as many as C~ has rows.
+    /// Returns the products on the target, one for each row of C~.
     pub fn target(&self) -> &Eigenproducts {
         &self.target
     }
@@ -111,7 +112,8 @@ impl ProductMap {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] names the first index that is not of a column; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names the first index that is not that of a column;
+    /// [`Error::OutOfMemory`].
     pub fn columns(&self, indices: &[usize], par: Par) -> Result<Mat<f64>> {
         if let Some(index) = indices.iter().find(|&&index| index >= self.source.len()) {
             let why = format!("{index} is not one of the {} products", self.source.len());
@@ -138,7 +140,7 @@ impl ProductMap {
 
     /// Computes `C~ X`: the images of functions with these coefficients of products, L x c.
     ///
-    /// A column takes about `N k` times its length, not its square.
+    /// The cost of a column is about `N k` times its length, not its square.
     ///
     /// # Errors
     /// [`Error::Shape`] when there are not L rows, [`Error::NonFinite`], [`Error::OutOfMemory`].
@@ -149,7 +151,8 @@ impl ProductMap {
         let steps = self.source.steps();
         let children = children(&steps);
         for_row_blocks(out.as_mut().transpose_mut(), 1, par, |j, mut image| {
-            // The image of a product and all it is a factor of, at each depth of the walk.
+            // The image of a product and of all products that it is a factor of, at each depth of
+            // the walk.
             let mut images: Vec<Vec<f64>> = (0..=self.source.order())
                 .map(|depth| vec![0.0; self.target.len_up_to(self.source.order() - depth)])
                 .collect();
@@ -167,8 +170,8 @@ impl ProductMap {
         vec![0.0; self.target.len()]
     }
 
-    /// `product += polynomial T(phi_factor)`, for a polynomial of at most `degree` (less than the
-    /// order).
+    /// Computes `product += polynomial T(phi_factor)`, for a polynomial of at most `degree` (less
+    /// than the order).
     fn add_times(&self, polynomial: &[f64], degree: usize, factor: usize, product: &mut [f64]) {
         let k = self.target.k();
         let linear = self.linear.col(factor - 1);
@@ -183,8 +186,8 @@ impl ProductMap {
     }
 }
 
-/// A walk over the source's dictionary, a tree: the children of a product have one factor more at
-/// the end.
+/// A traversal of the source's dictionary as a tree, in which the children of a product have one
+/// more factor at the end.
 struct Walk<'a> {
     map: &'a ProductMap,
     x: faer::ColRef<'a, f64>,
@@ -193,12 +196,13 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Puts the image of `x[product] + sum over children (factor * (what comes of the child))` into
+    /// Puts the image of `x[product] + sum over children (factor * (image of the child))` into
     /// `images[0]`: Horner's rule for polynomials in several variables.
     fn visit(&self, product: usize, depth: usize, images: &mut [Vec<f64>]) {
         images[0].fill(0.0);
         images[0][0] = self.x[product];
-        // The parts of degree 1 and up come from children, of which the last level has none.
+        // The parts of degree 1 and up come from children; products of the last level have no
+        // children.
         let open = self.map.source.order() - depth;
         for child in self.children[product].clone() {
             self.visit(child, depth + 1, &mut images[1..]);
@@ -208,7 +212,7 @@ impl Walk<'_> {
     }
 }
 
-/// The children of every product.
+/// Returns the children of every product.
 fn children(steps: &[(usize, usize)]) -> Vec<Range<usize>> {
     let mut children = vec![0..0; steps.len() + 1];
     for (before, &(parent, _)) in steps.iter().enumerate() {
@@ -222,7 +226,7 @@ fn children(steps: &[(usize, usize)]) -> Vec<Range<usize>> {
     children
 }
 
-/// The index of each product of less than the full order, times each function.
+/// Returns the index of each product of less than the full order times each function.
 fn times_table(products: &Eigenproducts) -> Vec<u32> {
     let parents = if products.order() == 0 { 0 } else { products.len_up_to(products.order() - 1) };
     let mut times = Vec::with_capacity(parents * products.k());
@@ -249,8 +253,8 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    /// C~ by the definition: the explicit Kronecker power of the homogenised map, rows and columns
-    /// of the same product summed up, one representative column of each.
+    /// Computes C~ by its definition: the explicit Kronecker power of the homogenised map, with the
+    /// rows and columns of the same product summed, and one representative column of each.
     fn by_kronecker(linear: &Mat<f64>, order: usize) -> Mat<f64> {
         let (rows, columns) = (linear.nrows(), linear.ncols() + 1);
         let full = Mat::from_fn(rows, columns, |h, i| match i {
@@ -307,7 +311,8 @@ mod tests {
             (2, 0, 2),
         ] {
             let mut rng = Rng::new(3);
-            // Small integers: every order of the sums gives the same.
+            // The entries are small integers, so that every order of summation gives the same
+            // result.
             let linear =
                 Mat::from_fn(k_target + 1, k_source, |_, _| (rng.uniform() * 7.0).floor() - 3.0);
             let expected = by_kronecker(&linear, order);

@@ -1,4 +1,4 @@
-//! A surface with a given spectrum: a template, deformed until its eigenvalues are those wanted
+//! Finds a surface with a given spectrum: a template is deformed until it has the given eigenvalues
 //! (isospectralisation; Cosmo et al. 2019. Thesis, section 2.6.1, figures 2.2 and 2.5).
 
 use faer::Mat;
@@ -15,13 +15,13 @@ use crate::sparse::{EigenOptions, Factor, Inverse, Shifted, Symbolic, eigs};
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ShapeOptions<'a> {
-    /// Steps at most. Default 60.
+    /// Maximum number of steps. Default 60.
     pub steps: usize,
-    /// Mean relative difference of eigenvalues that is good enough. Default 1e-3.
+    /// Mean relative difference of eigenvalues at which the deformation stops. Default 1e-3.
     pub tolerance: f64,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -43,23 +43,23 @@ builder! { ShapeOptions<'a> {
 pub struct ShapeFromSpectrum {
     /// The faces of the template, with other positions.
     pub mesh: TriMesh,
-    /// Its eigenvalues, as many as were wanted.
+    /// Its first eigenvalues, as many as were given.
     pub eigenvalues: Vec<f64>,
-    /// Their mean relative difference from those wanted.
+    /// Their mean relative difference from the given eigenvalues.
     pub error: f64,
-    /// Steps that were taken.
+    /// Number of steps taken.
     pub steps: usize,
 }
 
 /// Deforms a template until the first eigenvalues of its cotangent Laplacian with barycentric
-/// masses are `eigenvalues`: those of a Dirichlet boundary, or, if the template is closed, all but
-/// the zeros. They are positive and ascending, in 1 / length^2.
+/// masses are `eigenvalues`: with a Dirichlet boundary, or, if the template is closed, without the
+/// zeros. The eigenvalues are positive and ascending, in 1 / length^2.
 ///
 /// The size is fitted first. Then each step is one of Levenberg and Marquardt for the relative
-/// differences, with the displacement of least `integral of |grad d|^2 + |d|^2 / area` among those
-/// that do as much, so that the surface bends before it crumples. A step that would turn a face or
-/// shrink it to less than a fifth is shortened. Many surfaces have the same eigenvalues; the result
-/// is one of them near the template. It may fall short of the tolerance: see
+/// differences, with the displacement that has the least `integral of |grad d|^2 + |d|^2 / area`
+/// among those of the same effect, so that the surface stays smooth. A step that would turn a face
+/// over, or shrink it to less than a fifth, is shortened. Many surfaces have the same eigenvalues;
+/// the result is one of them near the template. It may fall short of the tolerance: see
 /// [`ShapeFromSpectrum::error`].
 ///
 /// ```
@@ -68,7 +68,7 @@ pub struct ShapeFromSpectrum {
 /// let sphere = families::icosphere(2)?;
 /// let stretched = sphere.vertices().iter().map(|p| [p[0], 1.1 * p[1], 1.2 * p[2]]).collect();
 /// let template = TriMesh::new(stretched, sphere.faces().to_vec())?;
-/// // Those of a sphere of radius 1.
+/// // The eigenvalues of a sphere of radius 1.
 /// let wanted = [2.0, 2.0, 2.0, 6.0, 6.0, 6.0, 6.0, 6.0];
 /// let found = shape_from_spectrum(&template, &wanted, &ShapeOptions::new().tolerance(0.01))?;
 /// assert!(found.error <= 0.01);
@@ -87,7 +87,7 @@ pub fn shape_from_spectrum(
     check(template, eigenvalues)?;
     let wanted = Wanted::new(template, eigenvalues, options.par);
     let as_given = wanted.shape(template.vertices().to_vec())?;
-    // Eigenvalues go with 1 / length^2.
+    // Eigenvalues scale with 1 / length^2.
     let mean = 1.0 + as_given.residuals.iter().sum::<f64>() / eigenvalues.len() as f64;
     let sized = template.vertices().iter().map(|p| scale(*p, mean.sqrt())).collect();
     let mut now = wanted.shape(sized)?;
@@ -114,7 +114,7 @@ pub fn shape_from_spectrum(
     Ok(ShapeFromSpectrum { mesh: now.mesh, eigenvalues: now.values, error, steps })
 }
 
-/// Dampings, relative to the mean diagonal, above which steps are too short to matter.
+/// Damping, relative to the mean diagonal, above which steps are too short to matter.
 const DAMPING_LIMIT: f64 = 1e6;
 const LEAST_DAMPING: f64 = 1e-6;
 
@@ -125,7 +125,7 @@ fn check(template: &TriMesh, eigenvalues: &[f64]) -> Result<()> {
         return Err(Error::NonFinite { what, index: (i, 0) });
     }
     match eigenvalues.first() {
-        None => return refuse("there are none".into()),
+        None => return refuse("must not be empty".into()),
         Some(x) if *x <= 0.0 => {
             return refuse(format!(
                 "must be positive, but the first one is {x:e}: leave zeros out"
@@ -138,17 +138,17 @@ fn check(template: &TriMesh, eigenvalues: &[f64]) -> Result<()> {
     }
     if eigenvalues.len() >= template.vertices().len() {
         let (k, n) = (eigenvalues.len(), template.vertices().len());
-        return refuse(format!("{k} of a template of {n} vertices"));
+        return refuse(format!("must be fewer than the {n} vertices of the template, are {k}"));
     }
     Ok(())
 }
 
-/// What all shapes have in common.
+/// The data that all shapes have in common.
 struct Wanted<'a> {
     faces: &'a [[u32; 3]],
     eigenvalues: &'a [f64],
     boundary: Boundary,
-    /// Eigenvalues that are zero, below those wanted.
+    /// Number of zero eigenvalues, which are below the given ones.
     zeros: usize,
     par: Par,
 }
@@ -157,9 +157,9 @@ struct Wanted<'a> {
 struct Shape {
     mesh: TriMesh,
     values: Vec<f64>,
-    /// Relative differences from the eigenvalues wanted.
+    /// Relative differences from the given eigenvalues.
     residuals: Vec<f64>,
-    /// n x k, zero on a Dirichlet boundary.
+    /// The eigenfunctions, n x k, zero on a Dirichlet boundary.
     vectors: Mat<f64>,
 }
 
@@ -187,9 +187,10 @@ impl<'a> Wanted<'a> {
         Ok(Shape { mesh, values, residuals, vectors })
     }
 
-    /// Positions after a step, shortened until every face keeps its side and enough of its area.
+    /// Returns the positions after a step, shortened until every face keeps its orientation and
+    /// enough of its area.
     fn moved(&self, shape: &Shape, step: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        /// Of the area of a face, what a step must leave.
+        /// Least share of the area of a face that a step must leave.
         const KEPT: f64 = 0.2;
         let mut length = 1.0;
         loop {
@@ -212,25 +213,25 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// The normal of a face, twice its area long.
+/// Returns the normal of a face, scaled to twice its area.
 fn normal(vertices: &[[f64; 3]], face: &[u32; 3]) -> [f64; 3] {
     let [a, b, c] = face.map(|v| vertices[v as usize]);
     cross(sub(b, a), sub(c, a))
 }
 
 impl Shape {
-    /// The mean size of the residuals.
+    /// Returns the mean size of the residuals.
     fn error(&self) -> f64 {
         self.residuals.iter().map(|r| r.abs()).sum::<f64>() / self.residuals.len() as f64
     }
 
-    /// The sum of the squares of the residuals.
+    /// Returns the sum of the squares of the residuals.
     fn cost(&self) -> f64 {
         self.residuals.iter().map(|r| r * r).sum()
     }
 
-    /// The gradient of eigenvalue i by the positions, for vectors of length 1 in the inner product:
-    /// of `phi^T W phi - lambda phi^T M phi`, face by face.
+    /// Returns the gradient of eigenvalue i with respect to the positions, for vectors of length 1
+    /// in the inner product: of `phi^T W phi - lambda phi^T M phi`, face by face.
     fn gradient(&self, faces: &[[u32; 3]], i: usize) -> Vec<[f64; 3]> {
         let phi = self.vectors.col(i);
         let mut gradient = vec![[0.0; 3]; self.mesh.vertices().len()];
@@ -244,7 +245,8 @@ impl Shape {
             let twice_area = norm(normal);
             let area = 0.5 * twice_area;
             let sum = (0..3).fold([0.0; 3], |sum, j| add(sum, scale(edges[j], u[j])));
-            // Of this face: phi^T W phi and phi^T M phi over the area.
+            // The contributions of this face to phi^T W phi and to phi^T M phi, divided by the
+            // area.
             let energy = dot(sum, sum) / (4.0 * area);
             let square = u.iter().map(|u| u * u).sum::<f64>() / 3.0;
             for (j, &v) in face.iter().enumerate() {
@@ -262,10 +264,10 @@ impl Shape {
     }
 }
 
-/// The inner product of displacements, `W + M / area` of a shape (Neumann), factorised.
+/// The inner product of displacements, `W + M / area` of a shape (Neumann), in factorised form.
 struct Metric {
     factor: Factor,
-    /// The vertices that have faces.
+    /// The vertices with faces.
     kept: Vec<usize>,
 }
 
@@ -278,13 +280,13 @@ impl Metric {
         let factor = Symbolic::new(shifted.symbolic())?
             .positive(shifted.matrix(&shifted.values(-1.0 / area)))?;
         let Some(factor) = factor else {
-            let why = "its Laplacian is not positive semi-definite".into();
+            let why = "the Laplacian of a deformed template is not positive semi-definite".into();
             return Err(Error::Argument { what: "template", why });
         };
         Ok(Self { factor, kept })
     }
 
-    /// The steepest directions of the relative eigenvalues.
+    /// Returns the directions of steepest ascent of the relative eigenvalues.
     fn directions(&self, shape: &Shape, wanted: &Wanted<'_>) -> Result<Directions<'_>> {
         let k = wanted.eigenvalues.len();
         let mut slopes = zeros(self.kept.len(), 3 * k)?;
@@ -304,17 +306,17 @@ impl Metric {
     }
 }
 
-/// For each eigenvalue, the displacement that raises it most, by columns x, y and z.
+/// For each eigenvalue, the displacement of steepest ascent, in columns x, y and z.
 struct Directions<'m> {
     steepest: Mat<f64>,
-    /// By how much each displacement raises each eigenvalue, relative to the one wanted.
+    /// The increase of each relative eigenvalue by each displacement.
     gram: Mat<f64>,
     kept: &'m [usize],
 }
 
 impl Directions<'_> {
-    /// The displacements that take the residuals away, to first order, but for damping relative to
-    /// the mean diagonal of the Gram matrix.
+    /// Returns the displacement that removes the residuals, to first order, with damping relative
+    /// to the mean diagonal of the Gram matrix.
     fn step(&self, residuals: &[f64], damping: f64, vertices: usize) -> Result<Vec<[f64; 3]>> {
         let k = residuals.len();
         let mean = (0..k).map(|i| self.gram[(i, i)]).sum::<f64>() / k as f64;
@@ -343,7 +345,7 @@ mod tests {
     use crate::base::Rng;
     use crate::mesh::families;
 
-    /// A template whose eigenvalues are apart: a sphere, scaled along the axes and roughened.
+    /// Returns a template with distinct eigenvalues: a sphere, scaled along the axes and roughened.
     fn bumpy(level: u32, axes: [f64; 3]) -> TriMesh {
         let sphere = families::icosphere(level).unwrap();
         let mut rng = Rng::new(4);
@@ -354,7 +356,7 @@ mod tests {
         TriMesh::new(vertices, sphere.faces().to_vec()).unwrap()
     }
 
-    /// A rectangle of these sides, with its boundary.
+    /// Returns a rectangle with these sides, and with a boundary.
     fn sheet(a: f64, b: f64) -> TriMesh {
         let grid = families::grid(14, 12).unwrap();
         let vertices = grid.vertices().iter().map(|p| [a * p[0], b * p[1], 0.0]).collect();
@@ -417,10 +419,10 @@ mod tests {
             let found = shape_from_spectrum(&template, eigenvalues, &ShapeOptions::new());
             found.map_err(|e| e.to_string()).unwrap_err()
         };
-        assert!(with(&[]).contains("eigenvalues: there are none"));
+        assert!(with(&[]).contains("eigenvalues: must not be empty"));
         assert!(with(&[0.0, 1.0]).contains("leave zeros out"));
         assert!(with(&[2.0, 1.0]).contains("must ascend"));
         assert!(with(&[1.0, f64::NAN]).contains("eigenvalues"));
-        assert!(with(&[1.0; 42]).contains("of a template of 42 vertices"));
+        assert!(with(&[1.0; 42]).contains("fewer than the 42 vertices"));
     }
 }

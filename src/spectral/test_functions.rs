@@ -7,14 +7,14 @@ use super::descriptors::heat_kernel;
 use crate::base::{Error, Result, Rng};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
-/// Computes heat kernels between random vertices and all others (HK). Arguments as in
-/// [`heat_kernel`]; the thesis has t = 1e-3 on shapes of area 1. The same seed gives the same
+/// Computes heat kernels between random vertices and all others (HK). The arguments are those of
+/// [`heat_kernel`]; the thesis uses t = 1e-3 on shapes of area 1. The same seed gives the same
 /// vertices for any number of eigenfunctions.
 ///
 /// ```
 /// use catamaran::{faer::Mat, spectral::test_functions::heat_kernels};
 ///
-/// // At time 0 with all functions, heat is at its source.
+/// // At time 0 with all functions, all heat is at the source.
 /// let kernels = heat_kernels(&[0.0, 1.0, 2.0], Mat::identity(3, 3).as_ref(), 0.0, 5, 1)?;
 /// assert_eq!(kernels.shape(), (3, 5));
 /// assert!(kernels.col_iter().all(|heat| heat.iter().sum::<f64>() == 1.0));
@@ -42,7 +42,7 @@ pub fn heat_kernels(
 }
 
 /// Returns `count` columns of a signature at equal distances, the first and the last included (the
-/// middle, if `count` is 1): for HKS and WKS, 10 channels of 100 scales.
+/// middle one, if `count` is 1). The thesis takes 10 channels of 100 scales for HKS and WKS.
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, spectral::test_functions::channels};
@@ -53,18 +53,18 @@ pub fn heat_kernels(
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for more columns than there are.
+/// [`Error::Argument`] for more columns than the signature has.
 pub fn channels(signature: MatRef<'_, f64>, count: usize) -> Result<Mat<f64>> {
     let all = signature.ncols();
     if count > all {
-        let why = format!("{count} of {all} columns");
+        let why = format!("must be at most {all}, the columns of the signature, is {count}");
         return Err(Error::Argument { what: "channels", why });
     }
     let column = |j: usize| if count == 1 { all / 2 } else { j * (all - 1) / (count - 1) };
     Ok(Mat::from_fn(signature.nrows(), count, |i, j| signature[(i, column(j))]))
 }
 
-/// Returns independent numbers, uniform in [0, 1) (Rand).
+/// Returns columns of independent random numbers, uniform in [0, 1) (Rand).
 ///
 /// ```
 /// use catamaran::spectral::test_functions::random;
@@ -97,9 +97,9 @@ pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
     Mat::from_fn(mesh.vertices().len(), 3, |i, j| mesh.vertices()[i][j])
 }
 
-/// Returns indicators of random regions (Ind): 1 at the vertices nearest to a random one along
-/// edges, as many as have at least this share of the area (in (0, 1]) or are connected to it; 0
-/// elsewhere.
+/// Returns indicators of random regions (Ind): 1 at the vertices nearest to a random vertex along
+/// edges, and 0 elsewhere. A region has at least this share of the area (in (0, 1]), or all
+/// vertices connected to the random one.
 ///
 /// ```
 /// use catamaran::{mesh::{families, vertex_areas}, spectral::test_functions::geodesic_cells};
@@ -116,7 +116,7 @@ pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
 /// [`Error::Argument`] for a share out of range, or no vertices.
 pub fn geodesic_cells(mesh: &TriMesh, share: f64, count: usize, seed: u64) -> Result<Mat<f64>> {
     if !(share > 0.0 && share <= 1.0) {
-        let why = format!("{share}, where it is in (0, 1]");
+        let why = format!("must be in (0, 1], is {share}");
         return Err(Error::Argument { what: "share", why });
     }
     let (n, mut rng) = (mesh.vertices().len(), Rng::new(seed));
@@ -142,7 +142,7 @@ pub fn geodesic_cells(mesh: &TriMesh, share: f64, count: usize, seed: u64) -> Re
 
 fn random_vertex(n: usize, rng: &mut Rng) -> Result<usize> {
     if n == 0 {
-        return Err(Error::Argument { what: "mesh", why: "it has no vertices".into() });
+        return Err(Error::Argument { what: "mesh", why: "has no vertices".into() });
     }
     Ok(((rng.uniform() * n as f64) as usize).min(n - 1))
 }

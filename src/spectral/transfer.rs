@@ -6,13 +6,13 @@ use super::basis::Basis;
 use super::dense;
 use crate::base::{Error, Par, Result};
 
-/// Transfer of functions from a source to a target through two bases and a matrix between them: C
-/// and eigenfunctions, or O and orthogonalised products.
+/// A transfer of functions from a source to a target through two bases and a matrix between them: C
+/// with eigenfunctions, or O with orthogonalised products.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::{Basis, Transfer}};
 ///
-/// // From two vertices to three, the last two of which are images of the second.
+/// // From two vertices to three, of which the last two are images of the second.
 /// let source = Basis::orthonormal(Mat::identity(2, 2), Mass::identity(2))?;
 /// let target = Basis::orthonormal(Mat::identity(3, 3), Mass::identity(3))?;
 /// let map = mat![[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]];
@@ -32,7 +32,7 @@ impl<'a> Transfer<'a> {
     /// Creates a transfer by `map`, r_target x r_source.
     ///
     /// # Errors
-    /// [`Error::Shape`] when the map is of another shape, [`Error::NonFinite`].
+    /// [`Error::Shape`] when the shape of the map does not fit the bases, [`Error::NonFinite`].
     pub fn new(source: &'a Basis, target: &'a Basis, map: Mat<f64>) -> Result<Self> {
         Error::check_shape("map", (target.len(), source.len()), map.shape())?;
         dense::check_finite("map", map.as_ref())?;

@@ -1,9 +1,9 @@
-//! The matrix O that transfers orthogonalised eigenproducts (thesis, section 1.3.3), from the
-//! functional map itself.
+//! The matrix O that transfers orthogonalised eigenproducts (thesis, section 1.3.3), computed from
+//! the functional map.
 //!
 //! O is r_target x r_source: `T(Q_source) = Q_target O`. Both formulas need a functional map that
-//! is exact or nearly so, and lose accuracy fast when it is not (figure 1.10). The way of section
-//! 1.3.4, by points, does not: [`map_from_points`](super::functional_map::map_from_points) with the
+//! is exact or nearly so, and lose accuracy fast otherwise (figure 1.10). The method of section
+//! 1.3.4 does not: it applies [`map_from_points`](super::functional_map::map_from_points) to the
 //! points of the functional map.
 
 use faer::Mat;
@@ -14,14 +14,14 @@ use super::product_map::ProductMap;
 use crate::base::{Error, Par, Result};
 use crate::dense::{divide_by_upper, zeros};
 
-/// Columns of C~ that exist at the same time.
+/// Number of columns of C~ that are in memory at the same time.
 const PANEL: usize = 256;
 
 /// Computes O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the
 /// least-squares solution of `O R_source = R_target C~`, which has a column for every product.
 ///
-/// It is computed from a QR factorisation of `R_source^T`, which does not square its condition
-/// number as the formula does.
+/// It is computed from a QR factorisation of `R_source^T`, which, unlike the formula, does not
+/// square its condition number.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};
@@ -41,7 +41,8 @@ const PANEL: usize = 256;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when the map is of other products than the bases, [`Error::OutOfMemory`].
+/// [`Error::Argument`] when the map belongs to other products than the bases,
+/// [`Error::OutOfMemory`].
 pub fn transform_of_all_products(
     map: &ProductMap,
     source: &ProductBasis,
@@ -51,15 +52,15 @@ pub fn transform_of_all_products(
     check(map, source, target)?;
     let all: Vec<usize> = (0..map.source().len()).collect();
     let images = images(map, target, &all, par)?;
-    // Transposed: R^T O^T = (R C~)^T.
+    // The transposed equation: R^T O^T = (R C~)^T.
     let solution = dense::least_squares(source.r().transpose(), images.transpose())?;
     Ok(solution.transpose().to_owned())
 }
 
-/// Computes O by equation 1.18: column by column, each from those before it. It uses the products
-/// that were kept on the source.
+/// Computes O by equation 1.18: column by column, each from those before it, with the products that
+/// were kept on the source.
 ///
-/// The thesis writes `R[i, h]` for what is `R[h, i]` of its equation 1.13, and means the products
+/// The thesis writes `R[i, h]` where its equation 1.13 has `R[h, i]`, and refers to the products
 /// that were kept.
 ///
 /// ```
@@ -94,7 +95,7 @@ pub fn transform_by_columns(
     Ok(o)
 }
 
-/// `R_target C~[.., indices]`: the coefficients of the images of products.
+/// Computes `R_target C~[.., indices]`: the coefficients of the images of products.
 fn images(
     map: &ProductMap,
     target: &ProductBasis,
@@ -116,7 +117,7 @@ fn check(map: &ProductMap, source: &ProductBasis, target: &ProductBasis) -> Resu
     }
     let say = |p: &super::Eigenproducts| format!("{} functions to order {}", p.k(), p.order());
     let why = format!(
-        "maps products of {} to products of {}, where the bases have {} and {}",
+        "maps products of {} to products of {}, but the bases have {} and {}",
         say(map.source()),
         say(map.target()),
         say(source.products()),

@@ -7,11 +7,11 @@ use super::dense::{self, Svd};
 use super::product_basis::ProductBasis;
 use crate::base::{Error, Par, Result};
 
-/// Functions as coefficients of the eigenproducts themselves. Of the many such coefficients it
-/// takes the least ones, by a truncated singular value decomposition of the products.
+/// Functions as coefficients of the eigenproducts themselves. Among the many possible coefficients,
+/// a truncated singular value decomposition of the products gives the least ones.
 ///
-/// For comparison with [`ProductBasis`]: it is larger, slower and less stable. Coefficients are
-/// transferred by [`ProductMap::apply`](super::ProductMap::apply).
+/// This baseline serves for comparison with [`ProductBasis`]; it is larger, slower and less stable.
+/// Coefficients are transferred by [`ProductMap::apply`](super::ProductMap::apply).
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions};
@@ -45,12 +45,14 @@ impl<'a> TruncatedProducts<'a> {
     /// [`Reorthogonalized`](super::Orthogonalization::Reorthogonalized): `Q R = B`, so that R has
     /// the singular values of the products B in the norm of the mass.
     ///
-    /// Singular values of at most `threshold`, in `[0, 1)`, times the largest are left out. The
-    /// code published with the thesis takes 2e-3 per eigenfunction but two, the constant included,
-    /// for transfer, and leaves out none but those of rounding for approximation.
+    /// Singular values of at most `threshold`, in `[0, 1)`, times the largest are left out. For
+    /// transfer, the code published with the thesis takes 2e-3 times the number of eigenfunctions,
+    /// the constant included, minus two; for approximation, it leaves out only those due to
+    /// rounding.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the threshold, [`Error::NotConverged`] when the decomposition fails.
+    /// [`Error::Argument`] for an invalid threshold, [`Error::NotConverged`] when the decomposition
+    /// fails.
     pub fn new(basis: &'a ProductBasis, threshold: f64) -> Result<Self> {
         let svd = dense::thin_svd("R", basis.r())?;
         let mut products = Self { basis, svd, rank: 0 };
@@ -58,11 +60,11 @@ impl<'a> TruncatedProducts<'a> {
         Ok(products)
     }
 
-    /// Changes which singular values are left out, as in [`TruncatedProducts::new`], by the same
-    /// decomposition.
+    /// Changes which singular values are left out, as in [`TruncatedProducts::new`], without
+    /// another decomposition.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the threshold.
+    /// [`Error::Argument`] for an invalid threshold.
     pub fn set_threshold(&mut self, threshold: f64) -> Result<()> {
         if !(0.0..1.0).contains(&threshold) {
             let why = format!("must be at least 0 and less than 1, is {threshold}");

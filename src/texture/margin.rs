@@ -1,15 +1,16 @@
-//! What texels outside of the surface show.
+//! Fills the texels around the charts of a texture.
 
 use super::slime::{OUTSIDE, Texels};
 use crate::base::{Result, reserved};
 
-/// Rings of texels around charts that are filled: what filters of renderers mix in at their
-/// borders, and smaller copies of a texture (mipmaps) down to a sixteenth of its side.
+/// Number of rings of texels around charts that are filled. Filters of renderers mix them in at
+/// borders, and so do smaller copies of a texture (mipmaps) down to a sixteenth of its side.
 const RINGS: usize = 16;
 
-/// Returns for each texel the texel whose value it shows: itself on the surface, else the nearest
-/// of a chart, up to 16 texels away (diagonal steps count as one), and itself beyond. Without such
-/// a margin, filters of renderers mix what is outside of the surface into what is on it.
+/// Returns for each texel the texel whose value it takes: itself on the surface, otherwise the
+/// nearest texel of a chart, up to 16 texels away (diagonal steps count as one), and itself farther
+/// away. Without such a margin, filters of renderers mix texels outside of the surface into texels
+/// on it.
 ///
 /// ```
 /// use catamaran::{mesh::families, texture::margin};

@@ -1,5 +1,5 @@
-//! Materials of slime moulds: pheromone as composition mask and relief (thesis, figures 3.1 and
-//! 3.11).
+//! Materials of slime moulds: pheromone as mask for compositing and as relief (thesis, figures 3.1
+//! and 3.11).
 
 use super::margin::margin;
 use super::relief::{normal_colors, normal_map};
@@ -10,15 +10,15 @@ use crate::base::{Error, Par, Result, builder, reserved, zeros};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Finish {
-    /// Colour as screens have it (sRGB). Of metal: what it reflects.
+    /// Colour in sRGB; for a metal, the colour that it reflects.
     pub color: [u8; 3],
-    /// From 0, a mirror, to 1.
+    /// From 0, a mirror, to 1, matte.
     pub roughness: f64,
-    /// 1: metal; 0: not.
+    /// 1 for metal, 0 otherwise.
     pub metalness: f64,
-    /// From -1 to 1; [`Look::depth`] says what 1 is.
+    /// From -1 to 1; [`Look::depth`] is the height of 1.
     pub height: f64,
-    /// How much of its colour it emits by itself, from 0 to 1.
+    /// Share of its colour that the surface emits, from 0 to 1.
     pub glow: f64,
 }
 
@@ -51,26 +51,26 @@ pub(super) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Res
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let why = format!("{value}, where {low} to {high} is needed");
+    let why = format!("must be from {low} to {high}, is {value}");
     Err(Error::Argument { what, why })
 }
 
-/// The finishes of a surface, bare and where species are, and how they are mixed.
+/// The finishes of a surface, bare and under each species, and the way they are mixed.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Look {
-    /// Where nothing is.
+    /// The finish without pheromone.
     pub bare: Finish,
-    /// Of the species, again from the first when there are more.
+    /// The finishes of the species; they repeat when there are more species.
     pub species: Vec<Finish>,
-    /// Pheromone from which a species begins to show, and from which on nothing else does; from 0
-    /// to 1. Default 0.05, 0.5.
+    /// Pheromone at which a species begins to show, and at which it hides the rest; from 0 to 1.
+    /// Default 0.05, 0.5.
     pub mask: [f64; 2],
-    /// What a height of 1 is, in hundredths of the square root of the area of the surface, at
-    /// least 0. Default 0.5.
+    /// The height that a value of 1 stands for, in hundredths of the square root of the area of the
+    /// surface, at least 0. Default 0.5.
     pub depth: f64,
-    /// How often pheromone is blurred before, at most 64: what agents left just now is a texel
-    /// wide. Default 2.
+    /// Number of blurs of the pheromone, at most 64: fresh traces of agents are one texel wide.
+    /// Default 2.
     pub smoothing: u32,
 }
 
@@ -83,7 +83,7 @@ builder! { setters only Look {
     smoothing: u32,
 }}
 
-/// Looks that have a name.
+/// Named looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Preset {
     /// Coloured strands, smooth and raised, on a dark rough ground.
@@ -189,13 +189,13 @@ impl Look {
     /// Returns an error unless every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Argument`] that names the value.
+    /// [`Error::Argument`] names the value.
     pub fn check(&self) -> Result<()> {
         for finish in self.species.iter().chain([&self.bare]) {
             finish.check(1.0)?;
         }
         if self.species.is_empty() {
-            let why = "no finish, where that of a species is needed".into();
+            let why = "must have at least one finish".into();
             return Err(Error::Argument { what: "species", why });
         }
         within("depth", self.depth, 0.0, 100.0)?;
@@ -204,15 +204,15 @@ impl Look {
         within("mask", low, 0.0, 1.0)?;
         within("mask", high, 0.0, 1.0)?;
         if low >= high {
-            let why = format!("[{low}, {high}], where the first is smaller");
+            let why = format!("the first number must be smaller, is [{low}, {high}]");
             return Err(Error::Argument { what: "mask", why });
         }
         Ok(())
     }
 }
 
-/// The textures of a material for physically based rendering, of [`MaterialMaps::size`] rows of as
-/// many texels, row 0 at v = 0. Around charts they have a [`margin`].
+/// The textures of a material for physically based rendering, of [`MaterialMaps::size`] rows and
+/// columns, row 0 at v = 0. They have a [`margin`] around charts.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress, mesh::families};
@@ -235,23 +235,24 @@ pub struct MaterialMaps {
     pub size: usize,
     /// Colours (sRGB).
     pub albedo: Vec<[u8; 3]>,
-    /// 255 for 1.
+    /// Roughness, 255 for 1.
     pub roughness: Vec<u8>,
-    /// 255 for 1.
+    /// Metalness, 255 for 1.
     pub metalness: Vec<u8>,
-    /// 0 for the lowest finish, 65535 for the highest.
+    /// Height, 0 for the lowest finish, 65535 for the highest.
     pub height: Vec<u16>,
-    /// The height from the lowest finish to the highest, in the unit of the surface, the square
-    /// root of its area.
+    /// Difference in height between the lowest finish and the highest, in the unit of the surface,
+    /// the square root of its area.
     pub depth: f64,
-    /// As [`normal_map`] and [`normal_colors`] have them.
+    /// Normals, as from [`normal_map`] and [`normal_colors`].
     pub normal: Vec<[u8; 3]>,
-    /// Light that is emitted (sRGB), where any finish does.
+    /// Emitted light (sRGB); `None` when no finish emits any.
     pub glow: Option<Vec<[u8; 3]>>,
 }
 
 impl MaterialMaps {
-    /// Creates the textures of a simulation as it is now. Colours are mixed as light.
+    /// Creates the textures of a simulation in its current state. Colours are mixed as linear
+    /// light.
     ///
     /// # Errors
     /// As [`Look::check`]; [`Error::OutOfMemory`].
@@ -330,17 +331,17 @@ impl MaterialMaps {
     }
 }
 
-/// From 0 to 1 between two values, smoothly (a cubic of Hermite).
+/// Returns a smooth step from 0 to 1 between two values (a cubic of Hermite).
 fn step([low, high]: [f64; 2], x: f32) -> f32 {
     let t = ((f64::from(x) - low) / (high - low)).clamp(0.0, 1.0);
     (t * t * (3.0 - 2.0 * t)) as f32
 }
 
-/// The pheromone of a species, blurred over seams and without evaporation.
+/// Returns the pheromone of a species, blurred across seams and without evaporation.
 fn smoothed(simulation: &Simulation, species: usize, passes: u32, par: Par) -> Result<Vec<f32>> {
     let texels = simulation.texels();
     let size = texels.size();
-    // Whatever the blur of the steps is: here it is to leave no seam.
+    // The blur crosses seams, whatever the blur of the simulation, so that no seam shows.
     let parameters = Parameters {
         blend: 1.0,
         evaporation: 0.0,
@@ -364,13 +365,13 @@ fn smoothed(simulation: &Simulation, species: usize, passes: u32, par: Par) -> R
     Ok(texture)
 }
 
-/// Returns the amount of light of a number of a screen (IEC 61966-2-1).
+/// Returns the linear light of a number in sRGB (IEC 61966-2-1).
 pub(super) fn to_light(number: u8) -> f64 {
     let c = f64::from(number) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Returns the inverse of [`to_light`], rounded.
+/// Returns the sRGB number of linear light, rounded.
 pub(super) fn to_screen(light: f64) -> u8 {
     let l = light.clamp(0.0, 1.0);
     let c = if l <= 0.003_130_8 { 12.92 * l } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };

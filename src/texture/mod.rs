@@ -1,6 +1,6 @@
 //! Textures that grow on surfaces (thesis, chapters 3 and 7): the reference implementations, on the
-//! CPU. The module `opencl` (feature of that name) has the same as kernels. Also provides normal
-//! maps and materials of these textures.
+//! CPU. The module `opencl` (feature `opencl`) provides the same as kernels. This module also
+//! provides normal maps and materials of these textures.
 
 mod margin;
 mod material;

@@ -1,14 +1,14 @@
-//! Normal maps of heights: what a surface looks like that is raised by a texture.
+//! Normal maps of heights, for the look of a surface that a texture raises.
 //!
 //! A normal map has, for each texel, the unit normal of the raised surface in the frame of the
 //! surface there: x along growing u, y at a right angle to it on the side of growing v, z along the
-//! normal. That is the frame of MikkTSpace, which glTF viewers, Blender and engines take; green is
+//! normal. That is the frame of MikkTSpace, which glTF viewers, Blender and engines use; green is
 //! up ("OpenGL").
 
 use super::slime::{INSIDE, NO_TRIANGLE, OUTSIDE, Surface, Texels, UV, Walker};
 use crate::base::{Error, Par, Result, reserved};
 
-/// Texels that one thread takes at a time.
+/// Number of texels that one thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
 /// A texture of heights on a plane, seen from above.
@@ -16,23 +16,23 @@ const BLOCK: usize = 1 << 14;
 pub struct HeightField<'a> {
     /// Heights; rows along u, the first at v = 0.
     pub heights: &'a [f32],
-    /// Heights of a row, at least 1.
+    /// Number of heights in a row, at least 1.
     pub width: usize,
-    /// The side of a texel, in the unit in which a height of 1 is `depth`.
+    /// The side of a texel, in the same unit as `depth`.
     pub texel: f64,
-    /// What a height of 1 is.
+    /// The height that a value of 1 stands for.
     pub depth: f64,
-    /// Whether the texture is one of tiles: opposite sides are neighbours.
+    /// Whether the texture is a tile, whose opposite sides are neighbours.
     pub repeats: bool,
 }
 
-/// Computes the normal map of a plane, by differences of neighbours; one-sided at the sides of a
-/// texture that does not repeat.
+/// Computes the normal map of a plane, by differences of neighbours. Differences are one-sided at
+/// the border of a texture that does not repeat.
 ///
 /// ```
 /// use catamaran::texture::{HeightField, flat_normal_map};
 ///
-/// // A slope of 1 along u: normals lean back by 45 degrees.
+/// // The slope is 1 along u: normals lean back by 45 degrees.
 /// let heights: Vec<f32> = (0..16).map(|t| (t % 4) as f32).collect();
 /// let field = HeightField { heights: &heights, width: 4, texel: 0.5, depth: 0.5, repeats: false };
 /// let half = 0.5_f32.sqrt();
@@ -51,11 +51,11 @@ pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
     Error::check_shape("heights", (height.max(1), width.max(1)), (height, width))?;
     Error::check_shape("heights", (height * width, 1), (heights.len(), 1))?;
     if !(texel > 0.0 && texel.is_finite()) {
-        let why = format!("{texel}, where a length above 0 is needed");
+        let why = format!("must be a length above 0, is {texel}");
         return Err(Error::Argument { what: "texel", why });
     }
     check_depth(depth)?;
-    // The neighbours before and after, and their distance in texels.
+    // The neighbours on both sides, and their distance in texels.
     let around = |i: usize, count: usize| match (i, repeats) {
         (_, true) => ((i + count - 1) % count, (i + 1) % count, 2.0),
         (0, false) => (0, 1.min(count - 1), 1.0),
@@ -76,12 +76,13 @@ pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
     Ok(normals)
 }
 
-/// Computes the normal map of a texture of a surface: `heights` of [`Texels::size`] rows of as
-/// many, `depth` what a height of 1 is in the unit of the surface, the square root of its area.
+/// Computes the normal map of a texture of a surface. `heights` has [`Texels::size`] rows and
+/// columns; `depth` is the height that a value of 1 stands for, in the unit of the surface, the
+/// square root of its area.
 ///
-/// Slopes are those on the surface: the texture may stretch and turn it. Over seams, neighbours are
-/// found by walking there ([`Texels::beside`]), so that no seam shows. Texels outside of the
-/// surface have (0, 0, 1).
+/// Slopes are relative to the surface, on which the texture may be stretched and rotated.
+/// Neighbours across seams are found by walking on the surface ([`Texels::beside`]), so that no
+/// seam shows. Texels outside of the surface have (0, 0, 1).
 ///
 /// ```
 /// use catamaran::{Par, mesh::families, texture::normal_map};
@@ -117,7 +118,7 @@ pub fn normal_map(
     Ok(normals)
 }
 
-/// Returns normals as pictures have them: a byte for each of x, y and z, 0 for -1 and 255 for 1.
+/// Returns normals as colours: a byte for each of x, y and z, 0 for -1 and 255 for 1.
 pub fn normal_colors(normals: &[[f32; 3]]) -> Vec<[u8; 3]> {
     let byte = |x: f32| (127.5 * x.clamp(-1.0, 1.0) + 127.5).round() as u8;
     normals.iter().map(|n| n.map(byte)).collect()
@@ -127,13 +128,13 @@ fn check_depth(depth: f64) -> Result<()> {
     if depth.is_finite() {
         return Ok(());
     }
-    Err(Error::Argument { what: "depth", why: format!("{depth}, where a finite one is needed") })
+    Err(Error::Argument { what: "depth", why: format!("must be finite, is {depth}") })
 }
 
-/// The unit normal of a plane of these slopes along x and y.
+/// Returns the unit normal of a plane with these slopes along x and y.
 fn leaning(x: f64, y: f64) -> [f32; 3] {
     let length = (1.0 + x * x + y * y).sqrt();
-    // Without the sign of zero.
+    // Adding zero turns -0 into 0.
     [0.0 - x / length, 0.0 - y / length, 1.0 / length].map(|c| c as f32)
 }
 
@@ -165,7 +166,7 @@ impl Field<'_> {
         let record = &self.surface.records()[owner as usize];
         let [a, b, c, d] = [UV + 1, UV + 2, UV + 4, UV + 5].map(|i| f64::from(record[i]));
         let slope = [a * du + c * dv, b * du + d * dv];
-        // Along growing u with v as it is; then the side of growing v.
+        // The direction of growing u at constant v, then the side of growing v.
         let sign = (a * d - b * c).signum();
         let length = c.hypot(d);
         let tangent = [sign * d / length, -sign * c / length];
@@ -174,7 +175,7 @@ impl Field<'_> {
         leaning(along(tangent), along(bitangent))
     }
 
-    /// The height a texel further, where the surface goes on.
+    /// Returns the height one step further on the surface.
     fn height_beside(&self, t: usize, step: [i32; 2]) -> Option<f64> {
         let size = self.texels.size();
         let at = |x: usize, d: i32| x.checked_add_signed(d as isize).filter(|&x| x < size);
@@ -187,7 +188,8 @@ impl Field<'_> {
         self.height_at(self.texels.beside(self.surface, t, step)?)
     }
 
-    /// The height at a place: mixed from the texels around it that are in its chart.
+    /// Returns the height at a position, interpolated between the texels around it that are in its
+    /// chart.
     fn height_at(&self, place: Walker) -> Option<f64> {
         let size = self.texels.size();
         let record = &self.surface.records()[place.triangle as usize];

@@ -2,16 +2,16 @@ use super::network::{FEATURES, K};
 use super::spectrum;
 use crate::base::{Error, Result};
 
-/// The features of the parts of a union, without units, as the network reads them.
+/// The features of the parts of a union, without units, in the form that the network reads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartFeatures {
-    /// By how much eigenvalues are divided: the last one of the bound.
+    /// The divisor of the eigenvalues: the last one of the bound.
     pub scale: f64,
-    /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smallest ones
-    /// of all parts.
+    /// An upper bound of the eigenvalues of the union, by Dirichlet domain monotonicity: for each
+    /// index, the smallest eigenvalue of all parts.
     pub bound: [f64; K],
-    /// For each part and eigenvalue, its logarithm, and K times the difference from the eigenvalue
-    /// before.
+    /// For each part and eigenvalue, its logarithm, and K times the difference from the previous
+    /// eigenvalue.
     pub features: Vec<[[f64; FEATURES]; K]>,
 }
 
@@ -37,11 +37,11 @@ impl PartFeatures {
     /// Computes the features of parts with these spectra.
     ///
     /// # Errors
-    /// [`Error::NonFinite`] and [`Error::Argument`] for a spectrum that is none, and for no parts.
+    /// [`Error::NonFinite`] and [`Error::Argument`] for an invalid spectrum, and for no parts.
     pub fn new(parts: &[[f64; K]]) -> Result<Self> {
         parts.iter().try_for_each(|part| spectrum::check("parts", part).map(drop))?;
         match parts.is_empty() {
-            true => Err(Error::Argument { what: "parts", why: "there are none".into() }),
+            true => Err(Error::Argument { what: "parts", why: "must not be empty".into() }),
             false => Ok(Self::of(parts)),
         }
     }
@@ -60,7 +60,7 @@ impl PartFeatures {
     }
 
     /// Returns features that do not depend on the order of the parts: the mean of each logarithm
-    /// over the parts, and the distance of its largest and smallest value.
+    /// over the parts, and the difference between its largest and smallest value.
     pub fn symmetric(&self) -> [f64; 2 * K] {
         let count = self.features.len() as f64;
         std::array::from_fn(|j| {

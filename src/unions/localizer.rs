@@ -7,18 +7,18 @@ use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
 /// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as
-/// coefficients of its eigenfunctions (thesis, section 2.6.2, but for the coefficients:
+/// coefficients of its eigenfunctions (thesis, section 2.6.2; the coefficients:
 /// docs/decisions/0025).
 ///
-/// Eigenfunctions have no sign of their own, and others that span the same space do as well. So the
-/// values that those of the training have at some vertices, the anchors, are kept, and
-/// [`Localizer::on`] turns others into these.
+/// Eigenfunctions have no sign of their own, and other bases span the same space. So the localizer
+/// keeps the values of the eigenfunctions of the training at some vertices, the anchors, and
+/// [`Localizer::on`] transforms other eigenfunctions into these.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Localizer {
     modes: usize,
-    /// Vertices of the template.
+    /// The vertices of the template at which values are known.
     anchors: Vec<usize>,
-    /// For each anchor the values of all eigenfunctions.
+    /// For each anchor, the values of all eigenfunctions.
     values: Vec<f32>,
     vertices: usize,
 }
@@ -28,8 +28,8 @@ impl Localizer {
     ///
     /// - `modes`: number of eigenfunctions;
     /// - `anchors`: vertices, at least as many as eigenfunctions;
-    /// - `values`: of each of them the values of all eigenfunctions; rounded to half precision, as
-    ///   files have them.
+    /// - `values`: for each anchor, the values of all eigenfunctions; rounded to half precision, as
+    ///   in files.
     ///
     /// ```
     /// use catamaran::{Par, mesh::{LaplacianOptions, families, laplacian}, unions::Localizer};
@@ -49,7 +49,7 @@ impl Localizer {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
+    /// [`Error::Argument`] and [`Error::Shape`] name the argument that does not fit.
     pub fn new(
         modes: usize,
         anchors: Vec<usize>,
@@ -58,7 +58,7 @@ impl Localizer {
     ) -> Result<Self> {
         Error::check_shape("values", (anchors.len().saturating_mul(modes), 1), (values.len(), 1))?;
         if anchors.len() < modes || anchors.iter().any(|&v| v >= vertices) {
-            let why = "must be vertices, at least as many as eigenfunctions".into();
+            let why = "must be vertices of the template, at least as many as eigenfunctions".into();
             return Err(Error::Argument { what: "anchors", why });
         }
         values.iter_mut().for_each(|x| *x = rounded(*x));
@@ -74,13 +74,13 @@ impl Localizer {
         Self::new(modes, anchors, values, vertices)
     }
 
-    /// Returns the whole numbers of a file: the anchors, and then the number of vertices. (Below
-    /// 2^24, as floats.)
+    /// Returns the whole numbers of a file: the anchors, and then the number of vertices. They are
+    /// floats below 2^24, which are exact.
     pub(super) fn whole(&self) -> Vec<f32> {
         self.anchors.iter().chain([&self.vertices]).map(|&x| x as f32).collect()
     }
 
-    /// Returns the tensors of a file, given [`Localizer::whole`].
+    /// Returns the tensors of a file; `whole` are those of [`Localizer::whole`].
     pub(super) fn tensors<'a>(&'a self, whole: &'a [f32]) -> [(&'a str, Tensor<'a>); 3] {
         let (anchors, vertices) = whole.split_at(self.anchors.len());
         [
@@ -100,7 +100,7 @@ impl Localizer {
         self.vertices
     }
 
-    /// Computes the localizer on its template.
+    /// Computes the localizer on the mesh of its template.
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] for another mesh; as [`laplacian()`] and [`eigs`].
@@ -108,8 +108,8 @@ impl Localizer {
         self.on_mesh_watched(template, par, Progress::none())
     }
 
-    /// Computes what [`Localizer::on_mesh`] does, with a callback that is told the progress of the
-    /// eigenfunctions and may cancel.
+    /// Computes the same as [`Localizer::on_mesh`], with a callback for the progress of the
+    /// eigenfunctions, which may cancel.
     ///
     /// # Errors
     /// As [`Localizer::on_mesh`], [`Error::Cancelled`].
@@ -119,7 +119,7 @@ impl Localizer {
         par: Par,
         progress: Progress<'_>,
     ) -> Result<LocalizerOn> {
-        // Before the work.
+        // Checked before the expensive work.
         Error::check_shape("template", (self.vertices, 3), (template.vertices().len(), 3))?;
         let settings = LaplacianOptions { par, ..LaplacianOptions::default() };
         let operator = laplacian(template, &settings)?;
@@ -128,22 +128,23 @@ impl Localizer {
         self.on(operator.extend(pairs.vectors.as_ref())?.as_ref())
     }
 
-    /// Computes the localizer on a template with these eigenfunctions (vertices x their number),
-    /// whatever their signs are.
+    /// Computes the localizer on a template with these eigenfunctions (vertices x number), whatever
+    /// their signs.
     ///
     /// # Errors
     /// [`Error::Shape`] for another template; [`Error::Argument`] when the functions are not those
     /// of the template.
     pub fn on(&self, functions: MatRef<'_, f64>) -> Result<LocalizerOn> {
-        /// Largest share of the anchors' values that the functions do not reach.
+        /// Largest share of the anchors' values that the functions may leave unexplained.
         const TOLERANCE: f64 = 0.05;
         let modes = self.modes;
         Error::check_shape("functions", (self.vertices, modes), functions.shape())?;
-        let (m, wrong) = (self.anchors.len(), "not the eigenfunctions of the template");
+        let (m, wrong) = (self.anchors.len(), "are not the eigenfunctions of the template");
         let refuse = || Error::Argument { what: "functions", why: wrong.into() };
         let at = Mat::from_fn(m, modes, |i, j| functions[(self.anchors[i], j)]);
         let wanted = Mat::from_fn(m, modes, |i, j| f64::from(self.values[i * modes + j]));
-        // Least squares by the normal equations: anchors are many and spread out.
+        // Least squares by the normal equations, which are well conditioned: anchors are many and
+        // spread out.
         let mut factor = at.transpose() * &at;
         let mut turn = at.transpose() * &wanted;
         dense::cholesky(factor.as_mut())?.map_err(|_| refuse())?;
@@ -170,8 +171,8 @@ pub struct LocalizerOn {
 
 impl LocalizerOn {
     /// Returns a value for each vertex, about 1 inside of the region with these coefficients and 0
-    /// outside; the region is where it is above 1/2. Mirror images have the same spectrum, and one
-    /// of them is found.
+    /// outside; the region consists of the vertices with values above 1/2. Mirror images have the
+    /// same spectrum, so the region may be the mirror image.
     ///
     /// # Errors
     /// [`Error::Shape`] unless there is a coefficient for each eigenfunction.
@@ -218,7 +219,7 @@ mod tests {
         let other = localizer.on(turned.as_ref()).unwrap().indicator(&COEFFICIENTS).unwrap();
         for v in 0..VERTICES {
             let sum: f64 = (0..MODES).map(|j| f64::from(COEFFICIENTS[j]) * functions[(v, j)]).sum();
-            // Values at anchors are of half precision.
+            // Values at anchors have half precision.
             assert!((one[v] - sum).abs() < 2e-3 && (one[v] - other[v]).abs() < 1e-9);
         }
     }

@@ -11,30 +11,31 @@ use super::spectrum;
 use super::tensors::{Tensor, Tensors, to_bytes};
 use crate::base::{Error, Result};
 
-/// The weights that come with the library (docs/model-card-unions.md).
+/// The weights that are part of the library (docs/model-card-unions.md).
 const PRETRAINED: &[u8] = include_bytes!("unions.safetensors");
 
-/// Logits beyond this say no more.
+/// Largest logit: beyond it, the probability does not change.
 const LARGEST: f64 = 20.0;
 
-/// Unions that the network sees at once.
+/// Number of unions that the network processes at once.
 const BATCH: usize = 64;
 
-/// Means and deviations by which numbers are made of about the size 1, and back.
+/// Means and deviations that scale the inputs and outputs of the network to a size of about 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaling {
-    /// Of the features of each eigenvalue of a part, K x FEATURES by rows.
+    /// Means of the features of each eigenvalue of a part, K x FEATURES by rows.
     pub feature_mean: Vec<f32>,
-    /// Their deviations.
+    /// Deviations of the features.
     pub feature_deviation: Vec<f32>,
-    /// Of the logits of union over bound, K.
+    /// Means of the logits of union over bound, K.
     pub output_mean: Vec<f32>,
-    /// Their deviations.
+    /// Deviations of the logits.
     pub output_deviation: Vec<f32>,
 }
 
 impl Scaling {
-    /// Returns the features of a part in units of their deviations, as the network reads them.
+    /// Returns the features of a part in units of their deviations, in the form that the network
+    /// reads.
     pub fn features(&self, part: &[[f64; FEATURES]; K]) -> [f32; K * FEATURES] {
         let part = part.as_flattened();
         std::array::from_fn(|j| {
@@ -44,21 +45,21 @@ impl Scaling {
     }
 }
 
-/// The spectral union operator (thesis, section 2.4). It predicts, from the first [`K`] Dirichlet
-/// eigenvalues of each part of a surface, those of their union, whatever the geometry is, and the
-/// place of the union on a template.
+/// The spectral union operator (thesis, section 2.4). From the first [`K`] Dirichlet eigenvalues of
+/// each part of a surface, it predicts those of their union, whatever the geometry, and the
+/// position of the union on a template.
 ///
-/// By construction a prediction is positive, ascending, at most the bound that domain monotonicity
-/// gives (`lambda_i` of the union is at most the smallest one of the parts), the same for all
-/// orders of the parts, bit for bit, and grows with its arguments when all are multiplied by the
-/// same number. Parts are encoded one by one and the codes are added, so it does not matter in
-/// which groups parts come together: unions are associative.
+/// By construction, a prediction is positive and ascending, at most the bound by domain
+/// monotonicity (`lambda_i` of the union is at most the smallest one of the parts), the same for
+/// all orders of the parts, bit for bit, and homogeneous: it scales with its arguments. Parts are
+/// encoded separately and their codes are added, so that the grouping of parts does not matter:
+/// unions are associative.
 #[derive(Debug, Clone)]
 pub struct SpectralUnion {
     sizes: Architecture,
     layout: ParameterLayout,
     parameters: Vec<f32>,
-    /// For each quantized weight matrix, in their order, what one is worth in each column.
+    /// For each quantized weight matrix, the value of one unit in each column.
     units: Vec<Vec<f32>>,
     scaling: Scaling,
     detector: OodDetector,
@@ -66,7 +67,7 @@ pub struct SpectralUnion {
 }
 
 impl SpectralUnion {
-    /// Creates the network with the weights that come with the library.
+    /// Creates the network with the weights of the library.
     ///
     /// ```
     /// use catamaran::unions::SpectralUnion;
@@ -77,16 +78,16 @@ impl SpectralUnion {
     /// ```
     ///
     /// # Errors
-    /// None in a sound build.
+    /// None, unless the build is broken.
     pub fn pretrained() -> Result<Self> {
         Self::from_bytes(PRETRAINED)
     }
 
     /// Creates the network from trained parameters, in the order of [`Architecture::layout`];
-    /// weights are rounded as files have them ([`quantize`]).
+    /// weights are rounded as in files ([`quantize`]).
     ///
     /// # Errors
-    /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
+    /// [`Error::Argument`] and [`Error::Shape`] name the argument that does not fit.
     pub fn new(
         sizes: Architecture,
         mut parameters: Vec<f32>,
@@ -139,7 +140,7 @@ impl SpectralUnion {
     /// example of [`SpectralUnion::pretrained`] shows both.
     ///
     /// # Errors
-    /// [`Error::Argument`] says what is wrong with the weights.
+    /// [`Error::Argument`] describes the defect of the weights.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let tensors = Tensors::new(bytes)?;
         let values = |name: &str, len| tensors.values(name, len);
@@ -188,7 +189,7 @@ impl SpectralUnion {
     /// the same bytes.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the format can't hold them.
+    /// [`Error::Argument`] when the format can't store the weights.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let Architecture { width, hidden, first_layers, second_layers, modes } = self.sizes;
         let sizes = [width, hidden, first_layers, second_layers, modes].map(|x| x as f32);
@@ -238,13 +239,13 @@ impl SpectralUnion {
         &self.parameters
     }
 
-    /// Returns how numbers are scaled for the network.
+    /// Returns the scaling of inputs and outputs of the network.
     pub fn scaling(&self) -> &Scaling {
         &self.scaling
     }
 
     /// Predicts the K first eigenvalues of the union of two parts, from those of the parts, in the
-    /// unit of those.
+    /// same unit.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -265,8 +266,8 @@ impl SpectralUnion {
         Ok(self.union(&input, &tape.output))
     }
 
-    /// Predicts the unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for
-    /// bit, in a fraction of the time.
+    /// Predicts the unions of many pairs of parts: the same as [`SpectralUnion::predict`] of each
+    /// pair, bit for bit, in a fraction of the time.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -280,7 +281,7 @@ impl SpectralUnion {
     /// ```
     ///
     /// # Errors
-    /// As [`SpectralUnion::predict`], of the first pair at fault.
+    /// As [`SpectralUnion::predict`], for the first invalid pair.
     pub fn predict_each(&self, pairs: &[[&[f64]; 2]]) -> Result<Vec<[f64; K]>> {
         let mut unions = Vec::with_capacity(pairs.len());
         for pairs in pairs.chunks(BATCH) {
@@ -293,7 +294,7 @@ impl SpectralUnion {
         Ok(unions)
     }
 
-    /// Of unions of equally many parts.
+    /// Runs the network on unions with the same number of parts.
     fn run(&self, inputs: &[&PartFeatures]) -> Tape<f32> {
         let parts = inputs[0].features.len();
         let mut tape = Tape::new(&self.sizes, inputs.len(), parts);
@@ -306,20 +307,21 @@ impl SpectralUnion {
         tape
     }
 
-    /// The spectrum that an output of the network means.
+    /// Returns the spectrum that an output of the network stands for.
     fn union(&self, input: &PartFeatures, output: &[f32]) -> [f64; K] {
         let below: [f64; K] = std::array::from_fn(|i| {
             let output = f64::from(output[i] * self.scaling.output_deviation[i]);
             let logit = output + f64::from(self.scaling.output_mean[i]);
-            // Weights that are beyond all reason give NaN.
+            // Extreme weights give NaN.
             let logit = if logit.is_nan() { 0.0 } else { logit.clamp(-LARGEST, LARGEST) };
             input.bound[i] / (1.0 + (-logit).exp())
         });
         spectrum::ascending(&below)
     }
 
-    /// Predicts the eigenvalues of the union of any number of parts. Their order does not matter,
-    /// bit for bit: they are sorted by their eigenvalues. The network was trained on up to four.
+    /// Predicts the eigenvalues of the union of any number of parts. The order of the parts does
+    /// not change the result, bit for bit: they are sorted by their eigenvalues. The network was
+    /// trained on up to four.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -334,7 +336,8 @@ impl SpectralUnion {
     /// ```
     ///
     /// # Errors
-    /// As [`SpectralUnion::predict`], but the name is `parts`; [`Error::Argument`] for no parts.
+    /// As [`SpectralUnion::predict`], except that errors name `parts`; [`Error::Argument`] for no
+    /// parts.
     pub fn predict_all(&self, parts: &[&[f64]]) -> Result<[f64; K]> {
         let parts = sorted(parts)?;
         if let [part] = parts[..] {
@@ -345,9 +348,9 @@ impl SpectralUnion {
         Ok(self.union(&input, &tape.output))
     }
 
-    /// Predicts where the union of any number of parts is on the template: coefficients in its
-    /// eigenfunctions, which [`Localizer::on_mesh`] makes a function of. The order of the parts
-    /// does not matter, as in [`SpectralUnion::predict_all`].
+    /// Predicts the position of the union of any number of parts on the template, as coefficients
+    /// of its eigenfunctions, which [`Localizer::on_mesh`] turns into a function. The order of the
+    /// parts does not matter, as in [`SpectralUnion::predict_all`].
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -365,18 +368,18 @@ impl SpectralUnion {
     pub fn locate(&self, parts: &[&[f64]]) -> Result<Vec<f32>> {
         let mut parts = sorted(parts)?;
         if let [part] = parts[..] {
-            // It is the union of itself with itself.
+            // A single part is the union of itself with itself.
             parts.push(part);
         }
         Ok(self.run(&[&PartFeatures::new(&parts)?]).region)
     }
 
-    /// Returns the template, for [`SpectralUnion::locate`].
+    /// Returns the template of [`SpectralUnion::locate`].
     pub fn localizer(&self) -> &Localizer {
         &self.localizer
     }
 
-    /// Computes the probability that two parts are of another kind of shape than the template,
+    /// Computes the probability that two parts come from another kind of shape than the template,
     /// among the kinds of the training.
     ///
     /// # Errors
@@ -387,19 +390,20 @@ impl SpectralUnion {
 
     fn ood_probability_of(&self, input: &PartFeatures) -> f64 {
         let logit = f64::from(self.run(&[input]).ood_logit[0]);
-        // Weights that are beyond all reason give NaN.
+        // Extreme weights give NaN.
         if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
     }
 
-    /// Computes how unlike the pairs of the training parts are, the largest score of all pairs of
-    /// them: the Mahalanobis distance of a pair from the mean or the
-    /// [probability](SpectralUnion::ood_probability), whichever is larger, each in units of what
-    /// 99.5 % of such pairs keep. A prediction for parts with a score above 1 is a guess.
+    /// Computes the out-of-distribution score of parts: the largest score of all their pairs. The
+    /// score of a pair is its Mahalanobis distance from the mean of the training, or its
+    /// [probability](SpectralUnion::ood_probability), whichever is larger, each in units of the
+    /// limit that 99.5 % of the training pairs do not exceed. A prediction for parts with a score
+    /// above 1 is a guess.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
     ///
-    /// // A spectrum that grows without bound is not one of a part of the template.
+    /// // A spectrum that grows too fast is not that of a part of the template.
     /// let part: Vec<f64> = (0..K as i32).map(|k| 4.0_f64.powi(k)).collect();
     /// assert!(SpectralUnion::pretrained()?.ood_score(&[&part, &part])? > 1.0);
     /// # Ok::<(), catamaran::Error>(())
@@ -420,7 +424,7 @@ impl SpectralUnion {
     }
 }
 
-/// The parts in the order of their eigenvalues.
+/// Returns the parts in the order of their eigenvalues.
 fn sorted(parts: &[&[f64]]) -> Result<Vec<[f64; K]>> {
     let mut parts: Vec<[f64; K]> =
         parts.iter().map(|part| spectrum::check("parts", part)).collect::<Result<_>>()?;
@@ -440,7 +444,7 @@ mod tests {
     const SIZES: Architecture =
         Architecture { width: 16, hidden: 24, first_layers: 2, second_layers: 1, modes: 3 };
 
-    /// A network that nobody has trained.
+    /// Returns a network with random weights.
     fn random(seed: u64, size: f64) -> SpectralUnion {
         let mut rng = Rng::new(seed);
         let mut numbers = |n: usize| (0..n).map(|_| (size * rng.normal()) as f32).collect();
@@ -458,7 +462,7 @@ mod tests {
         SpectralUnion::new(SIZES, parameters, scaling, detector, localizer).unwrap()
     }
 
-    /// An ascending sequence with equal values among it, over some powers of ten.
+    /// Returns an ascending sequence with some equal values, over some powers of ten.
     fn spectrum(rng: &mut Rng) -> [f64; K] {
         let mut value = 10_f64.powf(4.0 * rng.uniform() - 2.0);
         std::array::from_fn(|_| {
@@ -478,7 +482,7 @@ mod tests {
                 assert!(union.is_sorted() && union[0] > 0.0, "{union:?}");
                 for i in 0..K {
                     assert!(union[i] <= a[i].min(b[i]));
-                    // And so they are when they are rounded.
+                    // Rounded values satisfy the same conditions.
                     assert!(union[i] as f32 <= (a[i] as f32).min(b[i] as f32));
                 }
             }
@@ -528,7 +532,7 @@ mod tests {
             let with = |factor: f64| {
                 model.predict(&a.map(|x| factor * x), &b.map(|x| factor * x)).unwrap()
             };
-            assert_eq!(with(1024.0), union.map(|x| 1024.0 * x), "powers of two are exact");
+            assert_eq!(with(1024.0), union.map(|x| 1024.0 * x), "powers of two scale exactly");
             for (x, y) in with(3.7).into_iter().zip(union) {
                 assert!((x / (3.7 * y) - 1.0).abs() < 1e-4);
             }
@@ -550,7 +554,7 @@ mod tests {
             ));
         }
         let mut rotten = bytes.clone();
-        // Numbers of single precision come first, behind the header.
+        // Numbers in single precision come first, after the header.
         let header = u64::from_le_bytes(*bytes.first_chunk().unwrap()) as usize;
         rotten[8 + header..][..4].copy_from_slice(&[0xff; 4]);
         assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));

@@ -4,33 +4,33 @@ use super::network::K;
 use crate::base::{Error, Result};
 use crate::dense;
 
-/// Features of a pair that do not depend on the order of its spectra.
+/// Number of features of a pair that do not depend on the order of its spectra.
 pub(super) const SYMMETRIC: usize = 2 * K;
 
-/// Tells pairs that are like those of the training from others: by their Mahalanobis distance from
-/// the mean, and by the network's own probability.
+/// Detects pairs that differ from those of the training, by their Mahalanobis distance from the
+/// mean, and by the probability that the network predicts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OodDetector {
     pub(super) mean: Vec<f32>,
-    /// Lower triangular, by rows: the inverse Cholesky factor of the covariance.
+    /// The inverse Cholesky factor of the covariance, lower triangular, by rows.
     pub(super) whitening: Vec<f32>,
     /// Distance that few pairs of the training exceed.
     pub(super) limit: f32,
-    /// Probability that few of them exceed.
+    /// Probability that few pairs of the training exceed.
     pub(super) probability_limit: f32,
 }
 
-/// Probabilities below this do not count.
+/// Probabilities below this are ignored.
 const LEAST_PROBABILITY: f32 = 0.05;
 
-/// Added to variances of logarithms of eigenvalues: what is below 0.1 % is noise of the
+/// Added to variances of logarithms of eigenvalues: variations below 0.1 % are noise of the
 /// discretisation.
 const NOISE: f64 = 1e-6;
 
 impl OodDetector {
     /// Fits a detector to the symmetric features
     /// ([`PartFeatures::symmetric`](super::PartFeatures::symmetric)) of all pairs of the training,
-    /// of which the share `within` must score at most 1. Probabilities do not count yet.
+    /// of which the share `within` must score at most 1. Probabilities are not used yet.
     ///
     /// ```
     /// use catamaran::unions::{K, OodDetector};
@@ -44,7 +44,7 @@ impl OodDetector {
     pub fn fit(pairs: &[[f64; SYMMETRIC]], within: f64) -> Result<Self> {
         let refuse = |what, why: &str| Error::Argument { what, why: why.into() };
         if pairs.is_empty() {
-            return Err(refuse("pairs", "there are none"));
+            return Err(refuse("pairs", "must not be empty"));
         }
         if !(0.0..=1.0).contains(&within) {
             return Err(refuse("within", "must be in [0, 1]"));
@@ -57,7 +57,7 @@ impl OodDetector {
             sum / count + if i == j { NOISE } else { 0.0 }
         });
         dense::cholesky(factor.as_mut())?
-            .map_err(|_| refuse("pairs", "their covariance is not finite"))?;
+            .map_err(|_| refuse("pairs", "must have a finite covariance"))?;
         let mut whitening = Mat::<f64>::identity(SYMMETRIC, SYMMETRIC);
         dense::lower_solve_in_place(factor.as_ref(), whitening.as_mut());
         let mut found = Self {
@@ -73,9 +73,9 @@ impl OodDetector {
         Ok(found)
     }
 
-    /// Returns the detector with probabilities counted, given those of some pairs like those of the
-    /// training ([`SpectralUnion::ood_probability`](super::SpectralUnion::ood_probability)), of
-    /// which the share `within` shall score at most 1; unchanged for no pairs.
+    /// Returns the detector with a limit of probabilities, from those of some pairs of the training
+    /// ([`SpectralUnion::ood_probability`](super::SpectralUnion::ood_probability)), of which the
+    /// share `within` shall score at most 1; returns it unchanged for no pairs.
     ///
     /// # Panics
     /// For a share outside [0, 1].
@@ -89,12 +89,12 @@ impl OodDetector {
         }
     }
 
-    /// Returns how unlike the pairs of the training a pair is; above 1 it is unlike them.
+    /// Returns the out-of-distribution score of a pair; above 1 the pair is unlike the training.
     pub(super) fn ood_score(&self, pair: &[f64; SYMMETRIC], probability: f64) -> f64 {
         self.distance(pair).max(probability / f64::from(self.probability_limit))
     }
 
-    /// The distance of a pair, in units of the limit.
+    /// Returns the distance of a pair, in units of the limit.
     fn distance(&self, pair: &[f64; SYMMETRIC]) -> f64 {
         let centred: [f64; SYMMETRIC] = std::array::from_fn(|j| pair[j] - f64::from(self.mean[j]));
         let squares: f64 = self
@@ -109,7 +109,7 @@ impl OodDetector {
     }
 }
 
-/// What this share of the values does not exceed.
+/// Returns the value that this share of the values does not exceed.
 fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values[(share * (values.len() - 1) as f64).round() as usize]
@@ -132,10 +132,10 @@ mod tests {
         let detector = OodDetector::fit(&pairs, 0.99).unwrap();
         let outside = pairs.iter().filter(|pair| detector.distance(pair) > 1.0 + 1e-6).count();
         assert_eq!(outside, 5);
-        // As far from the mean as others, but across their direction.
+        // As far from the mean as the others, but orthogonal to their direction.
         let across = std::array::from_fn(|j| if j % 2 == 0 { 3.0 } else { -3.0 });
         assert!(detector.distance(&across) > 5.0);
-        // A probability counts once it is known which ones are usual.
+        // Probabilities are used once usual ones are known.
         assert!(detector.ood_score(&pairs[0], 0.9) < 1.0 + 1e-6);
         let probabilities = (0..=100).map(|i| f64::from(i) / 200.0).collect();
         let detector = detector.with_probabilities(probabilities, 0.8);

@@ -7,19 +7,20 @@ use crate::mesh::{
 };
 use crate::sparse::{EigenOptions, eigs};
 
-/// Residual of eigenpairs: eigenvalues are then right to about its square.
+/// Residual of eigenpairs; the relative error of eigenvalues is about its square.
 const TOLERANCE: f64 = 1e-4;
 
-/// The spectra of parts of one surface: its Laplacian is assembled once for all of them.
+/// Computes the spectra of parts of one surface, whose Laplacian is assembled once.
 ///
-/// A part is a mask: of each vertex whether it belongs to the part. Its faces are those whose three
-/// vertices do.
+/// A part is a mask: for each vertex, whether it belongs to the part. The faces of the part are
+/// those whose three vertices belong to it.
 ///
 /// With Dirichlet conditions, eigenfunctions are zero at the vertices on the edge of the part, and
-/// on the boundary of the surface: the matrices are principal ones of those of the surface. So, of
-/// two parts of which one lies in the other, the inner one has no smaller eigenvalue anywhere in
-/// the sequence (domain monotonicity, here by Cauchy's interlacing, exactly for these matrices).
-/// Complete closed surfaces have nothing to hold at zero: their first eigenvalue is 0.
+/// on the boundary of the surface: the matrices are principal submatrices of those of the surface.
+/// So, if one part contains another, no eigenvalue of the inner part is smaller than that of the
+/// same index of the outer part (domain monotonicity, here by Cauchy's interlacing, exactly for
+/// these matrices). A complete closed surface has no vertex to hold at zero: its first eigenvalue
+/// is 0.
 ///
 /// ```
 /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
@@ -61,7 +62,7 @@ impl<'m> PartSpectra<'m> {
         Ok(Self { mesh, options, operator, neighbours, on_boundary, progress })
     }
 
-    /// Sets a callback that is told of the progress of each spectrum, from 0 to 1, and may cancel.
+    /// Sets a callback for the progress of each spectrum, from 0 to 1, which may cancel.
     pub fn progress(self, progress: impl Into<Progress<'m>>) -> Self {
         Self { progress: progress.into(), ..self }
     }
@@ -79,7 +80,7 @@ impl<'m> PartSpectra<'m> {
     }
 
     /// Computes the k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for
-    /// each of its pieces, then what follows; in units of 1 / length^2.
+    /// each of its components, then the positive ones; in units of 1 / length^2.
     ///
     /// ```
     /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
@@ -99,8 +100,8 @@ impl<'m> PartSpectra<'m> {
         self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
     }
 
-    /// Returns for each vertex whether it is inside of the part: it and its neighbours belong to
-    /// the part, and it is not on the boundary of the surface.
+    /// Returns for each vertex whether it is inside of the part: the vertex and its neighbours
+    /// belong to the part, and the vertex is not on the boundary of the surface.
     ///
     /// ```
     /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
@@ -131,9 +132,9 @@ impl<'m> PartSpectra<'m> {
 }
 
 /// Computes the k smallest Dirichlet eigenvalues of the part of a surface that points were sampled
-/// from (thesis, figure 2.8), ascending, in units of 1 / length^2: those of [`cloud_laplacian`],
-/// zero at the points that their neighbours do not surround. The boundary of the options has no
-/// effect.
+/// from (thesis, figure 2.8), ascending, in units of 1 / length^2: eigenvalues of
+/// [`cloud_laplacian`], with functions zero at the points that their neighbours do not surround.
+/// The boundary of the options has no effect.
 ///
 /// ```
 /// use catamaran::{mesh::CloudOptions, unions::cloud_spectrum};
@@ -141,7 +142,7 @@ impl<'m> PartSpectra<'m> {
 /// let points: Vec<[f64; 3]> =
 ///     (0..31 * 31).map(|i| [f64::from(i / 31) / 30.0, f64::from(i % 31) / 30.0, 0.0]).collect();
 /// let first = cloud_spectrum(&points, 1, &CloudOptions::new())?[0];
-/// // 2 pi^2, of the unit square.
+/// // The first eigenvalue of the unit square, 2 pi^2.
 /// assert!((first / 19.74 - 1.0).abs() < 0.02);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -161,7 +162,7 @@ fn eigenvalues(
 ) -> Result<Vec<f64>> {
     let rows = operator.kept.len();
     if k > rows {
-        let why = format!("{k} eigenvalues of a part with {rows} vertices inside");
+        let why = format!("must be at most {rows}, the number of inner vertices, is {k}");
         return Err(Error::Argument { what: "k", why });
     }
     let options =

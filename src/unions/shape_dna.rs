@@ -11,14 +11,14 @@ use crate::sparse::{EigenOptions, eigs};
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ShapeDnaOptions<'a> {
-    /// Eigenvalues; default 20.
+    /// Number of eigenvalues; default 20.
     pub k: usize,
-    /// Whether they are multiplied by the area, so that they don't depend on the size of the shape;
-    /// default true.
+    /// Whether the eigenvalues are multiplied by the area, so that they do not depend on the size
+    /// of the shape; default true.
     pub normalized: bool,
-    /// The Laplacian, with what holds at the boundary and threads.
+    /// Options of the Laplacian, including the boundary condition and threads.
     pub laplacian: LaplacianOptions,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -36,8 +36,8 @@ builder! { ShapeDnaOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Computes the k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure
-/// numbers where they are normalized by area. Those of closed surfaces begin with 0.
+/// Computes the k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or
+/// without unit if they are normalized by the area. The first eigenvalue of a closed surface is 0.
 ///
 /// ```
 /// use catamaran::{mesh::families, unions::{ShapeDnaOptions, shape_dna}};
@@ -48,14 +48,14 @@ builder! { ShapeDnaOptions<'a> {
 /// ```
 ///
 /// # Errors
-/// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when there are fewer than k vertices that
-/// are not held at zero.
+/// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when fewer than k vertices are not held at
+/// zero.
 pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
     let operator = laplacian(mesh, &options.laplacian)?;
     let wanted = EigenOptions {
         k: options.k,
         par: options.laplacian.par,
-        // Eigenvalues are right to about its square.
+        // The relative error of eigenvalues is about the square of this.
         tolerance: 1e-6,
         progress: options.progress,
         ..EigenOptions::default()
@@ -71,14 +71,14 @@ pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f6
 /// A signature that [`retrieve`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
-    /// Number of the signature, from 0.
+    /// Index of the signature.
     pub index: usize,
-    /// Euclidean distance to it, in the unit of the signatures.
+    /// Euclidean distance to the signature, in the unit of the signatures.
     pub distance: f64,
 }
 
-/// Returns the signatures nearest to `query`, the nearest first (of equally near ones the first),
-/// at most `count` of them.
+/// Returns the signatures nearest to `query`, the nearest first (for equal distances, in order of
+/// index), at most `count` of them.
 ///
 /// ```
 /// use catamaran::{Par, unions::retrieve};
@@ -90,7 +90,7 @@ pub struct Match {
 ///
 /// # Errors
 /// [`Error::Shape`] when a signature is not as long as the query; [`Error::NonFinite`] for numbers
-/// that are none.
+/// that are not finite.
 pub fn retrieve<S: AsRef<[f64]> + Sync>(
     query: &[f64],
     signatures: &[S],
@@ -126,5 +126,5 @@ pub fn retrieve<S: AsRef<[f64]> + Sync>(
     Ok(found)
 }
 
-/// Signatures that a thread compares at a time.
+/// Number of signatures that a thread compares at a time.
 const BLOCK: usize = 4096;

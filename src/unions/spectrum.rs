@@ -1,11 +1,11 @@
 use super::network::K;
 use crate::base::{Error, Result};
 
-/// Eigenvalues must lie between this and its inverse, so that nothing over- or underflows.
+/// Eigenvalues must lie between this and its inverse, so that computations neither overflow nor
+/// underflow.
 const LEAST: f64 = 1e-150;
 
-/// Returns an error for what is no sequence of [`K`] Dirichlet eigenvalues: positive, finite and
-/// ascending.
+/// Checks that `values` are [`K`] Dirichlet eigenvalues: positive, finite and ascending.
 pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
     let Ok(spectrum) = <[f64; K]>::try_from(values) else {
         return Err(Error::Shape { what, expected: (K, 1), got: (values.len(), 1) });
@@ -16,13 +16,13 @@ pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
     let refuse = |why: String| Err(Error::Argument { what, why });
     if let Some(i) = values.iter().position(|x| *x <= 0.0) {
         return refuse(format!(
-            "eigenvalue {i} (from 0) is {:e}, but those of a part with boundary are positive",
+            "Dirichlet eigenvalues must be positive, but number {i} (from 0) is {:e}",
             values[i]
         ));
     }
     if let Some(i) = (1..K).find(|&i| values[i] < values[i - 1]) {
         return refuse(format!(
-            "not ascending: {:e} at {i} follows {:e}",
+            "must ascend, but {:e} at {i} follows {:e}",
             values[i],
             values[i - 1]
         ));
@@ -33,7 +33,7 @@ pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
     Ok(spectrum)
 }
 
-/// Returns `(1 - t) first + t second`, a spectrum between two for t in [0, 1] (thesis, section
+/// Returns `(1 - t) first + t second`, a spectrum between the two for t in [0, 1] (thesis, section
 /// 2.6.2).
 ///
 /// ```
@@ -46,18 +46,19 @@ pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
 /// ```
 ///
 /// # Errors
-/// As [`SpectralUnion::predict`](super::SpectralUnion::predict); [`Error::Argument`] for another t.
+/// As [`SpectralUnion::predict`](super::SpectralUnion::predict); [`Error::Argument`] for t outside
+/// of [0, 1].
 pub fn interpolate(first: &[f64], second: &[f64], t: f64) -> Result<[f64; K]> {
     let (first, second) = (check("first", first)?, check("second", second)?);
     if !(0.0..=1.0).contains(&t) {
-        return Err(Error::Argument { what: "t", why: format!("{t} is not in [0, 1]") });
+        return Err(Error::Argument { what: "t", why: format!("must be in [0, 1], is {t}") });
     }
     Ok(std::array::from_fn(|i| (1.0 - t) * first[i] + t * second[i]))
 }
 
-/// Returns the non-decreasing sequence nearest to `values` in the maximum norm: half the sum of the
-/// largest value so far and the smallest from here on. No rounding breaks the order, and where
-/// `values` are at most an ascending bound, the result is.
+/// Returns the non-decreasing sequence nearest to `values` in the maximum norm: entry i is half the
+/// sum of the largest value up to i and the smallest value from i on. Rounding does not break the
+/// order. If an ascending sequence bounds `values`, it bounds the result, too.
 pub(super) fn ascending(values: &[f64; K]) -> [f64; K] {
     let mut above = *values;
     for i in 1..K {
@@ -90,7 +91,7 @@ mod tests {
         assert!(with(3, f64::NAN).unwrap_err().starts_with("first: not finite at row 3"));
         assert!(with(0, 0.0).unwrap_err().contains("eigenvalue 0"));
         assert!(with(0, -1.0).unwrap_err().contains("positive"));
-        assert!(with(5, 3.0).unwrap_err().contains("not ascending: 3e0 at 5"));
+        assert!(with(5, 3.0).unwrap_err().contains("must ascend, but 3e0 at 5"));
         assert!(with(19, 1e200).unwrap_err().contains("between"));
         assert!(matches!(check("b", &[1.0; 19]), Err(Error::Shape { got: (19, 1), .. })));
     }

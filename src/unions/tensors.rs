@@ -1,4 +1,4 @@
-//! Named arrays in the safetensors format: of single or of half precision, or whole numbers.
+//! Named arrays in the safetensors format, in single or half precision, or of whole numbers.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use safetensors::{Dtype, SafeTensors, View};
 
 use crate::base::{Error, Result};
 
-/// A matrix that is written.
+/// A matrix to be written.
 pub(super) struct Tensor<'a> {
     dtype: Dtype,
     shape: [usize; 2],
@@ -21,18 +21,18 @@ impl<'a> Tensor<'a> {
         Self { dtype: Dtype::F32, shape, values }
     }
 
-    /// Creates a tensor as [`Tensor::new`] does, of numbers that are [`rounded`].
+    /// Creates a tensor in half precision, of numbers that are [`rounded`].
     pub(super) fn half(columns: usize, values: &'a [f32]) -> Self {
         Self { dtype: Dtype::F16, ..Self::new(columns, values) }
     }
 
-    /// Creates a tensor as [`Tensor::new`] does, of whole numbers from -127 to 127.
+    /// Creates a tensor of whole numbers from -127 to 127.
     pub(super) fn whole(columns: usize, values: &'a [f32]) -> Self {
         Self { dtype: Dtype::I8, ..Self::new(columns, values) }
     }
 }
 
-/// Returns the nearest number of half precision, of at most 65504.
+/// Returns the nearest number in half precision, with an absolute value of at most 65504.
 pub(super) fn rounded(x: f32) -> f32 {
     f16::from_f32(x.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())).to_f32()
 }
@@ -61,13 +61,13 @@ impl View for Tensor<'_> {
     }
 }
 
-/// Returns the bytes of a file of these tensors; the same tensors give the same bytes.
+/// Returns the bytes of a file with these tensors; the same tensors give the same bytes.
 pub(super) fn to_bytes(tensors: Vec<(&str, Tensor<'_>)>) -> Result<Vec<u8>> {
     safetensors::serialize(tensors, None)
         .map_err(|e| Error::Argument { what: "weights", why: e.to_string() })
 }
 
-/// Tensors of a file.
+/// The tensors of a file.
 pub(super) struct Tensors<'a>(SafeTensors<'a>);
 
 impl<'a> Tensors<'a> {
@@ -85,12 +85,12 @@ impl<'a> Tensors<'a> {
                 data.as_chunks().0.iter().map(|x| f16::from_le_bytes(*x).to_f32()).collect()
             }
             Dtype::I8 => data.iter().map(|&x| f32::from(x as i8)).collect(),
-            other => return Err(refuse(format!("{name}: {other:?}, not F32, F16 or I8"))),
+            other => return Err(refuse(format!("{name}: must be F32, F16 or I8, is {other:?}"))),
         };
         if values.len() != len {
             let shape = tensor.shape();
             return Err(refuse(format!(
-                "{name}: {len} elements are needed, its shape is {shape:?}"
+                "{name}: must have {len} elements, has the shape {shape:?}"
             )));
         }
         match values.iter().position(|x| !x.is_finite()) {
@@ -99,7 +99,7 @@ impl<'a> Tensors<'a> {
         }
     }
 
-    /// Returns the number of elements of a tensor, 0 if there is none.
+    /// Returns the number of elements of a tensor; 0 if the tensor is missing.
     pub(super) fn len(&self, name: &str) -> usize {
         self.0.tensor(name).map_or(0, |tensor| tensor.shape().iter().product())
     }

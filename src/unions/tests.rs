@@ -21,7 +21,7 @@ fn assert_near(found: &[f64], expected: &[f64], tolerance: f64) {
     }
 }
 
-/// Sums of squares `pi^2 (i^2 / a^2 + j^2 / b^2)` from i, j = `from` on, ascending.
+/// Returns the sums of squares `pi^2 (i^2 / a^2 + j^2 / b^2)` from i, j = `from` on, ascending.
 fn of_rectangle(a: f64, b: f64, from: usize, k: usize) -> Vec<f64> {
     let of = |n: usize, side: f64| (PI * n as f64 / side).powi(2);
     let mut values: Vec<f64> =
@@ -31,8 +31,8 @@ fn of_rectangle(a: f64, b: f64, from: usize, k: usize) -> Vec<f64> {
     values
 }
 
-/// Squares of zeros of Bessel functions (Abramowitz and Stegun, table 9.5), with those of order 1
-/// and more twice.
+/// The squares of zeros of Bessel functions (Abramowitz and Stegun, table 9.5); zeros of order 1
+/// and more occur twice.
 const OF_UNIT_DISK: [f64; 8] = {
     const J01: f64 = 2.404_825_557_695_773;
     const J11: f64 = 3.831_705_970_207_512;
@@ -61,7 +61,8 @@ fn a_ball_in_a_plane_is_a_disk() {
     let [low, high] = mesh.bounding_box().unwrap();
     let radius = (high[0] - low[0]) / 2.0;
     let centre: Vec<f64> = mesh.vertices().iter().map(|p| p[0].hypot(p[1])).collect();
-    // Half the disk's radius, half a ring more: the last ring of vertices in it is its edge.
+    // Half the radius of the disk, plus half a ring: the boundary of the part is its last ring of
+    // vertices.
     let inner: Vec<bool> = centre.iter().map(|&r| r < radius * 30.5 / 60.0).collect();
     let expected = OF_UNIT_DISK.map(|value| value / (radius / 2.0).powi(2));
     assert_near(&spectra(&mesh).dirichlet(&inner, 8).unwrap(), &expected, 0.02);
@@ -78,7 +79,7 @@ fn balls_are_geodesic_and_masks_give_their_faces() {
     }
     let part = sphere.masked(&cap).unwrap();
     assert!(part.vertices.iter().all(|&v| cap[v as usize]));
-    // 2 pi (1 - cos r), less half an edge all around.
+    // The area is 2 pi (1 - cos r), less half an edge all around.
     assert!((part.mesh.area() / (2.0 * PI * (1.0 - 1f64.cos())) - 1.0).abs() < 0.1);
 }
 
@@ -139,7 +140,7 @@ fn poses_are_retrieved_with_their_figure() {
     let figures = [[1.0, 1.0, 1.0], [1.0, 1.0, 1.3], [1.3, 1.0, 1.0]];
     let options = ShapeDnaOptions::default();
     let signature = |pose: f64, factors: [f64; 3]| {
-        // Stretched before the pose: along the arms, or the trunk.
+        // Stretched before the pose, along the arms or the trunk.
         let mesh = figure(2, pose).unwrap();
         shape_dna(&scaled(&mesh, if pose == 0.0 { factors } else { [1.0; 3] }), &options).unwrap()
     };

@@ -226,7 +226,7 @@ static void test_refusals(void)
     CHECK_STATUS(cata_accumulator_add(sums, CATA_ROW_MAJOR, M, rows, N, NULL), CATA_ERR_CANCELLED);
     CHECK(calls == 1);
     CHECK_STATUS(cata_accumulator_rows(sums, &count, NULL, NULL), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("of no use after an error");
+    CHECK_MENTIONS("must not be used after an error");
     cata_accumulator_free(sums);
 }
 

@@ -106,7 +106,7 @@ static void test_what_is_carried(void)
     CHECK_STATUS(cata_decimation_carry(torus, SIZE_MAX, values, carried), CATA_ERR_SHAPE);
     CHECK_STATUS(cata_decimation_carry(torus, 1, NULL, carried), CATA_ERR_NULL);
     CHECK_STATUS(cata_decimation_carry(NULL, 1, values, carried), CATA_ERR_NULL);
-    CHECK_MENTIONS("decimation: NULL");
+    CHECK_MENTIONS("decimation: must not be NULL");
     uv[3] = NAN;
     CHECK_STATUS(cata_decimation_carry_uv(torus, uv, new_uv), CATA_ERR_NON_FINITE);
     CHECK_MENTIONS("uv");

@@ -33,22 +33,22 @@ static void test_no_message_yet(void)
 static void test_null(void)
 {
     CHECK_STATUS(ata(ROW, CATA_BOTH, NULL, N, c, N, NULL), CATA_ERR_NULL);
-    CHECK_MESSAGE("a: NULL");
+    CHECK_MESSAGE("a: must not be NULL");
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, NULL, N, NULL), CATA_ERR_NULL);
-    CHECK_MESSAGE("c: NULL");
+    CHECK_MESSAGE("c: must not be NULL");
     CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, 0, 0, 1.0, NULL, 1, 0.0, NULL, 1, NULL), CATA_OK);
     CHECK_STATUS(cata_atb_f64(ROW, M, N, 1, 1.0, a, N, NULL, 1, 0.0, c, N, NULL), CATA_ERR_NULL);
-    CHECK_MESSAGE("b: NULL");
+    CHECK_MESSAGE("b: must not be NULL");
     CHECK_STATUS(cata_ata_scratch_len_f64(M, N, NULL, NULL), CATA_ERR_NULL);
-    CHECK_MESSAGE("len: NULL");
+    CHECK_MESSAGE("len: must not be NULL");
     CHECK_STATUS(cata_ata_params_init(NULL, sizeof(cata_ata_params)), CATA_ERR_NULL);
     CHECK_STATUS(cata_verify_f64(ROW, CATA_BOTH, M, N, 1.0, a, N, c, N, 1, 1, NULL, NULL, NULL),
                  CATA_ERR_NULL);
-    CHECK_MESSAGE("passed: NULL");
+    CHECK_MESSAGE("passed: must not be NULL");
     CHECK_STATUS(cata_ata_rows_f64(ROW, CATA_BOTH, M, N, 1.0, a, N, NULL, CATA_CENTER_GIVEN, NULL,
                                    0.0, c, N, NULL),
                  CATA_ERR_NULL);
-    CHECK_MESSAGE("center: NULL");
+    CHECK_MESSAGE("center: must not be NULL");
     CHECK_UNTOUCHED();
 }
 

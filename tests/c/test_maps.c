@@ -85,9 +85,9 @@ static void test_basis(void)
 
     g[0] = 5;
     CHECK_STATUS(cata_basis_filter(NULL, CATA_COL_MAJOR, 1, f, N, gains, 0, g, N), CATA_ERR_NULL);
-    CHECK_MENTIONS("basis: NULL");
+    CHECK_MENTIONS("basis: must not be NULL");
     CHECK_STATUS(cata_basis_filter(basis, CATA_COL_MAJOR, 1, f, N, NULL, 0, g, N), CATA_ERR_NULL);
-    CHECK_MENTIONS("gains: NULL");
+    CHECK_MENTIONS("gains: must not be NULL");
     CHECK_STATUS(cata_basis_filter(basis, CATA_COL_MAJOR, 1, f, N - 1, gains, 0, g, N), CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldf");
     CHECK_STATUS(cata_basis_filter(basis, CATA_COL_MAJOR, 1, f, N, gains, NAN, g, N),
@@ -157,13 +157,13 @@ static void test_products(void)
     CHECK(calls == 1);
     params = (cata_basis_params){.struct_size = sizeof params, .method = 4};
     CHECK_STATUS(cata_basis_products(eigen, &params, &basis), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("params.method: 4");
+    CHECK_MENTIONS("params.method: must be a CATA_ORTHO_* value, is 4");
     params.method = 0;
     params.order = 256;
     CHECK_STATUS(cata_basis_products(eigen, &params, &basis), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("order");
     CHECK_STATUS(cata_basis_products(NULL, NULL, &basis), CATA_ERR_NULL);
-    CHECK_MENTIONS("eigenfunctions: NULL");
+    CHECK_MENTIONS("eigenfunctions: must not be NULL");
     CHECK(basis == NULL);
     cata_basis_free(eigen);
 }
@@ -266,11 +266,11 @@ static void test_refusals(void)
     CHECK_STATUS(cata_map_fit_new(products, to, &fit), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("source: must be a basis of cata_basis_new");
     CHECK_STATUS(cata_map_fit_new(from, NULL, &fit), CATA_ERR_NULL);
-    CHECK_MENTIONS("target: NULL");
+    CHECK_MENTIONS("target: must not be NULL");
     CHECK(fit == NULL);
     CHECK_STATUS(cata_map_fit_new(from, to, &fit), CATA_OK);
     CHECK_STATUS(cata_map_fit_solve(fit, 1, CATA_ROW_MAJOR, map, K, NULL), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("functions: there are none");
+    CHECK_MENTIONS("functions: must not all be zero");
     const uint32_t beyond[4] = {0, 0, 1, N};
     CHECK_STATUS(cata_map_fit_landmarks(fit, 2, beyond), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("landmarks: (1, 24)");
@@ -278,11 +278,11 @@ static void test_refusals(void)
     CHECK_STATUS(cata_map_fit_segments(fit, labels, others), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("labels: label 1");
     CHECK_STATUS(cata_map_fit_functions(fit, CATA_ROW_MAJOR, 1, f, 1, NULL, 1), CATA_ERR_NULL);
-    CHECK_MENTIONS("g: NULL");
+    CHECK_MENTIONS("g: must not be NULL");
     CHECK_STATUS(cata_map_fit_operators(fit, CATA_ROW_MAJOR, 1, f, 1, g, 1, -1), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("weight");
     CHECK_STATUS(cata_map_fit_functions(NULL, CATA_ROW_MAJOR, 1, f, 1, g, 1), CATA_ERR_NULL);
-    CHECK_MENTIONS("fit: NULL");
+    CHECK_MENTIONS("fit: must not be NULL");
     f[2] = NAN;
     CHECK_STATUS(cata_map_fit_functions(fit, CATA_ROW_MAJOR, 1, f, 1, g, 1), CATA_ERR_NON_FINITE);
     /* The fit outlives its bases, and goes on after what was refused. */
@@ -402,7 +402,7 @@ static void test_details(size_t count)
     CHECK_STATUS(cata_transfer_details(V, positions, F, corners, V, positions, F, corners, few, NULL, many,
                                        many, CATA_COL_MAJOR, map, MANY, moved, NULL),
                  CATA_ERR_NULL);
-    CHECK_MENTIONS("smooth_target: NULL");
+    CHECK_MENTIONS("smooth_target: must not be NULL");
     int calls = 0;
     cata_basis_params params = {.struct_size = sizeof params, .progress = cancel, .progress_user = &calls};
     CHECK_STATUS(cata_transfer_details(V, positions, F, corners, V, positions, F, corners, few, few, many, many,

@@ -56,9 +56,9 @@ static void test_world(void)
     CHECK_STATUS(cata_world_size(world, &number), CATA_OK);
     CHECK(number == (size_t)size);
     CHECK_STATUS(cata_world_rank(NULL, &number), CATA_ERR_NULL);
-    CHECK_MESSAGE("world: NULL");
+    CHECK_MESSAGE("world: must not be NULL");
     CHECK_STATUS(cata_world_size(world, NULL), CATA_ERR_NULL);
-    CHECK_MESSAGE("size: NULL");
+    CHECK_MESSAGE("size: must not be NULL");
     CHECK_STATUS(cata_world_set_longest_message(NULL, 1), CATA_ERR_NULL);
     CHECK(cata_capabilities() & CATA_CAP_MPI);
 
@@ -185,7 +185,7 @@ static void test_rows(void)
     CHECK(n == N);
     CHECK_STATUS(cata_symmetric_n(product, NULL), CATA_ERR_NULL);
     CHECK_STATUS(cata_symmetric_n(NULL, &n), CATA_ERR_NULL);
-    CHECK_MESSAGE("symmetric: NULL");
+    CHECK_MESSAGE("symmetric: must not be NULL");
 
     /* On the root only. */
     int here = rank == root;
@@ -208,7 +208,7 @@ static void test_rows(void)
     memset(c, 0, sizeof c);
     CHECK_STATUS(cata_symmetric_gather_f64(product, world, 0, CATA_ROW_MAJOR, CATA_BOTH, NULL, N),
                  seen(0, CATA_ERR_NULL));
-    CHECK(rank == 0 || strcmp(cata_last_error_message(), "rank 0: c: NULL") == 0);
+    CHECK(rank == 0 || strcmp(cata_last_error_message(), "rank 0: c: must not be NULL") == 0);
     CHECK_STATUS(cata_symmetric_gather_f64(product, world, 0, CATA_ROW_MAJOR, CATA_BOTH, c, N - 1),
                  seen(0, CATA_ERR_SHAPE));
     CHECK_STATUS(
@@ -217,7 +217,7 @@ static void test_rows(void)
     CHECK_MENTIONS("root: must be less than");
     CHECK_STATUS(cata_symmetric_gather_f64(product32, world, 0, CATA_ROW_MAJOR, CATA_BOTH, c, N),
                  CATA_ERR_ARGUMENT);
-    CHECK_MESSAGE("symmetric: holds another type than f64");
+    CHECK_MESSAGE("symmetric: does not hold entries of type f64");
     CHECK_STATUS(cata_symmetric_gather_f32(NULL, world, 0, CATA_ROW_MAJOR, CATA_BOTH, c32, N),
                  CATA_ERR_NULL);
     CHECK(c[0] == 0.0);
@@ -286,7 +286,7 @@ static void test_root(void)
     CHECK_STATUS(cata_world_ata_root(world, (size_t)root, CATA_ROW_MAJOR, CATA_LOWER, M, N, 2.0, a, N,
                                          1.0, here ? NULL : c, N, NULL),
                  seen(root, CATA_ERR_NULL));
-    CHECK_MENTIONS("c: NULL");
+    CHECK_MENTIONS("c: must not be NULL");
     CHECK_STATUS(cata_world_ata_root(world, (size_t)root, CATA_ROW_MAJOR, CATA_LOWER, M, N, 2.0, a,
                                          N - 1, 1.0, c, N, NULL),
                  seen(root, CATA_ERR_SHAPE));
@@ -319,7 +319,7 @@ static void test_errors(void)
     const double *from = rank == last ? NULL : a;
     CHECK_STATUS(cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, 4, N, 1.0, from, N, NULL, &product),
                  seen(last, CATA_ERR_NULL));
-    CHECK_MENTIONS("a: NULL");
+    CHECK_MENTIONS("a: must not be NULL");
     CHECK_STATUS(cata_world_ata_columns(world, CATA_COL_MAJOR, N, 4, 1.0, a,
                                             rank == last ? N - 1 : N, NULL, &product),
                  seen(last, CATA_ERR_SHAPE));
@@ -489,12 +489,12 @@ static void test_cyclic_errors(void)
     CHECK_MENTIONS("desc_c: LLD_ must be at least");
     CHECK_STATUS(cyclic(CATA_LOWER, a.entries, rank == last ? NULL : a.desc, c.entries, c.desc, GOOD_GRID),
                  seen(last, CATA_ERR_NULL));
-    CHECK_MENTIONS("desc_a: NULL");
+    CHECK_MENTIONS("desc_a: must not be NULL");
     if (c.cols > 0 && last < N / 2) {
         CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, rank == last ? NULL : c.entries, c.desc,
                             GOOD_GRID),
                      seen(last, CATA_ERR_NULL));
-        CHECK_MENTIONS("c: NULL");
+        CHECK_MENTIONS("c: must not be NULL");
     }
     if (size > 1) {
         memcpy(wrong, c.desc, sizeof wrong);
@@ -586,7 +586,7 @@ static void test_eigs(void)
     CHECK_STATUS(cata_world_eigs(world, own, P, rank == last ? NULL : path_starts, path_columns, path_entries,
                                  NULL, 1, values, vectors, ldv, NULL, NULL),
                  seen(last, CATA_ERR_NULL));
-    CHECK_MENTIONS("row_starts: NULL");
+    CHECK_MENTIONS("row_starts: must not be NULL");
     CHECK_STATUS(cata_world_eigs(world, own, P, path_starts, path_columns, path_entries, NULL, 1, values, vectors,
                                  rank == last ? own - 1 : ldv, NULL, NULL),
                  seen(last, CATA_ERR_SHAPE));
@@ -607,7 +607,7 @@ static void test_eigs(void)
     CHECK_STATUS(cata_world_eigs(NULL, own, P, path_starts, path_columns, path_entries, NULL, 1, values, vectors,
                                  ldv, NULL, NULL),
                  CATA_ERR_NULL);
-    CHECK_MESSAGE("world: NULL");
+    CHECK_MESSAGE("world: must not be NULL");
     CHECK(values[0] == 5);
 }
 
@@ -661,7 +661,7 @@ static void test_ortho(void)
     CHECK_STATUS(cata_world_gram_schmidt(world, CATA_COL_MAJOR, own, WIDTH, q, lda, NULL, r, WIDTH, kept,
                                          rank == last ? NULL : &independent, NULL),
                  seen(last, CATA_ERR_NULL));
-    CHECK_MENTIONS("rank: NULL");
+    CHECK_MENTIONS("rank: must not be NULL");
     cata_ortho_params params = {.struct_size = sizeof params};
     params.method = rank == last ? CATA_ORTHO_RANK_REVEALING : 0;
     CHECK_STATUS(cata_world_gram_schmidt(world, CATA_COL_MAJOR, own, WIDTH, q, lda, NULL, r, WIDTH, kept,

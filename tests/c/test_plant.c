@@ -207,11 +207,11 @@ static void test_refusals(void)
     const uint32_t cycle[N] = {CATA_NO_PARENT, 2, 1}, two_roots[N] = {CATA_NO_PARENT, 0, CATA_NO_PARENT};
     const double thin[N] = {1e-3, 0, 1e-3};
     CHECK_STATUS(cata_plant_new(N, tails, radii, cycle, kinds, base, NULL, &plant), CATA_ERR_MESH);
-    CHECK_MENTIONS("node 1: on a cycle");
+    CHECK_MENTIONS("node 1: is on a cycle");
     CHECK_STATUS(cata_plant_new(N, tails, radii, two_roots, kinds, base, NULL, &plant), CATA_ERR_MESH);
-    CHECK_MENTIONS("node 2: isolated");
+    CHECK_MENTIONS("node 2: is isolated");
     CHECK_STATUS(cata_plant_new(N, tails, thin, parents, kinds, base, NULL, &plant), CATA_ERR_MESH);
-    CHECK_MENTIONS("node 1: radius 0");
+    CHECK_MENTIONS("node 1: radius must be");
     CHECK_STATUS(cata_plant_new(0, NULL, NULL, NULL, NULL, NULL, NULL, &plant), CATA_ERR_ARGUMENT);
     CHECK_STATUS(cata_plant_new(N, NULL, radii, parents, kinds, base, NULL, &plant), CATA_ERR_NULL);
     CHECK_MENTIONS("tails");

@@ -80,7 +80,7 @@ static void test_refusals(void)
 {
     double f[N] = {0}, g[N] = {5};
     CHECK_STATUS(transfer(NULL, g, NULL), CATA_ERR_NULL);
-    CHECK_MENTIONS("f: NULL");
+    CHECK_MENTIONS("f: must not be NULL");
     CHECK_STATUS(transfer(f, NULL, NULL), CATA_ERR_NULL);
     points[3] = N;
     CHECK_STATUS(transfer(f, g, NULL), CATA_ERR_ARGUMENT);
@@ -101,7 +101,7 @@ static void test_refusals(void)
     CHECK_STATUS(transfer(f, g, &params), CATA_ERR_CANCELLED);
     CHECK(calls == 1);
     CHECK_STATUS(cata_transfer(NULL, NULL, points, CATA_COL_MAJOR, 1, f, N, g, N, NULL), CATA_ERR_NULL);
-    CHECK_MENTIONS("source: NULL");
+    CHECK_MENTIONS("source: must not be NULL");
     CHECK(g[0] == 5);
 }
 

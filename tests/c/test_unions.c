@@ -56,7 +56,7 @@ static void errors(const cata_unions *unions)
     CHECK_STATUS(cata_unions_predict(unions, 2, parts, spectrum, NULL), CATA_ERR_NON_FINITE);
     parts[K + 3] = 1;
     CHECK_STATUS(cata_unions_predict(unions, 2, parts, spectrum, NULL), CATA_ERR_ARGUMENT);
-    CHECK(strstr(cata_last_error_message(), "not ascending") != NULL);
+    CHECK(strstr(cata_last_error_message(), "must ascend") != NULL);
     CHECK(spectrum[0] == -7);
     cata_unions *none = NULL;
     CHECK_STATUS(cata_unions_new("/nowhere/weights.safetensors", &none), CATA_ERR_IO);

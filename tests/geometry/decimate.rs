@@ -480,9 +480,9 @@ fn the_thesis_literally_takes_vertices_of_the_input_and_all_three_cycles() {
 fn refusals_say_why() {
     let refused = |mesh: &TriMesh, n| decimate(mesh, n, &options()).unwrap_err().to_string();
     let empty = TriMesh::new(vec![], vec![]).unwrap();
-    assert_eq!(refused(&empty, 0), "mesh: it has no face");
+    assert_eq!(refused(&empty, 0), "mesh: has no face");
     let lonely = TriMesh::new(vec![[1.0; 3]], vec![]).unwrap();
-    assert_eq!(refused(&lonely, 1), "mesh: it has no face");
+    assert_eq!(refused(&lonely, 1), "mesh: has no face");
     let spheres = families::spheres(3, 2).unwrap();
     assert!(refused(&spheres, 0).contains("3 components need 12 vertices"));
     assert!(refused(&spheres, 11).contains("3 components need 12 vertices"));

@@ -283,7 +283,7 @@ fn a_bow_tie_has_a_non_manifold_vertex() {
     assert_eq!((report.euler_characteristic, report.genus), (3, None));
     assert_eq!((report.components, report.boundary_loops), (1, Some(0)));
     let refused = mesh.genus(&Edges::new(&mesh)).unwrap_err().to_string();
-    assert_eq!(refused, "vertex 0: the surface meets itself there in a single point");
+    assert_eq!(refused, "vertex 0: the surface meets itself in this vertex");
 }
 
 #[test]

@@ -451,49 +451,49 @@ fn broken_text_is_named_by_its_line() {
         ("v 0 0 x\n".into(), OBJ, Some(1), "\"x\" is not a number"),
         ("\nv 0 0 nan\n".into(), OBJ, Some(2), "not finite"),
         ("v 0 0 1e999\n".into(), OBJ, Some(1), "not finite"),
-        ("v 0 0 0 1 1\n".into(), OBJ, Some(1), "5 numbers"),
-        (format!("{v}f 1 2 4\n\n"), OBJ, Some(4), "vertex 4 of 3"),
-        (format!("{v}f 1 2 0\n"), OBJ, Some(4), "vertex 0 of 3"),
-        (format!("{v}f 1 2 -4\n"), OBJ, Some(4), "vertex -4 of 3"),
+        ("v 0 0 0 1 1\n".into(), OBJ, Some(1), "6 or 7 numbers, not 5"),
+        (format!("{v}f 1 2 4\n\n"), OBJ, Some(4), "vertex 4 is out of range"),
+        (format!("{v}f 1 2 0\n"), OBJ, Some(4), "vertex 0 is out of range: 3"),
+        (format!("{v}f 1 2 -4\n"), OBJ, Some(4), "vertex -4 is out of range"),
         (format!("{v}f 1 2 99999999999999999999\n"), OBJ, Some(4), "not a whole number"),
-        (format!("{v}f 1 2 4294967296\n"), OBJ, Some(4), "vertex 4294967296 of 3"),
-        (format!("{v}f 1/1 2/1 3/1\n"), OBJ, Some(4), "texture coordinate 1 of 0"),
+        (format!("{v}f 1 2 4294967296\n"), OBJ, Some(4), "vertex 4294967296 is out of range"),
+        (format!("{v}f 1/1 2/1 3/1\n"), OBJ, Some(4), "texture coordinate 1 is out of range"),
         (format!("{v}f 1/1/1/1 2 3\n"), OBJ, Some(4), "is not a corner"),
         ("\nhello\nworld\n".into(), OBJ, Some(2), "\"hello\" is not a statement"),
         ("COFFEE\n".into(), OFF, Some(1), "is not OFF"),
         ("4OFF\n".into(), OFF, Some(1), "is not OFF"),
         ("OFF BINARY\n".into(), OFF, Some(1), "binary OFF"),
-        ("OFF\n1\n".into(), OFF, Some(3), "truncated: no counts"),
-        ("OFF\n-1 0 0\n".into(), OFF, Some(2), "a count of -1"),
-        ("OFF\n2 0 0\n0 0 0\n".into(), OFF, Some(4), "truncated: no vertex 1 of 2"),
-        ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1 3\n".into(), OFF, Some(6), "vertex 3 of 3"),
+        ("OFF\n1\n".into(), OFF, Some(3), "truncated: the file ends before counts"),
+        ("OFF\n-1 0 0\n".into(), OFF, Some(2), "-1 is not a count"),
+        ("OFF\n2 0 0\n0 0 0\n".into(), OFF, Some(4), "ends before vertex 1 of 2"),
+        ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1 3\n".into(), OFF, Some(6), "vertex 3 is out"),
         ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1\n".into(), OFF, Some(7), "2 of 3 corners"),
         ("OFF\n0 0 0\n1 2 3\n".into(), OFF, Some(3), "text after the faces"),
-        ("OFF\n1 0 0\n0 0 0 1\n".into(), OFF, Some(3), "1 numbers of a colour"),
+        ("OFF\n1 0 0\n0 0 0 1\n".into(), OFF, Some(3), "a colour has 3 or 4 numbers, not 1"),
         ("OFF\n9999999999999 9999999999 0\n".into(), OFF, Some(3), "truncated"),
         ("solid\nvertex 0 0\n".into(), STL_TEXT, Some(2), "2 numbers where 3"),
-        ("solid\nfacet\nendfacet\n".into(), STL_TEXT, Some(3), "a facet of 0 vertices"),
+        ("solid\nfacet\nendfacet\n".into(), STL_TEXT, Some(3), "a facet has 0 vertices"),
         ("solid\nendsolid\nvertex 0 0 0\n".into(), STL_TEXT, Some(3), "out of place"),
         ("solid\nfacet\nouter loop\n".into(), STL_TEXT, Some(4), "truncated: no endsolid"),
         ("plyy\n".into(), PLY[0], Some(1), "must be 'ply'"),
         ("ply\nformat ascii 1.0\n".into(), PLY[0], Some(3), "no end_header"),
         ("ply\nformat ascii 2.0\n".into(), PLY[0], Some(2), "version"),
-        ("ply\nend_header\n".into(), PLY[0], Some(2), "without format"),
-        ("ply\nproperty int x\n".into(), PLY[0], Some(2), "a property of no element"),
+        ("ply\nend_header\n".into(), PLY[0], Some(2), "no format"),
+        ("ply\nproperty int x\n".into(), PLY[0], Some(2), "a property without an element"),
         ("ply\nelement vertex many\n".into(), PLY[0], Some(2), "not a whole number"),
         ("ply\nelement a 1\nproperty quad x\n".into(), PLY[0], Some(3), "\"quad\""),
         (format!("{ply}end_header\n0 0\n"), PLY[0], Some(8), "too few numbers"),
         (format!("{ply}end_header\n0 0 0 0\n"), PLY[0], Some(8), "after the last number"),
-        (format!("{ply}end_header\n\n"), PLY[0], Some(9), "truncated: 0 of 1 elements vertex"),
+        (format!("{ply}end_header\n\n"), PLY[0], Some(9), "0 of 1 rows of element vertex"),
         (format!("{ply}end_header\n0 0 0\n0 0 0\n"), PLY[0], Some(9), "text after"),
         (format!("{ply}{face}3 0 -1 0\n"), PLY[0], Some(11), "face 0: vertex -1"),
-        (format!("{ply}{face}3 0 1 2\n"), PLY[0], None, "mesh.ply: face 0: vertex 1 of 1"),
-        (format!("{ply}{face}999999999999 0 1 2\n"), PLY[0], Some(11), "a list of 999999999999"),
+        (format!("{ply}{face}3 0 1 2\n"), PLY[0], None, "mesh.ply: face 0: vertex 1 is out"),
+        (format!("{ply}{face}999999999999 0 1 2\n"), PLY[0], Some(11), "is not the length"),
         (
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n".into(),
             PLY[0],
             Some(5),
-            "without x, y and z",
+            "no x, y and z",
         ),
     ];
     for (text, format, line, what) in cases {
@@ -513,23 +513,26 @@ fn broken_binary_files_name_their_element() {
         "face 19: truncated: the file ends too early"
     );
     let more = [&ply[..], b"x"].concat();
-    assert_eq!(refusal(&more, PLY[1]).1, "bytes after the elements announced");
+    assert_eq!(refusal(&more, PLY[1]).1, "bytes after the last element");
     let mut wrong = ply.clone();
     let last = wrong.len() - 2;
     wrong[last] = 1;
     assert!(refusal(&wrong, PLY[1]).1.starts_with("mesh.ply: face 19: vertex "));
     let stl = folder.bytes(&file, STL);
-    assert_eq!(refusal(&stl[..stl.len() - 1], STL).1, "truncated: facet 19 of 20 is not whole");
-    assert_eq!(refusal(&stl[..83], STL).1, "truncated: the header is not whole");
+    assert_eq!(refusal(&stl[..stl.len() - 1], STL).1, "truncated: facet 19 of 20 is incomplete");
+    assert_eq!(refusal(&stl[..83], STL).1, "truncated: the header is incomplete");
     let more = [&stl[..], b"x"].concat();
-    assert_eq!(refusal(&more, STL).1, "bytes after the 20 facets announced");
+    assert_eq!(refusal(&more, STL).1, "bytes after the last of 20 facets");
     let mut wrong = stl.clone();
     wrong[84 + 50 * 3 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     assert!(refusal(&wrong, STL).1.starts_with("facet 3 of 20: position [NaN"));
     // A count that lies takes no memory.
     let mut wrong = stl;
     wrong[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert_eq!(refusal(&wrong, STL).1, format!("truncated: facet 20 of {} is not whole", u32::MAX));
+    assert_eq!(
+        refusal(&wrong, STL).1,
+        format!("truncated: facet 20 of {} is incomplete", u32::MAX)
+    );
     let huge =
         b"ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\nend_header\n";
     assert!(refusal(huge, PLY[1]).1.contains("not a whole number"));
@@ -581,7 +584,7 @@ fn faces_that_are_points_or_edges_are_left_out_and_counted() {
     let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let file = read_bytes(format!("{v}f\nf 1\nf 1 2\nf 1 2 3\n").as_bytes(), OBJ).unwrap();
     assert_eq!(file.mesh.faces(), [[0, 1, 2]]);
-    let said = note(&file, "left out faces of less than three corners");
+    let said = note(&file, "left out faces of fewer than three corners");
     assert!(said.ends_with(": 3, the first at line 4"), "{said}");
     let off = b"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n";
     let file = read_bytes(off, OFF).unwrap();
@@ -663,7 +666,7 @@ fn triangle_strips_of_ply_are_read() {
     // Triangles without area only turn a strip.
     assert_eq!((file.collapsed_faces, file.notes), (0, vec![]));
     let wrong = text.replace("5 0 1 1 2 3", "3 0 1 7");
-    assert!(refusal(wrong.as_bytes(), PLY[0]).1.contains("vertex 7 of 6"));
+    assert!(refusal(wrong.as_bytes(), PLY[0]).1.contains("vertex 7 is out of range: 6"));
     let wrong = text.replace("5 0 1 1 2 3", "3 0 1 -2");
     assert_eq!(refusal(wrong.as_bytes(), PLY[0]).1, "tristrips 1: vertex -2");
 }
@@ -1046,15 +1049,15 @@ fn broken_gltf_names_what_is_broken() {
     let cases = [
         (
             SQUARE.replace("\"indices\": 1", "\"indices\": 2"),
-            "mesh 0, primitive 0: accessor 2 of 2",
+            "mesh 0, primitive 0: accessor 2 is out of range: 2 accessors",
         ),
         (
             SQUARE.replace("\"byteLength\": 48", "\"byteLength\": 480"),
             "view 0 is beyond its buffer",
         ),
         (SQUARE.replace("\"count\": 4", "\"count\": 5"), "element 4 of 5 is beyond view 0"),
-        (SQUARE.replace("\"count\": 4", "\"count\": 3"), "vertex 3 of 3"),
-        (SQUARE.replace("\"count\": 6", "\"count\": 5"), "5 corners of triangles"),
+        (SQUARE.replace("\"count\": 4", "\"count\": 3"), "vertex 3 is out of range: 3"),
+        (SQUARE.replace("\"count\": 6", "\"count\": 5"), "5 corners are no triangles"),
         (SQUARE.replace("VEC3", "MAT3"), "type \"MAT3\""),
         (SQUARE.replace("5126", "5124"), "component type 5124"),
         (SQUARE.replace("\"buffer\": 0", "\"buffer\": 7"), "beyond its buffer"),

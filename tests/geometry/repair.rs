@@ -512,7 +512,7 @@ fn what_needs_repair_is_named() {
     for (broken, why) in [
         (
             families::soup(&sphere).unwrap(),
-            "198 vertices are where others are, along seams: vertex 4 is where vertex 2 is",
+            "198 vertices coincide with others along seams: vertex 4 with vertex 2",
         ),
         (with_caps(&sphere, 1), "1 faces without area: face 81"),
     ] {

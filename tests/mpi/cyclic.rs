@@ -33,7 +33,7 @@ pub const SCENES: &[Scene] = &[
         name: "a_grid_larger_than_the_world_is_refused",
         ranks: 2,
         play: large_grid,
-        printed: &["0: grid: 2 x 2 is more than there are ranks, 2", "1: grid: 2 x 2"],
+        printed: &["0: grid: 2 x 2 needs more than the 2 ranks there are", "1: grid: 2 x 2"],
         succeeds: true,
     },
 ];

@@ -367,7 +367,7 @@ fn file_survives<T: BlasReal>() {
         assert!(refused(&[&whole[..], b"x"].concat()).contains("after its end"));
         let mut later = whole.clone();
         later[8] = 1;
-        assert!(refused(&later).contains("version 1, where 2 is known"));
+        assert!(refused(&later).contains("version 1, but 2 is supported"));
         assert!(refused(b"something else").contains("not an accumulator"));
     }
 }

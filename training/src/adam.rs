@@ -1,20 +1,20 @@
-//! Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter 2019), and its
-//! rates.
+//! The optimizer Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter
+//! 2019), and its learning rates.
 
 use catamaran::unions::network::sum;
 use rayon::prelude::*;
 
-/// Numbers that are worked on together.
+/// Number of parameters that are processed together.
 pub(crate) const CHUNK: usize = 1 << 14;
 
-/// The state of the optimiser.
+/// The state of the optimizer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adam {
-    /// Steps done.
+    /// Number of steps done.
     pub steps: usize,
     /// Running means of the gradient.
     pub mean: Vec<f32>,
-    /// Running means of its squares.
+    /// Running means of the squares of the gradient.
     pub square: Vec<f32>,
 }
 
@@ -23,19 +23,20 @@ const SQUARE_DECAY: f32 = 0.999;
 const SMALL: f32 = 1e-8;
 
 impl Adam {
-    /// For so many parameters.
+    /// Creates the state for `len` parameters.
     pub fn new(len: usize) -> Self {
         Self { steps: 0, mean: vec![0.0; len], square: vec![0.0; len] }
     }
 
-    /// One step down the gradient; `decay` is the share of each parameter that it loses at rate 1.
+    /// Does one step along the negative gradient; `decay` is the share of each parameter that is
+    /// subtracted at rate 1.
     pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
         self.steps += 1;
         let descent = self.descent(rate, decay);
         descent.apply(parameters, gradient, &mut self.mean, &mut self.square);
     }
 
-    /// The same on the threads of the team that calls it.
+    /// Does the same as [`step`](Self::step) on the threads of the calling team.
     pub fn par_step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
         self.steps += 1;
         let descent = self.descent(rate, decay);
@@ -50,7 +51,7 @@ impl Adam {
     }
 }
 
-/// The numbers of a step.
+/// The factors of a step.
 struct Descent {
     rate: f32,
     decay: f32,
@@ -71,7 +72,7 @@ impl Descent {
     }
 }
 
-/// Scales a gradient down to this norm if it is longer; its norm before.
+/// Scales the gradient down to the norm `longest` if its norm is larger; returns the norm before.
 pub fn clip(gradient: &mut [f32], longest: f32) -> f32 {
     let square = |part: &[f32]| f64::from(sum(part.len(), |i| part[i] * part[i]));
     let norm = gradient.chunks(CHUNK).map(square).sum::<f64>().sqrt() as f32;
@@ -84,8 +85,8 @@ pub fn clip(gradient: &mut [f32], longest: f32) -> f32 {
 /// Share of the training in which the rate rises.
 const WARM_UP: f64 = 0.03;
 
-/// The share of the full rate when `done` of the whole training, from 0 to 1, is done: it rises,
-/// then falls as half a cosine to 1 %.
+/// Returns the share of the full learning rate when the share `done` of the training, from 0 to 1,
+/// is done: it rises, then falls as half a cosine to 1 %.
 pub fn annealing(done: f64) -> f64 {
     let cosine = (std::f64::consts::PI * done.min(1.0)).cos();
     (done / WARM_UP).min(1.0) * (0.01 + 0.99 * 0.5 * (1.0 + cosine))

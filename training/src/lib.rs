@@ -1,5 +1,5 @@
-//! What the pretrained weights of `catamaran::unions` come from: generated shapes, their parts,
-//! data sets, training.
+//! The training of the pretrained weights of `catamaran::unions`: generates shapes, their parts and
+//! data sets, and fits the weights.
 //!
 //! Thesis, chapter 2. The protocol is in docs/algorithms/unions.md.
 

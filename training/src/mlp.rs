@@ -1,5 +1,5 @@
-//! Multilayer perceptrons with rectified hidden layers, and their training: the baseline, and the
-//! decoder of regions.
+//! Multilayer perceptrons with rectified hidden layers, and their training, for the baseline and
+//! the decoder of regions.
 
 use catamaran::Result;
 use catamaran::base::Rng;
@@ -7,7 +7,7 @@ use catamaran::unions::network::gemm;
 
 use crate::adam::{Adam, annealing, clip};
 
-/// A perceptron: for each layer its weights, inputs x outputs by rows, and a bias for each output.
+/// A perceptron: for each layer the weights, inputs x outputs by rows, and a bias for each output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mlp {
     /// Numbers of neurons, from the inputs to the outputs.
@@ -16,21 +16,21 @@ pub struct Mlp {
     pub parameters: Vec<f32>,
 }
 
-/// How a perceptron is trained.
+/// Options of the training of a perceptron.
 #[derive(Debug, Clone, Copy)]
 pub struct Schedule {
-    /// Passes over the data.
+    /// Number of passes over the data.
     pub epochs: usize,
-    /// Largest rate, of [`annealing`].
+    /// Largest learning rate, of [`annealing`].
     pub rate: f64,
-    /// Examples a step.
+    /// Number of examples per step.
     pub batch: usize,
-    /// Of weights and order.
+    /// Seed of the weights and of the order of the examples.
     pub seed: u64,
 }
 
 impl Mlp {
-    /// Random weights (He et al. 2015), no bias.
+    /// Creates a perceptron with random weights (He et al. 2015) and biases of zero.
     pub fn new(widths: &[usize], seed: u64) -> Self {
         let mut rng = Rng::new(seed);
         let mut parameters = Vec::new();
@@ -42,7 +42,7 @@ impl Mlp {
         Self { widths: widths.to_vec(), parameters }
     }
 
-    /// What comes out of every layer for rows of inputs, the inputs first.
+    /// Returns the outputs of every layer for rows of inputs; the inputs come first.
     fn layers(&self, inputs: Vec<f32>) -> Vec<Vec<f32>> {
         let mut start = 0;
         let mut all = vec![inputs];
@@ -64,13 +64,13 @@ impl Mlp {
         all
     }
 
-    /// Outputs for rows of inputs.
+    /// Returns the outputs for rows of inputs.
     pub fn run(&self, inputs: Vec<f32>) -> Vec<f32> {
         self.layers(inputs).pop().unwrap_or_default()
     }
 
-    /// The gradient with respect to the parameters, from what came out of the layers and the
-    /// gradient with respect to the outputs.
+    /// Returns the gradient with respect to the parameters, computed from the outputs of the layers
+    /// and the gradient with respect to the outputs of the perceptron.
     fn gradient(&self, layers: &[Vec<f32>], mut dy: Vec<f32>) -> Vec<f32> {
         let mut gradient = vec![0.0; self.parameters.len()];
         let mut end = self.parameters.len();
@@ -100,12 +100,12 @@ impl Mlp {
         gradient
     }
 
-    /// Trains on `count` examples. `inputs(i)` gives those of example i, and
-    /// `loss(i, outputs, gradient)` its loss, writing the gradient. After each epoch
-    /// `watch(epoch, mean loss)`.
+    /// Trains on `count` examples. `inputs(i)` returns the inputs of example i, and
+    /// `loss(i, outputs, gradient)` returns its loss and writes the gradient. After each epoch,
+    /// `watch(epoch, mean loss)` is called.
     ///
     /// # Errors
-    /// What `watch` returns.
+    /// The errors of `watch`.
     pub fn train(
         &mut self,
         count: usize,
@@ -143,7 +143,7 @@ impl Mlp {
     }
 }
 
-/// `0..n` in random order (Fisher and Yates).
+/// Returns `0..n` in random order (Fisher and Yates).
 pub fn shuffled(n: usize, rng: &mut Rng) -> Vec<usize> {
     let mut order: Vec<usize> = (0..n).collect();
     for i in (1..n).rev() {

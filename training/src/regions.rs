@@ -1,5 +1,5 @@
-//! Regions on a template, as coefficients of its eigenfunctions: what the network says of where
-//! unions are (thesis, section 2.6.2).
+//! Regions on a template, as coefficients of its eigenfunctions: the form in which the network
+//! predicts where unions are (thesis, section 2.6.2).
 
 use std::borrow::Cow;
 
@@ -12,32 +12,33 @@ use rayon::prelude::*;
 
 use crate::dataset::Template;
 
-/// Anchors for each eigenfunction.
+/// Number of anchors per eigenfunction.
 const ANCHORS: usize = 2;
 
-/// Typical size of a coefficient, in units of that of the complete shape: the network learns
-/// numbers of about the size 1.
+/// Typical size of a coefficient, relative to that of the complete shape. The network learns
+/// coefficients divided by this unit, which are about 1.
 pub const UNIT: f64 = 1.0 / 16.0;
 
 /// The regions of a template.
 #[derive(Debug, Clone, Default)]
 pub struct Regions {
     modes: usize,
-    /// Ids of masks, ascending.
+    /// Ids of the masks, ascending.
     ids: Vec<usize>,
-    /// For each id its coefficients in units of [`UNIT`].
+    /// Coefficients of each mask in units of [`UNIT`].
     coefficients: Vec<f32>,
-    /// For each id whether more of it is on the right, the side of negative x.
+    /// For each mask, whether more of it is on the right, the side of negative x.
     on_the_right: Vec<bool>,
-    /// What takes coefficients to those of the mirror image, by rows.
+    /// The matrix, by rows, that maps coefficients to those of the mirror image.
     mirror: Vec<f32>,
 }
 
 impl Regions {
-    /// Those of all masks of the template. The result does not depend on the number of threads.
+    /// Computes the coefficients of all masks of the template. The result does not depend on the
+    /// number of threads.
     ///
     /// # Errors
-    /// When threads can't be had.
+    /// When threads can't be created.
     pub fn new(template: &Template, par: Par) -> Result<Self> {
         let functions = &template.eigenfunctions;
         let modes = functions.ncols();
@@ -79,28 +80,28 @@ impl Regions {
         })
     }
 
-    /// No regions, of so many coefficients.
+    /// Returns no regions, with `modes` coefficients per region.
     pub fn none(modes: usize) -> Self {
         Self { modes, ..Self::default() }
     }
 
-    /// The number of a mask.
+    /// Returns the number of the region of a mask.
     pub fn number(&self, id: usize) -> Option<usize> {
         self.ids.binary_search(&id).ok()
     }
 
-    /// Coefficients of a region, each.
+    /// Returns the number of coefficients per region.
     pub fn modes(&self) -> usize {
         self.modes
     }
 
-    /// The coefficients of a region, in units of [`UNIT`].
+    /// Returns the coefficients of a region, in units of [`UNIT`].
     pub fn coefficients(&self, number: usize) -> &[f32] {
         &self.coefficients[number * self.modes..(number + 1) * self.modes]
     }
 
-    /// The same of the region or its mirror image, whichever has more on the left: which one of the
-    /// two a spectrum alone means.
+    /// Returns the coefficients of the region or of its mirror image, whichever has more area on
+    /// the left. A spectrum alone does not distinguish the two, so the left one is chosen.
     pub fn on_the_left(&self, number: usize) -> Cow<'_, [f32]> {
         let own = self.coefficients(number);
         if !self.on_the_right[number] {
@@ -111,16 +112,16 @@ impl Regions {
     }
 }
 
-/// The unit of coefficients of a template: they grow with the root of the area.
+/// Returns the unit of the coefficients of a template, which grow with the square root of its area.
 fn unit(template: &Template) -> f64 {
     UNIT * template.mass.iter().sum::<f64>().sqrt()
 }
 
-/// The localizer of a template: its eigenfunctions, in units of coefficients, at vertices far from
-/// one another.
+/// Creates the localizer of a template: its eigenfunctions, in units of the coefficients, at
+/// vertices far from one another.
 ///
 /// # Errors
-/// Of a template that is no surface.
+/// When the template is not a surface.
 pub fn localizer(template: &Template) -> Result<Localizer> {
     let modes = template.eigenfunctions.ncols();
     let mesh = template.mesh()?;

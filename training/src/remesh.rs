@@ -1,4 +1,4 @@
-//! Other triangles for the same surface: vertices removed by collapsing edges.
+//! Removes vertices of a mesh by edge collapses, so that the same surface has other triangles.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,31 +8,33 @@ use catamaran::base::Rng;
 use catamaran::mesh::vector::{dot, norm};
 use catamaran::mesh::{Edges, TriMesh};
 
-/// A mesh of some of the vertices of another.
+/// A mesh of some of the vertices of another mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remeshed {
     /// The mesh.
     pub mesh: TriMesh,
-    /// For each of its vertices the number it had.
+    /// For each vertex, its number in the original mesh.
     pub vertices: Vec<u32>,
 }
 
-/// Edges are collapsed in the order of their lengths, each times a random number from 1 to this.
+/// Edges are collapsed in the order of their lengths, each multiplied by a random number from 1 to
+/// this.
 const DISORDER: f64 = 2.0;
 
-/// Faces may turn by an angle of which this is the cosine.
+/// Cosine of the largest angle by which a face may turn.
 const LEAST_COSINE: f64 = 0.5;
 
-/// Faces are no worse than this afterwards (as [`TriMesh::qualities`]), or than they were.
+/// Smallest quality that a collapse may give a face (as in [`TriMesh::qualities`]), unless the face
+/// was worse before.
 const LEAST_QUALITY: f64 = 0.25;
 
-/// Removes this share of the vertices, fewer where that can't be done: one end of an edge goes to
-/// the other, which stays where it is, so that a mask over the vertices of the mesh is one over
-/// those that are left. Short edges go first, with some disorder by the seed; the boundary stays,
-/// and so does the topology.
+/// Removes the given share of the vertices, or fewer where that is not possible. A collapse moves
+/// one end of an edge to the other, which keeps its position, so that a mask over the vertices of
+/// the mesh restricts to the vertices that are left. Short edges are collapsed first, in an order
+/// that depends on the seed as well; the boundary and the topology do not change.
 ///
 /// # Errors
-/// None that a mesh could cause.
+/// None in practice.
 pub fn remove_vertices(mesh: &TriMesh, share: f64, seed: u64) -> Result<Remeshed> {
     let n = mesh.vertices().len();
     let mut draft = Draft::new(mesh);
@@ -62,11 +64,11 @@ pub fn remove_vertices(mesh: &TriMesh, share: f64, seed: u64) -> Result<Remeshed
     draft.finish()
 }
 
-/// A mesh whose edges are being collapsed.
+/// A mesh during the collapses.
 struct Draft<'m> {
     positions: &'m [[f64; 3]],
     faces: Vec<Option<[u32; 3]>>,
-    /// Faces at each vertex.
+    /// Faces of each vertex.
     around: Vec<Vec<u32>>,
     on_boundary: Vec<bool>,
 }
@@ -111,7 +113,7 @@ impl<'m> Draft<'m> {
         found
     }
 
-    /// Twice the area of a face times its normal.
+    /// Returns the normal of a face, times twice its area.
     fn normal(&self, [a, b, c]: [u32; 3]) -> [f64; 3] {
         let (u, v) = (self.difference(a, b), self.difference(a, c));
         [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
@@ -126,8 +128,8 @@ impl<'m> Draft<'m> {
         4.0 * 3f64.sqrt() * area / (perimeter * longest)
     }
 
-    /// Moves vertex `gone` onto `kept`, if the mesh stays a surface and its faces keep their sides;
-    /// whether it did.
+    /// Moves vertex `gone` onto `kept`, unless the mesh would not be a surface afterwards or a face
+    /// would turn too far. Returns whether it moved.
     fn collapse(&mut self, gone: u32, kept: u32) -> bool {
         if self.on_boundary[gone as usize] {
             return false;
@@ -136,8 +138,7 @@ impl<'m> Draft<'m> {
             self.around[gone as usize].iter().partition(|&&f| self.face(f).contains(&kept));
         let [of_gone, of_kept] = [gone, kept].map(|v| self.neighbours(v));
         let common = of_gone.iter().filter(|v| of_kept.contains(v)).count();
-        // The link condition (Dey et al. 1999), and a vertex of three faces beside it would lose
-        // one.
+        // The link condition (Dey et al. 1999); another vertex with three faces must not lose one.
         if lost.len() != 2 || common != 2 || of_gone.len() < 4 {
             return false;
         }
@@ -151,7 +152,7 @@ impl<'m> Draft<'m> {
             let (m, n) = (self.normal(before), self.normal(after));
             let cosine = dot(m, n) / (norm(m) * norm(n));
             let enough = self.quality(before).min(LEAST_QUALITY);
-            // What has no area has no normal, and a cosine that is not a number.
+            // A face without area has no normal, and its cosine is NaN.
             if !(cosine >= LEAST_COSINE && self.quality(after) >= enough) {
                 return false;
             }

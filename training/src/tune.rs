@@ -1,4 +1,5 @@
-//! Training on a few shapes of a family, from weights of another one (thesis, section 2.5).
+//! Training on a few shapes of a family, starting from weights trained on another family (thesis,
+//! section 2.5).
 
 use std::collections::BTreeMap;
 
@@ -13,19 +14,19 @@ use crate::cuts::{CutOptions, cuts_of_mesh};
 use crate::families::mixed;
 use crate::train::{Examples, Pair, State, TrainOptions};
 
-/// How weights are fitted to a family.
+/// Options of fitting weights to a family.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TuneOptions {
-    /// Pairs of parts of each mesh, about.
+    /// Approximate number of pairs of parts per mesh.
     pub pairs: usize,
-    /// One mesh in so many is kept aside, to choose by.
+    /// One of this many meshes is reserved for validation.
     pub aside: usize,
-    /// Passes over the pairs.
+    /// Number of passes over the pairs.
     pub epochs: usize,
-    /// Largest rate of the optimiser: lower than that of a training from the beginning, so that not
-    /// all of what is known is lost.
+    /// Largest learning rate of the optimizer: lower than that of a training from the beginning, so
+    /// that less of the previous training is lost.
     pub rate: f64,
-    /// Of everything random.
+    /// Seed of the cuts and of the training.
     pub seed: u64,
 }
 
@@ -35,12 +36,13 @@ impl Default for TuneOptions {
     }
 }
 
-/// Cuts parts out of meshes and computes the spectra of parts and unions. The result does not
-/// depend on the number of threads.
+/// Cuts parts out of meshes and computes the spectra of the parts and of their unions. The result
+/// does not depend on the number of threads.
 ///
 /// # Errors
-/// As [`PartSpectra::new`] and [`catamaran::mesh::HeatMethod`], of a mesh; [`Error::Argument`] for
-/// fewer than two meshes, and when no pair could be cut; [`Error::Cancelled`].
+/// Those of [`PartSpectra::new`] and [`catamaran::mesh::HeatMethod`] for a mesh;
+/// [`Error::Argument`] for fewer than two meshes, and when no pair could be cut;
+/// [`Error::Cancelled`].
 pub fn family_examples(
     meshes: &[TriMesh],
     base: &SpectralUnion,
@@ -49,7 +51,7 @@ pub fn family_examples(
     progress: Progress<'_>,
 ) -> Result<Examples> {
     if meshes.len() < 2 {
-        let why = format!("{}, but one is kept aside to choose by", meshes.len());
+        let why = format!("must be at least 2, one of them for validation, is {}", meshes.len());
         return Err(Error::Argument { what: "meshes", why });
     }
     let (mut training, mut validation) = (Vec::new(), Vec::new());
@@ -64,7 +66,7 @@ pub fn family_examples(
     Examples::of_family(training, validation, base.localizer().clone())
 }
 
-/// Pairs of parts of a mesh.
+/// Cuts pairs of parts out of a mesh.
 fn pairs_of_mesh(mesh: &TriMesh, count: usize, seed: u64, par: Par) -> Result<Vec<Pair>> {
     let options = CutOptions {
         regions: count.div_ceil(3),
@@ -92,7 +94,7 @@ fn pairs_of_mesh(mesh: &TriMesh, count: usize, seed: u64, par: Par) -> Result<Ve
     Ok(cuts.pairs.iter().map(pair).collect())
 }
 
-/// Where a training goes on from these weights.
+/// Returns the options and the state with which a training continues from the weights of `base`.
 pub fn start(base: &SpectralUnion, options: &TuneOptions) -> (TrainOptions, State) {
     let parameters = base.parameters().to_vec();
     let state = State {
@@ -133,7 +135,7 @@ mod tests {
             trainer.epoch().unwrap();
         }
         assert!(trainer.best_error() < 0.9 * before, "{} {before}", trainer.best_error());
-        // What it was fitted to is no stranger to it.
+        // The meshes of the training are in distribution.
         let pair = &trainer.examples().validation[0];
         let score = trainer.model().unwrap().ood_score(&[&pair.first, &pair.second]).unwrap();
         assert!(score < 2.0, "{score}");

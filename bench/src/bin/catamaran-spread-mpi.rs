@@ -1,6 +1,6 @@
-//! `mpirun -n P catamaran-spread-mpi`: eigenpairs and Gram-Schmidt of rows that are spread over the
-//! ranks: seconds, and the memory of the rank with most. `scripts/race-mpi spread` runs it for many
-//! P.
+//! `mpirun -n P catamaran-spread-mpi`: measures eigenpairs and Gram-Schmidt of rows that are spread
+//! over the ranks: seconds, and the memory of the rank that needs the most.
+//! `scripts/race-mpi spread` runs it for many P.
 
 use std::process::ExitCode;
 
@@ -45,7 +45,7 @@ enum What {
 }
 
 const HEADER: &str = "what,rows,columns,ranks,seconds,memory_mb,words_sent,error";
-/// Columns that tell lines apart.
+/// Number of columns that identify a line.
 const KEYS: usize = 4;
 
 fn main() -> ExitCode {
@@ -60,7 +60,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<()> {
     let (universe, _) =
-        mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI runs already")?;
+        mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI is already running")?;
     let world = World::new(&universe.world())?;
     let input = Input::new(arguments, &world)?;
     let (mut seconds, mut bytes, mut words, mut error) = (vec![], 0.0_f64, 0.0_f64, 0.0_f64);
@@ -96,7 +96,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The largest of all ranks' numbers.
+/// Returns the largest of all ranks' numbers.
 fn largest(world: &World, own: f64) -> f64 {
     let mut all = 0.0;
     world.communicator().all_reduce_into(&own, &mut all, SystemOperation::max());
@@ -129,7 +129,7 @@ impl Input {
         }
     }
 
-    /// The largest residual, or departure from orthonormal columns.
+    /// Runs the computation; returns the largest residual, or deviation from orthonormal columns.
     fn run(&self, world: &World, arguments: &Arguments) -> Result<f64> {
         let a = match self {
             Self::Grid { laplacian, .. } => {
@@ -158,7 +158,7 @@ impl Input {
     }
 }
 
-/// Some rows of the graph Laplacian of a grid of squares, each cut by a diagonal.
+/// Returns some rows of the graph Laplacian of a grid of squares, each cut by a diagonal.
 fn grid(side: usize, rows: std::ops::Range<usize>) -> CsMat<f64> {
     let (mut starts, mut columns, mut entries) = (vec![0], vec![], vec![]);
     for row in rows.clone() {
@@ -176,7 +176,7 @@ fn grid(side: usize, rows: std::ops::Range<usize>) -> CsMat<f64> {
     CsMat::new((rows.len(), side * side), starts, columns, entries)
 }
 
-/// Memory and seconds of the table over ranks.
+/// Returns a picture of the memory and seconds of the table over ranks.
 fn picture(table: &str) -> String {
     let rows: Vec<Vec<&str>> =
         table.lines().skip(1).map(|line| line.split(',').collect()).collect();

@@ -38,7 +38,7 @@ pub struct Arguments {
     pub common: Common,
 }
 
-/// Entries of C that are looked at, where all would be too many.
+/// Number of entries of C that are tested, where all would be too many.
 const SAMPLE: usize = 100_000;
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -108,7 +108,8 @@ fn one_input<T: Scalar>(
     Ok(rows)
 }
 
-/// The rivals, our classical path, and the exact path with 13, 14 and 15 moduli (in f32 6, 7, 8).
+/// Returns the rivals, our classical path, and the exact path with 13, 14 and 15 moduli (in f32 6,
+/// 7, 8).
 fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
     let libraries = &arguments.common.libraries;
     let rivals = arguments.rivals.clone();

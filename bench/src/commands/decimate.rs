@@ -1,4 +1,4 @@
-//! `decimate`: decimation beside other libraries, each call in a process of its own.
+//! `decimate`: decimation beside other libraries, each call in a separate process.
 
 use std::path::PathBuf;
 
@@ -91,8 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The meshes that the arguments name, or those of their set that are there, each with numbers of
-/// vertices.
+/// Returns the meshes that the arguments name, or those of their set that exist, each with numbers
+/// of vertices.
 fn meshes(inputs: &Inputs, arguments: &Arguments) -> Result<Vec<(Input, Vec<usize>)>> {
     if arguments.meshes.is_empty() {
         let real = arguments.set.meshes().into_iter();
@@ -100,7 +100,9 @@ fn meshes(inputs: &Inputs, arguments: &Arguments) -> Result<Vec<(Input, Vec<usiz
         return real.filter_map(Result::transpose).collect();
     }
     let mesh = |text: &String| -> Result<_> {
-        let (path, n) = text.rsplit_once(':').ok_or_else(|| format!("{text}: no :N at its end"))?;
+        let (path, n) = text
+            .rsplit_once(':')
+            .ok_or_else(|| format!("{text}: must end in :N, a number of vertices"))?;
         let n = n.parse().map_err(|_| format!("{text}: {n:?} is not a number of vertices"))?;
         let name = path.rsplit('/').next().unwrap_or(path);
         let name = name.split('.').next().unwrap_or(name);

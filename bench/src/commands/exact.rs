@@ -1,5 +1,5 @@
-//! `exact`: where the time of the exact path goes, and how far its kernels are from what the unit
-//! can do.
+//! `exact`: the times of the stages of the exact path, and the rates of its kernels relative to the
+//! hardware limit.
 
 use std::time::Instant;
 
@@ -56,7 +56,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Rates of the kernel of an instruction set, with operands at every level of the memory.
+/// Prints the rates of the kernel of an instruction set, with operands at every level of the
+/// memory.
 fn show_ladder(isa: Isa) -> Result<()> {
     let ladder = Ladder::measure(isa)?;
     // A multiplication and an addition are two operations.
@@ -131,7 +132,7 @@ fn isas(names: &[String]) -> Result<Vec<Isa>> {
     }
     let find = |name: &String| {
         let found = Isa::ALL.into_iter().find(|i| i.name() == name);
-        found.ok_or_else(|| format!("{name}: no such isa").into())
+        found.ok_or_else(|| format!("{name}: no such instruction set").into())
     };
     names.iter().map(find).collect()
 }

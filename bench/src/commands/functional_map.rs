@@ -1,5 +1,5 @@
 //! `functional-map`: a functional map fitted to descriptors and refined by ZoomOut, beside pyfmaps,
-//! each in a process of its own.
+//! each in a separate process.
 
 use std::path::Path;
 use std::time::Instant;
@@ -16,7 +16,7 @@ use catamaran_bench::exchange::{get, get_vector, put, put_vector};
 use catamaran_bench::spectral::{Pair, Shape, Shapes};
 use catamaran_bench::{Result, host, record};
 
-/// Descriptors: energies of the wave kernel signature.
+/// Number of descriptors: energies of the wave kernel signature.
 const DESCRIPTORS: usize = 40;
 
 use super::Contest;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return solve(folder, arguments);
     }
     if arguments.functions < arguments.k || arguments.step == 0 {
-        return Err("ZoomOut goes from k to more functions, by at least one".into());
+        return Err("--functions must be more than --k, and --step at least 1".into());
     }
     let python =
         child::python(&arguments.contest.libraries).ok_or("no scipy: run scripts/rivals first")?;
@@ -104,15 +104,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Two poses of a figure, and two people if there are data.
+/// Returns two poses of a figure, and two people if there are data.
 fn pairs(functions: usize) -> Result<Vec<Pair>> {
     let shapes = Shapes::new(false);
     let poses = shapes.isometric(functions - 1)?.into_iter().take(1);
     Ok(poses.chain(shapes.people(functions - 1)?.into_iter().take(1)).collect())
 }
 
-/// The mean distance of the points of the source from the true ones, as a part of the root of its
-/// area.
+/// Returns the mean distance of the points of the source from the true ones, relative to the square
+/// root of its area.
 fn distance(pair: &Pair, points: &[f64]) -> f64 {
     let position = |v: usize| pair.source.mesh.vertices()[v];
     let apart = |(&found, &truth): (&f64, &u32)| {
@@ -122,7 +122,7 @@ fn distance(pair: &Pair, points: &[f64]) -> f64 {
     points.iter().zip(&pair.truth).map(apart).sum::<f64>() / points.len().max(1) as f64
 }
 
-/// Writes the problem where both contenders read it.
+/// Writes the problem for both contenders.
 fn prepare(folder: &Path, pair: &Pair) -> Result<()> {
     for (side, shape) in [("source", &*pair.source), ("target", &*pair.target)] {
         let Shape { mesh, eigenbasis, .. } = shape;
@@ -149,7 +149,7 @@ fn prepare(folder: &Path, pair: &Pair) -> Result<()> {
     Ok(())
 }
 
-/// Our side, in its own process.
+/// Solves the problem with this library, in a separate process.
 fn solve(folder: &Path, arguments: &Arguments) -> Result<()> {
     let par = Par::Threads(arguments.contest.threads[0]);
     let basis = |side: &str| -> Result<Eigenbasis> {

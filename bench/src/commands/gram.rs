@@ -1,4 +1,4 @@
-//! `gram`: what people do with A^T A, beside other libraries: correct digits, errors and times.
+//! `gram`: applications of A^T A beside other libraries: correct digits, errors and times.
 
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Does a task in this folder once, and prints what bench/rivals/gram.py does.
     #[arg(long, hide = true, requires = "task")]
     solve: Option<PathBuf>,
-    /// Which one.
+    /// The task.
     #[arg(long, hide = true, value_enum)]
     task: Option<Task>,
 }

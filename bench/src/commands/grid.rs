@@ -1,4 +1,4 @@
-//! `grid`: ours against the best rival at many shapes.
+//! `grid`: this library against the best rival at many shapes.
 
 use catamaran::AtaOptions;
 use catamaran_bench::contender::{Contender, Scalar};
@@ -32,7 +32,7 @@ pub struct Arguments {
     pub common: Common,
 }
 
-/// Rivals slower than the fastest by this factor are dropped on the way.
+/// Factor above the fastest rival at which a rival is dropped.
 const PATIENCE: f64 = 1.25;
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -92,7 +92,7 @@ fn one_shape<T: Scalar>(
     Ok(())
 }
 
-/// Every library twice, by its two routines; then ours.
+/// Returns every library twice, with its two routines, then ours.
 fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
     let libraries = &arguments.common.libraries;
     let names = arguments.rivals.clone();
@@ -109,7 +109,7 @@ fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
         }
     }
     if contenders.is_empty() {
-        return Err("no rivals; run scripts/rivals".into());
+        return Err("no rival is installed: run scripts/rivals".into());
     }
     let backend = match &arguments.backend {
         Some(name) => backend(name, libraries)?,

@@ -1,5 +1,5 @@
-//! `laplacian`: the tufted Laplacian of meshes beside robust_laplacian's, each in a process of its
-//! own.
+//! `laplacian`: the tufted Laplacian of meshes beside robust_laplacian's, each in a separate
+//! process.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Writes the mesh where both contenders read it.
+/// Writes the mesh for both contenders.
 fn prepare(folder: &Path, mesh: &TriMesh) -> Result<()> {
     let (points, faces) = (mesh.vertices(), mesh.faces());
     let points = Mat::from_fn(points.len(), 3, |i, j| points[i][j]);
@@ -80,7 +80,7 @@ fn prepare(folder: &Path, mesh: &TriMesh) -> Result<()> {
     put(folder, "faces", Mat::from_fn(faces.len(), 3, |i, j| f64::from(faces[i][j])).as_ref())
 }
 
-/// Our side, in its own process.
+/// Solves the problem with this library, in a separate process.
 fn solve(folder: &Path, threads: usize) -> Result<()> {
     let (points, faces) = (get(folder, "vertices")?, get(folder, "faces")?);
     let row = |matrix: &Mat<f64>, i: usize| [matrix[(i, 0)], matrix[(i, 1)], matrix[(i, 2)]];
@@ -103,7 +103,7 @@ fn solve(folder: &Path, threads: usize) -> Result<()> {
     Ok(())
 }
 
-/// Area, and the energies of the coordinates.
+/// Returns the area, and the energies of the coordinates.
 fn outcome(found: &Laplacian, points: MatRef<'_, f64>) -> Result<Vec<f64>> {
     let Mass::Lumped(mass) = &found.mass else { return Err("a full mass".into()) };
     let x = found.restrict(points)?;

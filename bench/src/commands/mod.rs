@@ -1,4 +1,4 @@
-//! The commands, and what they share: options, and who takes part.
+//! The commands, and their common options and contenders.
 
 pub mod accuracy;
 pub mod decimate;
@@ -27,7 +27,7 @@ use catamaran_bench::race::Rules;
 use catamaran_bench::{Result, host, record};
 use clap::ValueEnum;
 
-/// How often, and beside what, processes of ours and of a rival take turns.
+/// The options of a contest between processes of this library and of a rival.
 #[derive(clap::Args)]
 pub struct Contest {
     /// Thread counts, of those that have threads.
@@ -54,7 +54,7 @@ pub enum Type {
     F32,
 }
 
-/// Options of every command with contenders.
+/// The common options of commands with contenders.
 #[derive(clap::Args)]
 pub struct Common {
     /// Types of the entries.
@@ -71,11 +71,11 @@ pub struct Common {
     pub libraries: PathBuf,
 }
 
-/// Entries of C that each run of a race is checked against, where all would be too many.
+/// Number of entries of C against which each run of a race is checked, where all would be too many.
 const SAMPLE: usize = 2000;
 
 impl Common {
-    /// Writes the record, if one is asked for: its numbers, perhaps a picture, and the host.
+    /// Writes the record, if one is requested: numbers, possibly a picture, and the host.
     fn keep(&self, csv: String, svg: Option<String>, rivals: &[&Rival], peak: &str) -> Result<()> {
         let Some(name) = &self.record else { return Ok(()) };
         let [csv_name, svg_name] = ["csv", "svg"].map(|ending| format!("{name}.{ending}"));
@@ -104,25 +104,25 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The rules of a command that starts now.
+    /// Returns the rules of a command that starts now.
     fn rules(&self, patience: Option<f64>) -> Rules {
         let deadline = self.max_seconds.map(|s| Instant::now() + Duration::from_secs_f64(s));
         Rules { repeat: self.repeat, deadline, patience }
     }
 
-    /// Our threads.
+    /// Returns the thread pool of our contenders.
     fn team(&self, threads: usize) -> Result<ThreadPool> {
         Ok(ThreadPool::new(threads, if self.pin { Pin::Cores } else { Pin::No })?)
     }
 }
 
-/// Those of the named rivals that are installed.
+/// Returns those of the named rivals that are installed.
 fn installed(names: &[&str], libraries: &Path) -> Vec<String> {
     let found = names.iter().filter(|name| find(name, libraries).is_some());
     found.map(|name| (*name).to_owned()).collect()
 }
 
-/// The rival called `name`: faer, a library that is found by its name, or NAME=PATH.
+/// Returns the rival called `name`: faer, a library that is found by its name, or NAME=PATH.
 fn rival(name: &str, libraries: &Path) -> Result<Contender> {
     Ok(match name {
         "faer" => Contender::Faer,
@@ -130,12 +130,13 @@ fn rival(name: &str, libraries: &Path) -> Result<Contender> {
     })
 }
 
-/// The back end called `name`, and its name without a path: native, or a library as in [`rival`].
+/// Returns the back end called `name`, and its name without a path: native, or a library as in
+/// [`rival`].
 fn backend(name: &str, libraries: &Path) -> Result<(String, Arc<dyn Backend>)> {
     if name == "native" {
         return Ok((name.to_owned(), blas::native()));
     }
-    // Loaded as a rival first: who loads a library first decides how it is bound.
+    // Loaded as a rival first, because the first load of a library determines how it is bound.
     let rival = load(name, libraries)?;
     Ok((rival.name, blas::load(&rival.path)?))
 }
@@ -145,13 +146,12 @@ fn load(name: &str, libraries: &Path) -> Result<Rival> {
         Some((name, path)) => (name, Some(PathBuf::from(path))),
         None => (name, find(name, libraries)),
     };
-    let path = path.ok_or_else(|| {
-        format!("{name}: not found; run scripts/rivals, or give NAME=PATH of the library")
-    })?;
+    let path =
+        path.ok_or_else(|| format!("{name}: not found; run scripts/rivals, or give NAME=PATH"))?;
     Rival::load(name, &path)
 }
 
-/// Ours, by `SCHEME[:leaf=SIDE][:tasks=COUNT][:pin]`.
+/// Returns our contender for `SCHEME[:leaf=SIDE][:tasks=COUNT][:pin]`.
 fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> Result<Contender> {
     let mut words = scheme.split(':');
     let choice = scheme_named(words.next().unwrap_or_default())?;
@@ -163,7 +163,7 @@ fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> R
             Some(("tasks", count)) => options.tasks(count.parse::<usize>()?),
             None if word == "pin" => options.pin(Pin::Cores),
             _ => {
-                let why = format!("{scheme}: {word} is none of leaf=SIDE, tasks=COUNT and pin");
+                let why = format!("{scheme}: {word} must be leaf=SIDE, tasks=COUNT or pin");
                 return Err(why.into());
             }
         };
@@ -172,7 +172,7 @@ fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> R
     Ok(Contender::Ours { name, options: Box::new(options) })
 }
 
-/// The libraries among the contenders.
+/// Returns the libraries among the contenders.
 fn libraries_of(contenders: &[Contender]) -> Vec<&Rival> {
     let mut libraries: Vec<_> = contenders
         .iter()
@@ -181,12 +181,13 @@ fn libraries_of(contenders: &[Contender]) -> Vec<&Rival> {
             _ => None,
         })
         .collect();
-    // One that takes part with both its routines is one.
+    // A library that takes part with both its routines is listed once.
     libraries.dedup_by(|a, b| std::ptr::eq(*a, *b));
     libraries
 }
 
-/// Whom ratios refer to: MKL, else the first rival, else the first.
+/// Returns the contender to which ratios refer: MKL, otherwise the first rival, otherwise the first
+/// contender.
 fn yardstick(contenders: &[Contender]) -> usize {
     let place = |wanted: &dyn Fn(&Contender) -> bool| contenders.iter().position(wanted);
     place(&|c| c.to_string() == "mkl").or_else(|| place(&Contender::is_rival)).unwrap_or(0)

@@ -1,5 +1,5 @@
 //! `ortho`: Gram-Schmidt in the inner product of masses beside column-wise numpy and LAPACK's
-//! pivoted QR, each run in a process of its own.
+//! pivoted QR, each run in a separate process.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -47,7 +47,7 @@ pub struct Arguments {
     method: Option<Method>,
 }
 
-/// Ours.
+/// Our methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Method {
     /// Threshold 1e-9, re-orthogonalised.
@@ -58,14 +58,14 @@ enum Method {
     CholeskyQr,
 }
 
-/// A method of ours or of bench/rivals/gram_schmidt.py, and its name in tables.
+/// A method of this library or of bench/rivals/gram_schmidt.py, and its name in tables.
 #[derive(Clone, Copy)]
 enum Contender {
     Ours(&'static str, &'static str),
     Python(&'static str, &'static str),
 }
 
-/// The first one is what the others are compared with.
+/// The contenders; the others are compared with the first one.
 const CONTENDERS: [Contender; 5] = [
     Contender::Ours("ours*", "reorthogonalised"),
     Contender::Ours("ours", "single-pass"),
@@ -95,10 +95,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             for (contender, own) in CONTENDERS.iter().zip(&reports) {
                 let (Contender::Ours(name, _) | Contender::Python(name, _)) = contender;
                 let seconds = median(own.iter().map(|report| report.seconds).collect());
-                // Of the same repetition, as far as it goes.
+                // Ratios of the same repetition, as far as there are.
                 let pairs = own.iter().zip(&reports[0]);
                 let ratio = median(pairs.map(|(own, first)| own.seconds / first.seconds).collect());
-                // A itself counts.
+                // The memory includes A itself.
                 let memory = median(own.iter().map(|report| 1.0 + report.bytes / basis).collect());
                 let [rank, error] = [0, 1].map(|i| own[0].rest.get(i).copied().unwrap_or(f64::NAN));
                 let (n, repeat) = (arguments.rows, own.len());
@@ -121,8 +121,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Writes A and the masses where all contenders read them. Each column overlaps, positively or
-/// negatively, with the one before, and none depends on others: everybody has all of the work. A is
+/// Writes A and the masses for all contenders. Each column overlaps, positively or negatively, with
+/// the previous one, and none depends on others, so that all contenders have the full work. A is
 /// written by columns.
 fn prepare(folder: &Path, n: usize, c: usize) -> Result<()> {
     let mut rng = Rng::new(1);
@@ -144,11 +144,11 @@ fn prepare(folder: &Path, n: usize, c: usize) -> Result<()> {
 fn get(folder: &Path, name: &str) -> Result<Mat<f64>> {
     match read(&folder.join(name), &ReadOptions::default())? {
         Matrix::F64(dense) => Ok(dense.as_ref().transpose().to_owned()),
-        _ => Err(format!("{name}: not doubles").into()),
+        _ => Err(format!("{name}: the numbers must be doubles").into()),
     }
 }
 
-/// Our side, in its own process.
+/// Solves the problem with this library, in a separate process.
 fn solve(folder: &Path, method: Method, threads: usize) -> Result<()> {
     let mut a = get(folder, "a.npy")?;
     let masses: Vec<f64> = get(folder, "mass.npy")?.row(0).iter().copied().collect();
@@ -174,7 +174,7 @@ fn solve(folder: &Path, method: Method, threads: usize) -> Result<()> {
     Ok(())
 }
 
-/// The largest entry of `|Q^T M Q - I|`; Q is scaled for it.
+/// Returns the largest entry of `|Q^T M Q - I|`; Q is scaled for this.
 fn defect(q: &mut Mat<f64>, masses: &[f64]) -> Result<f64> {
     for column in q.as_mut().col_iter_mut() {
         column.iter_mut().zip(masses).for_each(|(x, mass)| *x *= mass.sqrt());
@@ -190,7 +190,7 @@ fn defect(q: &mut Mat<f64>, masses: &[f64]) -> Result<f64> {
     Ok(far(gram.as_ref()))
 }
 
-/// What each contender said of its runs, which take turns.
+/// Returns the reports of each contender on its runs, which take turns.
 fn race(
     arguments: &Arguments,
     folder: &Path,

@@ -122,5 +122,5 @@ fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
             contenders.push(ours(scheme, &backend)?);
         }
     }
-    if contenders.is_empty() { Err("nobody to race".into()) } else { Ok(contenders) }
+    if contenders.is_empty() { Err("no contender is left".into()) } else { Ok(contenders) }
 }

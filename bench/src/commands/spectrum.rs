@@ -1,5 +1,5 @@
-//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's, each solution in a process of
-//! its own.
+//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's, each solution in a separate
+//! process.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The meshes at these paths, or the usual ones, and their names.
+/// Returns the meshes at these paths, or the default ones, with their names.
 pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh)>> {
     let read = |path: &Path| -> Result<_> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -95,7 +95,7 @@ pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh
     Ok(found)
 }
 
-/// Writes the problem where both contenders read it.
+/// Writes the problem for both contenders.
 fn prepare(folder: &Path, mesh: &catamaran::mesh::TriMesh) -> Result<()> {
     let problem = laplacian(mesh, &LaplacianOptions::default())?;
     let Mass::Lumped(mass) = &problem.mass else { return Err("a full mass".into()) };
@@ -106,7 +106,7 @@ fn prepare(folder: &Path, mesh: &catamaran::mesh::TriMesh) -> Result<()> {
     put_vector(folder, "mass", mass)
 }
 
-/// Our side, in its own process.
+/// Solves the problem with this library, in a separate process.
 fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
     let mass = get_vector(folder, "mass")?;
     let n = mass.len();
@@ -130,11 +130,11 @@ fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
 struct Outcome {
     ours: f64,
     scipy: f64,
-    /// scipy's seconds over ours: the median over the repetitions.
+    /// Ratio of scipy's seconds to ours: the median over the repetitions.
     ratio: f64,
     bytes: [f64; 2],
     residuals: [f64; 2],
-    /// Of eigenvalues, relative to the largest.
+    /// Largest difference of eigenvalues, relative to the largest one.
     difference: f64,
 }
 
@@ -147,7 +147,7 @@ fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> 
     let (values, theirs) = (get_vector(folder, "our-values")?, get_vector(folder, "values")?);
     let largest = theirs.last().copied().unwrap_or(1.0);
     let differences = values.iter().zip(&theirs).map(|(x, y)| (x - y).abs() / largest);
-    // The first value of a connected mesh is zero, and so is what it is divided by.
+    // The first value of a connected mesh is zero, and can't be a divisor.
     let scipy_residuals = get_vector(folder, "residuals")?;
     let positive =
         scipy_residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);

@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let bytes = 8.0 * shape.m as f64 * shape.n as f64;
         let [read, compute, streamed] =
             [0, 1, 2].map(|k| bytes / 1e9 / median(samples.iter().map(|s| s[k]).collect()));
-        // Against the slower one of the same repetition.
+        // Relative to the slower one of the same repetition.
         let ratio = median(samples.iter().map(|s| s[0].max(s[1]) / s[2]).collect());
         let size = format!("{} x {}", shape.m, shape.n);
         println!("{size:>16} {read:>9.2} {compute:>9.2} {streamed:>9.2} {ratio:>6.3}");
@@ -80,7 +80,7 @@ fn measure(arguments: &Arguments, shape: Shape, file: &Path) -> Result<Vec<Sampl
     let a = matrix::<f64>(shape, Distribution::Uniform, 1);
     let view = MatRef::from_row_major_slice(&a, m, n);
     write(Output::create(file, Overwrite::Replace)?, view)?;
-    // The trace of C, whatever the algorithm.
+    // The trace of C, which does not depend on the algorithm.
     let trace: f64 = a.iter().map(|x| x * x).sum();
     let height = block_rows::<f64>(n, false);
     let mut block = a[..height.min(m) * n].to_vec();
@@ -117,9 +117,10 @@ fn measure(arguments: &Arguments, shape: Shape, file: &Path) -> Result<Vec<Sampl
         let c = sum.finish(1.0, Uplo::Lower)?;
         let found: f64 = (0..n).map(|j| c.as_ref()[(j, j)]).sum();
         if (found - trace).abs() > 1e-9 * trace {
-            return Err(
-                format!("{m} x {n}: wrong result, trace {found} where it is {trace}").into()
-            );
+            return Err(format!(
+                "{m} x {n}: wrong result, the trace is {found}, should be {trace}"
+            )
+            .into());
         }
         samples.push(sample);
     }
@@ -132,8 +133,8 @@ fn timed(work: impl FnOnce() -> Result<()>) -> Result<f64> {
     Ok(start.elapsed().as_secs_f64())
 }
 
-/// Takes the file out of the page cache: dd does that, without being root and without harm to
-/// others.
+/// Drops the file from the page cache with dd, which needs no root privileges and does not disturb
+/// other programs.
 fn forget(arguments: &Arguments, file: &Path) -> Result<()> {
     if arguments.cached {
         return Ok(());
@@ -142,5 +143,5 @@ fn forget(arguments: &Arguments, file: &Path) -> Result<()> {
     input.push(file);
     let done =
         Command::new("dd").arg(input).args(["iflag=nocache", "count=0", "status=none"]).status()?;
-    if done.success() { Ok(()) } else { Err("dd failed; --cached needs none".into()) }
+    if done.success() { Ok(()) } else { Err("dd failed; --cached does without it".into()) }
 }

@@ -1,4 +1,4 @@
-//! Who decimates: this library and others, each call in a process of its own.
+//! The contenders of decimation: this library and others, each call in a separate process.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -11,12 +11,12 @@ use super::inputs;
 use crate::Result;
 use crate::child::{self, Report};
 
-/// Who decimates.
+/// A contender of decimation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Contender {
     /// This library.
     Ours,
-    /// The thesis literally.
+    /// The algorithm of the thesis, as printed.
     Thesis,
     /// Clusters of faces (Valette and Chassery): PyPI `pyacvd`.
     Pyacvd,
@@ -35,7 +35,7 @@ pub enum Contender {
 }
 
 impl Contender {
-    /// All, ours first.
+    /// All contenders, ours first.
     pub const ALL: [Self; 9] = [
         Self::Ours,
         Self::Thesis,
@@ -48,7 +48,7 @@ impl Contender {
         Self::Cgal,
     ];
 
-    /// What tables and arguments call it.
+    /// Returns the name in tables and arguments.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ours => "ours",
@@ -63,12 +63,12 @@ impl Contender {
         }
     }
 
-    /// Whether it is this library.
+    /// Returns whether the contender is this library.
     pub fn is_ours(self) -> bool {
         matches!(self, Self::Ours | Self::Thesis)
     }
 
-    /// Does the job once; seconds and bytes of the call alone.
+    /// Runs the job once; returns seconds and bytes of the call itself.
     ///
     /// # Errors
     /// When the process can't be started or fails.
@@ -101,34 +101,34 @@ impl Contender {
     }
 }
 
-/// What one call reads and writes.
+/// The input and output of one call.
 pub struct Job<'a> {
-    /// A PLY file.
+    /// The input, a PLY file.
     pub input: &'a Path,
-    /// Vertices wanted.
+    /// Number of vertices of the result.
     pub n: usize,
-    /// Faces wanted of those that count faces.
+    /// Number of faces of the result, for contenders that count faces.
     pub faces: usize,
-    /// Threads of those that have threads.
+    /// Number of threads, for contenders that have threads.
     pub threads: usize,
-    /// A PLY file.
+    /// The output, a PLY file.
     pub output: &'a Path,
 }
 
-/// Where scripts/rivals put the others, as far as it could.
+/// The rivals that scripts/rivals installed.
 pub struct Rivals {
     python: Option<PathBuf>,
     cgal: Option<PathBuf>,
 }
 
 impl Rivals {
-    /// Those in this folder.
+    /// Finds the rivals in this folder.
     pub fn find(folder: &Path) -> Self {
         let cgal = folder.join("bin/cgal_collapse");
         Self { python: child::python(folder), cgal: cgal.exists().then_some(cgal) }
     }
 
-    /// Whether this contender can run.
+    /// Returns whether this contender can run.
     pub fn have(&self, contender: Contender) -> bool {
         match contender {
             _ if contender.is_ours() => true,
@@ -137,8 +137,8 @@ impl Rivals {
         }
     }
 
-    /// The faces of each mesh that intersect others, counted by CGAL in libigl; `None` where that
-    /// is not installed or fails.
+    /// Returns the number of faces of each mesh that intersect others, counted by CGAL in libigl;
+    /// `None` where that is not installed or fails.
     pub fn intersecting_faces(&self, meshes: &[&Path]) -> Vec<Option<usize>> {
         let nothing = vec![None; meshes.len()];
         let Some(python) = &self.python else { return nothing };
@@ -159,10 +159,10 @@ impl Rivals {
     }
 }
 
-/// Our side, in its own process: prints seconds and bytes.
+/// Runs this library, in a separate process; prints seconds and bytes.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn solve(
     contender: Contender,
     input: &Path,

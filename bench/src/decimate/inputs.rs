@@ -1,4 +1,4 @@
-//! The meshes that are decimated.
+//! The input meshes of decimation.
 
 use std::path::{Path, PathBuf};
 
@@ -8,48 +8,49 @@ use catamaran::mesh::{Edges, Normalization, RepairOptions, TriMesh, repair};
 
 use crate::Result;
 
-/// A repaired mesh of longest side 1, so that distances compare, and the file of it that contenders
-/// read.
+/// A repaired mesh of longest side 1, so that distances are comparable, and its file for the
+/// contenders.
 pub struct Input {
     /// Its name.
     pub name: String,
     /// The mesh.
     pub mesh: TriMesh,
-    /// A PLY file.
+    /// Its PLY file.
     pub path: PathBuf,
 }
 
 impl Input {
-    /// The faces of a closed mesh of `n` vertices that has the Euler characteristic of this one.
+    /// Returns the number of faces of a closed mesh of `n` vertices with the same Euler
+    /// characteristic.
     pub fn faces_for(&self, n: usize) -> usize {
         let vertices = n as i64 - self.mesh.euler_characteristic(&Edges::new(&self.mesh));
         2 * vertices.max(0) as usize
     }
 }
 
-/// Meshes as PLY files, in a folder that goes away with this.
+/// Input meshes as PLY files, in a temporary folder.
 pub struct Inputs {
     data: Option<PathBuf>,
     scratch: tempfile::TempDir,
 }
 
 impl Inputs {
-    /// Real ones are those of CATAMARAN_DATA (default ../shared).
+    /// Creates the temporary folder. Real meshes are those of CATAMARAN_DATA (default ../shared).
     ///
     /// # Errors
-    /// When there can't be a temporary folder.
+    /// When the temporary folder can't be created.
     pub fn new() -> Result<Self> {
         let data = crate::input::data_folder();
         let folder = data.join("meshes");
         Ok(Self { data: folder.is_dir().then_some(folder), scratch: tempfile::tempdir()? })
     }
 
-    /// Where contenders may write.
+    /// Returns the folder in which contenders may write.
     pub fn scratch(&self) -> &Path {
         self.scratch.path()
     }
 
-    /// The file names of all real meshes, sorted.
+    /// Returns the file names of all real meshes, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = self
             .data
@@ -63,10 +64,10 @@ impl Inputs {
         names
     }
 
-    /// A real mesh; `None` without data.
+    /// Returns a real mesh; `None` without data.
     ///
     /// # Errors
-    /// When it can't be read.
+    /// When the mesh can't be read.
     pub fn real(&self, file: &str) -> Result<Option<Input>> {
         let Some(folder) = &self.data else { return Ok(None) };
         let path = folder.join(file);
@@ -77,12 +78,12 @@ impl Inputs {
         self.of(name, catamaran::mesh::io::read(&path)?).map(Some)
     }
 
-    /// This mesh, its longest side 1, with the repairs that `catamaran decimate` does by itself, so
-    /// that every contender starts from the same surface. Vertices that no face has are left out:
-    /// some contenders would keep them.
+    /// Returns this mesh with longest side 1, and with the repairs that `catamaran decimate` makes
+    /// by default, so that every contender starts from the same surface. Vertices without a face
+    /// are left out, because some contenders would keep them.
     ///
     /// # Errors
-    /// When it can't be repaired, or its file not be written.
+    /// When the mesh can't be repaired, or its file can't be written.
     pub fn of(&self, name: &str, mesh: impl Into<MeshFile>) -> Result<Input> {
         let options = RepairOptions::unambiguous().compact(true);
         let mesh = repair(mesh.into(), &options)?.file.mesh.normalized(Normalization::UnitBox)?;
@@ -95,7 +96,7 @@ impl Inputs {
 /// Writes a PLY file.
 ///
 /// # Errors
-/// When it can't be written.
+/// When the file can't be written.
 pub fn write(path: &Path, mesh: &TriMesh, overwrite: Overwrite) -> Result<()> {
     let output = Output::create(path, overwrite)?;
     Ok(catamaran::mesh::io::write(output, &MeshFile::from(mesh.clone()))?)

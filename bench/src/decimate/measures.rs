@@ -1,4 +1,4 @@
-//! What inputs and decimated meshes are like.
+//! Measures of inputs and of decimated meshes.
 
 use catamaran::Par;
 use catamaran::decimate::Quality;
@@ -6,26 +6,26 @@ use catamaran::mesh::{Comparison, Components, Edges, Genus, TriMesh};
 
 use crate::Result;
 
-/// What a decimated mesh is like.
+/// The measures of a decimated mesh.
 #[derive(Debug, Clone)]
 pub struct Measures {
-    /// Vertices that a face has.
+    /// Number of vertices with a face.
     pub vertices: usize,
-    /// Faces.
+    /// Number of faces.
     pub faces: usize,
     /// Topology and intersections.
     pub soundness: Soundness,
     /// Uniformity.
     pub quality: Quality,
-    /// Distances from the input to it, and back.
+    /// Distances from the input to the result, and back.
     pub distances: Comparison,
 }
 
 impl Measures {
-    /// Of the decimation `made` of `input`; `cgal` as in [`Soundness::of`].
+    /// Measures the decimation `made` of `input`; `cgal` as in [`Soundness::of`].
     ///
     /// # Errors
-    /// When nothing is left of it.
+    /// When the result has no face.
     pub fn new(input: &TriMesh, made: &TriMesh, cgal: Option<usize>) -> Result<Self> {
         Ok(Self {
             vertices: made.vertices().len() - made.unreferenced_vertices().len(),
@@ -36,29 +36,29 @@ impl Measures {
         })
     }
 
-    /// The Hausdorff distance: the larger one of both ways.
+    /// Returns the Hausdorff distance: the larger one of both directions.
     pub fn hausdorff(&self) -> f64 {
         self.distances.out.largest.max(self.distances.back.largest)
     }
 }
 
-/// Topology of a mesh, and how many of its faces intersect.
+/// The topology of a mesh, and the number of its faces that intersect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Soundness {
-    /// Connected components.
+    /// Number of connected components.
     pub components: usize,
-    /// Boundary loops; `None` with edges of more than two faces.
+    /// Number of boundary loops; `None` with edges of more than two faces.
     pub boundary_loops: Option<usize>,
-    /// Handles or cross-caps; `None` when it is not a manifold.
+    /// Number of handles or cross-caps; `None` when the mesh is not a manifold.
     pub genus: Option<Genus>,
-    /// Edges of more than two faces.
+    /// Number of edges of more than two faces.
     pub non_manifold_edges: usize,
     /// Faces that intersect others.
     pub intersecting: Intersecting,
 }
 
 impl Soundness {
-    /// Of this mesh, of which CGAL counted `cgal` intersecting faces.
+    /// Measures this mesh, in which CGAL counted `cgal` intersecting faces.
     pub fn of(mesh: &TriMesh, cgal: Option<usize>) -> Self {
         let edges = Edges::new(mesh);
         Self {
@@ -70,7 +70,7 @@ impl Soundness {
         }
     }
 
-    /// The columns of [`line`](Self::line), each after `prefix`.
+    /// Returns the columns of [`line`](Self::line), each after `prefix`.
     pub fn header(prefix: &str) -> String {
         let names = [
             "components",
@@ -83,7 +83,7 @@ impl Soundness {
         names.map(|name| format!("{prefix}{name}")).join(",")
     }
 
-    /// For a record; what is unknown is empty.
+    /// Returns a line of a record; unknown values are empty.
     pub fn line(&self) -> String {
         let Self { components, boundary_loops, genus, non_manifold_edges, intersecting } = self;
         format!(
@@ -95,8 +95,8 @@ impl Soundness {
         )
     }
 
-    /// Whether components, boundary loops and genus are those of `other`; `None` when `other` is
-    /// not a manifold.
+    /// Returns whether components, boundary loops and genus are those of `other`; `None` when
+    /// `other` is not a manifold.
     pub fn is_topology_of(&self, other: &Self) -> Option<bool> {
         other.genus?;
         let of = |it: &Self| (it.components, it.boundary_loops, it.genus);
@@ -104,7 +104,7 @@ impl Soundness {
     }
 }
 
-/// The value, or `none` where there is none.
+/// Returns the value as text, or `none` if it is missing.
 pub(super) fn text(value: &Option<impl ToString>, none: &str) -> String {
     value.as_ref().map_or_else(|| none.to_owned(), ToString::to_string)
 }
@@ -119,7 +119,7 @@ pub struct Intersecting {
 }
 
 impl Intersecting {
-    /// How many more than in `input`, by CGAL where it counted both.
+    /// Returns how many more there are than in `input`, by CGAL where it counted both.
     pub fn more_than(&self, input: &Self) -> usize {
         let [now, before] = match (self.cgal, input.cgal) {
             (Some(now), Some(before)) => [now, before],

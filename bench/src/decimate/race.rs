@@ -1,4 +1,4 @@
-//! Contenders side by side.
+//! Races contenders of decimation.
 
 use catamaran::mesh::TriMesh;
 
@@ -8,27 +8,27 @@ use crate::Result;
 use crate::child::Report;
 use crate::race::median;
 
-/// One contender at one mesh.
+/// The result of one contender on one mesh.
 pub struct Row {
-    /// Who.
+    /// The contender.
     pub contender: Contender,
     /// Repetitions measured.
     pub repetitions: usize,
     /// Median seconds.
     pub seconds: f64,
-    /// Its seconds over ours (or over those of the first contender): the median over the
+    /// Ratio of its seconds to ours (or to those of the first contender): the median over the
     /// repetitions.
     pub ratio: f64,
-    /// Median bytes at the peak, less those before the call.
+    /// Median bytes at the peak, minus those before the call.
     pub bytes: f64,
-    /// The result.
+    /// The resulting mesh.
     pub made: TriMesh,
-    /// What it is like.
+    /// The measures of the result.
     pub measures: Measures,
 }
 
 impl Row {
-    /// The columns of [`line`](Self::line).
+    /// Returns the columns of [`line`](Self::line).
     pub fn header() -> String {
         format!(
             "contender,repetitions,seconds,ratio,mb,vertices,faces,quality,quality_deviation,least_quality,mean_area,\
@@ -37,7 +37,7 @@ impl Row {
         )
     }
 
-    /// For a record.
+    /// Returns a line of a record.
     pub fn line(&self) -> String {
         let Measures { vertices, faces, soundness, quality: q, distances } = &self.measures;
         format!(
@@ -66,7 +66,7 @@ impl Row {
                               | components | loops | genus | Hausdorff | mean to result | mean to input |\n\
                               |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
-    /// For people.
+    /// Returns a row of a Markdown table.
     pub fn markdown(&self) -> String {
         let Measures { vertices, soundness: s, quality: q, distances, .. } = &self.measures;
         format!(
@@ -90,11 +90,11 @@ impl Row {
     }
 }
 
-/// How long a contender may take to be measured again, in seconds.
+/// Largest time of a contender, in seconds, for it to be measured again.
 const PATIENCE: f64 = 30.0;
 
-/// `contenders` that are installed decimate `input` to `n` vertices, in turn, `repeat` times. Slow
-/// ones are measured once, those that fail are left out with a line on stderr.
+/// Decimates `input` to `n` vertices by the installed `contenders`, in turn, `repeat` times. Slow
+/// contenders are measured once; those that fail are left out with a line on stderr.
 ///
 /// # Errors
 /// When no result can be read.

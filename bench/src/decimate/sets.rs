@@ -1,11 +1,11 @@
-//! The sets of meshes that are raced over.
+//! The sets of meshes for races.
 
 use super::Contender;
 
 /// A set of meshes of `CATAMARAN_DATA`, each with numbers of vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Set {
-    /// Those that the bars are set for.
+    /// The meshes for which the bars are set.
     Bars,
     /// Meshes of at most 131,000 vertices as programs export them: CAD with slivers, scans,
     /// isosurfaces, surfaces split along texture seams, edges of many faces; each to 500, 2000 and
@@ -53,7 +53,7 @@ const VARIED: [&str; 25] = [
 /// The numbers of vertices of [`Set::Varied`].
 const SIZES: [usize; 3] = [500, 2000, 5000];
 
-/// Those that finish on a million vertices within a minute.
+/// Contenders that finish on a million vertices within a minute.
 const FAST: [Contender; 5] = [
     Contender::Ours,
     Contender::Thesis,
@@ -62,7 +62,7 @@ const FAST: [Contender; 5] = [
     Contender::Meshoptimizer,
 ];
 
-/// One of each kind.
+/// A contender of each kind.
 const KINDS: [Contender; 5] = [
     Contender::Ours,
     Contender::Pyacvd,
@@ -71,11 +71,11 @@ const KINDS: [Contender; 5] = [
     Contender::Pymeshlab,
 ];
 
-/// From how many vertices on only [`FAST`] ones are asked.
+/// Number of vertices from which on only the [`FAST`] contenders run.
 const MANY: usize = 500_000;
 
 impl Set {
-    /// The file names of the meshes, each with its numbers of vertices.
+    /// Returns the file names of the meshes, each with its numbers of vertices.
     pub fn meshes(self) -> Vec<(&'static str, Vec<usize>)> {
         match self {
             Self::Bars => BARS.map(|(file, n)| (file, vec![n])).into(),
@@ -83,7 +83,7 @@ impl Set {
         }
     }
 
-    /// Who is asked to decimate a mesh of so many vertices, unless others are named.
+    /// Returns the default contenders for a mesh of this number of vertices.
     pub fn contenders(self, vertices: usize) -> &'static [Contender] {
         match self {
             Self::Bars if vertices > MANY => &FAST,

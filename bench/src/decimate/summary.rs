@@ -1,17 +1,17 @@
-//! What a set of races comes to, for every contender.
+//! Summarises a set of races for every contender.
 
 use super::{Contender, Row, Soundness};
 
-/// What of one run a [`summary`] counts.
+/// The values of one run for a [`summary`].
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Which mesh and number of vertices: those of one case are compared.
+    /// Index of the mesh and number of vertices: runs of the same case are compared.
     pub case: usize,
-    /// Who.
+    /// The contender.
     pub contender: Contender,
-    /// Vertices of the result over those wanted.
+    /// Number of vertices of the result over the requested number.
     pub size: f64,
-    /// How many more faces than in the input intersect, as a part of all faces of the result.
+    /// Number of intersecting faces in excess of the input, relative to the faces of the result.
     pub excess: f64,
     /// Whether the topology is that of the input; `None` when that is not a manifold.
     pub topology: Option<bool>,
@@ -24,7 +24,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Of one contender that was asked for `n` vertices.
+    /// Creates the run of a contender that was asked for `n` vertices.
     pub fn new(case: usize, input: &Soundness, n: usize, row: &Row) -> Self {
         let measures = &row.measures;
         let more = measures.soundness.intersecting.more_than(&input.intersecting);
@@ -40,16 +40,17 @@ impl Run {
         }
     }
 
-    /// Whether the result is about as large as wanted, so that its distances compare.
+    /// Returns whether the result has about the requested size, so that its distances are
+    /// comparable.
     fn has_size(&self) -> bool {
         (self.size - 1.0).abs() <= SIZE_TOLERANCE
     }
 }
 
-/// By which part results may be larger or smaller than wanted for their distances to be compared.
+/// Largest relative deviation of the size of results whose distances are compared.
 const SIZE_TOLERANCE: f64 = 0.05;
 
-/// A table of all contenders, the columns of which README.md explains.
+/// Returns a table of all contenders, whose columns README.md explains.
 pub fn summary(runs: &[Run]) -> String {
     let titles = "| contender | runs | of n vertices | without new intersections | largest share of new ones | topology kept \
                   | ours is as near | Q | s | x ours |\n|---|---|---|---|---|---|---|---|---|---|";
@@ -57,7 +58,7 @@ pub fn summary(runs: &[Run]) -> String {
     lines.fold(titles.to_owned(), |text, line| text + "\n" + &line)
 }
 
-/// The line of a contender; `None` when it ran nowhere.
+/// Returns the line of a contender; `None` when it did not run.
 fn line(contender: Contender, runs: &[Run]) -> Option<String> {
     let own: Vec<&Run> = runs.iter().filter(|run| run.contender == contender).collect();
     if own.is_empty() {
@@ -112,7 +113,7 @@ mod tests {
             ours.clone(),
             Run { excess: 0.25, topology: Some(false), ..theirs.clone() },
             Run { case: 1, topology: None, ..ours.clone() },
-            // Nearer, but with more vertices than wanted.
+            // Nearer, but with more vertices than requested.
             Run {
                 case: 1,
                 size: 1.2,
@@ -121,7 +122,7 @@ mod tests {
                 quality: 0.7,
                 ..theirs.clone()
             },
-            // Nobody to compare with.
+            // No run to compare with.
             Run { case: 2, hausdorff: 0.0, quality: 0.9, seconds: 50.0, ..theirs },
         ];
         let table = summary(&runs);

@@ -19,14 +19,15 @@ const RIVALS: [&str; 6] = [
     "numpy-normal-equations",
 ];
 
-/// What certified values have.
+/// Digits of certified values.
 const MOST: f64 = 15.0;
 
-/// Correct digits of the worst coefficient of each set, everyone with the same columns in f64:
-/// against the certified values, and against the exact solution for these columns.
+/// Returns the correct digits of the worst coefficient of each set, where all contenders get the
+/// same columns in f64: against the certified values, and against the exact solution for these
+/// columns.
 ///
 /// # Errors
-/// When a file can't be read or written, or nobody has a solution.
+/// When a file can't be read or written, or no contender has a solution.
 pub fn digits(turns: &Turns) -> Result<Vec<Part>> {
     let sets = NistSet::all()?;
     let folder = tempfile::tempdir()?;
@@ -64,8 +65,8 @@ fn solution(folder: &Path, set: &str, method: &str) -> Result<Vec<f64>> {
     get_vector(folder, &format!("{set}-{method}"))
 }
 
-/// `min -log10(|x - truth| / |truth|)` over the entries, at most 15; 0 where an entry is not
-/// finite.
+/// Returns `min -log10(|x - truth| / |truth|)` over the entries, at most 15; 0 where an entry is
+/// not finite.
 fn correct_digits(x: &[f64], truth: &[f64]) -> f64 {
     let of = |(x, truth): (&f64, &f64)| {
         let digits = -((x - truth) / truth).abs().log10();

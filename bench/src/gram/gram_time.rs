@@ -1,5 +1,5 @@
-//! The price of the extended Gram matrix: its time over that of the exact path with its default
-//! accuracy.
+//! The cost of the extended Gram matrix: its time relative to that of the exact path with its
+//! default accuracy.
 
 use std::time::Instant;
 
@@ -11,10 +11,10 @@ use crate::input::{Distribution, Shape, matrix};
 use crate::plant::Part;
 use crate::race::median;
 
-/// Times of both for square matrices, in turns.
+/// Returns the times of both for square matrices, in turns.
 ///
 /// # Errors
-/// Those of our side.
+/// The errors of our side.
 pub fn gram_time(threads: usize, repeat: usize, quick: bool) -> Result<Part> {
     let sides: &[usize] = if quick { &[200, 400] } else { &[1000, 2000, 4096] };
     let mut part = Part {
@@ -27,7 +27,7 @@ pub fn gram_time(threads: usize, repeat: usize, quick: bool) -> Result<Part> {
         let a = matrix::<f64>(Shape { m: n, n }, Distribution::Uniform, 1);
         let a = MatRef::from_row_major_slice(&a, n, n);
         let mut samples: Vec<[f64; 2]> = Vec::new();
-        // The first one pays for threads and buffers.
+        // The first call includes the creation of threads and buffers.
         for _ in 0..=repeat.max(1) {
             samples.push([
                 seconds(|| ours::exact_gram(a, threads))?,

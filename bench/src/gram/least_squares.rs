@@ -1,4 +1,4 @@
-//! Least squares of tall matrices, beside a refined solution.
+//! Least squares of tall matrices, compared with a refined solution.
 
 use std::path::Path;
 
@@ -17,15 +17,15 @@ use crate::plant::Part;
 /// Methods of bench/rivals/gram.py.
 const RIVALS: [&str; 2] = ["scipy-gelsy", "numpy-normal-equations"];
 
-/// What is added to uniform entries: columns have a common part, as columns of data have a mean.
-/// Conditions are about `sqrt(12 columns)` times this.
+/// Mean that is added to uniform entries, as columns of data have a mean. Condition numbers are
+/// about `sqrt(12 columns)` times this.
 const MEAN: f64 = 64.0;
 
-/// Times of least squares, and relative errors of the solutions: the largest difference over the
-/// largest entry.
+/// Returns times of least squares, and relative errors of the solutions: the largest difference
+/// over the largest entry.
 ///
 /// # Errors
-/// When a file can't be read or written, or nobody has a result.
+/// When a file can't be read or written, or no contender has a result.
 pub fn least_squares(turns: &Turns, quick: bool) -> Result<Part> {
     let shapes =
         if quick { [(20_000, 50), (4_000, 100)] } else { [(1_000_000, 100), (200_000, 1000)] };

@@ -1,5 +1,5 @@
-//! What people do with A^T A: least squares, singular values, principal components and orthonormal
-//! bases out of an extended Gram matrix, beside numpy, scipy, statsmodels and scikit-learn.
+//! Applications of A^T A: least squares, singular values, principal components and orthonormal
+//! bases from an extended Gram matrix, beside numpy, scipy, statsmodels and scikit-learn.
 
 mod digits;
 mod gram_time;

@@ -1,4 +1,4 @@
-//! How orthogonal the bases are that QR decompositions make.
+//! The orthogonality of bases from QR decompositions.
 
 use catamaran::faer::MatRef;
 use catamaran::{AtaOptions, Uplo, ata};
@@ -15,11 +15,11 @@ use crate::plant::Part;
 /// Methods of bench/rivals/gram.py.
 const RIVALS: [&str; 1] = ["numpy-qr"];
 
-/// Times of an orthonormal basis of 208 columns of 65,536 rows (4,096 if `quick`), of condition
-/// 7e13, and the largest entry of `|Q^T Q - I|`.
+/// Returns times of an orthonormal basis of 208 columns of 65,536 rows (4,096 if `quick`), of
+/// condition 7e13, and the largest entry of `|Q^T Q - I|`.
 ///
 /// # Errors
-/// When a file can't be read or written, or nobody has a result.
+/// When a file can't be read or written, or no contender has a result.
 pub fn orthogonality(turns: &Turns, quick: bool) -> Result<Part> {
     let rows = if quick { 1 << 12 } else { 1 << 16 };
     let folder = tempfile::tempdir()?;
@@ -42,7 +42,7 @@ pub fn orthogonality(turns: &Turns, quick: bool) -> Result<Part> {
     Ok(part)
 }
 
-/// The largest entry of `|Q^T Q - I|`, by the exact path.
+/// Returns the largest entry of `|Q^T Q - I|`, by the exact path.
 fn defect(q: MatRef<'_, f64>) -> Result<f64> {
     let n = q.ncols();
     let mut gram = Mat::zeros(n, n);

@@ -1,4 +1,4 @@
-//! Our side: each task once, in a process of its own.
+//! Our side: runs a task once, in a separate process.
 
 use std::path::Path;
 use std::time::Instant;
@@ -16,7 +16,7 @@ use crate::Result;
 use crate::child::{self, Report};
 use crate::exchange::{get, get_vector, put, put_vector};
 
-/// What is done in a folder; the same as bench/rivals/gram.py does by the same name.
+/// A task in a folder, the same as that of bench/rivals/gram.py with this name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Task {
     /// Solves each NAME-a, NAME-b.
@@ -32,7 +32,7 @@ pub enum Task {
 }
 
 impl Task {
-    /// What bench/rivals/gram.py calls it.
+    /// Returns the name of the task in bench/rivals/gram.py.
     pub fn name(self) -> &'static str {
         match self {
             Self::Digits => "digits",
@@ -44,10 +44,10 @@ impl Task {
     }
 }
 
-/// Does a task, writes its result into the folder, and returns the line that [`child::run`] reads.
+/// Runs a task, writes its result into the folder, and returns the line that [`child::run`] reads.
 ///
 /// # Errors
-/// Those of the files, and of the library.
+/// The errors of the files, and of the library.
 pub fn run(task: Task, folder: &Path, threads: usize) -> Result<String> {
     let par = Par::Threads(threads);
     match task {
@@ -78,7 +78,7 @@ pub fn run(task: Task, folder: &Path, threads: usize) -> Result<String> {
     }
 }
 
-/// The result of a call, and its report.
+/// Returns the result of a call, and its report.
 fn measured<T>(call: impl FnOnce() -> Result<T>) -> Result<(T, String)> {
     child::forget_peak();
     let [before, _] = child::memory();
@@ -106,15 +106,15 @@ fn digits(folder: &Path, par: Par) -> Result<String> {
     Ok(measured(solve)?.1)
 }
 
-/// The matrix NAME of a folder by rows, as numpy gets it.
+/// Reads the matrix NAME of a folder by rows, as numpy does.
 fn by_rows(folder: &Path, name: &str) -> Result<Dense<f64>> {
     match read(&folder.join(format!("{name}.npy")), &ReadOptions::default())? {
         Matrix::F64(dense) => Ok(dense),
-        _ => Err(format!("{name}: not doubles").into()),
+        _ => Err(format!("{name}: the numbers must be doubles").into()),
     }
 }
 
-/// The x of least `|A x - b|`.
+/// Returns the x that minimises `|A x - b|`.
 fn least_squares(a: MatRef<'_, f64>, b: &[f64], par: Par) -> Result<Vec<f64>> {
     // The rivals compute no standard errors.
     let options = LeastSquaresOptions::new().standard_errors(false).par(par);
@@ -123,18 +123,18 @@ fn least_squares(a: MatRef<'_, f64>, b: &[f64], par: Par) -> Result<Vec<f64>> {
     Ok(found.coefficients.col(0).iter().copied().collect())
 }
 
-/// The singular values of A, the largest first.
+/// Returns the singular values of A, the largest first.
 fn singular_values(a: MatRef<'_, f64>, par: Par) -> Result<Vec<f64>> {
     Ok(svd(a, par)?.values)
 }
 
-/// The Gram matrix of A in extended precision.
+/// Returns the Gram matrix of A in extended precision.
 fn extended(a: MatRef<'_, f64>, par: Par) -> Result<ExtendedGram> {
     let options = AtaOptions::new().par(par);
     Ok(ata_extended(&mut DenseRows(a), &RowOptions::<f64>::new(), &options)?)
 }
 
-/// The eigenvalues of the covariance of the rows of a file, the largest first.
+/// Returns the eigenvalues of the covariance of the rows of a file, the largest first.
 fn explained_variances(file: &Path, par: Par) -> Result<Vec<f64>> {
     let about_mean = RowOptions::<f64>::new().center(Center::Mean);
     let options = AtaOptions::new().par(par);
@@ -143,20 +143,20 @@ fn explained_variances(file: &Path, par: Par) -> Result<Vec<f64>> {
     Ok(PrincipalComponents::from_gram(&gram, &options)?.explained_variance)
 }
 
-/// An orthonormal basis of the columns of A, in its memory.
+/// Computes an orthonormal basis of the columns of A in the memory of A.
 fn orthonormal_basis(a: &mut Mat<f64>, par: Par) -> Result<MatRef<'_, f64>> {
     GramQr::from_gram(&extended(a.as_ref(), par)?, par)?.apply(a.as_mut(), par)?;
     Ok(a.as_ref())
 }
 
-/// The lower triangle of A^T A by the exact path with its default accuracy.
+/// Computes the lower triangle of A^T A by the exact path with its default accuracy.
 pub(super) fn exact_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
     let mut c = Mat::zeros(a.ncols(), a.ncols());
     let options = AtaOptions::new().scheme(SchemeChoice::Exact).threads(threads);
     Ok(ata(1.0, a, 0.0, c.as_mut(), &options)?)
 }
 
-/// A^T A in extended precision.
+/// Computes A^T A in extended precision.
 pub(super) fn extended_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
     extended(a, Par::Threads(threads)).map(drop)
 }

@@ -11,18 +11,18 @@ use crate::plant::Part;
 /// Methods of bench/rivals/gram.py.
 const RIVALS: [&str; 2] = ["sklearn-covariance-eigh", "sklearn-incremental"];
 
-/// Times of the principal components of a .npy file of 1,048,576 rows and 304 columns (16,384 rows
-/// and 48 columns if `quick`), reading included, and relative errors of the explained variances.
-/// Standard deviations fall from 1 to 2^-10, about a mean of 1 in each column; the known ones are
-/// right to about 1e-13.
+/// Returns times of the principal components of a .npy file of 1,048,576 rows and 304 columns
+/// (16,384 rows and 48 columns if `quick`), reading included, and relative errors of the explained
+/// variances. Standard deviations fall from 1 to 2^-10, about a mean of 1 in each column; the known
+/// ones have errors of about 1e-13.
 ///
 /// # Errors
-/// When a file can't be read or written, or nobody has a result.
+/// When a file can't be read or written, or no contender has a result.
 pub fn principal_components(turns: &Turns, quick: bool) -> Result<Part> {
     let (m, n) = if quick { (1 << 14, 48) } else { (1 << 20, 304) };
     let walsh = WalshMatrix::rounded(m, n, 10, 1.0);
     let known = walsh.variances();
-    // In target, as `stream` does: the folder for temporary files may be in memory.
+    // In target, as for `stream`, because the folder for temporary files may be in memory.
     let folder = tempfile::tempdir_in("target")?;
     walsh.write(folder.path())?;
     let mut part = Part {

@@ -1,4 +1,4 @@
-//! Singular values of tall matrices beside those they are known to have.
+//! Singular values of tall matrices, compared with the known ones.
 
 use super::Turns;
 use super::ours::Task;
@@ -14,11 +14,11 @@ const RIVALS: [&str; 3] = ["numpy-gesdd", "scipy-gesdd", "numpy-eigvalsh-of-gram
 /// Binary logarithms of the condition numbers: 1.3e2 to 1.1e15.
 const BITS: [i32; 8] = [7, 13, 20, 27, 33, 40, 46, 50];
 
-/// Relative errors of singular values of matrices of 65,536 rows and 208 columns (4,096 rows if
-/// `quick`), whose entries are not rounded.
+/// Returns relative errors of singular values of matrices of 65,536 rows and 208 columns (4,096
+/// rows if `quick`), whose entries are not rounded.
 ///
 /// # Errors
-/// When a file can't be read or written, or nobody has a result.
+/// When a file can't be read or written, or no contender has a result.
 pub fn singular_values(turns: &Turns, quick: bool) -> Result<Part> {
     let rows = if quick { 1 << 12 } else { 1 << 16 };
     let mut part = Part {

@@ -1,4 +1,4 @@
-//! Contenders in processes of their own that take turns, and what they report.
+//! Contenders in separate processes that take turns, and their reports.
 
 use std::path::{Path, PathBuf};
 
@@ -7,24 +7,24 @@ use crate::child::{self, Report};
 use crate::race::median;
 use crate::{Result, host};
 
-/// How contenders take turns.
+/// The options of contenders that take turns.
 #[derive(Debug, Clone)]
 pub struct Turns {
     /// The Python that has the rivals.
     pub python: PathBuf,
-    /// Threads of everyone.
+    /// Number of threads of all contenders.
     pub threads: usize,
-    /// Runs of everyone.
+    /// Number of runs of all contenders.
     pub repeat: usize,
 }
 
-/// The reports of one contender, of runs in turns.
+/// The reports of one contender on its runs.
 #[derive(Debug, Clone)]
 pub(super) struct Runs {
     /// `ours`, or a method of bench/rivals/gram.py.
     pub name: &'static str,
     reports: Vec<Report>,
-    /// Seconds over those of ours in the same repetition: the median.
+    /// Ratio of its seconds to ours in the same repetition: the median.
     pub ratio: f64,
 }
 
@@ -32,11 +32,11 @@ pub(super) struct Runs {
 pub(super) const FIGURES: [&str; 3] = ["s", "time over ours", "MB"];
 
 impl Turns {
-    /// Lets us and the `methods` of bench/rivals/gram.py do a task in a folder, in turns. A
-    /// contender that fails is left out from then on, with a line on stderr.
+    /// Runs a task in a folder by this library and by the `methods` of bench/rivals/gram.py, in
+    /// turns. A contender that fails is left out from then on, with a line on stderr.
     ///
     /// # Errors
-    /// When nobody does it.
+    /// When no contender succeeds.
     pub(super) fn run(
         &self,
         task: Task,
@@ -77,7 +77,7 @@ impl Turns {
         child::run(&self.python, &arguments, self.threads)
     }
 
-    /// Lets bench/rivals/gram.py compute what results are compared with.
+    /// Computes the reference results by bench/rivals/gram.py.
     pub(super) fn reference(&self, folder: &Path) -> Result<()> {
         let place = folder.display().to_string();
         let arguments = [&child::script("gram.py"), "reference", place.as_str()];
@@ -101,14 +101,14 @@ impl Runs {
         median(self.seconds().iter().zip(ours).map(|(own, ours)| own / ours).collect())
     }
 
-    /// Median seconds, the ratio, and the median of the bytes in MB: see [`FIGURES`].
+    /// Returns the median seconds, the ratio, and the median of the bytes in MB: see [`FIGURES`].
     pub fn figures(&self) -> Vec<f64> {
         let bytes = median(self.reports.iter().map(|report| report.bytes).collect());
         vec![median(self.seconds()), self.ratio, bytes / 1e6]
     }
 }
 
-/// [`FIGURES`] and the names of further columns.
+/// Returns [`FIGURES`] and the names of further columns.
 pub(super) fn columns(errors: &[&str]) -> Vec<String> {
     FIGURES.iter().chain(errors).map(|name| (*name).to_owned()).collect()
 }

@@ -1,4 +1,4 @@
-//! Tall matrices whose singular values are known exactly, although their entries are f64.
+//! Tall matrices with exactly known singular values, although their entries are f64.
 
 use std::path::Path;
 
@@ -7,32 +7,32 @@ use catamaran::io::{Output, Overwrite, write};
 
 use crate::Result;
 
-/// Columns that are mixed with each other.
+/// Number of columns that are mixed with each other.
 const BLOCK: usize = 16;
 
-/// `A = W D V^T + 1 mean^T`: W has different columns of a Walsh-Hadamard matrix, D is diagonal, and
-/// V has a normalised Hadamard matrix of side 16 in each block of its diagonal.
+/// `A = W D V^T + 1 mean^T`: the columns of W are distinct columns of a Walsh-Hadamard matrix, D is
+/// diagonal, and V has a normalised Hadamard matrix of side 16 in each diagonal block.
 ///
-/// W and V are made of +-1 and +-1/4, their columns are orthogonal, and those of W have the norm
-/// `sqrt(rows)`. So the singular values of A without a mean are `sqrt(rows) d_k`, and where all d_k
-/// are powers of two no smaller than 2^-52 no entry of A is rounded. The columns of W sum to zero,
-/// so that a mean does not change the covariance.
+/// The entries of W and V are +-1 and +-1/4, their columns are orthogonal, and those of W have the
+/// norm `sqrt(rows)`. Therefore the singular values of A without a mean are `sqrt(rows) d_k`, and
+/// where all d_k are powers of two no smaller than 2^-52 no entry of A is rounded. The columns of W
+/// sum to zero, so that a mean does not change the covariance.
 #[derive(Debug, Clone)]
 pub struct WalshMatrix {
-    /// Rows: a power of 4, which makes the norm of the columns of W a power of 2; more than the
-    /// columns.
+    /// Number of rows: a power of 4, so that the norm of the columns of W is a power of 2; more
+    /// than the number of columns.
     pub rows: usize,
-    /// Columns: a multiple of 16.
+    /// Number of columns: a multiple of 16.
     pub columns: usize,
-    /// The diagonal of D: 1 at first, falling geometrically.
+    /// The diagonal of D, which falls geometrically from 1.
     diagonal: Vec<f64>,
-    /// What is added to each entry.
+    /// The mean, which is added to each entry.
     mean: f64,
 }
 
 impl WalshMatrix {
-    /// With d_k from 1 to 2^-bits, powers of two all of them, and no mean: no entry is rounded. The
-    /// condition number is 2^bits.
+    /// Creates a matrix with d_k from 1 to 2^-bits, all powers of two, and no mean: no entry is
+    /// rounded. The condition number is 2^bits.
     pub fn exact(rows: usize, columns: usize, bits: i32) -> Self {
         let steps = columns.saturating_sub(1).max(1) as f64;
         let power = |k: usize| -(k as f64 * f64::from(bits) / steps).round() as i32;
@@ -40,34 +40,35 @@ impl WalshMatrix {
         Self { rows, columns, diagonal, mean: 0.0 }
     }
 
-    /// With d_k from 1 to 2^-bits that are no powers of two: entries have 53 bits, and are rounded.
-    /// Relative errors of the singular values by that are about `(1 + mean) 2^bits 2^-53`, at most.
+    /// Creates a matrix with d_k from 1 to 2^-bits that are no powers of two: entries are rounded
+    /// to 53 bits. The resulting relative errors of the singular values are at most about
+    /// `(1 + mean) 2^bits 2^-53`.
     pub fn rounded(rows: usize, columns: usize, bits: i32, mean: f64) -> Self {
         let steps = columns.saturating_sub(1).max(1) as f64;
         let value = |k: usize| 2.0_f64.powf(-f64::from(bits) * k as f64 / steps);
         Self { rows, columns, diagonal: (0..columns).map(value).collect(), mean }
     }
 
-    /// The singular values without the mean, the largest first.
+    /// Returns the singular values without the mean, the largest first.
     pub fn singular_values(&self) -> Vec<f64> {
         let norm = (self.rows as f64).sqrt();
         self.diagonal.iter().map(|d| norm * d).collect()
     }
 
-    /// The eigenvalues of the covariance matrix (over rows - 1), the largest first.
+    /// Returns the eigenvalues of the covariance matrix (over rows - 1), the largest first.
     pub fn variances(&self) -> Vec<f64> {
         let m = self.rows as f64;
         self.diagonal.iter().map(|d| d * d * (m / (m - 1.0))).collect()
     }
 
-    /// Row i.
+    /// Computes row i.
     fn row(&self, i: usize, out: &mut [f64]) {
         let blocks = self.columns / BLOCK;
         for block in 0..blocks {
             let mut values = [0.0; BLOCK];
             for (s, value) in values.iter_mut().enumerate() {
-                // Each block has large and small singular values: no scaling of columns can
-                // separate them.
+                // Each block has large and small singular values, so that no scaling of columns
+                // separates them.
                 let k = s * blocks + block;
                 *value = walsh_sign(i, walsh_index(k, self.rows)) * self.diagonal[k] / 4.0;
             }
@@ -78,15 +79,15 @@ impl WalshMatrix {
         }
     }
 
-    /// All of it.
+    /// Returns the whole matrix.
     ///
     /// # Errors
-    /// When the shape is none that it can have.
+    /// When the shape is invalid for a Walsh matrix.
     pub fn matrix(&self) -> Result<Mat<f64>> {
         let (m, n) = (self.rows, self.columns);
         let fits = m.is_power_of_two() && m.trailing_zeros().is_multiple_of(2) && m > n;
         if !fits || !n.is_multiple_of(BLOCK) {
-            return Err(format!("{m} x {n}: no shape of a Walsh matrix").into());
+            return Err(format!("{m} x {n}: invalid shape of a Walsh matrix").into());
         }
         let mut transposed = Mat::zeros(n, m);
         let mut row = vec![0.0; n];
@@ -97,29 +98,29 @@ impl WalshMatrix {
         Ok(transposed)
     }
 
-    /// Writes it as `a.npy` of a folder.
+    /// Writes the matrix as `a.npy` of a folder.
     ///
     /// # Errors
-    /// As [`WalshMatrix::matrix`], and those of the file.
+    /// As [`WalshMatrix::matrix`], and the errors of the file.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let output = Output::create(&folder.join("a.npy"), Overwrite::Replace)?;
         Ok(write(output, self.matrix()?.transpose())?)
     }
 }
 
-/// The k-th column of W among those of the Walsh matrix of side `rows`. Multiplication by an odd
-/// number permutes them and spreads the chosen ones, so that few rows are the same; the first one,
-/// which does not sum to zero, is left out.
+/// Returns the index of the k-th column of W among those of the Walsh matrix of side `rows`.
+/// Multiplication by an odd number permutes the columns and spreads the selected ones, so that few
+/// rows are equal; the first column, which does not sum to zero, is left out.
 fn walsh_index(k: usize, rows: usize) -> usize {
     ((k + 1) * 0x9e37_79b1) % rows
 }
 
-/// Entry (i, j) of the Walsh-Hadamard matrix.
+/// Returns entry (i, j) of the Walsh-Hadamard matrix.
 fn walsh_sign(i: usize, j: usize) -> f64 {
     if (i & j).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// Multiplies by the Hadamard matrix of side 16, of entries +-1.
+/// Multiplies by the Hadamard matrix of side 16, with entries +-1.
 fn hadamard(values: &mut [f64; BLOCK]) {
     let mut half = 1;
     while half < BLOCK {
@@ -137,8 +138,8 @@ fn hadamard(values: &mut [f64; BLOCK]) {
 mod tests {
     use super::*;
 
-    /// In integers of 2^-54, so that nothing is rounded: the Gram matrix is V D^2 V^T times the
-    /// rows.
+    /// Computes in integers of 2^-54, without rounding: the Gram matrix is V D^2 V^T times the
+    /// number of rows.
     #[test]
     fn gram_matrix_is_what_the_singular_values_say_exactly() {
         let walsh = WalshMatrix::exact(1024, 32, 50);

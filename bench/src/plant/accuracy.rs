@@ -1,4 +1,4 @@
-//! The water against numbers of 100 bits.
+//! The water, compared with numbers of 100 bits.
 
 use catamaran::Par;
 use catamaran::plant::{Bdf6, Start, WaterOptions, read};
@@ -7,11 +7,11 @@ use super::reference::Coefficients;
 use super::{Part, Subject};
 use crate::Result;
 
-/// The largest relative error of the water of any node at the half-time, at the usual conductance,
-/// also of plant006 (8,961 nodes).
+/// Returns the largest relative error of the water of any node at the half-time, at the usual
+/// conductance, also of plant006 (8,961 nodes).
 ///
 /// # Errors
-/// Those of the model, and of plant006 if it is there and can't be read.
+/// The errors of the model, and of plant006 if its file exists and can't be read.
 pub fn accuracy(subjects: &[Subject]) -> Result<Part> {
     let path = crate::input::data_folder().join("plants/plant006.txt");
     let large = match path.is_file() {

@@ -1,4 +1,4 @@
-//! Figures of the water, and of the poses that follow from it.
+//! Figures of the water, and of the resulting poses.
 
 use catamaran::Par;
 use catamaran::plant::{
@@ -10,10 +10,10 @@ use super::{Part, Subject};
 use crate::Result;
 use crate::curves::Plot;
 
-/// Figure 4.3: relative water content by the distance from the nearest leaf.
+/// Computes figure 4.3: relative water content by the distance from the nearest leaf.
 ///
 /// # Errors
-/// Those of the model.
+/// The errors of the model.
 pub fn sections(subjects: &[Subject]) -> Result<Part> {
     let subject = &subjects[0];
     let full = subject.model.full();
@@ -54,7 +54,7 @@ pub fn sections(subjects: &[Subject]) -> Result<Part> {
     })
 }
 
-/// Segments to the nearest leaf, through the tree.
+/// Returns the number of segments to the nearest leaf, through the tree.
 fn leaf_distances(plant: &Plant) -> Vec<usize> {
     let n = plant.len();
     let mut neighbours = vec![vec![]; n];
@@ -79,11 +79,11 @@ fn leaf_distances(plant: &Plant) -> Vec<usize> {
     distances
 }
 
-/// Figure 4.4: the relative mean squared error of BDF6 over time, for several steps, averaged over
-/// the plants; by the start of Radau and by the thesis' constant one.
+/// Computes figure 4.4: the relative mean squared error of BDF6 over time, for several steps,
+/// averaged over the plants; with the start of Radau and with the constant start of the thesis.
 ///
 /// # Errors
-/// Those of the model.
+/// The errors of the model.
 pub fn errors_over_time(subjects: &[Subject]) -> Result<Vec<Part>> {
     let divisions = [16, 64, 256];
     let mut parts = Vec::new();
@@ -130,11 +130,11 @@ pub fn errors_over_time(subjects: &[Subject]) -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-/// Figure 4.4, the reason: 16 steps to the half-time at several scales of the conductance, and how
-/// many rates of the plant live between its steps.
+/// Computes the reason for figure 4.4: 16 steps to the half-time at several scales of the
+/// conductance, and how many rates of the plant lie between its steps.
 ///
 /// # Errors
-/// Those of the model.
+/// The errors of the model.
 pub fn errors_by_conductance(subjects: &[Subject]) -> Result<Part> {
     const STEPS: u32 = 16;
     let mut rows = Vec::new();
@@ -149,7 +149,7 @@ pub fn errors_by_conductance(subjects: &[Subject]) -> Result<Part> {
             (0..STEPS).for_each(|_| bdf.step());
             let exact = model.water_after(&full, subject.half_time(), Par::all())?;
             error += relative_mse(&bdf.water(), &exact) / subjects.len() as f64;
-            // Leaves that their loss empties faster than the stem fills them: their own rates.
+            // The rates of leaves that lose water faster than the stem supplies it.
             let own = model.losses().into_iter().zip(model.exchanges()).zip(&full);
             let rates = own.map(|((loss, exchange), full)| loss + exchange / full);
             let live = rates.filter(|rate| (0.3..10.0).contains(&(rate * step))).count();
@@ -176,11 +176,11 @@ fn relative_mse(water: &[f64], exact: &[f64]) -> f64 {
     error / exact.iter().map(|x| x * x).sum::<f64>()
 }
 
-/// Figure 4.6: how far the total water is from an exponential, fitted to its logarithm over 48
-/// hours.
+/// Computes figure 4.6: the deviation of the total water from an exponential that is fitted to its
+/// logarithm over 48 hours.
 ///
 /// # Errors
-/// Those of the model.
+/// The errors of the model.
 pub fn total_water(subjects: &[Subject]) -> Result<Part> {
     let mut rows = Vec::new();
     let mut series = Vec::new();
@@ -221,7 +221,7 @@ pub fn total_water(subjects: &[Subject]) -> Result<Part> {
     })
 }
 
-/// The pose of a plant with this water, from the pose at hand.
+/// Returns the pose of a plant with this water, from the current pose.
 fn relax(
     rods: &mut Rods,
     pose: &mut Pose,
@@ -233,15 +233,15 @@ fn relax(
     Ok(rods.relax(pose, &RelaxOptions::default())?.iterations)
 }
 
-/// The mean height of some nodes, in metres.
+/// Returns the mean height of some nodes, in metres.
 fn height(pose: &Pose, members: &[usize]) -> f64 {
     members.iter().map(|&v| pose.tails[v][2]).sum::<f64>() / members.len().max(1) as f64
 }
 
-/// Figure 4.7: how far a plant sinks in two days, for several losses and steepnesses.
+/// Computes figure 4.7: how far a plant sinks in two days, for several losses and steepnesses.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn grid(subjects: &[Subject]) -> Result<Part> {
     let subject = &subjects[0];
     let all: Vec<usize> = (0..subject.plant.len()).collect();
@@ -279,10 +279,10 @@ pub fn grid(subjects: &[Subject]) -> Result<Part> {
     })
 }
 
-/// Figure 4.10: a stem that is cut for water in the middle.
+/// Computes figure 4.10: a stem whose water flow is cut in the middle.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn cut(subjects: &[Subject]) -> Result<Part> {
     let mut rows = Vec::new();
     for subject in subjects {
@@ -335,7 +335,7 @@ pub fn cut(subjects: &[Subject]) -> Result<Part> {
     })
 }
 
-/// The node from which half of the plant hangs, or a little less.
+/// Returns the node whose subtree is half of the plant, or a little less.
 fn middle(plant: &Plant) -> usize {
     let sizes = sizes(plant);
     let fits = |v: &usize| plant.parent(*v).is_some() && 2 * sizes[*v] <= plant.len();
@@ -354,7 +354,7 @@ fn sizes(plant: &Plant) -> Vec<usize> {
     sizes
 }
 
-/// Whether each node hangs on that one.
+/// Returns whether each node is in the subtree of this one.
 fn above(plant: &Plant, node: usize) -> Vec<bool> {
     (0..plant.len())
         .map(|start| {

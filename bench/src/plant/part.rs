@@ -1,4 +1,4 @@
-//! What one figure comes to.
+//! The result of one figure.
 
 use crate::curves::Plot;
 
@@ -7,18 +7,18 @@ use crate::curves::Plot;
 pub struct Part {
     /// The figure of the thesis, or `race`.
     pub figure: &'static str,
-    /// What was done.
+    /// The title.
     pub title: String,
     /// Names of the columns of numbers.
     pub columns: Vec<String>,
-    /// A name and numbers; NaN where there is none.
+    /// A name and numbers; NaN for missing ones.
     pub rows: Vec<(String, Vec<f64>)>,
     /// Curves.
     pub plots: Vec<Plot>,
 }
 
 impl Part {
-    /// As text in Markdown.
+    /// Returns the part as Markdown.
     pub fn markdown(&self) -> String {
         let mut out = format!("**{}**: {}\n\n| | ", self.figure, self.title);
         out += &self.columns.join(" | ");
@@ -30,7 +30,7 @@ impl Part {
         out
     }
 
-    /// Lines of a record.
+    /// Returns the lines of a record.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for (name, values) in &self.rows {

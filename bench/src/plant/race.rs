@@ -1,4 +1,4 @@
-//! The water solver beside others, each in a process of its own, in turns.
+//! Races the water solver against others, each in a separate process, in turns.
 
 use std::path::Path;
 use std::time::Instant;
@@ -13,10 +13,10 @@ use super::{Part, Subject};
 use crate::race::median;
 use crate::{Result, child};
 
-/// Steps that are timed together.
+/// Number of steps that are timed together.
 const STEPS: usize = 20;
 
-/// Rivals by the names that bench/rivals/plant.py knows, and the most nodes they are given.
+/// Names of rivals in bench/rivals/plant.py, and the largest number of nodes that they get.
 const RIVALS: [(&str, usize); 5] = [
     ("splu", 1_000_000),
     ("klu", 1_000_000),
@@ -25,8 +25,8 @@ const RIVALS: [(&str, usize); 5] = [
     ("cvode", 10_000),
 ];
 
-/// Seconds of a factorisation, of a step of BDF6 and of the water at the half-time, with ours on
-/// two threads and one; with the errors of rivals' water against ours.
+/// Returns seconds of a factorisation, of a step of BDF6 and of the water at the half-time, with
+/// ours on two threads and on one, and the errors of the rivals' water relative to ours.
 ///
 /// # Errors
 /// When a process of ours fails; rivals that fail are left out.
@@ -84,7 +84,7 @@ fn medians<const N: usize>(times: &[[f64; N]], order: &[usize]) -> Vec<f64> {
     order.iter().map(|&i| median(times.iter().map(|t| t[i]).collect())).collect()
 }
 
-/// Seconds of a factorisation, a step and the water at the half-time.
+/// Returns seconds of a factorisation, a step and the water at the half-time.
 fn run(subject: &Subject, threads: usize) -> Result<[f64; 3]> {
     let par = if threads == 1 { Par::Seq } else { Par::Threads(threads) };
     let full = subject.model.full();
@@ -102,7 +102,7 @@ fn run(subject: &Subject, threads: usize) -> Result<[f64; 3]> {
     Ok([factor, one, start.elapsed().as_secs_f64()])
 }
 
-/// Writes the problem, and our solution, where rivals read it.
+/// Writes the problem, and our solution, for the rivals.
 fn prepare(folder: &Path, subject: &Subject) -> Result<()> {
     let put = |name: &str, values: &[f64]| -> Result<()> {
         let output = Output::create(&folder.join(name), Overwrite::Replace)?;
@@ -119,12 +119,12 @@ fn prepare(folder: &Path, subject: &Subject) -> Result<()> {
     put("ours.npy", &model.water_after(&model.full(), subject.half_time(), Par::all())?)
 }
 
-/// The largest difference of a rival's water from ours, as a part of the largest water.
+/// Returns the largest difference of a rival's water from ours, relative to the largest water.
 fn error(folder: &Path) -> Result<f64> {
     let get = |name: &str| -> Result<Vec<f64>> {
         match read(&folder.join(name), &ReadOptions::default())? {
             Matrix::F64(dense) => Ok(dense.as_ref().col(0).iter().copied().collect()),
-            _ => Err(format!("{name}: not doubles").into()),
+            _ => Err(format!("{name}: the numbers must be doubles").into()),
         }
     };
     let (ours, theirs) = (get("ours.npy")?, get("theirs.npy")?);

@@ -1,5 +1,5 @@
-//! Figures of shapes: naive stiffness beside that of water, a plant that hangs, a plant that is
-//! held.
+//! Figures of shapes: naive stiffness in comparison with that of water, a hanging plant, a pinned
+//! plant.
 
 use catamaran::Par;
 use catamaran::plant::{
@@ -11,7 +11,7 @@ use super::{Part, Subject};
 use crate::Result;
 use crate::curves::Plot;
 
-/// Nodes seen from the side, in cm.
+/// Returns the nodes as seen from the side, in cm.
 fn side(name: &str, pose: &Pose) -> (String, Vec<(f64, f64)>) {
     let points = pose.tails.iter().map(|tail| (100.0 * tail[0], 100.0 * tail[2])).collect();
     (name.into(), points)
@@ -26,7 +26,7 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / count
 }
 
-/// The mean height above the base, in metres.
+/// Returns the mean height above the base, in metres.
 fn height(plant: &Plant, pose: &Pose) -> f64 {
     mean(pose.tails.iter().map(|tail| tail[2])) - plant.base()[2]
 }
@@ -35,7 +35,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Segments between the root and each node.
+/// Returns the number of segments between the root and each node.
 fn depths(plant: &Plant) -> Vec<f64> {
     let depth = |v: usize| {
         let mut depth = 0.0;
@@ -49,11 +49,12 @@ fn depths(plant: &Plant) -> Vec<f64> {
     (0..plant.len()).map(depth).collect()
 }
 
-/// Figure 4.5: poses of plants whose stiffness is `1 / (1 + d)`, d the distance from the root in
-/// segments, linear in the radius, or that of their water, all with the same modulus at the root.
+/// Computes figure 4.5: poses of plants whose stiffness is `1 / (1 + d)`, where d is the distance
+/// from the root in segments, or linear in the radius, or that of their water, all with the same
+/// modulus at the root.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn naive(subjects: &[Subject]) -> Result<Part> {
     let mut rows = Vec::new();
     let mut plots = Vec::new();
@@ -119,17 +120,17 @@ fn relaxed(plant: &Plant, moduli: &[f64], water: &[f64]) -> Result<Pose> {
     Ok(pose)
 }
 
-/// The plant with other segments.
+/// Returns the plant with other segments.
 fn changed(plant: &Plant, segments: Vec<Segment>, base: [f64; 3]) -> Result<Plant> {
     let parents: Vec<Option<u32>> =
         (0..plant.len()).map(|v| plant.parent(v).map(|p| p as u32)).collect();
     Ok(Plant::new(segments, &parents, Some(base))?)
 }
 
-/// Figure 4.8: a plant that hangs from its base and dries slowly.
+/// Computes figure 4.8: a plant that hangs from its base and dries slowly.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn hanging(subjects: &[Subject]) -> Result<Part> {
     let upright = &subjects[0].plant;
     let down = |p: [f64; 3]| [p[0], p[1], -p[2]];
@@ -169,17 +170,18 @@ pub fn hanging(subjects: &[Subject]) -> Result<Part> {
     })
 }
 
-/// Figure 4.9: the largest plant, with its main stem held at several places and not.
+/// Computes figure 4.9: the largest plant, with its main stem pinned at several places, and without
+/// pins.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn held(subjects: &[Subject]) -> Result<Part> {
     const PINS: usize = 6;
     let largest = subjects.iter().max_by_key(|s| s.plant.len()).ok_or("no plant")?;
     let plant = &largest.plant;
     let free: Vec<Segment> =
         plant.segments().iter().map(|s| Segment { pinned: false, ..*s }).collect();
-    // The main stem: the way to the node that is farthest from the root along the plant.
+    // The main stem: the path to the node farthest from the root along the plant.
     let reach = depths(plant);
     let tip = (0..plant.len()).max_by(|&a, &b| reach[a].total_cmp(&reach[b])).unwrap_or(0);
     let mut stem = vec![tip];

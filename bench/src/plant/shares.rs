@@ -9,14 +9,14 @@ use super::{Part, Subject};
 use crate::Result;
 use crate::race::median;
 
-/// Frames that are timed.
+/// Number of timed frames.
 const FRAMES: usize = 40;
 
-/// Seconds of a frame: a step of the water with the stiffness that follows, and a step of the rods
-/// in motion.
+/// Returns the seconds of a frame: a step of the water with the resulting stiffness, and a step of
+/// the rods in motion.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn shares(subjects: &[Subject]) -> Result<Part> {
     let mut rows = Vec::new();
     for subject in subjects {
@@ -25,7 +25,7 @@ pub fn shares(subjects: &[Subject]) -> Result<Part> {
         let mut rods = Rods::new(&subject.plant, &RodOptions::default())?;
         rods.set_state(&Elasticity::default().moduli(&full, &full)?, &full)?;
         let mut motion = Motion::new(&rods, &rods.rest_pose(), &MotionOptions::default())?;
-        // The start of the formula is no frame like others.
+        // The first frame includes the start of the formula, so it is not timed.
         (0..6).for_each(|_| bdf.step());
         let (mut water_times, mut rod_times) = (Vec::new(), Vec::new());
         for _ in 0..FRAMES {

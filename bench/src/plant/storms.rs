@@ -1,4 +1,4 @@
-//! Storms over plants of 2,000 nodes: what motion costs there, and that it stays stable.
+//! Storms over plants of 2,000 nodes: the cost of motion, and its stability.
 
 use std::time::Instant;
 
@@ -12,10 +12,10 @@ use catamaran::plant::{
 use super::Part;
 use crate::Result;
 
-/// Nodes of the plant.
+/// Number of nodes of the plant.
 const NODES: usize = 2000;
 
-/// Frames of storm, and of still air after it, of a sixtieth of a second.
+/// Number of frames of storm, and of still air after it; a frame lasts a sixtieth of a second.
 const STORM: usize = 120;
 const CALM: usize = 60;
 
@@ -26,11 +26,11 @@ const WINDS: [f64; 3] = [2.0, 8.0, 20.0];
 const MODULI: [(&str, Option<f64>); 3] =
     [("5 GPa", Some(5e9)), ("of the water", None), ("0.1 MPa", Some(1e5))];
 
-/// Motion in gusts of 30 % of the mean wind, then in still air: time of a frame, the share of the
-/// water in it, and energies.
+/// Computes motion in gusts of 30 % of the mean wind, then in still air: time of a frame, the share
+/// of the water in it, and energies.
 ///
 /// # Errors
-/// Those of the model and of the rods.
+/// The errors of the model and of the rods.
 pub fn storms() -> Result<Part> {
     let mut rows = Vec::new();
     for speed in WINDS {
@@ -86,7 +86,8 @@ fn storm(nodes: usize, speed: f64, modulus: Option<f64>) -> Result<Vec<f64>> {
         let water_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
         if frame < STORM {
-            // In the calm weights and stiffness stay, too: they would change the energy.
+            // In still air, weights and stiffness do not change, because they would change the
+            // energy.
             rods.set_state(&moduli, &water)?;
             motion.set_rods(&rods)?;
         }

@@ -1,4 +1,4 @@
-//! The plants: those of CATAMARAN_DATA (default ../shared) if it is there, and generated ones.
+//! The plants: those of CATAMARAN_DATA (default ../shared) if it exists, and generated ones.
 
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{Plant, WaterModel, WaterOptions, read};
@@ -9,23 +9,23 @@ use crate::Result;
 pub struct Subject {
     /// Its name.
     pub name: String,
-    /// Itself.
+    /// The plant.
     pub plant: Plant,
-    /// With the default constants.
+    /// Its model with the default constants.
     pub model: WaterModel,
 }
 
 impl Subject {
-    /// A plant with the default constants.
+    /// Creates the model of a plant with the default constants.
     ///
     /// # Errors
-    /// Those of the model.
+    /// The errors of the model.
     pub fn new(name: String, plant: Plant) -> Result<Self> {
         let model = WaterModel::new(&plant, &WaterOptions::default())?;
         Ok(Self { name, plant, model })
     }
 
-    /// When about half of the water is gone, in seconds.
+    /// Returns the time at which about half of the water is lost, in seconds.
     pub fn half_time(&self) -> f64 {
         let full = self.model.full();
         let lost: f64 = full.iter().zip(self.model.losses()).map(|(m, l)| m * l).sum();
@@ -33,10 +33,10 @@ impl Subject {
     }
 }
 
-/// All of them, of 300 to 2,000 nodes as in the thesis, a generated one first.
+/// Returns all plants, of 300 to 2,000 nodes as in the thesis, a generated one first.
 ///
 /// # Errors
-/// When a file that is there can't be read.
+/// When a file exists and can't be read.
 pub fn subjects() -> Result<Vec<Subject>> {
     let grown = grow(&GrowthOptions::new().nodes(1000))?;
     let mut subjects = vec![Subject::new("grown".into(), grown)?];

@@ -1,4 +1,4 @@
-//! Figure 4.6 as it is made: two plants on a scale, and one loss rate for both.
+//! Figure 4.6 as an experiment: two plants on a scale, and one loss rate for both.
 
 use catamaran::base::Rng;
 use catamaran::plant::{
@@ -9,18 +9,18 @@ use super::{Part, Subject};
 use crate::Result;
 use crate::curves::Plot;
 
-/// What the weighed plants lose, in g / (h m^2), and the scale of their conductance.
+/// The loss of the weighed plants, in g / (h m^2), and the scale of their conductance.
 const LOSS: f64 = 75.0;
 const SCALE: f64 = 4e-10;
 
-/// What the scale of the thesis tells apart, in kg: a centigram.
+/// Resolution of the scale of the thesis, in kg: a centigram.
 const RESOLUTION: f64 = 1e-5;
 
-/// Figure 4.6: constants fitted to the weights of two plants. The thesis' measurements are not
-/// published: these weights are those of the model, off by a centigram.
+/// Computes figure 4.6: constants fitted to the weights of two plants. The measurements of the
+/// thesis are not published, so these weights are those of the model, rounded to a centigram.
 ///
 /// # Errors
-/// Those of the model and of the fit.
+/// The errors of the model and of the fit.
 pub fn weights(subjects: &[Subject]) -> Result<Part> {
     let mut rng = Rng::new(46);
     let mut rows = Vec::new();

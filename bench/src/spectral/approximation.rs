@@ -11,10 +11,11 @@ use super::signals::signals;
 use super::table::{Table, average, mean};
 use crate::Result;
 
-/// Eigenfunctions beside the constant, and the order of products.
+/// Number of eigenfunctions besides the constant, and the order of products.
 const K: usize = 30;
 const ORDER: usize = 2;
-/// Products of at most that order: the eigenfunctions of the last column.
+/// Number of products of at most that order, which is the number of eigenfunctions of the last
+/// column.
 const PRODUCTS: usize = 496;
 
 const COLUMNS: [&str; 6] = ["K", "prods", "ours", "ours*", "NK", "binom"];
@@ -32,10 +33,10 @@ const THESIS: [[f64; 5]; 9] = [
     [12.5, 5.9, 5.8, 10.5, 4.2],
 ];
 
-/// The table, averaged over the shapes.
+/// Returns the table, averaged over the shapes.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn approximation(shapes: &Shapes) -> Result<Table> {
     let shapes = shapes.single(PRODUCTS - 1)?;
     let tables: Vec<_> = shapes.iter().map(|shape| errors(shape)).collect::<Result<_>>()?;

@@ -24,17 +24,17 @@ pub const METHODS: [&str; 5] = ["K", "prods", "ours", "ours*", "NK"];
 pub struct Case {
     /// Number of the figure.
     pub figure: &'static str,
-    /// What was done to what.
+    /// The function, the shape and the parameters.
     pub what: String,
     /// The errors.
     pub errors: [f64; METHODS.len()],
 }
 
-/// Figures 1.16 and 1.17: `f` on a shape, approximated by products of at most `order` of `k`
-/// eigenfunctions, "prods" without any loss but rounding.
+/// Computes figures 1.16 and 1.17: `f` on a shape, approximated by products of at most `order` of
+/// `k` eigenfunctions; "prods" with rounding as its only loss.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn approximated(
     figure: &'static str,
     (shape, name): (&Shape, &str),
@@ -64,23 +64,23 @@ pub fn approximated(
     Ok(Case { figure, what, errors })
 }
 
-/// How a functional map comes about, and where errors are measured.
+/// The origin of a functional map, and the measure of errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
-    /// From the true points, as in figure 1.13; relative error over the surface.
+    /// The true points, as in figure 1.13; relative error over the surface.
     Points,
-    /// Fitted to descriptors and landmarks; relative error over the surface.
+    /// A fit to descriptors and landmarks; relative error over the surface.
     Landmarks,
-    /// The same; mean absolute error at a tenth of the vertices, of functions divided by their
-    /// largest values.
+    /// A fit as above; mean absolute error at a tenth of the vertices, of functions divided by
+    /// their largest values.
     Sparse,
 }
 
-/// Figures 1.13, 1.19 and 1.20: `f` transferred, by products of at most `order` of so many
-/// eigenfunctions.
+/// Computes figures 1.13, 1.19 and 1.20: `f` transferred by products of at most `order` of this
+/// number of eigenfunctions.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn transferred(
     figure: &'static str,
     (pair, name): (&Pair, &str),
@@ -118,7 +118,8 @@ pub fn transferred(
     Ok(Case { figure, what, errors })
 }
 
-/// Three channels of colour, in [0, 1]: stripes along the axes, so many over the size of the shape.
+/// Returns three channels of colour, in [0, 1]: stripes along the axes, this number over the size
+/// of the shape.
 pub fn colours(shape: &Shape, stripes: f64) -> Mat<f64> {
     let points = coordinates(&shape.mesh);
     let range = |j: usize| {
@@ -135,10 +136,10 @@ pub fn colours(shape: &Shape, stripes: f64) -> Mat<f64> {
     })
 }
 
-/// A heat kernel of 200 eigenfunctions.
+/// Returns a heat kernel of 200 eigenfunctions.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn heat(shape: &Shape) -> Result<Mat<f64>> {
     let many = shape.first(super::signals::MANY)?;
     Ok(heat_kernels(many.values(), many.functions(), 1e-3, 4, 5)?)

@@ -17,20 +17,20 @@ use crate::curves::Plot;
 /// The thesis' parameters for both figures.
 const K: usize = 15;
 const ORDER: usize = 3;
-/// A tolerance that makes the coefficients of products small: from the sweeps, the best for
-/// transfer.
+/// A tolerance that keeps the coefficients of products small: the best one for transfer in the
+/// sweeps.
 const TOLERANCE: f64 = 1e-2;
-/// Parts of the functions, by ascending frequency, that a low-pass keeps.
+/// Shares of the functions, by ascending frequency, that a low-pass keeps.
 const KEPT: [f64; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0];
-/// Parts of itself, or of the size of the shape, by which one coefficient grows.
+/// Relative growth of one coefficient, by a share of itself or of the size of the shape.
 const STEPS: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7];
-/// Where coefficients are changed: at these parts of the functions by ascending frequency.
+/// Positions of the changed coefficients, as shares of the functions by ascending frequency.
 const CHANGED: [f64; 5] = [0.01, 0.1, 0.25, 0.5, 0.9];
 
 /// A name, and points (x, y), as in [`Plot`].
 type Curve = (String, Vec<(f64, f64)>);
 
-/// Coordinates as coefficients in a dictionary, its functions in ascending order of their
+/// Coordinates as coefficients in a dictionary, with its functions in the order of their
 /// frequencies.
 struct Representation {
     functions: Mat<f64>,
@@ -57,14 +57,14 @@ impl Representation {
         })
     }
 
-    /// The functions with the first so many coefficients.
+    /// Returns the functions with the first `count` coefficients.
     fn first(&self, count: usize) -> Mat<f64> {
         self.functions.subcols(0, count) * self.coefficients.subrows(0, count)
     }
 }
 
-/// The coordinates of a shape in products of norm 1, up to rounding as in the published code and up
-/// to [`TOLERANCE`], and in "ours*".
+/// Returns the coordinates of a shape in products of norm 1, up to rounding as in the published
+/// code and up to [`TOLERANCE`], and in "ours*".
 fn representations(shape: &Shape) -> Result<[Representation; 3]> {
     let par = Par::all();
     let few = shape.first(K)?;
@@ -77,11 +77,11 @@ fn representations(shape: &Shape) -> Result<[Representation; 3]> {
     truncated.set_threshold(TOLERANCE)?;
     let stable = truncated.analysis(f.as_ref(), par)?;
     let products = Eigenproducts::new(K, ORDER)?;
-    let constant = few.constant().ok_or("a shape without constants")?;
+    let constant = few.constant().ok_or("the constant is not among the eigenfunctions")?;
     let factors = Scale(1.0 / constant) * few.functions().subcols(1, K);
     let mut values = Mat::zeros(factors.nrows(), products.len());
     products.evaluate(factors.as_ref(), values.as_mut(), par)?;
-    // Of norm 1, as in the published code; the coefficients take what the functions lose.
+    // Scaled to norm 1, as in the published code; the coefficients are scaled inversely.
     let norms: Vec<f64> = basis.r().col_iter().map(|column| column.norm_l2()).collect();
     let values = Mat::from_fn(values.nrows(), values.ncols(), |x, j| values[(x, j)] / norms[j]);
     let scaled = |a: Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * norms[i]);
@@ -92,14 +92,15 @@ fn representations(shape: &Shape) -> Result<[Representation; 3]> {
     ])
 }
 
-/// Figure 1.14, the smoothing filter: the relative error of the coordinates over the part of the
-/// coefficients that is kept. Figure 1.15: one coefficient grows by a part of itself, and the
-/// coordinates change by the part of their norm that is drawn, the most of several coefficients; or
-/// it grows by the same amount in every dictionary, and what is drawn is the thickness that is
-/// left, the least of several.
+/// Computes figure 1.14, the smoothing filter: the relative error of the coordinates over the share
+/// of the coefficients that is kept; and figure 1.15, in two ways. In the first, one coefficient
+/// grows by a share of itself, and the plot shows the relative change of the coordinates, the
+/// largest over several coefficients. In the second, one coefficient grows by the same amount in
+/// every dictionary, and the plot shows the remaining thickness, the least over several
+/// coefficients.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn filters(shape: &Shape) -> Result<[Plot; 3]> {
     let mass = shape.eigenbasis.basis().mass();
     let f = coordinates(&shape.mesh);
@@ -157,7 +158,8 @@ pub fn filters(shape: &Shape) -> Result<[Plot; 3]> {
     ])
 }
 
-/// The least extent of a cloud of points by the greatest, along its principal axes.
+/// Returns the ratio of the least extent of a cloud of points to the greatest, along its principal
+/// axes.
 fn flatness(points: MatRef<'_, f64>) -> Result<f64> {
     let means: Vec<f64> = points.col_iter().map(|c| c.sum() / points.nrows() as f64).collect();
     let centred = Mat::from_fn(points.nrows(), 3, |i, j| points[(i, j)] - means[j]);

@@ -8,11 +8,11 @@ use super::shapes::Shape;
 use crate::Result;
 use crate::curves::Plot;
 
-/// The largest relative error of equation 1.5, `E(phi_i^N) = N^2 / (2 N - 1) lambda_i`, over the
-/// first eigenfunctions, for each order from 2 on.
+/// Returns the largest relative error of equation 1.5, `E(phi_i^N) = N^2 / (2 N - 1) lambda_i`,
+/// over the first eigenfunctions, for each order from 2 on.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec<f64>> {
     let basis = shape.first(functions)?;
     (2..=orders)
@@ -29,26 +29,27 @@ pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec
         .collect()
 }
 
-/// Figure 1.4 of an order: how the first N K eigenvalues, in ascending order from the first that is
-/// not zero, lie beside the frequencies of products.
+/// Figure 1.4 for an order: the positions of the first N K eigenvalues, in ascending order from the
+/// first that is not zero, relative to the frequencies of products.
 #[derive(Debug, Clone)]
 pub struct Frequencies {
-    /// The relative distance of each to the nearest frequency.
+    /// The relative distance of each eigenvalue to the nearest frequency.
     pub distances: Vec<f64>,
-    /// The distance that is expected of each when frequencies are scattered by chance: half of
-    /// their mean gap from the fifth eigenvalue before it to the fifth after it, as a part of it; 0
-    /// for the first K, which are products themselves.
+    /// The expected distance of each eigenvalue for randomly scattered frequencies: half of their
+    /// mean gap from the fifth previous eigenvalue to the fifth next one, relative to the
+    /// eigenvalue; 0 for the first K, which are products themselves.
     pub expected: Vec<f64>,
 }
 
 impl Frequencies {
-    /// The means of the distances and of those expected.
+    /// Returns the means of the distances and of the expected ones.
     pub fn means(&self) -> [f64; 2] {
         [&self.distances, &self.expected]
             .map(|all| all.iter().sum::<f64>() / all.len().max(1) as f64)
     }
 
-    /// The numbers, from 1, of the `count` eigenvalues that are farthest, the farthest first.
+    /// Returns the numbers, from 1, of the `count` eigenvalues with the largest distances, the
+    /// largest first.
     pub fn farthest(&self, count: usize) -> Vec<usize> {
         let mut numbers: Vec<usize> = (1..=self.distances.len()).collect();
         numbers.sort_by(|&a, &b| self.distances[b - 1].total_cmp(&self.distances[a - 1]));
@@ -56,22 +57,22 @@ impl Frequencies {
         numbers
     }
 
-    /// The part of the sum of the distances that these eigenvalues make up.
+    /// Returns the share of these eigenvalues in the sum of the distances.
     pub fn share(&self, numbers: &[usize]) -> f64 {
         let sum: f64 = numbers.iter().map(|&i| self.distances[i - 1]).sum();
         sum / self.distances.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 }
 
-/// Figure 1.4: for every one of the first N K eigenvalues the relative distance to the nearest
-/// frequency of a product of at most N of K functions; and figure 1.5, which is drawn of order 2:
+/// Computes figure 1.4: for every one of the first N K eigenvalues, the relative distance to the
+/// nearest frequency of a product of at most N of K functions; and figure 1.5, drawn for order 2:
 /// energies over the sums of the eigenvalues.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn frequencies(shape: &Shape, k: usize, orders: usize) -> Result<(Vec<Frequencies>, Plot)> {
     let basis = shape.first(k)?;
-    let constant = basis.constant().ok_or("a shape without constants")?;
+    let constant = basis.constant().ok_or("the constant is not among the eigenfunctions")?;
     let factors = Scale(1.0 / constant) * basis.functions().subcols(1, k);
     let mass = basis.basis().mass();
     let mut distances = Vec::new();

@@ -1,8 +1,8 @@
 //! Chapter 1 of the thesis, measured again: theorem 1.1, figures 1.4 to 1.6, 1.10 to 1.17, 1.19 and
 //! 1.20, tables 1.1 to 1.6.
 //!
-//! The thesis' shapes can't be had here: the protocol is the same, on other shapes, so that its
-//! numbers stand beside ours for the order of the methods, not for their values.
+//! The thesis' shapes are not available: the protocol is the same, on other shapes, so that its
+//! numbers are comparable with ours in the order of the methods, not in their values.
 
 mod approximation;
 mod cases;

@@ -1,5 +1,5 @@
-//! Figures 1.11 and 1.12: the matrix O from points, beside functional maps of as many
-//! eigenfunctions, and transfer by a map with noise.
+//! Figures 1.11 and 1.12: the matrix O from points, in comparison with functional maps of the same
+//! number of eigenfunctions, and transfer by a map with noise.
 
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
@@ -15,16 +15,18 @@ use crate::Result;
 use crate::curves::Plot;
 
 const ORDER: usize = 3;
-/// Eigenfunctions beside the constant, for figure 1.11; the last has the most products.
+/// Numbers of eigenfunctions besides the constant, for figure 1.11; the last one has the most
+/// products.
 const KS: [usize; 5] = [4, 6, 8, 10, 12];
-/// Most products of figure 1.11, and the eigenfunctions that it needs.
+/// Largest number of products of figure 1.11, which is also the number of eigenfunctions that it
+/// needs.
 pub const PRODUCTS: usize = 455;
-/// Noise on C, as a part of its root mean square, and eigenfunctions, for figure 1.12.
+/// Noise on C, relative to its root mean square, and number of eigenfunctions, for figure 1.12.
 const NOISE: [f64; 7] = [0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 const K: usize = 12;
 
-/// Uniform noise of this standard deviation, as a part of the root mean square of `c`, on every
-/// entry.
+/// Returns `c` with uniform noise on every entry, whose standard deviation is relative to the root
+/// mean square of `c`.
 pub fn noisy(c: MatRef<'_, f64>, noise: f64, rng: &mut Rng) -> Mat<f64> {
     let size = c.norm_l2() / (c.nrows() as f64 * c.ncols() as f64).sqrt();
     let mut out = c.to_owned();
@@ -36,18 +38,18 @@ pub fn noisy(c: MatRef<'_, f64>, noise: f64, rng: &mut Rng) -> Mat<f64> {
     out
 }
 
-/// `|x - truth| / |truth|` in the norm of Frobenius.
+/// Returns `|x - truth| / |truth|` in the Frobenius norm.
 pub fn relative(x: MatRef<'_, f64>, truth: MatRef<'_, f64>) -> f64 {
     let difference: Mat<f64> = x - truth;
     difference.norm_l2() / truth.norm_l2()
 }
 
-/// Figure 1.11: errors over K of the fitted C, of O ("ours") and O* ("ours*") by the points of C,
-/// and of a functional map C* between as many eigenfunctions as O* has products, by the same
-/// points. Averaged over the pairs, which have [`PRODUCTS`] eigenfunctions.
+/// Computes figure 1.11: errors over K of the fitted C, of O ("ours") and O* ("ours*") by the
+/// points of C, and of a functional map C* between as many eigenfunctions as O* has products, by
+/// the same points. They are averaged over the pairs, which have [`PRODUCTS`] eigenfunctions.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn cardinality(pairs: &[Pair]) -> Result<Plot> {
     let par = Par::all();
     let mut series: [Vec<(f64, f64)>; 4] = Default::default();
@@ -89,11 +91,11 @@ pub fn cardinality(pairs: &[Pair]) -> Result<Plot> {
     })
 }
 
-/// Figure 1.12: the error of transferred coordinates over the noise on the true C, averaged over
-/// the pairs.
+/// Computes figure 1.12: the error of transferred coordinates over the noise on the true C,
+/// averaged over the pairs.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn noise(pairs: &[Pair]) -> Result<Plot> {
     let par = Par::all();
     let mut sums = [[0.0; NOISE.len()]; 4];

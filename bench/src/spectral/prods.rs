@@ -1,21 +1,20 @@
-//! The baseline "prods" (Nogneng et al. 2018), at the tolerance of its authors' successors and at
-//! others.
+//! The baseline "prods" (Nogneng et al. 2018), with the published tolerance and with others.
 
-/// Part of the largest singular value up to which others are rounding: that of MATLAB's `pinv` for
-/// about 10^4 rows, by which the code published with the thesis approximates.
+/// Share of the largest singular value up to which others are rounding errors: that of MATLAB's
+/// `pinv` for about 10^4 rows, which the code published with the thesis uses for approximation.
 pub const ROUNDING: f64 = 2e-12;
 
-/// Tolerances that are tried beside the published one.
+/// Tolerances to try besides the published one.
 pub const TOLERANCES: [f64; 11] =
     [ROUNDING, 1e-9, 1e-6, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.2, 0.4];
 
-/// The tolerance of the published code for transfer with `k` eigenfunctions beside the constant:
-/// 2e-3 for each eigenfunction but two, the constant included.
+/// Returns the tolerance of the published code for transfer with `k` eigenfunctions besides the
+/// constant: 2e-3 times the number of eigenfunctions, the constant included, minus two.
 pub fn published(k: usize) -> f64 {
     2e-3 * (k as f64 - 1.0)
 }
 
-/// The published tolerance, then all others of [`TOLERANCES`].
+/// Returns the published tolerance, then all others of [`TOLERANCES`].
 pub fn tolerances(published: f64) -> impl Iterator<Item = f64> {
     let others = TOLERANCES.into_iter().filter(move |&tolerance| tolerance != published);
     std::iter::once(published).chain(others)
@@ -24,15 +23,15 @@ pub fn tolerances(published: f64) -> impl Iterator<Item = f64> {
 /// Errors of the baseline by tolerance.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// As [`tolerances`] gives them.
+    /// The tolerances, as from [`tolerances`].
     pub tolerances: Vec<f64>,
     /// A row for each tolerance, an error for each kind of function.
     pub errors: Vec<Vec<f64>>,
 }
 
 impl Sweep {
-    /// Takes the columns of the tolerances off the end of each row of a table of errors, a row for
-    /// each kind of function.
+    /// Splits the columns of the tolerances from the end of each row of a table of errors, which
+    /// has a row for each kind of function.
     pub fn split(published: f64, rows: &mut [Vec<f64>]) -> Self {
         let tolerances: Vec<f64> = tolerances(published).collect();
         let count = tolerances.len();
@@ -42,12 +41,12 @@ impl Sweep {
         Self { tolerances, errors }
     }
 
-    /// The error with the published tolerance.
+    /// Returns the error with the published tolerance.
     pub fn published(&self, function: usize) -> f64 {
         self.errors[0][function]
     }
 
-    /// The least error with any tolerance.
+    /// Returns the least error with any tolerance.
     pub fn best(&self, function: usize) -> f64 {
         self.errors.iter().map(|errors| errors[function]).fold(f64::INFINITY, f64::min)
     }

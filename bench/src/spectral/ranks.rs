@@ -1,5 +1,5 @@
-//! Figure 1.6: how many eigenproducts are linearly independent, beside a dense singular value
-//! decomposition.
+//! Figure 1.6: the number of linearly independent eigenproducts, in comparison with a dense
+//! singular value decomposition.
 
 use catamaran::Par;
 use catamaran::faer::{Mat, Scale};
@@ -9,15 +9,15 @@ use catamaran::spectral::{Eigenproducts, Orthogonalization, ProductBasis, Produc
 use super::shapes::Shape;
 use crate::Result;
 
-/// Part of the norm that "ours*" drops a product at; that of a singular value, of columns of
-/// norm 1.
+/// Share of its norm at which "ours*" drops a product, and of the largest singular value of columns
+/// of norm 1.
 const THRESHOLD: f64 = 1e-9;
 
-/// Numbers of products of at most `order` of `k` eigenfunctions: all, those of "ours*", those that
-/// the rank-revealing way keeps, and the numerical rank.
+/// Returns numbers of products of at most `order` of `k` eigenfunctions: all, those of "ours*",
+/// those that the rank-revealing method keeps, and the numerical rank.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn ranks(shape: &Shape, k: usize, order: usize) -> Result<[usize; 4]> {
     let basis = shape.first(k)?;
     let kept = |orthogonalization| {
@@ -27,7 +27,7 @@ pub fn ranks(shape: &Shape, k: usize, order: usize) -> Result<[usize; 4]> {
     let ours_star = kept(Orthogonalization::Reorthogonalized)?;
     let by_rank = kept(Orthogonalization::RankRevealing)?;
     let products = Eigenproducts::new(k, order)?;
-    let constant = basis.constant().ok_or("a shape without constants")?;
+    let constant = basis.constant().ok_or("the constant is not among the eigenfunctions")?;
     let factors = Scale(1.0 / constant) * basis.functions().subcols(1, k);
     let mut values = Mat::zeros(factors.nrows(), products.len());
     products.evaluate(factors.as_ref(), values.as_mut(), Par::all())?;

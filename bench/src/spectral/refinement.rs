@@ -1,5 +1,5 @@
-//! Points found from few landmarks, by how the map is fitted and refined: ZoomOut in eigenproducts
-//! beside others.
+//! Points found from few landmarks, for several fits and refinements of the map: ZoomOut in
+//! eigenproducts beside others.
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -10,24 +10,25 @@ use super::shapes::Pair;
 use super::transfer::fit;
 use crate::Result;
 
-/// Eigenfunctions beside the constant, the order of their products, and the eigenfunctions that
-/// ZoomOut ends with.
+/// Number of eigenfunctions besides the constant, the order of their products, and the number of
+/// eigenfunctions at the end of ZoomOut.
 const K: usize = 30;
 const ORDER: usize = 2;
 const ZOOM: usize = 100;
-/// Iterations of ICP, at most.
+/// Largest number of iterations of ICP.
 const ITERATIONS: usize = 20;
 
-/// How maps are refined: not at all, by ICP, by ZoomOut in eigenfunctions and in products of the
+/// The refinements of maps: none, ICP, ZoomOut in eigenfunctions, and ZoomOut in products of the
 /// first ones.
 pub const REFINEMENTS: [&str; 4] = ["none", "icp", "zoomout", "products"];
 
-/// The mean distances of the points found from the true ones, as a part of the root of the area of
-/// the source, for each of
+/// Returns the mean distances of the found points from the true ones, relative to the square root
+/// of the area of the source, for each of [`REFINEMENTS`], for maps fitted without and with
+/// multiplications.
 /// [`REFINEMENTS`]: of maps fitted without and with multiplications.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn refinement(pair: &Pair) -> Result<[[f64; REFINEMENTS.len()]; 2]> {
     let (par, progress) = (Par::all(), Progress::none());
     let (source, target) = (pair.source.first(K)?, pair.target.first(K)?);
@@ -51,7 +52,7 @@ pub fn refinement(pair: &Pair) -> Result<[[f64; REFINEMENTS.len()]; 2]> {
     Ok(distances)
 }
 
-/// The mean distance of these points from the true ones, through space.
+/// Returns the mean distance of these points from the true ones, in space.
 fn distance(pair: &Pair, points: &[u32]) -> f64 {
     let position = |v: u32| pair.source.mesh.vertices()[v as usize];
     let apart = |(&found, &truth): (&u32, &u32)| {

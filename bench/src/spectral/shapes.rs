@@ -1,4 +1,4 @@
-//! The shapes, and the pairs of them.
+//! The shapes, and pairs of shapes.
 
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -28,10 +28,10 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The mesh, scaled to area 1, with `k` eigenfunctions beside the constant.
+    /// Creates a shape from a mesh, scaled to area 1, with `k` eigenfunctions besides the constant.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn new(name: &str, mesh: &TriMesh, k: usize) -> Result<Self> {
         let mesh = mesh.normalized(Normalization::UnitArea)?;
         let problem = laplacian(&mesh, &LaplacianOptions::default())?;
@@ -41,7 +41,7 @@ impl Shape {
         Ok(Self { name: name.into(), mesh, stiffness: problem.stiffness, eigenbasis })
     }
 
-    /// The constant and the next `k` eigenfunctions.
+    /// Returns the constant and the next `k` eigenfunctions.
     ///
     /// # Errors
     /// When there is not enough memory.
@@ -50,15 +50,16 @@ impl Shape {
     }
 }
 
-/// Two shapes, and the vertex of the source that corresponds to each of the target.
+/// Two shapes, and for each vertex of the target the corresponding vertex of the source.
 pub struct Pair {
-    /// From where functions come.
+    /// The shape from which functions are transferred.
     pub source: Rc<Shape>,
-    /// Where they go.
+    /// The shape to which functions are transferred.
     pub target: Rc<Shape>,
     /// The true correspondence.
     pub truth: Vec<u32>,
-    /// The vertices of the target whose counterpart the source has: all, unless parts are missing.
+    /// The vertices of the target that have a counterpart on the source: all, unless parts are
+    /// missing.
     pub known: Vec<u32>,
 }
 
@@ -68,12 +69,13 @@ impl Pair {
         Self { source: source.clone(), target: target.clone(), truth, known }
     }
 
-    /// Vertices of the same number correspond.
+    /// Creates a pair in which vertices with the same index correspond.
     fn same(source: &Rc<Shape>, target: &Rc<Shape>) -> Self {
         Self::new(source, target, (0..target.mesh.vertices().len() as u32).collect())
     }
 
-    /// Vertices of the target whose counterpart is known, each the farthest from those before it.
+    /// Returns vertices of the target with a known counterpart, each the farthest from the previous
+    /// ones.
     pub fn samples(&self, count: usize) -> Vec<u32> {
         let points = self.target.mesh.vertices();
         let mut far = vec![f64::INFINITY; self.known.len()];
@@ -93,12 +95,13 @@ impl Pair {
     }
 }
 
-/// Meshes of the same surface: the original, and one with fewer vertices and other connections.
+/// A pair of meshes of the same surface: the original, and one with fewer vertices and another
+/// connectivity.
 struct Remeshed {
     shape: Rc<Shape>,
-    /// For each of its vertices the nearest of the original.
+    /// For each vertex of the remeshed surface, the nearest vertex of the original.
     original: Vec<u32>,
-    /// For each vertex of the original the nearest of it, along edges.
+    /// For each vertex of the original, the nearest vertex of the remeshed surface, along edges.
     nearest: Vec<u32>,
 }
 
@@ -115,32 +118,33 @@ impl Remeshed {
         Ok(Self { shape, original, nearest })
     }
 
-    /// From here to a shape that corresponds to the original by numbers.
+    /// Returns the pair from this mesh to a shape that corresponds to the original by index.
     fn to(&self, target: &Rc<Shape>) -> Pair {
         Pair::new(&self.shape, target, self.nearest.clone())
     }
 
-    /// From a shape that corresponds to the original by numbers to here.
+    /// Returns the pair from a shape that corresponds to the original by index to this mesh.
     fn from(&self, source: &Rc<Shape>) -> Pair {
         Pair::new(source, &self.shape, self.original.clone())
     }
 }
 
-/// Vertices of a mesh with other connections.
+/// Number of vertices of a mesh with another connectivity.
 const FEWER: usize = 4000;
 
-/// Share of the area that is missing of a part.
+/// Share of the area that a part lacks.
 const MISSING: f64 = 0.15;
 
-/// Where real shapes are, if anywhere.
+/// The source of real shapes, if there are any.
 pub struct Shapes {
     folder: Option<PathBuf>,
-    /// Only the first shape and pair of each kind.
+    /// Whether to use only the first shape and pair of each kind.
     quick: bool,
 }
 
 impl Shapes {
-    /// Those of CATAMARAN_DATA (default ../shared); only the first one of each kind when `quick`.
+    /// Creates the shapes of CATAMARAN_DATA (default ../shared), with only the first one of each
+    /// kind if `quick`.
     pub fn new(quick: bool) -> Self {
         let data = crate::input::data_folder();
         let folder = data.join("meshes");
@@ -148,7 +152,7 @@ impl Shapes {
     }
 
     fn read(&self, name: &str, file: &str, k: usize) -> Result<Rc<Shape>> {
-        let folder = self.folder.as_ref().ok_or("no CATAMARAN_DATA")?;
+        let folder = self.folder.as_ref().ok_or("CATAMARAN_DATA is missing")?;
         let mesh = catamaran::mesh::io::read(&folder.join(file))?.mesh;
         Ok(Rc::new(Shape::new(name, &mesh, k)?))
     }
@@ -157,10 +161,10 @@ impl Shapes {
         if self.quick { &all[..1] } else { all }
     }
 
-    /// The shapes for approximation, of `k` eigenfunctions each.
+    /// Returns the shapes for approximation, with `k` eigenfunctions each.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn single(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
         let mut shapes = vec![Rc::new(Shape::new("figure", &families::figure(5, 0.5)?, k)?)];
         if self.folder.is_none() || self.quick {
@@ -172,11 +176,11 @@ impl Shapes {
         Ok(shapes)
     }
 
-    /// Two shapes with fine details, a statue and an animal, of `k` eigenfunctions each; none
-    /// without data or when quick.
+    /// Returns two shapes with fine details, a statue and an animal, with `k` eigenfunctions each;
+    /// none without data or if quick.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn detailed(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
         if self.folder.is_none() || self.quick {
             return Ok(Vec::new());
@@ -185,10 +189,10 @@ impl Shapes {
         files.into_iter().map(|(name, file)| self.read(name, file, k)).collect()
     }
 
-    /// Nearly isometric pairs with the same connections: poses of a figure.
+    /// Returns nearly isometric pairs with the same connectivity: poses of a figure.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn isometric(&self, k: usize) -> Result<Vec<Pair>> {
         let poses: Vec<_> = [0.0, 0.3, 0.5, 0.6, 0.9, 1.0]
             .map(|pose| figure(5, pose, k))
@@ -199,10 +203,10 @@ impl Shapes {
         Ok(self.some(&pairs).iter().map(|&(a, b)| Pair::same(&poses[a], &poses[b])).collect())
     }
 
-    /// Two people, with the same connections, either way; none without data.
+    /// Returns two people with the same connectivity, in both directions; none without data.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn people(&self, k: usize) -> Result<Vec<Pair>> {
         if self.folder.is_none() {
             return Ok(Vec::new());
@@ -212,10 +216,10 @@ impl Shapes {
         Ok(self.some(&pairs).iter().map(|(a, b)| Pair::same(a, b)).collect())
     }
 
-    /// Surfaces of a brain, with the same connections, each to each other; none without data.
+    /// Returns all pairs of surfaces of a brain, with the same connectivity; none without data.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn brains(&self, k: usize) -> Result<Vec<Pair>> {
         if self.folder.is_none() {
             return Ok(Vec::new());
@@ -226,18 +230,18 @@ impl Shapes {
         Ok(self.some(&pairs).iter().map(|(a, b)| Pair::same(a, b)).collect())
     }
 
-    /// Surfaces of a brain: white, pial, inflated, sphere.
+    /// Returns surfaces of a brain: white, pial, inflated, sphere.
     fn surfaces(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
         let surface = |name: &str| self.read(name, &format!("fsaverage5_L_{name}.ply.gz"), k);
         ["white", "pial", "inflated", "sphere"].into_iter().map(surface).collect()
     }
 
-    /// Pairs with different connections: poses of figures of different fineness, which correspond
-    /// where they are nearest in the same pose; with data, people and surfaces of a brain, one of
-    /// them decimated.
+    /// Returns pairs with different connectivity: poses of figures of different resolution, whose
+    /// correspondence is the nearest vertex in the same pose; with data, people and surfaces of a
+    /// brain, one of each pair decimated.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn remeshed(&self, k: usize) -> Result<Vec<Pair>> {
         let pairs = [
             ((5, 0.0), (7, 0.6)),
@@ -262,12 +266,12 @@ impl Shapes {
         Ok(pairs)
     }
 
-    /// In place of the animals of SHREC'20: one pair for each of its five sets, from the most to
-    /// the least isometric, and one whose source lacks a part; all with different connections. None
-    /// without data.
+    /// Returns replacements for the animals of SHREC'20: one pair for each of its five sets, from
+    /// the most to the least isometric, and one whose source lacks a part; all with different
+    /// connectivity. None without data.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn graded(&self, k: usize) -> Result<Vec<Pair>> {
         if self.folder.is_none() {
             return Ok(Vec::new());
@@ -287,11 +291,11 @@ impl Shapes {
         Ok(pairs)
     }
 
-    /// In place of the woman, man and gorilla of MISC: two people of different connections, and
-    /// surfaces of a brain that are far from isometric. None without data.
+    /// Returns replacements for the woman, man and gorilla of MISC: two people with different
+    /// connectivity, and surfaces of a brain that are far from isometric. None without data.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn distant(&self, k: usize) -> Result<Vec<Pair>> {
         if self.folder.is_none() {
             return Ok(Vec::new());
@@ -319,7 +323,7 @@ fn figure(cells: usize, pose: f64, k: usize) -> Result<Rc<Shape>> {
     Ok(Rc::new(Shape::new(&name, &families::figure(cells, pose)?, k)?))
 }
 
-/// Two figures, each of so many cells and in this pose.
+/// Returns two figures, each with this number of cells and in this pose.
 fn figures(from: (usize, f64), to: (usize, f64), k: usize) -> Result<Pair> {
     let (source, target) = (figure(from.0, from.1, k)?, figure(to.0, to.1, k)?);
     let rest = |cells| families::figure(cells, 0.0);
@@ -327,7 +331,7 @@ fn figures(from: (usize, f64), to: (usize, f64), k: usize) -> Result<Pair> {
     Ok(Pair::new(&source, &target, truth))
 }
 
-/// The pair without a geodesic cell of its source.
+/// Returns the pair without a geodesic cell of its source.
 fn without_part(pair: &Pair, k: usize) -> Result<Pair> {
     let mesh = &pair.source.mesh;
     let cell = geodesic_cells(mesh, MISSING, 1, 4)?;
@@ -336,7 +340,7 @@ fn without_part(pair: &Pair, k: usize) -> Result<Pair> {
     let kept: Vec<u32> =
         faces.filter(|(_, f)| !f.iter().any(|&v| missing(v))).map(|(i, _)| i as u32).collect();
     let part = mesh.submesh(&kept)?;
-    // The cell may cut off small pieces.
+    // The cell may separate small pieces.
     let components = Components::new(&part.mesh);
     let faces = |c: usize| components.of_faces().iter().filter(|f| **f as usize == c).count();
     let largest = (0..components.len()).max_by_key(|&c| faces(c)).unwrap_or(0);
@@ -348,7 +352,7 @@ fn without_part(pair: &Pair, k: usize) -> Result<Pair> {
     }
     let kept = |y: &u32| places[pair.truth[*y as usize] as usize].is_some();
     let known = (0..pair.truth.len() as u32).filter(kept).collect();
-    // What is missing has no counterpart; no error counts there.
+    // Missing vertices have no counterpart, and no error is measured there.
     let truth = pair.truth.iter().map(|&x| places[x as usize].unwrap_or(0)).collect();
     Ok(Pair { source, target: pair.target.clone(), truth, known })
 }
@@ -357,7 +361,7 @@ fn square(p: &[f64; 3], q: &[f64; 3]) -> f64 {
     (0..3).map(|i| (p[i] - q[i]).powi(2)).sum()
 }
 
-/// For each vertex of `to` the nearest of `from`, the first of equals.
+/// Returns for each vertex of `to` the nearest vertex of `from`, the first of equally near ones.
 ///
 /// # Errors
 /// When `from` has no vertices.
@@ -380,7 +384,7 @@ mod tests {
         let part = without_part(&pair, 5).unwrap();
         assert_eq!(part.known.len(), part.source.mesh.vertices().len());
         assert!(part.known.len() < 9 * pair.known.len() / 10);
-        // The part is moved and scaled, and as it was else: distances have one ratio.
+        // The part is translated and scaled only, so all distances have the same ratio.
         let first = part.known[0];
         let apart = |mesh: &TriMesh, v: u32, w: u32| {
             square(&mesh.vertices()[v as usize], &mesh.vertices()[w as usize]).sqrt()
@@ -407,7 +411,7 @@ mod tests {
         let fewer = Remeshed::new(&source, n / 2, 5).unwrap();
         let (to, from) = (fewer.to(&target), fewer.from(&target));
         assert_eq!((to.truth.len(), from.truth.len()), (n, n / 2));
-        // There and back, a vertex comes back to a near one: a cell has few vertices.
+        // Mapping there and back leads to a near vertex, because a cell has few vertices.
         let points = source.mesh.vertices();
         let apart =
             |v: usize| square(&points[v], &points[from.truth[to.truth[v] as usize] as usize]);

@@ -13,13 +13,13 @@ use catamaran::spectral::test_functions::{
 use super::shapes::Shape;
 use crate::Result;
 
-/// Eigenfunctions of "HK K", and of the signatures.
+/// Number of eigenfunctions of "HK K", and of the signatures.
 pub const MANY: usize = 200;
 /// The time of heat kernels, on shapes of area 1.
 const TIME: f64 = 1e-3;
-/// Scales of a signature, and those of them that are used.
+/// Number of scales of a signature, and of those that are used.
 const SCALES: [usize; 2] = [100, 10];
-/// Random functions of each kind.
+/// Number of random functions of each kind.
 const COUNT: usize = 10;
 /// Radius of local descriptors, on shapes of area 1.
 const RADIUS: f64 = 0.08;
@@ -32,10 +32,10 @@ pub const NAMES: [&str; 9] = ["HK k", "HK K", "HKS", "WKS", "Rand", "XYZ", "Ind"
 /// Functions of each name, one matrix each.
 pub type Signals = [Mat<f64>; NAMES.len()];
 
-/// The functions of each name, n x anything; `k` is the number of eigenfunctions that "HK k" has.
+/// Returns the functions of each name, n x anything; `k` is the number of eigenfunctions of "HK k".
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn signals(shape: &Shape, k: usize) -> Result<Signals> {
     let par = Par::all();
     let (few, many) = (shape.first(k)?, shape.first(MANY)?);

@@ -1,4 +1,4 @@
-//! Figure 1.10: errors of O by equation 1.16, and by points, when the functional map has errors.
+//! Figure 1.10: errors of O by equation 1.16, and by points, for functional maps with errors.
 
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
@@ -15,11 +15,11 @@ use crate::curves::Plot;
 const ORDER: usize = 2;
 const NOISE: [f64; 7] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3];
 
-/// The errors of a pair with `k` eigenfunctions over the noise on C: of C, of O by equation 1.16
-/// and of O by points.
+/// Returns the errors of a pair with `k` eigenfunctions over the noise on C: those of C, of O by
+/// equation 1.16 and of O by points.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn stability(pair: &Pair, k: usize) -> Result<Plot> {
     let par = Par::all();
     let (source, target) = (pair.source.first(k)?, pair.target.first(k)?);
@@ -56,19 +56,18 @@ pub fn stability(pair: &Pair, k: usize) -> Result<Plot> {
     })
 }
 
-/// Eigenfunctions of the source beside the constant, for [`sizes`]; and those of the target for
-/// each of them.
+/// Numbers of eigenfunctions of the source besides the constant, for [`sizes`].
 const KS: [usize; 6] = [5, 8, 11, 14, 17, 20];
 const RATIOS: [f64; 3] = [0.5, 1.0, 2.0];
-/// Eigenfunctions beside the constant that [`sizes`] needs.
+/// Number of eigenfunctions besides the constant that [`sizes`] needs.
 pub const MOST: usize = 40;
 
-/// Figure 1.10, right: the error of the images of Q under O by equation 1.16, from the true
-/// functional map, over the number of eigenfunctions on the source, for several ratios of those on
-/// the target to them.
+/// Computes figure 1.10, right: the error of the images of Q under O by equation 1.16, from the
+/// true functional map, over the number of eigenfunctions on the source, for several ratios of the
+/// numbers on target and source.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn sizes(pair: &Pair) -> Result<Plot> {
     let par = Par::all();
     let options = ProductBasisOptions::new().orthogonalization(Orthogonalization::Reorthogonalized);

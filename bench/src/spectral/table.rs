@@ -1,31 +1,32 @@
-//! Tables of errors: a row for each function, a column for each method, beside those of the thesis.
+//! Tables of errors: a row for each function, a column for each method, with those of the thesis.
 
 use super::prods::Sweep;
 use super::signals::NAMES;
 
-/// A table of the thesis, and ours.
+/// A table of the thesis, with our values.
 #[derive(Debug, Clone)]
 pub struct Table {
     /// Its number in the thesis.
     pub number: &'static str,
-    /// What was done to what.
+    /// The title.
     pub title: String,
     /// The methods.
     pub columns: Vec<&'static str>,
-    /// Our errors, a row for each of the functions.
+    /// Our errors, a row for each function.
     pub ours: Vec<Vec<f64>>,
-    /// Those of the thesis, in per cent; NaN where it has none.
+    /// The errors of the thesis, in per cent; NaN for missing ones.
     pub thesis: Vec<Vec<f64>>,
     /// Errors of "prods" with other tolerances.
     pub sweep: Sweep,
 }
 
-/// Where "prods" and "best" are inserted: after "K".
+/// Position at which "prods" and "best" are inserted: after "K".
 const PRODS: usize = 1;
 
 impl Table {
-    /// A table from errors whose last columns are those of "prods" by tolerance; `columns` and
-    /// `thesis` are without "best", the least of them, which goes after "prods".
+    /// Creates a table from errors whose last columns are those of "prods" by tolerance. `columns`
+    /// and `thesis` do not include "best", the least of these errors, which is inserted after
+    /// "prods".
     pub fn new(
         (number, title): (&'static str, String),
         columns: &[&'static str],
@@ -47,8 +48,8 @@ impl Table {
         Self { number, title, columns, ours: errors, thesis, sweep }
     }
 
-    /// As text in Markdown: ours, with the thesis' in brackets, in per cent; then "prods" by
-    /// tolerance.
+    /// Returns the table as Markdown: ours, with the thesis' in brackets, in per cent; then "prods"
+    /// by tolerance.
     pub fn markdown(&self) -> String {
         let mut out = format!("**Table {}**: {}\n\n|  | ", self.number, self.title);
         out += &self.columns.join(" | ");
@@ -75,7 +76,7 @@ impl Table {
         out
     }
 
-    /// Lines of a record: table, function, method, our error, the thesis'.
+    /// Returns the lines of a record: table, function, method, our error, the thesis'.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for (f, name) in NAMES.iter().enumerate() {
@@ -93,13 +94,13 @@ impl Table {
     }
 }
 
-/// An error in per cent; by its power of ten where it is beyond all use.
+/// Formats an error in per cent; errors beyond use are given by their power of ten.
 fn per_cent(error: f64) -> String {
     let error = 100.0 * error;
     if error < 1e4 { format!("{error:.1}") } else { format!("{error:.0e}") }
 }
 
-/// The means of the same entries.
+/// Returns the means of the same entries.
 pub fn average(tables: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     let count = tables.len() as f64;
     let Some(first) = tables.first() else { return Vec::new() };
@@ -107,7 +108,8 @@ pub fn average(tables: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     (0..first.len()).map(|f| (0..first[f].len()).map(|c| mean(f, c)).collect()).collect()
 }
 
-/// The mean of relative errors of several functions; those of functions that are zero don't count.
+/// Returns the mean of relative errors of several functions, without those of functions that are
+/// zero.
 pub fn mean(errors: &[f64]) -> f64 {
     let finite: Vec<_> = errors.iter().copied().filter(|e| e.is_finite()).collect();
     finite.iter().sum::<f64>() / finite.len().max(1) as f64

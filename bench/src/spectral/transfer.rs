@@ -22,7 +22,7 @@ use super::signals::{MANY, Signals, signals};
 use super::table::{Table, average, mean};
 use crate::Result;
 
-/// What a table is of.
+/// The setting of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Setting {
     /// Table 1.2: nearly isometric.
@@ -31,15 +31,16 @@ pub enum Setting {
     People,
     /// Table 1.3 again: not isometric, surfaces of a brain.
     Brains,
-    /// Table 1.4: other connections.
+    /// Table 1.4: different connectivity.
     Remeshed,
-    /// Table 1.5: other connections, from nearly isometric to a missing part; errors at landmarks.
+    /// Table 1.5: different connectivity, from nearly isometric to a missing part; errors at
+    /// landmarks.
     Graded,
     /// Table 1.6: far from isometric; errors at landmarks.
     Distant,
 }
 
-/// All of them, in the order of the tables.
+/// All settings, in the order of the tables.
 pub const SETTINGS: [Setting; 6] = [
     Setting::Isometric,
     Setting::People,
@@ -51,13 +52,13 @@ pub const SETTINGS: [Setting; 6] = [
 
 const COLUMNS: [&str; 5] = ["K", "prods", "ours", "ours*", "NK"];
 
-/// Vertices whose correspondence is given, beside descriptors.
+/// Number of vertices whose correspondence is given, in addition to descriptors.
 const LANDMARKS: usize = 7;
-/// Landmarks that errors are measured at, in table 1.5.
+/// Number of landmarks at which errors are measured, in table 1.5.
 const EVALUATED: usize = 50;
-/// Iterations of ICP.
+/// Number of iterations of ICP.
 const ICP: usize = 5;
-/// Scales of the descriptors that the functional map is fitted to.
+/// Number of scales of the descriptors to which the functional map is fitted.
 const SCALES: usize = 20;
 /// The time of heat kernels around landmarks, on shapes of area 1.
 const TIME: f64 = 1e-2;
@@ -122,7 +123,8 @@ const THESIS: [[[f64; 5]; 9]; 5] = [
 ];
 
 impl Setting {
-    /// The order of products, and the eigenfunctions of source and target beside the constant.
+    /// Returns the order of products, and the numbers of eigenfunctions of source and target
+    /// besides the constant.
     fn parameters(self) -> (usize, [usize; 2]) {
         match self {
             Self::Isometric | Self::Graded | Self::Distant => (3, [12, 12]),
@@ -130,7 +132,7 @@ impl Setting {
         }
     }
 
-    /// The table of the thesis: its number, and where it is among those from 1.2 on.
+    /// Returns the table of the thesis: its number, and its index from table 1.2 on.
     fn table(self) -> (&'static str, usize) {
         match self {
             Self::Isometric => ("1.2", 0),
@@ -162,7 +164,8 @@ impl Setting {
         })
     }
 
-    /// The landmarks that errors are measured at; `None` where that is over the whole surface.
+    /// Returns the landmarks at which errors are measured; `None` if they are measured over the
+    /// whole surface.
     fn landmarks(self, pair: &Pair) -> Option<Vec<u32>> {
         match self {
             Self::Graded => Some(pair.samples(EVALUATED)),
@@ -172,10 +175,10 @@ impl Setting {
     }
 }
 
-/// The table, averaged over the pairs; `None` where there are none.
+/// Returns the table, averaged over the pairs; `None` without pairs.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn transfer(shapes: &Shapes, setting: Setting) -> Result<Option<Table>> {
     let (order, [k, l]) = setting.parameters();
     let (number, place) = setting.table();
@@ -202,7 +205,7 @@ pub fn transfer(shapes: &Shapes, setting: Setting) -> Result<Option<Table>> {
     Ok(Some(Table::new((number, title), &COLUMNS, average(&tables), thesis, published(k))))
 }
 
-/// Heat and wave kernel signatures.
+/// Returns heat and wave kernel signatures.
 fn descriptors(basis: &Eigenbasis) -> Result<[Mat<f64>; 2]> {
     let times = heat_times(basis.values(), SCALES)?;
     let waves = wave_scales(basis.values(), SCALES)?;
@@ -212,22 +215,22 @@ fn descriptors(basis: &Eigenbasis) -> Result<[Mat<f64>; 2]> {
     ])
 }
 
-/// Pairs of corresponding vertices, spread over the target.
+/// Returns pairs of corresponding vertices, spread over the target.
 fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
     let samples = pair.samples(LANDMARKS).into_iter();
     samples.map(|v| (pair.truth[v as usize], v)).collect()
 }
 
-/// The functional map of [`fit`] with multiplications, made orthogonal by ICP, as the code
-/// published with the thesis does.
+/// Returns the functional map of [`fit`] with multiplications, made orthogonal by ICP, as in the
+/// code published with the thesis.
 pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<Mat<f64>> {
     let c = fit(pair, source, target, true)?;
     Ok(icp(c.as_ref(), source.basis(), target.basis(), ICP, Par::all(), Progress::none())?.map)
 }
 
-/// The functional map between the first eigenfunctions, from descriptors, landmarks, and on request
-/// multiplications by functions around landmarks (the method of reference 194 of the thesis:
-/// Nogneng and Ovsjanikov 2017).
+/// Returns the functional map between the first eigenfunctions, from descriptors, landmarks, and on
+/// request multiplications by functions around landmarks (the method of reference 194 of the
+/// thesis: Nogneng and Ovsjanikov 2017).
 pub fn fit(
     pair: &Pair,
     source: &Eigenbasis,
@@ -243,7 +246,7 @@ pub fn fit(
     let pairs = landmarks(pair);
     fit.landmarks(&pairs)?;
     if has_operators {
-        // Signatures do not know left from right; what is around landmarks does.
+        // Signatures do not distinguish left and right; functions around landmarks do.
         let f = around(&many, pairs.iter().map(|p| p.0))?;
         let g = around(&others, pairs.iter().map(|p| p.1))?;
         fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
@@ -251,14 +254,14 @@ pub fn fit(
     Ok(fit.solve(MapFit::COMMUTATIVITY)?)
 }
 
-/// Heat kernels around vertices.
+/// Returns heat kernels around vertices.
 fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
     let kernel = |v: u32| heat_kernel(basis.values(), basis.functions(), v as usize, TIME);
     let kernels: Vec<_> = vertices.map(kernel).collect::<std::result::Result<_, _>>()?;
     Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| kernels[j][x]))
 }
 
-/// Two shapes with the bases that functions are transferred through.
+/// Two shapes with the bases through which functions are transferred.
 pub struct Bases {
     order: usize,
     source: Eigenbasis,
@@ -268,10 +271,11 @@ pub struct Bases {
 }
 
 impl Bases {
-    /// Those of products of at most `order` of `k` eigenfunctions of the source, `l` of the target.
+    /// Creates the bases of products of at most `order` of `k` eigenfunctions of the source, `l` of
+    /// the target.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn new(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Self> {
         let (source, target) = (pair.source.first(k)?, pair.target.first(l)?);
         let bases = |orthogonalization| -> Result<[ProductBasis; 2]> {
@@ -286,20 +290,20 @@ impl Bases {
         Ok(Self { order, source, target, ours, ours_star })
     }
 
-    /// The eigenfunctions of source and target.
+    /// Returns the eigenfunctions of source and target.
     pub fn eigenbases(&self) -> (&Eigenbasis, &Eigenbasis) {
         (&self.source, &self.target)
     }
 
-    /// The products of "ours" and "ours*", of source and target.
+    /// Returns the products of "ours" and "ours*", of source and target.
     pub fn products(&self) -> [&[ProductBasis; 2]; 2] {
         [&self.ours, &self.ours_star]
     }
 
-    /// The ways that the functional map `c` gives.
+    /// Returns the transfers that the functional map `c` determines.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn by(&self, c: MatRef<'_, f64>) -> Result<Ways<'_>> {
         let par = Par::all();
         let (source, target) = (self.source.basis(), self.target.basis());
@@ -319,7 +323,7 @@ impl Bases {
     }
 }
 
-/// Ways to transfer functions by one functional map of few eigenfunctions.
+/// Transfers of functions by one functional map of few eigenfunctions.
 pub struct Ways<'a> {
     /// By the map itself: "K".
     pub eigen: Transfer<'a>,
@@ -333,10 +337,10 @@ pub struct Ways<'a> {
 }
 
 impl Ways<'_> {
-    /// "prods", without singular values up to this part of the largest.
+    /// Transfers by "prods", without singular values up to this share of the largest.
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn prods(&mut self, f: MatRef<'_, f64>, tolerance: f64) -> Result<Mat<f64>> {
         let par = Par::all();
         self.prods.set_threshold(tolerance)?;
@@ -347,10 +351,10 @@ impl Ways<'_> {
         Ok(self.images.basis().synthesis(images.as_ref(), par)?)
     }
 
-    /// By eigenfunctions, "prods" with the published tolerance, "ours", "ours*".
+    /// Transfers by eigenfunctions, "prods" with the published tolerance, "ours" and "ours*".
     ///
     /// # Errors
-    /// Those of the library.
+    /// The errors of the library.
     pub fn all(&mut self, f: MatRef<'_, f64>) -> Result<[Mat<f64>; 4]> {
         let par = Par::all();
         let k = self.extended.source().k();
@@ -403,7 +407,7 @@ fn errors(pair: &Pair, signals: &Signals, setting: Setting) -> Result<Vec<Vec<f6
     Ok(rows)
 }
 
-/// Functions divided by their largest values.
+/// Returns functions divided by their largest values.
 pub fn of_size_1(f: MatRef<'_, f64>) -> Mat<f64> {
     let sizes: Vec<f64> = f.col_iter().map(|f| f.norm_max()).collect();
     Mat::from_fn(
@@ -413,7 +417,7 @@ pub fn of_size_1(f: MatRef<'_, f64>) -> Mat<f64> {
     )
 }
 
-/// The mean of `|f - g|` over vertices and functions.
+/// Returns the mean of `|f - g|` over vertices and functions.
 pub fn mean_distance(f: MatRef<'_, f64>, g: MatRef<'_, f64>, vertices: &[u32]) -> f64 {
     let at =
         |j: usize| vertices.iter().map(move |&v| (f[(v as usize, j)] - g[(v as usize, j)]).abs());

@@ -1,5 +1,5 @@
-//! What keeps H and R of the thesis' section 6.4.2 from their bars: the vertices, the geodesics
-//! between samples, or what the samples do not say.
+//! Measures what keeps H and R of the thesis' section 6.4.2 from their bars: the vertices, the
+//! geodesics between samples, or missing information in the samples.
 
 use catamaran::base::Rng;
 use catamaran::curve::dataset::{Generator, Samples, Sampling, samples};
@@ -15,12 +15,13 @@ use crate::Result;
 /// The thesis' bars for H and R.
 const NEAR: (f64, f64) = (0.25, 0.07);
 
-/// Who reconstructs.
+/// The method of reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
     /// The robust mode.
     Vertices,
-    /// The same on the mesh with the edges near its curve cut in their middle, so many times.
+    /// The robust mode on the mesh with the edges near its curve cut in their middle, this number
+    /// of times.
     Levels(usize),
     /// The robust mode, smoothed: geodesics between samples.
     Smooth,
@@ -59,18 +60,18 @@ pub struct Distances {
     samples: usize,
     sampling: Sampling,
     variant: Variant,
-    /// To the points of the curve: H, R as written, R with squares.
+    /// Distances to the points of the curve: H, R as printed, R with squares.
     points: [f64; 3],
-    /// To the lines between them: H, R as written.
+    /// Distances to the lines between the points: H, R as printed.
     lines: [f64; 2],
     /// Mean length of the edges of the true curve.
     edge: f64,
 }
 
-/// Curves of a mesh, each reconstructed by every variant from samples of every kind.
+/// Reconstructs curves of a mesh by every variant from samples of every kind.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn measure_limits(surface: &Surface, curves: usize, seed: u64) -> Result<Vec<Distances>> {
     let mesh = &surface.mesh;
     let graph = Graph::of_mesh(mesh);
@@ -135,7 +136,7 @@ fn reconstruct(
     match variant {
         Variant::Vertices | Variant::TrueOrder => {}
         Variant::Smooth | Variant::TrueSmooth => {
-            // Where the geodesics can't be drawn, the curve stays along edges.
+            // Where the geodesics can't be drawn, the curve remains on edges.
             let _ = found.smooth(solver.mesh(), &samples);
         }
         Variant::Levels(levels) => {
@@ -151,7 +152,7 @@ fn reconstruct(
     Ok(found)
 }
 
-/// The middles of the edges of all faces that curves touch.
+/// Returns the middles of the edges of all faces that curves touch.
 fn around(mesh: &TriMesh, found: &Reconstruction) -> Vec<Steiner> {
     let mut touched = vec![false; mesh.vertices().len()];
     for &v in found.curves.iter().flat_map(|curve| &curve.path) {
@@ -178,7 +179,7 @@ fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
     (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// From a point to the nearest of the lines.
+/// Returns the distance from a point to the nearest of the lines.
 fn to_lines(x: [f64; 3], lines: &[[[f64; 3]; 2]]) -> f64 {
     let square = |&[p, q]: &[[f64; 3]; 2]| {
         let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
@@ -190,7 +191,7 @@ fn to_lines(x: [f64; 3], lines: &[[[f64; 3]; 2]]) -> f64 {
     lines.iter().map(square).fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// The tables: shares of runs within the bars, by variant, by number of samples, by mesh.
+/// Returns the tables: shares of runs within the bars, by variant, by number of samples, by mesh.
 pub fn limit_tables(runs: &[Distances]) -> String {
     let percent = |own: &mut dyn Iterator<Item = &Distances>, is: fn(&Distances) -> bool| {
         let (all, those) = own.fold((0, 0), |(n, k), r| (n + 1, k + u32::from(is(r))));
@@ -266,7 +267,7 @@ pub const LIMITS_HEAD: &str = "mesh,vertices,samples,sampling,curve,edge,hausdor
                                root_mean,root_mean_square,                               hausdorff_lines,root_mean_lines";
 
 impl Distances {
-    /// As CSV.
+    /// Returns a line of CSV.
     pub fn line(&self) -> String {
         let sampling = if self.sampling == Sampling::Even { "even" } else { "random" };
         let [h, r, s] = self.points;

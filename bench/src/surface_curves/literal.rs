@@ -1,22 +1,22 @@
-//! Algorithm 6.1 in the words of the text, which block the curve alone: a path may run over a
-//! sample that waits. What becomes of that sample the text leaves open; the library's faithful mode
-//! keeps paths off waiting samples instead.
+//! Algorithm 6.1 by the letter of the text, in which only the curve blocks: a path may run over a
+//! sample that is not yet visited. The text does not say what happens to that sample; in the
+//! library's faithful mode, paths avoid such samples instead.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};
 
 use catamaran::mesh::Graph;
 
-/// What becomes of samples that a path runs over.
+/// The treatment of samples that a path runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Passed {
-    /// They stay on the list, behind the curve, and it never gets there: the walk ends.
+    /// They stay on the list, behind the curve, which never reaches them: the walk ends.
     Lost,
-    /// They are taken off the list, in the order of the path.
+    /// They are removed from the list, in the order of the path.
     Taken,
 }
 
-/// The order in which a curve that starts at sample 0 meets the samples, as far as it comes.
+/// Returns the order in which a curve that starts at sample 0 meets the samples, as far as it gets.
 pub fn walk(
     graph: &Graph,
     positions: &[[f64; 3]],
@@ -34,7 +34,7 @@ pub fn walk(
         let at = samples[order[order.len() - 1] as usize];
         let wanted = candidates.min(reachable);
         let (near, predecessors) = nearest(graph, at, &waiting, &curve, wanted);
-        // What the curve has shut off stays so.
+        // Vertices that the curve has cut off stay so.
         reachable = if near.len() < wanted { near.len() } else { reachable };
         let angle = |a: u32, c: u32| {
             let [a, b, c] = [a, at, c].map(|v| positions[v as usize]);
@@ -50,14 +50,14 @@ pub fn walk(
             curve.insert(v);
             let Some(&sample) = waiting.get(&v) else { continue };
             if v != next && passed == Passed::Lost {
-                // No way will lead there.
+                // No path leads there any more.
                 return order;
             }
             waiting.remove(&v);
             reachable = reachable.saturating_sub(1);
             order.push(sample);
         }
-        // The sample before: of those taken in passing, the last one.
+        // The previous sample: the last one of those taken in passing.
         previous = order.iter().rev().nth(1).map(|&i| samples[i as usize]);
     }
     order
@@ -65,7 +65,8 @@ pub fn walk(
 
 type Near = Vec<(u32, f64)>;
 
-/// The nearest waiting samples, and the tree of shortest paths that avoid the curve.
+/// Returns the nearest samples that are not yet visited, and the tree of shortest paths that avoid
+/// the curve.
 fn nearest(
     graph: &Graph,
     from: u32,
@@ -118,7 +119,7 @@ fn choose(near: &Near, previous: Option<u32>, angle: impl Fn(u32, u32) -> f64) -
     near.iter().rev().max_by(|a, b| value(a).total_cmp(&value(b))).map(|&(v, _)| v)
 }
 
-/// The angle at b, in [0, pi].
+/// Returns the angle at b, in [0, pi].
 fn angle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     let [x, y] = [a, c].map(|p| [p[0] - b[0], p[1] - b[1], p[2] - b[2]]);
     let dot: f64 = (0..3).map(|k| x[k] * y[k]).sum();

@@ -3,7 +3,7 @@ use catamaran::mesh::{Components, TriMesh, families, io};
 
 use crate::Result;
 
-/// A mesh that curves are generated on, of volume 1.
+/// A mesh for generated curves, of volume 1.
 pub struct Surface {
     /// Its name.
     pub name: &'static str,
@@ -13,7 +13,7 @@ pub struct Surface {
     pub closed: bool,
 }
 
-/// How a mesh is had.
+/// The source of a mesh.
 enum Source {
     Made(fn() -> catamaran::Result<TriMesh>),
     File(&'static str),
@@ -21,8 +21,8 @@ enum Source {
 
 use Source::{File, Made};
 
-/// Three that are generated, seven that are found through CATAMARAN_DATA: models, slivers,
-/// boundary, a million vertices.
+/// Three generated meshes, and seven of CATAMARAN_DATA: models, slivers, boundary, a million
+/// vertices.
 const ALL: [(&str, Source); 10] = [
     ("torus", Made(|| families::torus(240, 100, 2.0, 0.8))),
     ("knot", Made(|| families::knot(2, 3, 600, 60, 0.3))),
@@ -36,15 +36,15 @@ const ALL: [(&str, Source); 10] = [
     ("white matter", File("mni152_wm1p24M.ply.xz")),
 ];
 
-/// The meshes, or those of these names; each is read when its turn comes. Without data only
-/// generated ones.
+/// Returns the meshes, or those with these names; each is read when its turn comes. Without data,
+/// only generated ones.
 ///
 /// # Errors
-/// A name that none has. Of the iterator: a file that can't be read.
+/// For a name that no mesh has. The iterator returns an error for a file that can't be read.
 pub fn surfaces(names: &[String]) -> Result<impl Iterator<Item = Result<Surface>>> {
     if let Some(name) = names.iter().find(|name| ALL.iter().all(|(known, _)| known != name)) {
         let known: Vec<_> = ALL.iter().map(|(known, _)| *known).collect();
-        return Err(format!("{name}: none of the meshes {}", known.join(", ")).into());
+        return Err(format!("{name}: no such mesh, must be one of {}", known.join(", ")).into());
     }
     let data = crate::input::data_folder();
     let folder = data.join("meshes");
@@ -68,7 +68,7 @@ pub fn surfaces(names: &[String]) -> Result<impl Iterator<Item = Result<Surface>
     }))
 }
 
-/// The largest component, scaled.
+/// Returns the largest component, scaled.
 fn surface(name: &'static str, mesh: &TriMesh) -> catamaran::Result<Surface> {
     let components = Components::new(mesh);
     let part = match components.largest() {

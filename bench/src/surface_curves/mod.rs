@@ -1,8 +1,8 @@
 //! Chapter 6 of the thesis, measured again: figures 6.5, 6.6, 6.9 to 6.11, tables 6.1 and 6.2,
 //! faithful and robust side by side, on curves of the generator of section 6.4.1.
 //!
-//! The thesis' meshes can't be had here, so that its numbers stand beside ours for orientation. All
-//! shares are of all runs, also of those that failed.
+//! The thesis' meshes are not available, so its numbers only serve as orientation. All shares are
+//! of all runs, including those that failed.
 
 mod limits;
 mod literal;

@@ -1,6 +1,6 @@
-//! Table 6.2 of the thesis (random samples) against ours: what decides is how the curves run.
-//! Curves of the generator of section 6.4.1 beside geodesic circles on the same meshes, and a
-//! circle in the plane.
+//! Compares table 6.2 of the thesis (random samples) with ours: the kind of curve decides. Curves
+//! of the generator of section 6.4.1 are compared with geodesic circles on the same meshes, and
+//! with a circle in the plane.
 
 use catamaran::base::Rng;
 use catamaran::curve::dataset::{Generator, LEAST_VERTICES, Sampling, samples};
@@ -11,11 +11,11 @@ use super::literal::{Passed, walk};
 use super::{SIZES, Surface};
 use crate::Result;
 
-/// Candidates of the heuristic.
+/// Numbers of candidates of the heuristic.
 const CANDIDATES: [usize; 3] = [1, 3, 5];
-/// Centres that are tried for a circle.
+/// Number of centres to try for a circle.
 const ATTEMPTS: usize = 200;
-/// Trials on the circle in the plane.
+/// Number of trials on the circle in the plane.
 const TRIALS: usize = 2000;
 /// The thesis' table 6.2, l = 1, 3, 5.
 const THESIS: [[f64; 7]; 3] = [
@@ -24,7 +24,7 @@ const THESIS: [[f64; 7]; 3] = [
     [63.11, 32.12, 41.72, 39.33, 39.61, 41.62, 30.82],
 ];
 
-/// What the true curve is.
+/// The kind of the true curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A walk of section 6.4.1.
@@ -33,14 +33,14 @@ pub enum Kind {
     Circle,
 }
 
-/// How the samples were joined.
+/// The method that joined the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum By {
-    /// The library's faithful mode: paths keep off samples that wait.
+    /// The library's faithful mode: paths avoid samples that are not yet visited.
     Faithful,
-    /// The text: paths run over waiting samples, which are lost,
+    /// The text: paths run over such samples, which are lost.
     Lost,
-    /// or are taken in passing.
+    /// The text: paths run over such samples, which are taken in passing.
     Taken,
     /// The library's robust mode.
     Robust,
@@ -59,10 +59,10 @@ pub struct Ordered {
     ordered: bool,
 }
 
-/// Curves of both kinds on a mesh, each sampled at random and joined in every way.
+/// Measures curves of both kinds on a mesh, each sampled at random and joined by every method.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn measure_orders(surface: &Surface, curves: usize, seed: u64) -> Result<Vec<Ordered>> {
     let mesh = &surface.mesh;
     let graph = Graph::of_mesh(mesh);
@@ -111,7 +111,8 @@ pub fn measure_orders(surface: &Surface, curves: usize, seed: u64) -> Result<Vec
     Ok(runs)
 }
 
-/// A border of a geodesic disk, of at least as many vertices as a curve of the generator.
+/// Returns the border of a geodesic disk, with at least as many vertices as a curve of the
+/// generator.
 fn circle(mesh: &TriMesh, graph: &Graph, rng: &mut Rng) -> Result<Option<Vec<u32>>> {
     let mut search = Dijkstra::new(graph);
     for _ in 0..ATTEMPTS {
@@ -135,8 +136,8 @@ fn circle(mesh: &TriMesh, graph: &Graph, rng: &mut Rng) -> Result<Option<Vec<u32
     Ok(None)
 }
 
-/// Per cent of random samples of a circle whose order the nearest neighbour finds, when no strands
-/// are near to each other: at each step the nearer one of both ends of the gap.
+/// Returns the percentage of random samples of a circle whose order the nearest neighbour finds,
+/// when no strands are near each other: at each step the nearer one of both ends of the gap.
 fn ideal(samples: usize, rng: &mut Rng) -> f64 {
     let right = (0..TRIALS).filter(|_| {
         let mut places: Vec<f64> = (0..samples).map(|_| rng.uniform()).collect();
@@ -166,7 +167,7 @@ fn ideal(samples: usize, rng: &mut Rng) -> f64 {
     100.0 * right.count() as f64 / TRIALS as f64
 }
 
-/// Per cent in order.
+/// Returns the percentage of runs in order.
 fn share<'r>(runs: impl Iterator<Item = &'r Ordered>) -> String {
     let (all, right) = runs.fold((0_u32, 0_u32), |(n, k), r| (n + 1, k + u32::from(r.ordered)));
     match all {
@@ -179,7 +180,7 @@ fn share<'r>(runs: impl Iterator<Item = &'r Ordered>) -> String {
 pub const ORDERS_HEAD: &str = "mesh,curve,vertices,samples,joined,candidates,ordered";
 
 impl Ordered {
-    /// As CSV.
+    /// Returns a line of CSV.
     pub fn line(&self) -> String {
         format!(
             "{},{:?},{},{},{:?},{},{}",
@@ -194,7 +195,7 @@ impl Ordered {
     }
 }
 
-/// The tables.
+/// Returns the tables.
 pub fn order_tables(runs: &[Ordered]) -> String {
     let head = |first: &str| {
         format!(

@@ -14,21 +14,21 @@ use crate::Result;
 /// Numbers of samples.
 pub const SIZES: [usize; 7] = [10, 25, 40, 55, 70, 85, 100];
 
-/// Who reconstructs.
+/// The method of reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Method {
     /// The thesis' algorithm with this many candidates.
     Faithful(usize),
-    /// Ours.
+    /// The robust mode of this library.
     Robust,
 }
 
 impl Method {
-    /// In the order of tables.
+    /// All methods, in the order of tables.
     pub const ALL: [Self; 4] =
         [Self::Faithful(1), Self::Faithful(3), Self::Faithful(5), Self::Robust];
 
-    /// For tables.
+    /// Returns the name in tables.
     pub fn name(self) -> String {
         match self {
             Self::Faithful(candidates) => format!("faithful, l = {candidates}"),
@@ -46,34 +46,34 @@ impl Method {
     }
 }
 
-/// What came of one reconstruction.
+/// The result of one reconstruction.
 #[derive(Debug, Clone, Copy)]
 pub struct Run {
     /// The mesh.
     pub mesh: &'static str,
-    /// Its vertices.
+    /// Number of vertices of the mesh.
     pub vertices: usize,
     /// Whether it is connected and without boundary.
     pub closed_mesh: bool,
     /// Number of samples.
     pub samples: usize,
-    /// How they were chosen.
+    /// The method by which samples were selected.
     pub sampling: Sampling,
-    /// By whom.
+    /// The method of reconstruction.
     pub method: Method,
-    /// Closed, through all samples.
+    /// Whether the curve is closed, through all samples.
     pub closed: bool,
-    /// Closed, and without Steiner points.
+    /// Whether it is closed, and has no Steiner points.
     pub on_vertices: bool,
-    /// One curve with the samples in their order.
+    /// Whether there is one curve with the samples in their order.
     pub ordered: bool,
     /// Hausdorff distance to the true curve.
     pub hausdorff: f64,
-    /// R as the thesis writes it.
+    /// R as printed in the thesis.
     pub root_mean: f64,
     /// R with squares.
     pub root_mean_square: f64,
-    /// Seconds, without the solver's making.
+    /// Seconds, without the creation of the solver.
     pub seconds: f64,
 }
 
@@ -81,7 +81,7 @@ pub struct Run {
 /// every method.
 ///
 /// # Errors
-/// Those of the library.
+/// The errors of the library.
 pub fn measure(surface: &Surface, curves: usize, seed: u64) -> Result<Vec<Run>> {
     let mesh = &surface.mesh;
     let graph = Graph::of_mesh(mesh);

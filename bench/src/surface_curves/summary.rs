@@ -5,8 +5,8 @@ use catamaran::curve::dataset::Sampling;
 use super::runs::{Method, Run, SIZES};
 use crate::curves::Plot;
 
-/// The thesis' tables 6.1 and 6.2, per cent in order, l = 1, 3, 5. In 6.2 the columns of numbers of
-/// samples are shifted by one in the text; here as they are printed, one to each number of samples.
+/// The thesis' tables 6.1 and 6.2, per cent in order, l = 1, 3, 5. In the text, the columns of
+/// table 6.2 are shifted by one; here they are as printed, one for each number of samples.
 const THESIS: [[[f64; 7]; 3]; 2] = [
     [
         [33.54, 37.63, 43.15, 40.59, 45.88, 40.53, 41.90],
@@ -20,15 +20,15 @@ const THESIS: [[[f64; 7]; 3]; 2] = [
     ],
 ];
 
-/// What counts as near enough: the thesis' H and R.
+/// Bounds of H and R of the thesis for a curve that is near enough.
 const NEAR: (f64, f64) = (0.25, 0.07);
 
-/// Where the charts of distances end.
+/// Upper end of the charts of distances.
 const FARTHEST: f64 = 0.5;
 
 const KINDS: [(Sampling, &str); 2] = [(Sampling::Even, "even"), (Sampling::Random, "random")];
 
-/// Per cent of runs.
+/// Returns the percentage of runs.
 fn share<'r>(runs: impl Iterator<Item = &'r Run>, is: impl Fn(&Run) -> bool) -> f64 {
     let (all, those) =
         runs.fold((0, 0), |(all, those), run| (all + 1, those + usize::from(is(run))));
@@ -50,13 +50,13 @@ impl Cell {
     /// Its columns.
     pub const HEAD: &'static str = "mesh,vertices,samples,sampling,method,runs,closed,on_vertices,ordered,near,near_squared,mean_seconds,most_seconds";
 
-    /// As CSV.
+    /// Returns a line of CSV.
     pub fn line(&self) -> String {
         self.0.clone()
     }
 }
 
-/// All lines of the record.
+/// Returns all lines of the record.
 pub fn cells(runs: &[Run]) -> Vec<Cell> {
     let mut meshes: Vec<&str> = runs.iter().map(|run| run.mesh).collect();
     meshes.dedup();
@@ -92,7 +92,7 @@ pub fn cells(runs: &[Run]) -> Vec<Cell> {
     cells
 }
 
-/// Tables 6.1 and 6.2, the thesis' numbers in brackets.
+/// Returns tables 6.1 and 6.2, with the thesis' numbers in brackets.
 pub fn order_table(runs: &[Run]) -> String {
     let mut text = String::new();
     for (number, ((sampling, kind), thesis)) in KINDS.into_iter().zip(THESIS).enumerate() {
@@ -121,7 +121,7 @@ pub fn order_table(runs: &[Run]) -> String {
     text
 }
 
-/// Figures 6.10 and 6.11: failures by mesh and by number of samples, per cent of runs.
+/// Returns figures 6.10 and 6.11: failures by mesh and by number of samples, in per cent of runs.
 pub fn failures(runs: &[Run]) -> String {
     let mut meshes: Vec<(&str, usize)> = runs.iter().map(|r| (r.mesh, r.vertices)).collect();
     meshes.dedup();
@@ -148,7 +148,7 @@ pub fn failures(runs: &[Run]) -> String {
     text
 }
 
-/// The goals, and what was reached.
+/// Returns the goals, and the results.
 pub fn bars(runs: &[Run]) -> String {
     let of = |method| runs.iter().filter(move |r: &&Run| r.method == method);
     let robust = || of(Method::Robust);
@@ -188,7 +188,7 @@ pub fn bars(runs: &[Run]) -> String {
     )
 }
 
-/// Figures 6.5, 6.6 and 6.9.
+/// Returns figures 6.5, 6.6 and 6.9.
 pub fn plots(runs: &[Run]) -> Vec<Plot> {
     let mut plots = Vec::new();
     type Metric = fn(&Run) -> f64;

@@ -11,10 +11,10 @@ use crate::Result;
 use crate::curves::Plot;
 use crate::plant::Part;
 
-/// Walks that are averaged over.
+/// Number of walks in a mean.
 const WALKS: usize = 2000;
 
-/// Walkers in the middle of random triangles.
+/// Returns walkers in the middle of random triangles.
 fn walkers(surface: &Surface) -> Vec<Walker> {
     let mut rng = Rng::new(34);
     let one = |_| {
@@ -30,7 +30,7 @@ fn walkers(surface: &Surface) -> Vec<Walker> {
     (0..WALKS).map(one).collect()
 }
 
-/// Where a walker is in space.
+/// Returns the position of a walker in space.
 fn place(surface: &Surface, walker: &Walker) -> [f64; 3] {
     let frame = surface.frames()[walker.triangle as usize].map(f64::from);
     let [x, y] = walker.position.map(f64::from);
@@ -41,10 +41,11 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Figure 3.4: how far projected sub-steps end from the geodesic, as a part of the way.
+/// Computes figure 3.4: the distance of the end of projected sub-steps from the geodesic, relative
+/// to its length.
 ///
 /// # Errors
-/// Those of the surface.
+/// The errors of the surface.
 pub fn substeps() -> Result<Part> {
     let mut rows = Vec::new();
     for (name, surface) in
@@ -74,11 +75,11 @@ pub fn substeps() -> Result<Part> {
     })
 }
 
-/// Figure 3.5: the ways of agents on a torus, where its texture is stretched and where it is
-/// squeezed.
+/// Computes figure 3.5: the paths of agents on a torus, where its texture is stretched and where it
+/// is compressed.
 ///
 /// # Errors
-/// Those of the surface.
+/// The errors of the surface.
 pub fn rescaling() -> Result<Part> {
     let surface = torus(96, 48)?;
     let walkers = walkers(&surface);
@@ -88,7 +89,7 @@ pub fn rescaling() -> Result<Part> {
         for walker in &walkers {
             let end = unfold(&surface, *walker, 1e-3, rescale);
             let (a, b) = (place(&surface, walker), place(&surface, &end));
-            // Outside of the circle in the middle of the tube.
+            // Whether the walker is outside of the circle in the middle of the tube.
             let unit = 1.0 / torus_area().sqrt();
             let own = &mut sums[usize::from(a[0].hypot(a[1]) > unit)];
             own[0] += distance(a, b);
@@ -106,19 +107,19 @@ pub fn rescaling() -> Result<Part> {
     })
 }
 
-/// Of a torus of radii 1 and 0.5.
+/// Returns the area of a torus of radii 1 and 0.5.
 fn torus_area() -> f64 {
     4.0 * std::f64::consts::PI.powi(2) * 0.5
 }
 
-/// Figure 3.8: coverage and presence over 100 seconds, for evaporation rates of table 3.1.
+/// Computes figure 3.8: coverage and presence over 100 seconds, for evaporation rates of table 3.1.
 ///
 /// # Errors
-/// Those of the simulation.
+/// The errors of the simulation.
 pub fn evaporation() -> Result<Part> {
     let rates = [0.2, 0.4, 0.6, 0.8, 1.0];
-    // Turns from within the range of table 3.1. At its lower end, the default, strands go on
-    // merging for longer than this: the coverage at 95 s is 4 to 10 % less than at 65 s.
+    // Turns from within the range of table 3.1. At its lower end, the default, strands merge for
+    // longer than this: the coverage at 95 s is 4 to 10 % less than at 65 s.
     let base = Options::new().agents(60_000).size(512).turn_speed(3000.0);
     let steps = (100.0 / base.time_step) as u32;
     let (mut rows, mut coverages, mut presences) = (Vec::new(), Vec::new(), Vec::new());
@@ -168,11 +169,11 @@ pub fn evaporation() -> Result<Part> {
     })
 }
 
-/// Texels of a side of the maze.
+/// Number of texels along a side of the maze.
 const MAZE: usize = 128;
 
-/// Walls along parallels of a sphere, each with one door, on opposite sides; a start at one pole,
-/// an attractor at the other.
+/// Returns walls along parallels of a sphere, each with one door, on opposite sides, with a start
+/// at one pole and an attractor at the other.
 fn walls() -> Mask {
     let (mut start, mut ground) = (Vec::new(), Vec::new());
     for t in 0..MAZE * MAZE {
@@ -188,10 +189,10 @@ fn walls() -> Mask {
     Mask { start, ground }
 }
 
-/// Figure 3.9: the share of agents that have come to the attractor.
+/// Computes figure 3.9: the share of agents that have reached the attractor.
 ///
 /// # Errors
-/// Those of the simulation.
+/// The errors of the simulation.
 pub fn maze() -> Result<Part> {
     let mask = walls();
     let options = Options::new()
@@ -200,7 +201,7 @@ pub fn maze() -> Result<Part> {
         .size(MAZE)
         .movement_speed(15.0)
         .vision_distance(3.0)
-        // Trails that last keep agents where they are.
+        // Persistent trails keep agents where they are.
         .evaporation_rate(3.0);
     let mut all = Simulation::new(sphere(64, 48)?, &options, &mask)?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
@@ -238,7 +239,7 @@ pub fn maze() -> Result<Part> {
     })
 }
 
-/// A square for patterns, and how they are grown on it.
+/// Returns a square with a pattern after this number of steps.
 pub(super) fn grown(options: &Options, steps: u32) -> Result<Simulation> {
     let mut all = Simulation::new(square()?, options, &Mask::default())?;
     all.run(steps, Par::all(), Progress::none())?;

@@ -1,5 +1,5 @@
-//! All that is to know of an OpenCL device in minutes: whether it computes what the processor does,
-//! and how fast it is.
+//! Tests an OpenCL device within minutes: whether it computes the same as the processor, and how
+//! fast it is.
 
 use std::time::Instant;
 
@@ -16,20 +16,20 @@ use crate::Result;
 use crate::plant::Part;
 use crate::race::median;
 
-/// Steps that are compared: agents are put in order twice.
+/// Number of steps that are compared: agents are ordered twice.
 const STEPS: u32 = 20;
-/// Frames that are given to the device at a time; as many as from one ordering of the agents to the
+/// Number of frames that the device gets at a time: those from one ordering of the agents to the
 /// next.
 const FRAMES: u32 = 16;
-/// A case ends after so many seconds, or 900 frames.
+/// Seconds after which a case ends, if it has not reached 900 frames.
 const SECONDS: f64 = 12.0;
-/// Points of a side of the pictures of fractals.
+/// Number of points along a side of the pictures of fractals.
 const POINTS: u32 = 4096;
 
-/// The device, whether it computes what the processor does, and times of both chapters.
+/// Returns the device, whether it computes the same as the processor, and times of both chapters.
 ///
 /// # Errors
-/// Where there is no device, or it refuses; and where more of it differs than rounding explains.
+/// When there is no device, or it fails; and when more results differ than rounding explains.
 pub fn gpu() -> Result<Vec<Part>> {
     let device = chosen_device()?;
     Ok(vec![
@@ -58,8 +58,8 @@ fn about(device: &Device) -> Part {
     }
 }
 
-/// Of the largest number that may differ: devices round divisions their own way, and both chapters
-/// are chaotic.
+/// Largest share of results that may differ: devices round divisions in other ways, and both
+/// chapters are chaotic.
 const BUDGET: f64 = 1.0 / 4000.0;
 
 fn check(what: &str, differ: usize, of: usize) -> Result<()> {
@@ -69,7 +69,7 @@ fn check(what: &str, differ: usize, of: usize) -> Result<()> {
     Err(format!("{what}: {differ} of {of} differ between device and processor").into())
 }
 
-/// How many agents and texels differ after some steps.
+/// Reports how many agents and texels differ after some steps.
 fn slime_agreement(device: &Device) -> Result<Part> {
     let base = Options::new().agents(200_000).size(1024);
     let mut rows = Vec::new();
@@ -128,7 +128,7 @@ fn fractals() -> Result<Vec<(&'static str, Newton)>> {
     ])
 }
 
-/// How many points differ.
+/// Reports how many points differ.
 fn newton_agreement(device: &Device) -> Result<Part> {
     let points = Points::Grid(Grid::plane(1024, 1024, [0.1, -0.2], 3.0));
     let mut rows = Vec::new();
@@ -159,7 +159,7 @@ fn newton_agreement(device: &Device) -> Result<Part> {
     })
 }
 
-/// Whether a case is for this device: on processors only those that the thesis is measured by.
+/// Returns whether a case is for this device: processors run only those that the thesis measures.
 fn fits(case: &Case, device: &Device) -> bool {
     if device.info().kind != DeviceKind::Gpu {
         return case.millions == 1
@@ -167,13 +167,14 @@ fn fits(case: &Case, device: &Device) -> bool {
             && matches!(case.substeps, 0 | 10)
             && case.table == "table 3.3";
     }
-    // Of the device (docs/algorithms/slime.md): 13.2 bytes a texel, 48 an agent; a quarter is left
-    // to the driver.
+    // Device memory (docs/algorithms/slime.md): 13.2 bytes for each texel, 48 for each agent; a
+    // quarter is left to the driver.
     let needed = 14 * (case.size * case.size) as u64 + 48_000_000 * case.millions as u64;
     needed < device.info().memory / 4 * 3
 }
 
-/// Tables 3.2 to 3.4 on the device alone, frames given to it without waits in between.
+/// Measures tables 3.2 to 3.4 on the device alone, with frames that follow each other without
+/// waits.
 fn slime_times(device: &Device) -> Result<Part> {
     let mut rows = Vec::new();
     for case in cases() {
@@ -190,7 +191,7 @@ fn slime_times(device: &Device) -> Result<Part> {
         let twin = Simulation::new(torus(96, 48)?, &case.options(), &Mask::default())?;
         let mut kernels = SlimeOnDevice::new(device, &twin)?;
         drop(twin);
-        // It compiles, touches memory, and agents find each other.
+        // These frames compile the kernels and touch memory, and agents find each other.
         kernels.run(FRAMES, Progress::none())?;
         let (mut times, begin) = (Vec::new(), Instant::now());
         while times.is_empty()
@@ -228,7 +229,8 @@ fn slime_times(device: &Device) -> Result<Part> {
     })
 }
 
-/// Times of fractals on the processor and on the device, what comes back from it included.
+/// Measures times of fractals on the processor and on the device, including the transfer of
+/// results.
 fn newton_times(device: &Device) -> Result<Part> {
     let points = Points::Grid(Grid::plane(POINTS, POINTS, [0.0; 2], 3.0));
     let count = f64::from(POINTS) * f64::from(POINTS);

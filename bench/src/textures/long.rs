@@ -1,4 +1,4 @@
-//! Long runs: no agent is lost, and no point comes to no number.
+//! Long runs: no agent is lost, and no point gives NaN.
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -13,17 +13,18 @@ use crate::plant::Part;
 /// 125 million steps of agents on each surface with each walk: 10^9 in all.
 const AGENTS: usize = 50_000;
 const STEPS: u32 = 2500;
-/// Steps from one look at all agents to the next.
+/// Number of steps between checks of all agents.
 const LOOK: u32 = 50;
-/// Texels of a side, few, so that steps are what takes the time.
+/// Number of texels along a side, few, so that steps dominate the time.
 const SIZE: usize = 256;
 /// Points of a side of a cube for each power from 2 to 16: 10^8 in all.
 const POINTS: u32 = 189;
 
-/// 10^9 steps of agents: on a torus, closed, with a boundary, and on a Moebius strip.
+/// Runs 10^9 steps of agents: on a torus, on a closed surface, on a surface with a boundary, and on
+/// a Moebius strip.
 ///
 /// # Errors
-/// Names the first agent that is not on its surface, or has no number for a place or heading.
+/// Names the first agent that is not on its surface, or whose position or heading is not finite.
 pub fn long_walks() -> Result<Part> {
     let with_atlas = |mesh: TriMesh| Surface::of_faces(&mesh, atlas(&mesh, SIZE)?);
     let surfaces = [
@@ -49,7 +50,7 @@ pub fn long_walks() -> Result<Part> {
                 all.run(LOOK, Par::all(), Progress::none())?;
                 all.state().check(all.surface())?;
             }
-            // The first that was lost would have ended the run.
+            // A lost agent would have ended the run.
             rows.push((format!("{name}, {walk}"), vec![AGENTS as f64 * f64::from(STEPS), 0.0]));
         }
     }
@@ -62,10 +63,11 @@ pub fn long_walks() -> Result<Part> {
     })
 }
 
-/// 10^8 points of fractals of z^n - 1, n = 2 to 16, in cubes around the null cone's centre.
+/// Computes 10^8 points of fractals of z^n - 1, n = 2 to 16, in cubes around the centre of the null
+/// cone.
 ///
 /// # Errors
-/// None that is to be expected.
+/// None in practice.
 pub fn many_points() -> Result<Part> {
     let mut rows = Vec::new();
     for power in 2..=16 {

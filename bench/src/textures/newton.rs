@@ -1,4 +1,4 @@
-//! Newton's fractals: what figures 7.1 and 7.2 show in numbers, and how fast they are.
+//! Newton's fractals: figures 7.1 and 7.2 in numbers, and their speed.
 
 use std::time::Instant;
 
@@ -12,11 +12,11 @@ use crate::Result;
 use crate::plant::Part;
 use crate::race::median;
 
-/// Figure 7.1: how much of surfaces goes to each root of z^3 - 1 and how fast, for w = 0 and 0.25;
-/// figure 7.2: the same of a cube.
+/// Computes figure 7.1: the shares of surfaces that converge to each root of z^3 - 1, and how fast,
+/// for w = 0 and 0.25; and figure 7.2: the same for a cube.
 ///
 /// # Errors
-/// None that is to be expected.
+/// None in practice.
 pub fn newton_figures() -> Result<Vec<Part>> {
     let surfaces = [
         ("sphere", families::icosphere(6)?),
@@ -58,8 +58,8 @@ pub fn newton_figures() -> Result<Vec<Part>> {
     Ok(vec![surface, volume, basins([100, 200])?])
 }
 
-/// Figure 7.2b: the surfaces of basins of z^3 - 1 in the cube, with so many voxels a side. Other
-/// basins are the same by symmetry.
+/// Computes figure 7.2b: the surfaces of basins of z^3 - 1 in the cube, with this number of voxels
+/// along a side. Other basins are the same by symmetry.
 fn basins(sides: [u32; 2]) -> Result<Part> {
     let newton = newton(3, 0.0)?;
     let grids = sides.map(|side| Grid::cube(side, 3.0));
@@ -75,7 +75,7 @@ fn basins(sides: [u32; 2]) -> Result<Part> {
         let closed = surface(1, Rim::Closed)?;
         let voxels = fractals[1].roots.iter().filter(|&&found| found == root).count() as f64;
         let voxel = (3.0 / f64::from(sides[1])).powi(3);
-        // Without what is cut at the sides of the cube.
+        // Without the surface at the sides of the cube.
         let [coarse, fine] = [surface(0, Rim::Open)?.area(), surface(1, Rim::Open)?.area()];
         let name = format!("root {}, {}", root / 3, root % 3);
         rows.push((
@@ -112,7 +112,7 @@ fn basins(sides: [u32; 2]) -> Result<Part> {
     })
 }
 
-/// How the figures of chapter 7 are drawn.
+/// The commands that draw the figures of chapter 7.
 pub const PICTURES: &str = "\
 **pictures** of chapter 7; `MESH` is any mesh, for `--uv` with texture coordinates
 
@@ -147,18 +147,18 @@ fn shares(found: &Fractal, weights: &[f64]) -> Vec<f64> {
     shares
 }
 
-/// Nanoseconds a pixel of a plane of `size` x `size`, 32 iterations, ours and the polar form, in
-/// turns, each on the processor and (feature `opencl`) on the first OpenCL device; with the share
-/// of pixels whose root differs. The polar form, which is slow, does a sixteenth of the pixels of
-/// each row and column, over the same part of the plane.
+/// Returns nanoseconds for a pixel of a plane of `size` x `size`, with 32 iterations, of this
+/// library and of the polar form, in turns, each on the processor and (feature `opencl`) on the
+/// first OpenCL device; and the share of pixels whose root differs. The polar form, which is slow,
+/// computes a sixteenth of the pixels of each row and column, over the same part of the plane.
 ///
 /// # Errors
-/// Where a device refuses.
+/// When a device fails.
 pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
     let mut parts = Vec::new();
     let plane = |size: u32| Grid::plane(size, size, [0.0; 2], 3.0);
     let (fine, coarse) = (plane(size), plane((size / 16).max(1)));
-    // Before what borrows them.
+    // Created before the closures that borrow them.
     #[cfg(feature = "opencl")]
     let device = catamaran::opencl::Device::open("")?;
     #[cfg(feature = "opencl")]
@@ -205,7 +205,7 @@ fn polar_name(stops: bool) -> &'static str {
 
 type Run<'a> = dyn Fn(&Grid) -> Result<Fractal> + 'a;
 
-/// What is timed, and where.
+/// A timed computation, and its device.
 struct Contender<'a> {
     name: String,
     grid: Grid,
@@ -219,7 +219,7 @@ impl<'a> Contender<'a> {
 }
 
 fn race(title: &str, ours: &Newton, contenders: &[Contender<'_>], repeat: usize) -> Result<Part> {
-    // The first run of each builds programs and touches memory, and says whether they agree.
+    // The first run of each builds programs and touches memory, and shows whether they agree.
     let mut different = Vec::new();
     for contender in contenders {
         let found = (contender.run)(&contender.grid)?;

@@ -1,4 +1,4 @@
-//! What the parameters do to the pattern: table 3.1 and figure 3.10.
+//! The effects of the parameters on the pattern: table 3.1 and figure 3.10.
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -8,12 +8,12 @@ use super::figures::grown;
 use crate::Result;
 use crate::plant::Part;
 
-/// As dense as a million agents at 2048 x 2048.
+/// Texels along a side, with the density of a million agents at 2048 x 2048.
 const SIZE: usize = 512;
 const AGENTS: usize = 100_000;
-/// Steps until a pattern is there.
+/// Number of steps until there is a pattern.
 const STEPS: u32 = 300;
-/// Pheromone above this is part of the pattern.
+/// Pheromone above which a texel is part of the pattern.
 const THRESHOLD: f32 = 0.3;
 
 fn options() -> Options {
@@ -24,23 +24,24 @@ fn pattern(options: &Options) -> Result<Pattern> {
     Ok(Pattern::of(grown(options, STEPS)?.texture(0), SIZE, THRESHOLD)?)
 }
 
-/// Half-turns a second: the range of table 3.1.
+/// Turn speeds in half-turns a second: the range of table 3.1.
 const TURNS: [f64; 5] = [10.0, 20.0, 30.0, 40.0, 50.0];
-/// The frames of the thesis, about: with them the range is turns of up to 22 to 108 degrees a step.
+/// Duration of a frame in the thesis, approximately: with it, the range is turns of up to 22 to 108
+/// degrees a step.
 const FRAME: f64 = 0.012;
-/// A quarter of a larger square, so lengths are twice those of the table; sparse, as a million
-/// agents at 4096 x 4096 are.
+/// Texels along a side: a quarter of a larger square, so that lengths are twice those of the table;
+/// as sparse as a million agents at 4096 x 4096.
 const TABLE_SIZE: usize = 256;
 const TABLE_AGENTS: usize = 5000;
-/// Seconds until a network has settled, and until it is looked at how fast it changes.
+/// Seconds until a network has settled, and until the measurement of its changes.
 const SETTLED: f64 = 30.0;
 const EARLY: f64 = 10.0;
-/// Seconds over which changes are looked at.
+/// Seconds over which changes are measured.
 const WINDOW: f64 = 0.33;
-/// Measures are means over these: of one seed alone, the number of cells is off by a fifth.
+/// Seeds over which measures are averaged: with one seed, the number of cells varies by a fifth.
 const SEEDS: [u32; 4] = [7, 1, 2, 3];
 
-/// The options of table 3.1 at these half-turns a second.
+/// Returns the options of table 3.1 at these half-turns a second.
 fn of_table(turns: f64) -> Options {
     Options::new()
         .agents(TABLE_AGENTS)
@@ -51,7 +52,7 @@ fn of_table(turns: f64) -> Options {
         .turn_speed(180.0 * turns)
 }
 
-/// The mean of a measure over seeds.
+/// Returns the mean of a measure over seeds.
 fn mean(options: &Options, measure: impl Fn(&Options) -> Result<f64>) -> Result<f64> {
     let mut sum = 0.0;
     for seed in SEEDS {
@@ -60,7 +61,7 @@ fn mean(options: &Options, measure: impl Fn(&Options) -> Result<f64>) -> Result<
     Ok(sum / SEEDS.len() as f64)
 }
 
-/// The mean of a measure of patterns that have settled.
+/// Returns the mean of a measure of settled patterns.
 fn settled(options: &Options, measure: impl Fn(&Pattern) -> f64) -> Result<f64> {
     mean(options, |options| {
         let all = grown(options, (SETTLED / FRAME) as u32)?;
@@ -68,17 +69,17 @@ fn settled(options: &Options, measure: impl Fn(&Pattern) -> f64) -> Result<f64> 
     })
 }
 
-/// What is scaled with the pattern: the mean of the widths of strands and of gaps, geometric.
+/// Returns the scale of the pattern: the geometric mean of the widths of strands and of gaps.
 fn scale(pattern: &Pattern) -> f64 {
     (pattern.thickness * pattern.gap).sqrt()
 }
 
-/// How many cells of the same area there would be: 1 where strands close none.
+/// Returns the number of cells of equal area: 1 where strands enclose none.
 fn formed(pattern: &Pattern) -> f64 {
     (1.0 - pattern.covered) * (TABLE_SIZE * TABLE_SIZE) as f64 / pattern.cell
 }
 
-/// One by how much of the pheromone changes, as a part of it.
+/// Returns the inverse of the relative change of the pheromone.
 fn stability(options: &Options) -> Result<f64> {
     let mut all = grown(options, (EARLY / FRAME) as u32)?;
     let before = all.texture(0).to_vec();
@@ -87,11 +88,11 @@ fn stability(options: &Options) -> Result<f64> {
     Ok(before.iter().map(|&p| f64::from(p)).sum::<f64>() / changes.sum::<f64>())
 }
 
-/// Table 3.1: the property that each parameter is said to change, at the ends of its range and for
-/// turn speeds over the whole of theirs, and whether it goes where the thesis says.
+/// Computes table 3.1: the property that each parameter is said to change, at the ends of its range
+/// and for turn speeds over their whole range, and whether the sign is that of the thesis.
 ///
 /// # Errors
-/// Those of the simulation.
+/// The errors of the simulation.
 pub fn table() -> Result<Part> {
     let mut rows = Vec::new();
     let mut row = |name: String, values: [f64; 2], up: bool| {
@@ -145,15 +146,15 @@ pub fn table() -> Result<Part> {
     })
 }
 
-/// A measure at both ends of a range.
+/// Returns a measure at both ends of a range.
 fn both(ends: [f64; 2], measure: impl Fn(f64) -> Result<f64>) -> Result<[f64; 2]> {
     Ok([measure(ends[0])?, measure(ends[1])?])
 }
 
-/// Figure 3.10: movement speed against evaporation.
+/// Computes figure 3.10: movement speed against evaporation.
 ///
 /// # Errors
-/// Those of the simulation.
+/// The errors of the simulation.
 pub fn grid() -> Result<Part> {
     let mut rows = Vec::new();
     for evaporation_rate in [0.2, 0.6, 1.0] {

@@ -1,11 +1,11 @@
-//! Newton's fractal with powers in polar form, which is what the thesis describes: one pixel after
-//! the other.
+//! Newton's fractal with powers in polar form, as the thesis describes it, one pixel after the
+//! other.
 
 use catamaran::texture::newton::{Fractal, Grid};
 use rayon::prelude::*;
 
-/// z^3 - 1 at the pixels of a plane, on the processor. `stops`: when a step is short, instead of
-/// after all of them.
+/// Computes z^n - 1 at the pixels of a plane, on the processor. With `stops`, iterations end when a
+/// step is short, otherwise after all of them.
 pub fn on_processor(grid: &Grid, n: i32, iterations: u32, theta: f32, stops: bool) -> Fractal {
     let [width, height, _] = grid.counts.map(|count| count as usize);
     let mut fractal = Fractal::default();
@@ -80,20 +80,20 @@ mod device {
     }
 
     impl OnDevice {
-        /// On the device with this number, for the pixels of this plane.
+        /// Prepares the device with this index for the pixels of this plane.
         ///
         /// # Errors
-        /// Where the device refuses.
+        /// When the device fails.
         pub fn new(index: usize, plane: &Grid) -> Result<Self> {
             let pixels = plane.counts[0] as usize * plane.counts[1] as usize;
             let id = get_all_devices(CL_DEVICE_TYPE_ALL)?[index];
             let context = Context::from_device(&Device::new(id))?;
-            // SAFETY: the device is that of the context; the newer call is not in OpenCL 1.2.
+            // SAFETY: the device belongs to the context; OpenCL 1.2 does not have the newer call.
             #[allow(deprecated)]
             let queue = unsafe { CommandQueue::create(&context, id, 0) }?;
             let program =
                 Program::create_and_build_from_source(&context, include_str!("polar.cl"), "")?;
-            // SAFETY: memory of the device alone.
+            // SAFETY: the memory belongs to the device alone.
             let (roots, convergence) = unsafe {
                 (
                     Buffer::create(&context, CL_MEM_READ_WRITE, pixels, ptr::null_mut())?,
@@ -104,10 +104,10 @@ mod device {
             Ok(Self { queue, kernel, roots, convergence, plane: *plane, _context: context })
         }
 
-        /// z^n - 1 at the pixels.
+        /// Computes z^n - 1 at the pixels.
         ///
         /// # Errors
-        /// Where the device refuses.
+        /// When the device fails.
         pub fn run(&self, n: i32, iterations: u32, theta: f32, stops: bool) -> Result<Fractal> {
             let grid = &self.plane;
             let [width, height, _] = grid.counts.map(|count| count as usize);

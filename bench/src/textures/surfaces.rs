@@ -13,15 +13,16 @@ use catamaran::texture::slime::{atlas, fitted};
 
 use crate::Result;
 
-/// The unit square, flat in its texture.
+/// Returns the unit square, flat in its texture.
 pub fn square() -> Result<Surface> {
     let mesh = families::grid(40, 40)?;
     let at = |v: u32| [mesh.vertices()[v as usize][0], mesh.vertices()[v as usize][1]];
     Ok(Surface::of_faces(&mesh, mesh.faces().iter().map(|face| face.map(at)).collect())?)
 }
 
-/// Ten meshes and their names: real ones where `CATAMARAN_DATA` (default ../shared) has them, in
-/// their own texture or, without one, in an atlas for `size` texels; generated ones in their place.
+/// Returns ten meshes and their names: real ones where `CATAMARAN_DATA` (default ../shared) has
+/// them, in their own texture or, without one, in an atlas for `size` texels; generated ones in
+/// their place.
 #[cfg(feature = "opencl")]
 pub fn ten(size: usize) -> Result<Vec<(String, Surface)>> {
     let data = std::env::var_os("CATAMARAN_DATA").map_or("../shared".into(), PathBuf::from);
@@ -55,7 +56,8 @@ pub fn ten(size: usize) -> Result<Vec<(String, Surface)>> {
     Ok(all)
 }
 
-/// A torus that its texture is wrapped around once either way: stretched outside, squeezed inside.
+/// Returns a torus around which its texture is wrapped once in each direction: stretched outside,
+/// compressed inside.
 pub fn torus(around: usize, tube: usize) -> Result<Surface> {
     wrapped(around, tube, [true, true], |u, v| {
         let ring = 1.0 + 0.5 * (TAU * v).cos();
@@ -63,7 +65,7 @@ pub fn torus(around: usize, tube: usize) -> Result<Surface> {
     })
 }
 
-/// A sphere by longitude and latitude, open at its poles by a thousandth of its height.
+/// Returns a sphere by longitude and latitude, open at its poles by a thousandth of its height.
 pub fn sphere(around: usize, along: usize) -> Result<Surface> {
     wrapped(around, along, [true, false], |u, v| {
         let latitude = PI * (0.001 + 0.998 * v - 0.5);
@@ -71,7 +73,7 @@ pub fn sphere(around: usize, along: usize) -> Result<Surface> {
     })
 }
 
-/// The unit square in the texture, mapped into space; sides that are joined share vertices.
+/// Returns the unit square in the texture, mapped into space; joined sides share vertices.
 fn wrapped(
     columns: usize,
     rows: usize,

@@ -1,10 +1,10 @@
-//! What tables 3.2 to 3.4 of the thesis say: milliseconds of a frame on an NVIDIA RTX 2080 Ti.
+//! Tables 3.2 to 3.4 of the thesis: milliseconds of a frame on an NVIDIA RTX 2080 Ti.
 
 use catamaran::texture::slime::{Options, TangentStep};
 
-/// Texels of a side in tables 3.3 and 3.4.
+/// Number of texels along a side in tables 3.3 and 3.4.
 pub const SIZE: usize = 8192;
-/// Frames that the thesis takes means of.
+/// Number of frames over which the thesis takes means.
 pub const FRAMES: usize = 900;
 
 /// A row of a table.
@@ -15,14 +15,14 @@ pub struct Case {
     pub millions: usize,
     /// Texels of a side.
     pub size: usize,
-    /// Sub-steps; 0: unfolded, which the thesis does not have.
+    /// Number of sub-steps; 0 for unfolding, which the thesis does not have.
     pub substeps: u32,
-    /// Mean, most and least of the thesis, in milliseconds.
+    /// Mean, largest and least time in the thesis, in milliseconds.
     pub thesis: Option<[f64; 3]>,
 }
 
 impl Case {
-    /// What a report calls it.
+    /// Returns the name of the case in reports.
     pub fn name(&self) -> String {
         let walk = match self.substeps {
             0 => "unfolded".to_owned(),
@@ -32,7 +32,7 @@ impl Case {
         format!("{}: {} M agents, {}, {walk}", self.table, self.millions, self.size)
     }
 
-    /// The options of the simulation.
+    /// Returns the options of the simulation.
     pub fn options(&self) -> Options {
         Options::new().agents(self.millions * 1_000_000).size(self.size).tangent_step(
             match self.substeps {
@@ -42,13 +42,13 @@ impl Case {
         )
     }
 
-    /// The numbers of the thesis, or none.
+    /// Returns the numbers of the thesis, or NaN.
     pub fn thesis(&self) -> [f64; 3] {
         self.thesis.unwrap_or([f64::NAN; 3])
     }
 }
 
-/// All rows, and unfolded steps beside them.
+/// Returns all rows, and unfolded steps for comparison.
 pub fn cases() -> Vec<Case> {
     let case =
         |table, millions, size, substeps, thesis| Case { table, millions, size, substeps, thesis };

@@ -13,8 +13,8 @@ use crate::Result;
 use crate::curves::Plot;
 use crate::plant::Part;
 
-/// Frames that are timed together: as many as from one ordering of the agents to the next, so that
-/// each round has one.
+/// Number of frames that are timed together: those from one ordering of the agents to the next, so
+/// that each round includes one ordering.
 const FRAMES: usize = 16;
 
 /// Appends milliseconds of frames, one by one.
@@ -27,7 +27,7 @@ fn time(times: &mut Vec<f64>, mut frame: impl FnMut() -> Result<()>) -> Result<(
     Ok(())
 }
 
-/// As the tables of the thesis have them: mean, most, least.
+/// Returns mean, most and least, as in the tables of the thesis.
 fn summary(times: &[f64]) -> [f64; 3] {
     let mean = times.iter().sum::<f64>() / times.len() as f64;
     let most = times.iter().copied().fold(0.0, f64::max);
@@ -35,13 +35,13 @@ fn summary(times: &[f64]) -> [f64; 3] {
     [mean, most, least]
 }
 
-/// The device that `CATAMARAN_OPENCL_DEVICE` names (as tests take it), else the first.
+/// Returns the device that `CATAMARAN_OPENCL_DEVICE` names (as for tests), otherwise the first one.
 pub(super) fn chosen_device() -> Result<Device> {
     Ok(Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default())?)
 }
 
-/// What came of one case: milliseconds of frames on the processor and on the device, as [`summary`]
-/// has them.
+/// The result of one case: milliseconds of frames on the processor and on the device, as from
+/// [`summary`].
 struct Timed {
     processor: [f64; 3],
     device: [f64; 3],
@@ -57,7 +57,7 @@ fn timed(case: &Case, surface: Surface, device: &Device, rounds: usize) -> Resul
         time(&mut found[0], || Ok(twin.run(1, Par::all(), Progress::none())?))?;
         time(&mut found[1], || Ok(kernels.run(1, Progress::none())?))?;
         if round == 0 {
-            // It compiled, touched memory, and agents have found each other.
+            // By now, kernels are compiled, memory is touched, and agents have found each other.
             found = [Vec::new(), Vec::new()];
         }
     }
@@ -89,12 +89,13 @@ impl Timed {
     }
 }
 
-/// Times of frames on the processor and on an OpenCL device, in turns, for textures up to
-/// `largest`, beside those of the thesis; with the fit of the time by the number of agents. A round
-/// is 16 frames; the first is not timed. Larger textures are named with the option that runs them.
+/// Returns times of frames on the processor and on an OpenCL device, in turns, for textures up to
+/// `largest`, with those of the thesis, and the fit of the time by the number of agents. A round is
+/// 16 frames; the first one is not timed. Larger textures are listed with the option that runs
+/// them.
 ///
 /// # Errors
-/// Those of the simulation, and where there is no device.
+/// The errors of the simulation, and when there is no device.
 pub fn times(rounds: usize, largest: usize) -> Result<Part> {
     let device = chosen_device()?;
     let (mut rows, mut by_agents) = (Vec::new(), [Vec::new(), Vec::new()]);
@@ -141,8 +142,8 @@ pub fn times(rounds: usize, largest: usize) -> Result<Part> {
     })
 }
 
-/// The same of a million agents and ten sub-steps on ten meshes, with textures of 8192 x 8192 or
-/// `largest`: what the mesh is makes a difference.
+/// Returns the same for a million agents and ten sub-steps on ten meshes, with textures of 8192 x
+/// 8192 or `largest`: the time depends on the mesh.
 ///
 /// # Errors
 /// As [`times`].
@@ -177,7 +178,7 @@ pub fn ten_meshes(rounds: usize, largest: usize) -> Result<Part> {
     })
 }
 
-/// The part of the variance that a line explains.
+/// Returns the share of the variance that a line explains.
 fn fit(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;

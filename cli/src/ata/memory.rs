@@ -1,7 +1,7 @@
 //! How much memory there is.
 
-/// Bytes that a product may take unless the user says: four fifths of what Linux calls available;
-/// elsewhere no limit.
+/// Returns the bytes that a product may take by default: four fifths of the memory that Linux
+/// reports as available; no limit elsewhere.
 pub fn allowed() -> usize {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     available(&text).map_or(usize::MAX, |bytes| bytes / 5 * 4)

@@ -30,23 +30,23 @@ use crate::{backend, picture};
 /// Compute C = A^T A of a matrix in a file.
 ///
 /// Reads .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is built in
-/// (FILE.h5:/dataset). Sparse .mtx files stay sparse. Files .npy and HDF5 are read once, block by
-/// block, while the last block is multiplied: they may be larger than memory.
+/// (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file is read once, block by
+/// block, while the block before is multiplied: it may be larger than memory.
 #[derive(clap::Args)]
 pub struct Args {
     /// The matrix A, m x n.
     #[arg(value_name = "A")]
     input: PathBuf,
-    /// Where C goes, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
+    /// Output file of C, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
     #[arg(short, long, value_name = "C")]
     output: Option<PathBuf>,
-    /// Use these columns of A only, counted from 0, the last one excluded.
+    /// Use columns FIRST to END - 1 of A only, counted from 0.
     #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
     columns: Option<Range<usize>>,
-    /// Triangle of C to compute; the other one is zero in the output.
+    /// Triangle of C to compute; the other triangle is zero in the output.
     #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
     uplo: Uplo,
-    /// File of m weights W: compute A^T W A.
+    /// File of the m weights W: compute A^T W A.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
     /// Subtract the mean of each column (the weighted mean if there are weights).
@@ -57,52 +57,53 @@ pub struct Args {
     covariance: bool,
     #[command(flatten)]
     threads: Threads,
-    /// Keep each thread on one core: thread i on the i-th core of the affinity mask, which is that
-    /// of taskset or of the binding of mpirun. Does not change C.
+    /// Pin each thread to one core: thread i to the i-th core of the affinity mask, as taskset or
+    /// the binding of mpirun sets it. Does not change C.
     #[arg(long)]
     pin: bool,
-    /// Recursion.
+    /// Scheme of the recursion.
     #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = parse::scheme())]
     scheme: SchemeChoice,
-    /// Error allowed: max (the exact path), classical, default, fast, or a factor (>= 1) over the
-    /// classical algorithm.
+    /// Accuracy: max (the exact path), classical, default, fast, or a bound on the error as a
+    /// factor (at least 1) of the error of the classical algorithm.
     #[arg(long, value_name = "ACCURACY", default_value = "default", value_parser = parse::accuracy)]
     accuracy: Accuracy,
-    /// The same bytes on every machine: the exact path, which without AMX is slower than others.
+    /// Compute the same bytes on every machine, by the exact path, which is slower than others
+    /// without AMX.
     #[arg(long)]
     reproducible: bool,
-    /// BLAS: native (built in), openblas (if built in), or the path of a CBLAS library.
+    /// BLAS back end: native (built in), openblas (if built in), or the path of a CBLAS library.
     #[arg(long, value_name = "NAME", default_value = "native")]
     backend: String,
     /// Compute in single precision.
     #[arg(long = "f32", conflicts_with = "double")]
     single: bool,
-    /// Compute in double precision; the default unless A is single.
+    /// Compute in double precision, the default unless A is in single precision.
     #[arg(long = "f64")]
     double: bool,
-    /// Check C with random vectors; a failure is an error, and nothing is written.
+    /// Check C with random vectors; if the check fails, the command fails and writes nothing.
     #[arg(long)]
     verify: bool,
-    /// Print the plan first.
+    /// Print the plan before the computation.
     #[arg(long)]
     explain: bool,
     /// Write a heat map (PNG) of C, scaled to a unit diagonal.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Memory to use at most; default four fifths of what is available. When C does not fit, A is
-    /// read several times, for some rows of C each time.
+    /// Most memory to use, in GiB; if C does not fit, A is read several times, each time for some
+    /// rows of C [default: four fifths of the available memory].
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
     memory: Option<usize>,
-    /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C
-    /// unless sums are exact.
+    /// Number of rows in a block, two of which are in memory. Changes the rounding of C unless sums
+    /// are exact [default: rows of about 64 MiB].
     #[arg(long, value_name = "ROWS")]
     block_rows: Option<NonZeroUsize>,
     #[command(flatten)]
     checkpoint: CheckpointArgs,
-    /// Write the sums, which `ata-merge` adds to those of other rows.
+    /// Write the sums to this file, for `ata-merge` to add to those of other rows.
     #[arg(long, value_name = "FILE")]
     accumulator: Option<PathBuf>,
-    /// Refuse an A with NaN or infinite entries.
+    /// Fail if A has NaN or infinite entries.
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
@@ -111,7 +112,7 @@ pub struct Args {
 
 /// Rounds of the check: a wrong C passes with a probability of 2^-20.
 const ROUNDS: u32 = 20;
-/// Any number does; a fixed one makes runs repeatable.
+/// Any number works; a fixed one makes runs repeatable.
 const SEED: u64 = 0xCA7A;
 
 /// Runs the subcommand.
@@ -122,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    // What can be refused is refused before any work.
+    // Wrong arguments are refused before any work.
     refuse(args, ranks)?;
     let backend = backend::find(&args.backend)?;
     let create = |path: &Option<PathBuf>| {
@@ -152,14 +153,14 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     }
 }
 
-/// What is wrong with the arguments already.
+/// Refuses arguments that do not fit each other, and outputs that exist.
 fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
     if args.reproducible && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact) {
         let name = parse::scheme_name(args.scheme);
-        bail!("--reproducible is --scheme exact, and can't be combined with --scheme {name}");
+        bail!("--reproducible uses --scheme exact, and can't be combined with --scheme {name}");
     }
     if args.checkpoint.is_given() && args.output.is_none() && args.accumulator.is_none() {
-        bail!("--checkpoint needs -o or --accumulator: it is removed in the end");
+        bail!("--checkpoint needs -o or --accumulator: the checkpoint is removed at the end");
     }
     if let Some(path) = &args.output {
         files::check_name(path)?;
@@ -170,7 +171,7 @@ fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
     args.checkpoint.check(ranks, args.force)
 }
 
-/// The files to write, already begun.
+/// The output files, already begun.
 struct Outputs {
     c: Option<Output>,
     picture: Option<Output>,
@@ -187,12 +188,12 @@ struct Work<'w> {
 }
 
 impl Work<'_> {
-    /// Computes C in the precision of T, and whatever else was asked for.
+    /// Computes C in the precision of T, and the other outputs.
     fn run<T: Scalar>(&self, outputs: Outputs) -> Result<()> {
         let Self { args, a, .. } = self;
         let (m, n) = a.shape();
         if args.covariance && m < 2 {
-            bail!("{}: {m} rows have no covariance; at least 2 do", args.input.display());
+            bail!("{}: {m} rows, where --covariance needs at least 2", args.input.display());
         }
         let options = AtaOptions::new()
             .uplo(args.uplo)
@@ -216,14 +217,15 @@ impl Work<'_> {
             self.whole::<T>(&plan, &options, outputs)
         } else if self.ranks.size() > 1 {
             bail!(
-                "C of {n} x {n} entries does not fit in memory (--memory), and strips are for one process"
+                "C of {n} x {n} entries does not fit in memory (--memory), and strips need a \
+                 single process"
             );
         } else {
             self.strips::<T>(&plan, &options, outputs)
         }
     }
 
-    /// Says when fewer threads are used than were asked for.
+    /// Reports when fewer threads are used than `--threads` asks for.
     fn report_cap(&self, par: Par) -> Result<()> {
         let (used, most) = (par.threads(), Par::MOST_PER_CORE);
         match self.args.threads.asked() {
@@ -231,13 +233,13 @@ impl Work<'_> {
                 "threads",
                 used = used,
                 asked = asked;
-                "{used} of {asked} asked for: at most {most} for each core"
+                "{used} instead of {asked}: at most {most} for each core"
             ),
             _ => Ok(()),
         }
     }
 
-    /// All of C, by one read of A.
+    /// Computes all of C by one read of A.
     fn whole<T: Scalar>(
         &self,
         plan: &StreamPlan,
@@ -247,7 +249,7 @@ impl Work<'_> {
         let (args, n) = (self.args, self.a.shape().1);
         let labels = self.labels(options);
         let begun = args.checkpoint.resume::<T>(self.ranks, n, &labels)?;
-        // All processes agree on the bounds, whoever of them begins anew.
+        // All processes agree on the bounds, even if only some start from the first row.
         let bounds = match &begun {
             Some(_) if self.ranks.size() == 1 => None,
             _ => self.bounds::<T>(plan, options)?,
@@ -282,7 +284,7 @@ impl Work<'_> {
         args.checkpoint.remove(self.ranks)
     }
 
-    /// What C is multiplied by.
+    /// Returns the factor of C.
     fn alpha(&self) -> f64 {
         if self.args.covariance { 1.0 / (self.a.shape().0 - 1) as f64 } else { 1.0 }
     }
@@ -291,8 +293,8 @@ impl Work<'_> {
         self.args.center || self.args.covariance
     }
 
-    /// The matrix, when it is sparse, its sparse product is the faster one, and is what was asked
-    /// for: its sums are those of the classical algorithm.
+    /// Returns the matrix if it is sparse, the sparse product is faster, and the options allow the
+    /// sums of the classical algorithm.
     fn sparse(&self) -> Option<&CsMat<f64>> {
         let args = self.args;
         let exact = args.reproducible || args.accuracy == Accuracy::Max;
@@ -350,7 +352,7 @@ impl Work<'_> {
         self.write(c, outputs.c, outputs.picture)
     }
 
-    /// The bounds of all rows, by a pass over them, when sums are to be exact.
+    /// Computes the bounds of all rows, by a pass over them, if sums must be exact.
     fn bounds<T: Scalar>(
         &self,
         plan: &StreamPlan,
@@ -367,7 +369,7 @@ impl Work<'_> {
         Ok(Some(self.ranks.common_bounds(bounds)?))
     }
 
-    /// Sums of no rows, for some rows of C.
+    /// Returns sums of no rows, for some rows of C.
     fn empty<T: BlasReal>(
         &self,
         bounds: Option<&RowBounds<T>>,
@@ -379,7 +381,7 @@ impl Work<'_> {
         }
     }
 
-    /// The rows of this process, and their weights.
+    /// Returns the rows of this process, and their weights.
     fn rows<T: BlasReal>(&self) -> Result<(Part<'_, T>, Option<Vec<T>>)> {
         let range = self.ranks.share(self.a.shape().0);
         let weights = self.weights.map(|w| &w[range.clone()]);
@@ -387,7 +389,8 @@ impl Work<'_> {
         Ok((Part { rows: self.a.rows::<T>(self.args.strict)?, range }, weights))
     }
 
-    /// Adds the rows that `sum` lacks, with checkpoints; it is the `read`-th read of A, from 0.
+    /// Adds the rows that `sum` lacks, with checkpoints. `read` is the number of this read of A,
+    /// from 0.
     fn add<T: BlasReal>(
         &self,
         mut sum: Accumulator<T>,
@@ -414,7 +417,7 @@ impl Work<'_> {
         Ok(sum)
     }
 
-    /// C strip by strip, each of which reads A again and goes to the disk.
+    /// Computes C strip by strip: each strip needs a read of A, and is written to the disk.
     fn strips<T: Scalar>(
         &self,
         plan: &StreamPlan,
@@ -431,11 +434,12 @@ impl Work<'_> {
         ];
         if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
             bail!(
-                "{name} needs all of C in memory, and C of {n} x {n} entries does not fit: see --memory"
+                "{name} needs all of C in memory, and C of {n} x {n} entries does not fit: see \
+                 --memory"
             );
         }
         let Some(output) = outputs.c else {
-            bail!("C of {n} x {n} entries does not fit in memory (--memory): name its file by -o");
+            bail!("C of {n} x {n} entries does not fit in memory (--memory): name a file with -o");
         };
         let path = output.path().display().to_string();
         let mut output = StripOutput::new::<T>(output, n, args.uplo)?;
@@ -455,7 +459,7 @@ impl Work<'_> {
         status!("written", path = path; "{path}")
     }
 
-    /// What a checkpoint must have been made with.
+    /// Returns what a checkpoint must have been made with.
     fn labels(&self, options: &AtaOptions<'_>) -> Vec<(String, String)> {
         let args = self.args;
         let weights = self.weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
@@ -473,7 +477,7 @@ impl Work<'_> {
         .into()
     }
 
-    /// What was computed, of `m` rows in this time.
+    /// Reports the product of `m` rows, and the time.
     fn report_time<T: BlasReal>(&self, m: usize, elapsed: Duration) -> Result<()> {
         let n = self.a.shape().1;
         let triangle = match self.args.uplo {
@@ -500,14 +504,14 @@ impl Work<'_> {
         )
     }
 
-    /// Checks C, if asked to, with one more read of A.
+    /// Checks C, with --verify, by one more read of A.
     fn check<T: BlasReal>(&self, mean: &[f64], c: MatRef<'_, T>) -> Result<()> {
         if !self.args.verify {
             return Ok(());
         }
         let bar = Bar::new("checking");
         let center = match mean {
-            // Without rows there is none.
+            // Without rows there is no mean.
             mean if self.centered() && self.a.shape().0 > 0 => Center::Given(mean),
             _ => Center::No,
         };
@@ -516,7 +520,7 @@ impl Work<'_> {
         let uplo = self.args.uplo;
         let found = match verify_rows(self.alpha(), &mut rows, &row_options, c, uplo, ROUNDS, SEED)
         {
-            // What is not finite has no mean that could be given.
+            // A mean that is not finite can't be subtracted.
             Err(catamaran::Error::NonFinite { what: "center", .. }) => {
                 bail!("the check failed, and nothing is written: the mean is not finite")
             }
@@ -567,7 +571,7 @@ impl Work<'_> {
         }
         let (threads, pinned) = (options.par.threads(), pinned(options));
         let is_exact = plan.product().is_some_and(|plan| plan.is_exact());
-        // The exact path has no use for one.
+        // The exact path uses no back end.
         let backend = (!is_exact).then(|| options.backend.name());
         text += &match backend {
             None => format!("threads    {threads}{pinned}"),
@@ -590,7 +594,7 @@ impl Work<'_> {
     }
 }
 
-/// What `--explain` has after the number of threads.
+/// Returns what `--explain` prints after the number of threads.
 fn pinned(options: &AtaOptions<'_>) -> &'static str {
     if options.pin == Pin::Cores { ", pinned" } else { "" }
 }

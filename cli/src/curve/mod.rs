@@ -24,12 +24,12 @@ use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{note, report, seconds, status};
 
-/// Find the curve on a mesh that samples without an order are of; cut the mesh along it, select
-/// what it encloses.
+/// Reconstruct curves on a mesh from unordered samples; cut the mesh along them, or select the
+/// region that they enclose.
 ///
-/// Says how it ended: closed, open, blocked, close-blocked or disconnected; when the curve is not
-/// complete, what there is of it is written, and the program fails. Each component of the mesh has
-/// curves of its own; samples on a component with fewer than three are left out, with a note.
+/// Prints the outcome: closed, open, blocked, close-blocked or disconnected. If a curve is not
+/// complete, the command writes the part that it found, and fails. Each component of the mesh has
+/// separate curves; samples on a component with fewer than three samples are left out, with a note.
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("result")
     .args(["output", "cut", "region", "rest", "paint"]).required(true).multiple(true))]
@@ -37,39 +37,42 @@ pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b
-    /// c`), or a point in space (`x y z`), which stands for the vertex nearest to it; what follows
+    /// File of samples, one per line: a vertex (numbered from 0), a face and barycentric
+    /// coordinates (`face a b c`), or a point in space (`x y z`), which stands for the nearest
+    /// vertex; `#` begins a comment. Files that `catamaran fps` writes are accepted. A line `curve
+    /// NAME [open] [single] [side=SIDE]` begins the samples of another curve, which is found
+    /// independently. `-` reads stdin.
     /// # is left out. What `catamaran fps` writes will do. A line `curve NAME [open] [single]
     /// [side=SIDE]` begins the samples of another curve, which is found for itself. `-` is stdin.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     samples: TextFile,
-    /// How: from sample to sample (thesis, algorithm 6.1), the order first and then paths that do
-    /// not meet, or such paths in the order that the samples have.
+    /// Algorithm: from sample to sample (faithful: thesis, algorithm 6.1), the order first and then
+    /// paths that do not meet (robust), or such paths in the order of the file (ordered).
     #[arg(long, value_name = "MODE", default_value = "robust")]
     mode: How,
-    /// In the faithful mode: among how many of the nearest samples the next one is chosen.
+    /// Number of nearest samples among which --mode faithful chooses the next one.
     #[arg(short = 'l', long, value_name = "L", default_value_t = 5)]
     candidates: usize,
-    /// In the faithful mode: the sample (from 0) that the curve starts at.
+    /// Sample, numbered from 0, that --mode faithful starts at.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     start: usize,
-    /// Open curves, not closed ones.
+    /// Find open curves instead of closed ones.
     #[arg(long)]
     open: bool,
-    /// One curve, even where there are gaps as between several.
+    /// Find a single curve, even where gaps suggest several.
     #[arg(long)]
     single: bool,
-    /// Only vertices of the mesh: no points are added where there is no other way.
+    /// Use vertices of the mesh only, instead of adding points where there is no other path.
     #[arg(long)]
     no_steiner: bool,
-    /// Straight over the faces between samples, not along edges (geodesics by edge flips).
+    /// Run straight over faces between samples instead of along edges (geodesics by edge flips).
     #[arg(long)]
     smooth: bool,
-    /// Samples on faces become vertices; without this the nearest corner stands for them.
+    /// Insert samples on faces as vertices, instead of moving them to the nearest corner.
     #[arg(long)]
     insert: bool,
-    /// Where the curves go: .obj (lines), or .json (outcome, order of the samples, samples left
-    /// out, path of vertices, points, length).
+    /// Output file of the curves: .obj (lines), or .json (outcome, order of the samples, samples
+    /// left out, path of vertices, points, length).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -107,7 +110,9 @@ pub fn run(args: &Args) -> Result<()> {
     if args.smooth {
         let smooth = drawing.smooth();
         if !smooth.with_context(|| args.mesh.display().to_string())? {
-            note(format_args!("smoothing ended before it was done"));
+            note(format_args!(
+                "--smooth: the steps did not suffice, so the curves are not geodesics yet"
+            ));
         }
     }
     let (samples, vertices) = (given.sites.len(), placed_on.mesh.vertices().len());
@@ -153,7 +158,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Finds the curves of all groups; the time that it took.
+/// Finds the curves of all groups, and returns the time that this took.
 fn draw(
     args: &Args,
     drawing: &mut Drawing,
@@ -184,7 +189,7 @@ fn draw(
     Ok(start.elapsed())
 }
 
-/// What was found of one group.
+/// Reports what was found for one group.
 fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
     let name = group.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     let (blocked_at, remaining, components) = match found.outcome {
@@ -227,7 +232,7 @@ fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
     Ok(())
 }
 
-/// The mesh with the curves, and the region in its colour.
+/// Returns the mesh with the curves, and the colours of its vertices: those of the region differ.
 fn painted(
     mesh: &TriMesh,
     region: Option<(&Drawn, &Region)>,

@@ -1,4 +1,4 @@
-//! Samples of curves in files.
+//! Reads samples of curves from files.
 
 use std::ops::Range;
 
@@ -11,19 +11,19 @@ use crate::input::TextFile;
 /// The samples of one curve, or of curves that are found together.
 #[derive(Debug)]
 pub struct Group {
-    /// What the file calls it; `None` in a file without names.
+    /// The name in the file; `None` in a file without names.
     pub name: Option<String>,
-    /// An open curve.
+    /// Whether the curve is open.
     pub open: bool,
-    /// One curve, whatever the gaps.
+    /// Whether there is one curve, whatever the gaps.
     pub single: bool,
     /// Which side is inside.
     pub side: Option<Side>,
-    /// Its samples among those of the file.
+    /// The samples of the group among those of the file.
     pub samples: Range<usize>,
 }
 
-/// What a file of samples says.
+/// The content of a file of samples.
 #[derive(Debug)]
 pub struct Samples {
     /// All samples, in the order of the file.
@@ -32,7 +32,7 @@ pub struct Samples {
     pub groups: Vec<Group>,
 }
 
-/// The samples in a file, one a line; `#` begins a comment. A line `curve NAME` begins
+/// Reads the samples in a file, one per line; `#` begins a comment. A line `curve NAME` begins
 /// another curve.
 pub fn read(file: &TextFile) -> Result<Samples> {
     let (text, name) = (file.read()?, file.name());
@@ -56,8 +56,8 @@ pub fn read(file: &TextFile) -> Result<Samples> {
             _ => {
                 let site = site(&words).with_context(|| {
                     format!(
-                        "{}: neither a vertex, nor a face and three shares, nor a point x y z, nor \
-                         `curve NAME`",
+                        "{}: neither a vertex, nor a face and three barycentric coordinates, nor a \
+                         point x y z, nor `curve NAME`",
                         place()
                     )
                 })?;
@@ -75,7 +75,7 @@ pub fn read(file: &TextFile) -> Result<Samples> {
     Ok(Samples { sites, groups })
 }
 
-/// A curve of this name, without samples yet.
+/// Returns a curve with this name and without samples.
 fn group(name: &str, options: &[&str], start: usize) -> Result<Group> {
     if name.contains(|c: char| c.is_control() || c == '"' || c == '\\') {
         bail!("the name {name:?} has a quote, a backslash or a control character");
@@ -87,7 +87,7 @@ fn group(name: &str, options: &[&str], start: usize) -> Result<Group> {
             None if option == "open" => group.open = true,
             None if option == "single" => group.single = true,
             Some(("side", text)) => group.side = Some(side(text).map_err(anyhow::Error::msg)?),
-            _ => bail!("{option}: none of open, single, side=SIDE"),
+            _ => bail!("{option}: expected open, single or side=SIDE"),
         }
     }
     Ok(group)
@@ -106,7 +106,7 @@ fn site(words: &[&str]) -> Option<Site> {
     }
 }
 
-/// A number of a vertex or face; tables of real numbers have it as 7.0.
+/// Parses the number of a vertex or face; tables of real numbers write 7 as 7.0.
 fn index(word: &str) -> Option<u32> {
     word.strip_suffix(".0").unwrap_or(word).parse().ok()
 }

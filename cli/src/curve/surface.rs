@@ -1,4 +1,4 @@
-//! What curves do with a surface: they cut it open, and enclose regions of it.
+//! Cuts a surface open along curves, and selects the regions that they enclose.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,64 +16,66 @@ use crate::common::Force;
 use crate::output;
 use crate::report::{note, report, status};
 
-/// Of a region and of what is around it, from 0 to 1.
+/// The colours of a region and of its surroundings, from 0 to 1.
 pub const INSIDE: [f64; 3] = [0.96, 0.68, 0.25];
 pub const OUTSIDE: [f64; 3] = [0.80, 0.84, 0.88];
 
-/// Files about the surface.
+/// The outputs of the surface.
 #[derive(clap::Args)]
 #[command(next_help_heading = "The surface")]
 pub struct SurfaceArgs {
-    /// The mesh cut open along the curves: a mesh, or a folder (an existing one, or a name that
-    /// ends in /), which gets a file for each piece, piece-1 the largest.
+    /// Write the mesh cut open along the curves: to a mesh, or to a folder (an existing one, or a
+    /// name that ends in /), which gets a file for each piece; piece-1 is the largest.
     #[arg(long, value_name = "MESH|DIR/")]
     cut: Option<PathBuf>,
-    /// The region that the curves enclose: a mesh, or a table (.npy, .csv, ...) with the share of
-    /// each face of MESH that is inside, from 0 to 1. May be given several times.
+    /// Write the region that the curves enclose: as a mesh, or as a table (.npy, .csv, ...) with
+    /// the share of each face of MESH that is inside, from 0 to 1. May be given several times.
     #[arg(long, value_name = "FILE")]
     region: Vec<PathBuf>,
-    /// All but the region, in the same ways.
+    /// Write everything but the region, in the same formats. May be given several times.
     #[arg(long, value_name = "FILE")]
     rest: Vec<PathBuf>,
-    /// The whole mesh, the region in a colour of its own: .ply, or another format with colours.
+    /// Write the whole mesh with the region in a distinct colour: .ply, or another format with
+    /// colours.
     #[arg(long, value_name = "MESH")]
     paint: Option<PathBuf>,
-    /// Which side of a curve is inside, unless its line in the file of samples says so: small or
-    /// large, by area, or seed:V, the piece with vertex V (from 0; seed:V,W for several).
+    /// Side of a curve that is inside, unless the line of the curve in the file of samples sets it:
+    /// small or large, by area, or seed:V, the piece with vertex V, numbered from 0 (seed:V,W for
+    /// several pieces).
     #[arg(long, value_name = "SIDE", value_parser = side, default_value = "small")]
     side: Side,
-    /// How the regions of several curves become one, in the order of the file.
+    /// How the regions of several curves are combined, in the order of the file.
     #[arg(long, value_name = "HOW", default_value = "union")]
     combine: Combine,
 }
 
-/// How two regions become one.
+/// How two regions are combined.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Combine {
-    /// What is in one of them or both.
+    /// The area in any of the regions.
     Union,
-    /// What is in all.
+    /// The area in all of the regions.
     Intersection,
-    /// What is in the first and in none of the others.
+    /// The area in the first region and in none of the others.
     Difference,
-    /// What is in an odd number of them.
+    /// The area in an odd number of the regions.
     Xor,
 }
 
-/// small, large or seed:V,W.
+/// Parses `small`, `large` or `seed:V,W`.
 pub fn side(text: &str) -> Result<Side, String> {
     match text.split_once(':') {
         None if text == "small" => Ok(Side::Small),
         None if text == "large" => Ok(Side::Large),
         Some(("seed", list)) => {
             let all: Result<Vec<u32>, _> = list.split(',').map(str::parse).collect();
-            all.map(Side::Seeds).map_err(|_| format!("{list}: no vertex numbers (from 0)"))
+            all.map(Side::Seeds).map_err(|_| format!("{list}: expected vertex numbers, from 0"))
         }
         _ => Err("expected small, large or seed:V, such as seed:120".into()),
     }
 }
 
-/// Files that are begun.
+/// Output files that are begun.
 pub struct Outputs {
     cut: Option<Output>,
     region: Vec<Output>,
@@ -82,27 +84,30 @@ pub struct Outputs {
 }
 
 impl SurfaceArgs {
-    /// Whether anything is asked for.
+    /// Returns whether there is an output of the surface.
     pub fn any(&self) -> bool {
         self.cut.is_some() || self.wants_region()
     }
 
-    /// Whether a region is.
+    /// Returns whether there is an output of the region.
     pub fn wants_region(&self) -> bool {
         !self.region.is_empty() || !self.rest.is_empty() || self.paint.is_some()
     }
 
-    /// Refuses what can't be, and begins the files.
+    /// Refuses options and names that do not fit, and begins the files.
     pub fn create(&self, force: Force) -> Result<Outputs> {
         if !self.wants_region() && (self.side != Side::Small || self.combine != Combine::Union) {
-            bail!("--side and --combine are about a region: --region, --rest or --paint");
+            bail!("--side and --combine need a region: --region, --rest or --paint");
         }
         for path in self.cut.iter().filter(|path| !is_folder(path)).chain(&self.paint) {
             check_name(path)?;
         }
         for path in self.region.iter().chain(&self.rest) {
             if MeshFormat::of(path).is_err() && tables::check_name(path).is_err() {
-                bail!("{}: neither the name of a mesh nor that of a table", path.display());
+                bail!(
+                    "{}: the name must end in that of a mesh (.ply, ...) or a table (.npy, ...)",
+                    path.display()
+                );
             }
         }
         let create = |path: &PathBuf| force.create(path);
@@ -115,10 +120,10 @@ impl SurfaceArgs {
         })
     }
 
-    /// Cuts, and writes all files; gives the region, if there is one.
+    /// Cuts the mesh, writes all files, and returns the region if there is one.
     ///
-    /// - `source`: the file of MESH, of which `drawn` is a refinement;
-    /// - `groups`: what the layers of `drawn` are of.
+    /// - `source`: the file of MESH, which `drawn` refines;
+    /// - `groups`: the groups of samples, one for each layer of `drawn`.
     pub fn write(
         &self,
         outputs: Outputs,
@@ -177,7 +182,7 @@ impl SurfaceArgs {
         Ok(Some(region))
     }
 
-    /// The regions of all groups, as one.
+    /// Combines the regions of all groups.
     fn combined(&self, drawn: &Drawn, groups: &[Group]) -> Result<Region> {
         let mut all: Option<Region> = None;
         for (group, layer) in groups.iter().zip(&drawn.layers) {
@@ -201,7 +206,7 @@ impl SurfaceArgs {
     }
 }
 
-/// The colours of a mesh that was cut, region and rest.
+/// Returns the colours of the vertices of a cut mesh, by region and surroundings.
 pub fn paint(open: &Part, region: &Region) -> Vec<[f64; 3]> {
     let mut colors = vec![OUTSIDE; open.mesh.vertices().len()];
     for f in region.faces() {
@@ -212,7 +217,7 @@ pub fn paint(open: &Part, region: &Region) -> Vec<[f64; 3]> {
     colors
 }
 
-/// The edges of curves.
+/// Returns the edges of curves.
 pub fn walls(curves: &[Curve]) -> Vec<[u32; 2]> {
     let mut all: Vec<[u32; 2]> = curves.iter().flat_map(Curve::edges).collect();
     all.sort_unstable();
@@ -224,7 +229,7 @@ fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\'])
 }
 
-/// A file for each component, the largest first.
+/// Writes a file for each component, the largest first.
 fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: Force) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let components = Components::new(&open.mesh);

@@ -1,4 +1,4 @@
-//! Curves in files.
+//! Writes curves to files.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -10,7 +10,7 @@ use catamaran::io::Output;
 
 use super::samples::Group;
 
-/// What is written.
+/// The format of a file of curves.
 #[derive(Clone, Copy)]
 pub enum Format {
     Obj,
@@ -18,20 +18,20 @@ pub enum Format {
 }
 
 impl Format {
-    /// The one that a name says.
+    /// Returns the format that a name selects.
     pub fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()) {
             Some("obj") => Ok(Self::Obj),
             Some("json") => Ok(Self::Json),
-            _ => bail!("{}: a curve is written as .obj or .json", path.display()),
+            _ => bail!("{}: the name must end in .obj or .json", path.display()),
         }
     }
 }
 
-/// What was found for each group of samples.
+/// The result for each group of samples.
 pub type Found<'a> = [(&'a Group, &'a Reconstruction)];
 
-/// How all ended: as the first that is not complete, else as the first.
+/// Returns the outcome of all groups: the first that is not complete, else the first.
 pub fn outcome(found: &Found<'_>) -> Option<Outcome> {
     let mut all = found.iter().map(|(_, found)| found.outcome);
     let first = all.clone().next();
@@ -75,8 +75,8 @@ fn list<T: ToString>(all: impl Iterator<Item = T>) -> String {
     format!("[{}]", numbers.join(", "))
 }
 
-/// `order` and `path` are of all curves, one after the other; `curves` has them one by one. Samples
-/// are numbered over the whole file.
+/// Returns the curves as JSON. `order` and `path` join those of all curves; `curves` has them one
+/// by one. Samples are numbered over the whole file.
 fn json(found: &Found<'_>) -> String {
     let mut each = Vec::new();
     let (mut order, mut path, mut left_out) = (Vec::new(), Vec::<u32>::new(), Vec::new());

@@ -1,5 +1,5 @@
-//! What `lstsq`, `pca` and `svd` share: one pass over rows to their Gram matrix in extended
-//! precision, and a second one to what is computed from each row.
+//! The passes over rows that `lstsq`, `pca` and `svd` share: one pass to the Gram matrix in
+//! extended precision, and a second one to what is computed from each row.
 
 mod second;
 mod table;
@@ -23,23 +23,23 @@ use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::rows::{CheckpointArgs, Source, fingerprint, open, read_weights};
 
-/// Lines of a table on the screen.
+/// Most lines of a table on the screen.
 pub const SHOWN: usize = 50;
 
-/// The rows, and how they are added up.
+/// The rows, and how they are added.
 #[derive(clap::Args)]
 pub struct GramArgs {
     /// The matrix A, m x n: .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is
     /// built in (FILE.h5:/dataset).
     #[arg(value_name = "A")]
     input: PathBuf,
-    /// Use these columns of the file only, counted from 0, the last one excluded.
+    /// Use columns FIRST to END - 1 of the file only, counted from 0.
     #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
     columns: Option<Range<usize>>,
     #[command(flatten)]
     threads: Threads,
-    /// Rows of a block, two of which are in memory; default about 64 MiB. Does not change the
-    /// result.
+    /// Number of rows in a block, two of which are in memory. Does not change the result [default:
+    /// rows of about 64 MiB].
     #[arg(long, value_name = "ROWS")]
     block_rows: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -49,22 +49,22 @@ pub struct GramArgs {
 }
 
 impl GramArgs {
-    /// The file of A.
+    /// Returns the file of A.
     pub fn input(&self) -> &Path {
         &self.input
     }
 
-    /// The first column of the file that is used.
+    /// Returns the first column of the file that is used.
     pub fn first_column(&self) -> usize {
         self.columns.as_ref().map_or(0, |columns| columns.start)
     }
 
-    /// Threads.
+    /// Returns the threads of the library that do the work.
     pub fn par(&self) -> Par {
         self.threads.par()
     }
 
-    /// What can be refused before any work.
+    /// Refuses wrong arguments before any work.
     pub fn check(&self, ranks: &Ranks) -> Result<()> {
         self.checkpoint.check(ranks, self.force)
     }
@@ -85,7 +85,8 @@ pub struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    /// Of rows with the weights in a file, if there is one; about their mean when `centered`.
+    /// Returns a pass over rows with the weights in a file, if there is one; about their mean when
+    /// `centered`.
     pub fn new(
         args: &'a GramArgs,
         ranks: &'a Ranks,
@@ -94,7 +95,7 @@ impl<'a> Pass<'a> {
         centered: bool,
     ) -> Result<Self> {
         if centered && table.nrows() == 0 {
-            bail!("{}: no rows, of which there could be a mean", args.input.display());
+            bail!("{}: no rows, so that there is no mean", args.input.display());
         }
         let weights = match weights {
             Some(path) => {
@@ -110,14 +111,14 @@ impl<'a> Pass<'a> {
         Ok(Self { args, ranks, table, weights, centered })
     }
 
-    /// The Gram matrix of all rows, on the first rank.
+    /// Computes the Gram matrix of all rows, on the first rank.
     pub fn gram(&self) -> Result<Option<ExtendedGram>> {
         let (checkpoint, n) = (&self.args.checkpoint, self.table.ncols());
         let labels = self.labels();
         let mut sum = match checkpoint.resume::<f64>(self.ranks, n, &labels)? {
             Some(sum) => {
                 if self.ranks.size() > 1 {
-                    // A rank that begins anew waits for the bounds of all.
+                    // A rank that starts from the first row waits for the bounds of all ranks.
                     self.bounds()?;
                 }
                 sum
@@ -156,7 +157,7 @@ impl<'a> Pass<'a> {
         self.args.checkpoint.remove(self.ranks)
     }
 
-    /// The bounds of the rows of all ranks, by a pass that refuses what is not finite.
+    /// Computes the bounds of the rows of all ranks by a pass that refuses NaN and infinities.
     fn bounds(&self) -> Result<RowBounds<f64>> {
         let bar = Bar::new("bounds");
         let update = |fraction| bar.update(fraction);
@@ -181,7 +182,7 @@ impl<'a> Pass<'a> {
         height.unwrap_or_else(|| block_rows::<f64>(self.table.ncols(), self.weights.is_some()))
     }
 
-    /// What a checkpoint must have been made with.
+    /// Returns what a checkpoint must have been made with.
     fn labels(&self) -> Vec<(String, String)> {
         let weights = self.weights.as_ref();
         let weights = weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));

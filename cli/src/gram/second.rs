@@ -1,4 +1,4 @@
-//! A second pass over the rows, to a matrix that is written as it comes.
+//! The second pass over the rows, to a matrix that is written block by block.
 
 use anyhow::Result;
 use catamaran::ata::block_rows;
@@ -9,12 +9,12 @@ use catamaran::io::ArraysWriter;
 use super::table::Table;
 use crate::progress::Bar;
 
-/// Rows of a block, unless they are so wide that less is read at a time.
+/// Most rows in a block; wide rows have smaller blocks.
 const ROWS: usize = 4096;
 
-/// Adds the array `name` of `width` columns: for each block of rows what `of_rows` makes of them.
+/// Writes the array `name` of `width` columns: `of_rows` of each block of rows.
 ///
-/// Blocks are of a fixed height, so that the result does not depend on any option.
+/// Blocks have a fixed height, so that the result does not depend on any option.
 pub fn second_pass(
     table: &Table,
     writer: &mut ArraysWriter,

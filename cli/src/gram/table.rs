@@ -1,4 +1,4 @@
-//! The rows that are added up: those of a file, of two files side by side, or of a file with its
+//! The rows that are added: those of a file, of two files side by side, or of a file with its
 //! columns in another order.
 
 use std::ops::Range;
@@ -22,17 +22,17 @@ enum With {
     Nothing,
     /// The columns of this matrix follow.
     Columns(Box<Source>),
-    /// Its columns come in this order.
+    /// The columns of A come in this order.
     Order(Vec<usize>),
 }
 
 impl Table {
-    /// The rows of A.
+    /// Returns the rows of A.
     pub fn of(a: Source) -> Self {
         Self { a, with: With::Nothing }
     }
 
-    /// The rows of `[A B]`.
+    /// Returns the rows of `[A B]`.
     pub fn joined(a: Source, b: Source) -> Result<Self> {
         let ((m, _), (rows, columns)) = (a.shape(), b.shape());
         if rows != m {
@@ -45,17 +45,17 @@ impl Table {
         Ok(Self { a, with: With::Columns(Box::new(b)) })
     }
 
-    /// The rows of A with its columns in this order, a permutation.
+    /// Returns the rows of A with its columns in this order, a permutation.
     pub fn ordered(a: Source, order: Vec<usize>) -> Self {
         Self { a, with: With::Order(order) }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         self.a.shape().0
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         let more = match &self.with {
             With::Columns(b) => b.shape().1,
@@ -64,7 +64,7 @@ impl Table {
         self.a.shape().1 + more
     }
 
-    /// What tells A, and what is done with it, from others.
+    /// Returns texts that identify A and what is done with its rows.
     pub fn identity(&self) -> [String; 2] {
         let with = match &self.with {
             With::Nothing => "none".into(),
@@ -99,7 +99,7 @@ impl Table {
 struct Reordered<'a> {
     rows: Part<'a, f64>,
     order: &'a [usize],
-    /// A row as it was.
+    /// A row in the order of the file.
     row: Vec<f64>,
 }
 

@@ -20,14 +20,14 @@ use crate::rows::open;
 /// Solve min |W^(1/2) (A X - B)|^2 + L |X|^2 for tall A (m x n) and B (m x k) in files.
 ///
 /// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
-/// bounds, once for A^T A in extended precision, from which more digits follow than from a QR
-/// decomposition in double precision. Where columns depend on others, X is the solution of least
-/// norm. Prints each coefficient with its standard error and t. Under `mpirun` (where MPI is built
-/// in) each rank takes a part of the rows, and the result is the same.
+/// bounds, once for A^T A in extended precision, which gives more digits than a QR decomposition in
+/// double precision. Where columns depend on others, X is the solution of least norm. Prints each
+/// coefficient with its standard error and its t statistic. Under `mpirun` (where MPI is built in)
+/// each rank takes a part of the rows, and the result is the same.
 ///
-/// The file has the arrays `x` and `standard_error` (n x k), `residual_norm` and `r_squared` (k),
-/// `intercept` and `intercept_error` (k), `x_low` (what rounding took from x), and `rank`,
-/// `dependent`, `degrees_of_freedom`, `condition` and `digits`.
+/// The output file has the arrays `x` and `standard_error` (n x k), `residual_norm` and `r_squared`
+/// (k), `x_low` (n x k, what rounding removed from `x`), with --intercept `intercept` and
+/// `intercept_error` (k), and `rank`, `dependent`, `degrees_of_freedom`, `condition` and `digits`.
 #[derive(clap::Args)]
 #[command(
     group = ArgGroup::new("target").args(["b", "by_column"]).required(true),
@@ -44,20 +44,20 @@ pub struct Args {
     /// counted from 0.
     #[arg(long, value_name = "Y[,Z]", value_delimiter = ',')]
     by_column: Vec<String>,
-    /// File of m weights W, none of them negative.
+    /// File of the m weights W, each at least 0.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
-    /// Multiple L of |X|^2 that is added to what is minimised; the intercept is not part of X.
+    /// Factor L of |X|^2 in the minimised function, at least 0; the intercept is not part of X.
     #[arg(long, value_name = "L", default_value = "0", allow_negative_numbers = true)]
     ridge: f64,
-    /// Fit a constant too.
+    /// Also fit a constant for each target.
     #[arg(long)]
     intercept: bool,
-    /// Fail when columns depend on others.
+    /// Fail if columns depend linearly on others.
     #[arg(long)]
     refuse_dependent: bool,
-    /// Write the arrays to this .npz file, .h5 where HDF5 is built in, or the result with the names
-    /// of columns to .json; may be given several times.
+    /// Output file: .npz, or .h5 where HDF5 is built in, with the arrays; or .json with the result
+    /// and the names of columns. May be given several times.
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
 }
@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
-        bail!("--ridge must be finite and at least 0, and not {}", args.ridge);
+        bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
     }
     let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
     args.gram.check(ranks)?;
@@ -99,7 +99,7 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 
-/// Begins the files to write.
+/// Begins the output files.
 fn start(args: &Args) -> Result<Vec<Output>> {
     let force = args.gram.force;
     let begin = |path: &PathBuf| match is_json(path) {
@@ -109,7 +109,7 @@ fn start(args: &Args) -> Result<Vec<Output>> {
     args.output.iter().map(begin).collect()
 }
 
-/// The rows of `[A B]`, and what their columns are called.
+/// The rows of `[A B]`, and the names of their columns.
 struct Rows {
     table: Table,
     columns: Vec<String>,
@@ -134,7 +134,7 @@ fn rows(args: &Args) -> Result<Rows> {
     Ok(Rows { table: Table::ordered(a, order), columns, targets })
 }
 
-/// Refuses columns that depend on others, if asked to, or notes them.
+/// Reports columns that depend on others: by a note, or with --refuse-dependent by an error.
 fn report_dependent(args: &Args, columns: &[String], found: &LeastSquares) -> Result<()> {
     if found.dependent.is_empty() {
         return Ok(());
@@ -148,6 +148,6 @@ fn report_dependent(args: &Args, columns: &[String], found: &LeastSquares) -> Re
     if args.refuse_dependent {
         bail!("{path}: {what}");
     }
-    note(format_args!("{path}: {what}; of all solutions this is the one of least norm"));
+    note(format_args!("{path}: {what}; X is the solution of least norm"));
     Ok(())
 }

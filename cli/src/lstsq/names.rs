@@ -1,4 +1,4 @@
-//! What the columns of A and of B are called, and which of the file of A are targets.
+//! The names of the columns of A and of B, and which columns of A are targets.
 
 use std::path::Path;
 
@@ -6,10 +6,11 @@ use anyhow::{Result, bail};
 
 use crate::rows::Source;
 
-/// Columns that an error lists.
+/// Most columns that an error lists.
 const LISTED: usize = 10;
 
-/// Names of the columns: those of the header of a text table, else numbers counted from 0.
+/// Returns the names of the columns: those of the header of a text table, else numbers counted from
+/// 0.
 pub fn names(source: &Source, first: usize) -> Vec<String> {
     match source.names() {
         [] => (first..first + source.shape().1).map(|column| column.to_string()).collect(),
@@ -17,10 +18,10 @@ pub fn names(source: &Source, first: usize) -> Vec<String> {
     }
 }
 
-/// The columns of these names or numbers.
+/// Returns the columns with these names or numbers.
 ///
 /// # Errors
-/// There is none of this name, or more than one, or a column is named twice.
+/// No column or more than one has a name, or a column is named twice.
 pub fn find(path: &Path, names: &[String], first: usize, wanted: &[String]) -> Result<Vec<usize>> {
     let mut found = Vec::with_capacity(wanted.len());
     for name in wanted {
@@ -37,7 +38,9 @@ fn find_one(path: &Path, names: &[String], first: usize, wanted: &str) -> Result
     let mut called = (0..names.len()).filter(|&column| names[column] == wanted);
     match (called.next(), called.next()) {
         (Some(column), None) => return Ok(column),
-        (Some(_), Some(_)) => bail!("{}: two columns are called {wanted}", path.display()),
+        (Some(_), Some(_)) => {
+            bail!("{}: two columns are called {wanted}; give a number instead", path.display())
+        }
         (None, _) => {}
     }
     let number = wanted.parse::<usize>().ok().and_then(|number| number.checked_sub(first));
@@ -45,12 +48,12 @@ fn find_one(path: &Path, names: &[String], first: usize, wanted: &str) -> Result
         Some(column) => Ok(column),
         None => {
             let known = list(names.iter().map(String::as_str));
-            bail!("{}: no column {wanted}; there are {known}", path.display())
+            bail!("{}: no column {wanted}; the columns are {known}", path.display())
         }
     }
 }
 
-/// Names in a line, not all of many.
+/// Joins names in a line, at most [`LISTED`] of them.
 pub fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
     let count = names.len();
     let mut text = names.take(LISTED).collect::<Vec<_>>().join(", ");
@@ -79,11 +82,12 @@ mod tests {
 
     #[test]
     fn errors_name_the_file_and_the_column() {
-        let no = "a.csv: no column z; there are x, y, x, 7";
+        let no = "a.csv: no column z; the columns are x, y, x, 7";
         assert_eq!(found(&["z"]), Err(no.into()));
         assert_eq!(found(&["9"]), Err(no.replace('z', "9")));
         assert_eq!(found(&["4"]), Err(no.replace('z', "4")));
-        assert_eq!(found(&["x"]), Err("a.csv: two columns are called x".into()));
+        let two = "a.csv: two columns are called x; give a number instead";
+        assert_eq!(found(&["x"]), Err(two.into()));
         let twice = "a.csv: column 6 is named twice by --by-column";
         assert_eq!(found(&["y", "6"]), Err(twice.into()));
     }

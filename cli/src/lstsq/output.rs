@@ -1,4 +1,4 @@
-//! What `lstsq` prints and writes.
+//! Prints and writes the results of `lstsq`.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -10,9 +10,9 @@ use catamaran::io::{Array, Output, write_arrays};
 use crate::gram::SHOWN;
 use crate::report::{head, report, row, shown, status};
 
-/// A solution, and what its columns are called.
+/// A solution, and the names of its columns.
 pub struct Solution {
-    /// What was found.
+    /// The solution.
     pub found: LeastSquares,
     /// Names of the n columns of A.
     pub columns: Vec<String>,
@@ -25,7 +25,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The tables of coefficients, and what holds for all of them.
+    /// Prints the tables of coefficients, and a summary of all targets.
     pub fn print(&self) -> Result<()> {
         let found = &self.found;
         for q in 0..self.targets.len() {
@@ -36,9 +36,9 @@ impl Solution {
         report!("rank", rank = rank, columns = n; "{rank} of {n} columns")?;
         report!("freedom", degrees_of_freedom = freedom; "{freedom} degrees")?;
         report!("condition", condition = found.condition; "{:.3e}", found.condition)?;
-        // Rounded down: no more than there are.
+        // Rounded down, to print no digit that is not there.
         let digits = (10.0 * found.digits).floor() / 10.0;
-        report!("digits", digits = digits; "{digits:.1} of the coefficients to trust")
+        report!("digits", digits = digits; "{digits:.1} correct digits of the coefficients")
     }
 
     fn print_target(&self, q: usize) -> Result<()> {
@@ -84,7 +84,7 @@ impl Solution {
         report!("residual", target = target, norm = norm; "norm {norm:.15e}")
     }
 
-    /// Writes all of it as arrays, in the format of the name.
+    /// Writes the solution as arrays, in the format that the name selects.
     pub fn write_arrays(&self, output: Output) -> Result<()> {
         let path = output.path().display().to_string();
         let found = &self.found;
@@ -113,7 +113,7 @@ impl Solution {
         status!("written", path = path; "{path}")
     }
 
-    /// Writes all of it as text.
+    /// Writes the solution as JSON.
     pub fn write_json(&self, mut output: Output) -> Result<()> {
         let path = output.path().display().to_string();
         output.write_all(self.json().as_bytes()).map_err(|e| output.error(e))?;
@@ -156,7 +156,7 @@ impl Solution {
     }
 }
 
-/// A coefficient over its standard error; a dash where there is none.
+/// Formats a coefficient over its standard error; a dash if the quotient is not finite.
 fn ratio(value: f64, error: f64) -> String {
     match value / error {
         t if !t.is_finite() => "-".into(),
@@ -169,7 +169,8 @@ fn list(items: impl Iterator<Item = String>) -> String {
     format!("[{}]", items.collect::<Vec<_>>().join(", "))
 }
 
-/// A number that reads back as the same; JSON has neither NaN nor infinities.
+/// Formats a number so that it reads back as the same; `null` for NaN and infinities, which JSON
+/// does not have.
 fn number(value: f64) -> String {
     if value.is_finite() { format!("{value:?}") } else { "null".into() }
 }

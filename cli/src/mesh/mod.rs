@@ -22,14 +22,14 @@ pub use report::genus;
 
 /// Report on a triangle mesh, and convert, repair or compare it.
 ///
-/// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Says what it is made of
-/// (components, boundary, genus), how large it is, and every kind of problem with the first
-/// elements that have it, numbered from 0.
+/// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Prints the topology
+/// (components, boundary, genus), the size, and every kind of problem with the first elements that
+/// have it, numbered from 0.
 ///
-/// Nothing is repaired unless asked. The steps of a repair are done in this order, whatever the
-/// order of the options: weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep
-/// largest, fill holes, orient. Each says what it did, and the report on the result follows. Then
-/// come --component and --normalize.
+/// Nothing is repaired by default. Repairs are made in this order, whatever the order of the
+/// options: weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep largest, drop
+/// specks, fill holes, orient. Each step reports what it did, and a report on the result follows.
+/// --component and --normalize come last.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh.
@@ -38,7 +38,7 @@ pub struct Args {
     /// Write the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Keep one component only: a number from 0, in the order of their lowest vertices, or
+    /// Keep one component only: its number, from 0 in the order of the lowest vertices, or
     /// `largest` (most faces).
     #[arg(long, value_name = "NUMBER", value_parser = component, requires = "output")]
     component: Option<Which>,
@@ -47,19 +47,19 @@ pub struct Args {
     /// --orient.
     #[arg(long)]
     repair: bool,
-    /// Join vertices at most TOLERANCE apart, a length; with equal positions where no TOLERANCE is
-    /// given; `seams`: with equal positions along boundary edges that are in one place, two and
-    /// two, so that what only touches stays apart. Texture coordinates and normals that differ
-    /// become those of corners.
+    /// Join vertices that are at most TOLERANCE apart, in units of the mesh; without TOLERANCE,
+    /// vertices with equal positions. `seams` joins vertices with equal positions only where
+    /// exactly two boundary edges coincide, so that surfaces that only touch stay apart. Texture
+    /// coordinates and normals that differ are kept for each corner of a face.
     #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
           value_parser = parse::weld)]
     weld: Option<Weld>,
-    /// Drop faces with the vertices of an earlier one, in any order.
+    /// Drop faces with the same vertices as an earlier face, in any order.
     #[arg(long)]
     drop_duplicates: bool,
-    /// Remove faces without area, without opening the surface: two corners in one place are joined,
-    /// a corner on the opposite edge becomes a vertex of the face beyond it. What can't be removed
-    /// so is dropped.
+    /// Remove faces without area without opening the surface: two corners in one place are joined,
+    /// and a corner on the opposite edge becomes a vertex of the face beyond that edge. Faces that
+    /// can't be removed this way are dropped.
     #[arg(long)]
     drop_degenerate: bool,
     /// Drop vertices that no face has.
@@ -68,34 +68,35 @@ pub struct Args {
     /// Keep the N components with the most faces.
     #[arg(long, value_name = "N", conflicts_with = "component")]
     keep_largest: Option<usize>,
-    /// Leave out components with less than this share of the area, from 0 to 1.
+    /// Drop components with less than this share of the area, from 0 to 1.
     #[arg(long, value_name = "SHARE", conflicts_with = "component")]
     drop_specks: Option<f64>,
     /// Fill holes: boundary loops of at most N edges.
     #[arg(long, value_name = "N")]
     fill_holes: Option<usize>,
-    /// Flip faces until all agree on what is outside. Closed components are counter-clockwise as
-    /// seen from outside, but those in an odd number of others bound cavities. Of open ones, as few
-    /// faces as possible are flipped.
+    /// Flip faces until neighbours agree on the outside. Faces of closed components are
+    /// counter-clockwise as seen from outside; a closed component in an odd number of others bounds
+    /// a cavity, and its outside is within. In an open component as few faces as possible are
+    /// flipped.
     #[arg(long)]
     orient: bool,
     /// Compare with another mesh: distances both ways, areas, angles between normals, topology.
     #[arg(long, value_name = "OTHER")]
     compare: Option<PathBuf>,
-    /// Move to the origin and scale: to a total area of 1, or to a longest side of the bounding box
-    /// of 1.
+    /// Move the mesh to the origin and scale it: to a total area of 1 (area), or to a bounding box
+    /// whose longest side is 1 (box).
     #[arg(long, value_name = "SIZE", requires = "output")]
     normalize: Option<Size>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Fail when there is a problem; after repairs, if any are asked for.
+    /// Fail if the mesh has a problem after the requested repairs.
     #[arg(long)]
     check: bool,
     #[command(flatten)]
     force: Force,
 }
 
-/// A component.
+/// Which component.
 #[derive(Debug, Clone, Copy)]
 enum Which {
     Largest,
@@ -105,11 +106,11 @@ enum Which {
 fn component(text: &str) -> Result<Which, String> {
     match text {
         "largest" => Ok(Which::Largest),
-        _ => text.parse().map(Which::Number).map_err(|_| "not a number, and not `largest`".into()),
+        _ => text.parse().map(Which::Number).map_err(|_| "expected a number or `largest`".into()),
     }
 }
 
-/// What becomes 1.
+/// The size that becomes 1.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Size {
     Area,
@@ -184,7 +185,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 impl Args {
-    /// The repairs that are asked for.
+    /// Returns the requested repairs, if there are any.
     fn repairs(&self) -> Option<RepairOptions> {
         let mut options =
             if self.repair { RepairOptions::everything() } else { RepairOptions::new() };
@@ -202,17 +203,17 @@ impl Args {
     }
 }
 
-/// What is not orientable can't be what `--orient` asks for.
+/// Refuses a mesh that is not orientable, on which `--orient` can't succeed.
 fn require_orientable(done: &RepairReport) -> Result<()> {
     for step in &done.steps {
         if let RepairStep::Oriented { edge: Some([a, b]), .. } = step {
-            bail!("edge {a}-{b}: its faces can't be turned to agree: not orientable");
+            bail!("edge {a}-{b}: its faces can't be flipped to agree: not orientable");
         }
     }
     Ok(())
 }
 
-/// The mesh as it is to be written.
+/// Applies --component and --normalize.
 fn changed(args: &Args, mut file: MeshFile) -> Result<MeshFile> {
     if let Some(which) = args.component {
         file = file.part(one_component(&file.mesh, which)?)?;
@@ -230,7 +231,9 @@ fn one_component(mesh: &TriMesh, which: Which) -> Result<Part> {
     let components = Components::new(mesh);
     let number = match which {
         Which::Number(number) => number,
-        Which::Largest => components.largest().context("no component, as there is no face")?,
+        Which::Largest => components
+            .largest()
+            .context("--component: the mesh has no face, and thus no component")?,
     };
     Ok(mesh.component(&components, number)?)
 }

@@ -1,4 +1,4 @@
-//! What `mesh` prints.
+//! Prints the reports of `mesh`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::input;
 use crate::report::{report, row, status};
 
-/// Reports what a mesh is made of, and what is wrong with it.
+/// Reports the topology of a mesh, and its problems.
 pub fn validation(found: &Validation) -> Result<()> {
     row!(
         "validation",
@@ -30,7 +30,7 @@ pub fn validation(found: &Validation) -> Result<()> {
     )
 }
 
-/// A problem: its kind, and the elements that have it.
+/// Returns a problem as JSON: its kind, and the elements that have it.
 fn problem(problem: &Problem) -> Value {
     match problem {
         Problem::UnreferencedVertex(vertex) => {
@@ -92,7 +92,7 @@ pub fn repair(step: &RepairStep) -> Result<()> {
         }
         _ => vec![],
     };
-    // The name of the step is a column of its own, as labels are.
+    // The name of the step has a separate column, as labels have.
     let line = step.to_string();
     let (name, what) = line.split_once(' ').unwrap_or((&line, ""));
     report!(
@@ -105,7 +105,7 @@ pub fn repair(step: &RepairStep) -> Result<()> {
     )
 }
 
-/// Reports on the mesh beside another one.
+/// Reports on the differences between the mesh and another one.
 pub fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
     let other = input::mesh(path)?.mesh;
     let there = other.validate();
@@ -184,7 +184,7 @@ pub fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
         |p: &Problem| !matches!(p, Problem::Inconsistent { .. } | Problem::NonManifoldEdge { .. });
     if found.is_closed() && found.faces > 0 && found.problems.iter().all(oriented) {
         let volume = mesh.volume();
-        let note = if volume < 0.0 { ", faces clockwise from outside" } else { "" };
+        let note = if volume < 0.0 { ", faces are clockwise as seen from outside" } else { "" };
         report!("volume", volume = volume; "{volume}{note}")?;
     }
     if let Some([low, high]) = mesh.bounding_box() {

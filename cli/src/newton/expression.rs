@@ -1,11 +1,12 @@
-//! Polynomials as people write them: `z^3 - 2z + (1 + 2i)`, `(z - 1)(z + i)^2`.
+//! Parses polynomials as people write them: `z^3 - 2z + (1 + 2i)`, `(z - 1)(z + i)^2`.
 
 use catamaran::faer::c64;
 
-/// Coefficients, that of the highest power first, of the polynomial that `text` is.
+/// Returns the coefficients of the polynomial that `text` describes, that of the highest power
+/// first.
 ///
-/// Sums, differences and products (with `*` or without) of numbers, `i`, `z` and expressions in
-/// parentheses, each with an optional `^` and a whole power.
+/// The syntax has sums, differences and products (with `*` or without) of numbers, `i`, `z` and
+/// expressions in parentheses, each with an optional `^` and a whole power.
 pub fn polynomial(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let mut parser = Parser { text, at: 0 };
     let found = parser.sum()?;
@@ -15,7 +16,7 @@ pub fn polynomial(text: &str) -> Result<Vec<[f64; 2]>, String> {
     }
 }
 
-/// The largest degree, beyond which no polynomial is computed.
+/// The largest degree; polynomials of a larger degree are not computed.
 const MOST: usize = 64;
 
 /// Coefficients, that of the constant first; at least one.
@@ -35,7 +36,7 @@ impl Polynomial {
     fn times(&self, other: &Self) -> Result<Self, String> {
         let degree = self.0.len() + other.0.len() - 2;
         if degree > MOST {
-            return Err(format!("a degree above {MOST}"));
+            return Err(format!("the degree is above {MOST}"));
         }
         let mut product = vec![c64::new(0.0, 0.0); degree + 1];
         for (i, a) in self.0.iter().enumerate() {
@@ -97,7 +98,7 @@ impl Parser<'_> {
         let digits = self.digits(|c| c.is_ascii_digit());
         let power: usize = digits.parse().map_err(|_| self.error("a whole power is needed"))?;
         if power > MOST {
-            return Err(self.error(&format!("a power above {MOST}")));
+            return Err(self.error(&format!("the power is above {MOST}")));
         }
         let mut result = Polynomial::number(c64::new(1.0, 0.0));
         for _ in 0..power {
@@ -128,15 +129,15 @@ impl Parser<'_> {
             Some(c) if c == '.' || c.is_ascii_digit() => {
                 let digits = self.digits(|c| c == '.' || c.is_ascii_digit());
                 let value: f64 =
-                    digits.parse().map_err(|_| self.error(&format!("{digits} is no number")))?;
+                    digits.parse().map_err(|_| self.error(&format!("{digits} is not a number")))?;
                 Ok(Polynomial::number(c64::new(value, 0.0)))
             }
             Some(c) => Err(self.error(&format!("`{c}` where a number, i, z or `(` is needed"))),
-            None => Err(self.error("it ends where a number, i, z or `(` is needed")),
+            None => Err(self.error("the text ends where a number, i, z or `(` is needed")),
         }
     }
 
-    /// The next character that is no space, which is not taken.
+    /// Returns the next character that is no space, without taking it.
     fn next(&mut self) -> Option<char> {
         let rest = &self.text[self.at..];
         let trimmed = rest.trim_start();
@@ -179,7 +180,7 @@ mod tests {
             ("i^2 z", vec![[-1.0, 0.0], [0.0; 2]]),
         ] {
             let found = polynomial(text).unwrap();
-            // Leading zeros are left to whoever looks for roots.
+            // Leading zeros stay: the search for roots removes them.
             let first = found.iter().position(|c| *c != [0.0; 2]).unwrap_or(0);
             assert_eq!(found[first..], wanted, "{text}");
         }
@@ -188,16 +189,16 @@ mod tests {
     #[test]
     fn mistakes_are_named_with_their_place() {
         for (text, why) in [
-            ("", "it ends where a number, i, z or `(` is needed, at character 1"),
+            ("", "the text ends where a number, i, z or `(` is needed, at character 1"),
             ("z^", "a whole power is needed"),
             ("z^-1", "a whole power is needed"),
-            ("z^65", "a power above 64"),
-            ("z^40 z^40", "a degree above 64"),
+            ("z^65", "the power is above 64"),
+            ("z^40 z^40", "the degree is above 64"),
             ("(z + 1", "`)` is missing, at character 7"),
             ("z)", "`)` is not expected, at character 2"),
             ("3z2", "`2` is not expected, at character 3"),
             ("x + 1", "`x` where a number, i, z or `(` is needed, at character 1"),
-            ("1.2.3", "1.2.3 is no number"),
+            ("1.2.3", "1.2.3 is not a number"),
             ("2 ** z", "`*` where a number"),
             ("π z", "`π` where a number"),
             ("z + 2x", "`x` is not expected, at character 6"),

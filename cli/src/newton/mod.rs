@@ -29,13 +29,12 @@ use output::{Drawing, Outputs};
 pub use voxels::surfaces;
 use voxels::{Basins, Opacity};
 
-/// Decorate a plane, a mesh or a volume with a Newton fractal in four dimensions (bicomplex
-/// numbers).
+/// Draw a Newton fractal in four dimensions (bicomplex numbers) on a plane, a mesh or a volume.
 ///
-/// Each point gets the colour of the root that Newton's method takes it to, darker the longer that
-/// takes. Without MESH the plane z = 0 is drawn; with it, its vertices, or with --uv the texels of
-/// its texture; with --volume, voxels. A mesh is looked at as if its box, kept in proportion, had
-/// its middle at the origin and a longest side of --extent, whatever its unit.
+/// Each point gets the colour of the root that Newton's method takes it to; slow convergence
+/// darkens the colour. Without MESH the plane z = 0 is drawn; with MESH its vertices, or with --uv
+/// the texels of its texture; with --volume voxels. A mesh is first scaled and moved: its bounding
+/// box then has its centre at the origin and a longest side of --extent.
 ///
 /// Examples: `catamaran newton -o plane.png`; `catamaran newton bunny.obj -o bunny.ply`;
 /// `catamaran newton --volume --picture cube.png`; `catamaran newton --volume --basins 4 -o
@@ -45,10 +44,11 @@ pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: Option<PathBuf>,
-    /// The polynomial is z^N - 1, with N^2 roots; N from 2 to 64 [default: 3].
+    /// Use the polynomial z^N - 1, with N^2 roots; N from 2 to 64 [default: 3].
     #[arg(long, value_name = "N", conflicts_with = "roots")]
     power: Option<u32>,
-    /// The polynomial has these roots, real and imaginary part: --roots 1,0:-0.5,0.8:-1,-0.3.
+    /// Use the polynomial with these roots, each as real and imaginary part: --roots
+    /// 1,0:-0.5,0.8:-1,-0.3.
     #[arg(
         long,
         value_name = "RE,IM:RE,IM...",
@@ -57,7 +57,8 @@ pub struct Args {
         value_parser = numbers::<2>
     )]
     roots: Vec<[f64; 2]>,
-    /// The polynomial, of a degree up to 64: --polynomial "z^3 - 2z + 2", "(1+2i) z^4 - (z - i)^2".
+    /// Use this polynomial, of a degree up to 64: --polynomial "z^3 - 2z + 2", "(1+2i) z^4 - (z -
+    /// i)^2".
     #[arg(
         long,
         value_name = "EXPRESSION",
@@ -66,76 +67,78 @@ pub struct Args {
         value_parser = Coefficients::parse
     )]
     polynomial: Option<Coefficients>,
-    /// The fourth coordinate.
+    /// Fourth coordinate of the points.
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
     w: f64,
-    /// So many outputs, w going from --w to --w-to: an animation where --output or --picture is
-    /// called .apng or .gif, else files NAME-000, NAME-001 and so on.
+    /// Number of frames, with w going from --w to --w-to: an animation where the name of --output
+    /// or --picture ends in .apng or .gif, else files NAME-000, NAME-001 and so on.
     #[arg(long, value_name = "N", requires = "w_to", value_parser = parse::frame_count)]
     frames: Option<usize>,
-    /// The fourth coordinate of the last frame.
+    /// Fourth coordinate of the last frame.
     #[arg(long, value_name = "W", requires = "frames", allow_hyphen_values = true)]
     w_to: Option<f64>,
-    /// Frames a second of an animation, from 0.1 to 50 [default: 12].
+    /// Frames per second of an animation, from 0.1 to 50 [default: 12].
     #[arg(long, value_name = "RATE", requires = "frames", value_parser = frame_rate)]
     fps: Option<f64>,
-    /// What points, fitted, are multiplied by, after the offset and w have been added.
+    /// Factor of the (fitted) coordinates, applied after --offset and --w are added.
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_hyphen_values = true)]
     scale: f64,
-    /// What is added to points, fitted.
+    /// Vector that is added to the (fitted) coordinates.
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true, value_parser = numbers::<3>)]
     offset: [f64; 3],
-    /// Iterations.
+    /// Number of iterations of Newton's method.
     #[arg(long, value_name = "N", default_value_t = 32)]
     iterations: u32,
-    /// The theta of the gradient: the larger, the earlier a point counts as not converged.
+    /// Parameter theta of the gradient: the larger it is, the earlier a point counts as not
+    /// converged.
     #[arg(long, value_name = "THETA", default_value_t = 3.5, allow_hyphen_values = true)]
     theta: f64,
-    /// The gradient: equation 7.3 of the thesis, or that of its authors' shader.
+    /// Gradient: equation 7.3 of the thesis (thesis), or that of its authors' shader (shader).
     #[arg(long, value_name = "WHICH", default_value = "thesis")]
     gradient: Formula,
-    /// Pixels, texels or voxels: N along each side, or WIDTHxHEIGHT [default: 1024; voxels 128].
+    /// Number of pixels, texels or voxels: N along each side, or WIDTHxHEIGHT [default: 1024; for
+    /// voxels 128].
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<(u32, u32)>,
-    /// Take the coordinates of a mesh as they are: don't fit them into the --extent.
+    /// Use the coordinates of a mesh as they are, instead of fitting them into --extent.
     #[arg(long, requires = "mesh")]
     no_fit: bool,
-    /// How wide the part of the plane, the volume, or what a mesh is fitted into is.
+    /// Width of the part of the plane, of the volume, or of the box that a mesh is fitted into.
     #[arg(long, value_name = "WIDTH", default_value_t = 3.0)]
     extent: f64,
-    /// Texels of the mesh's texture, not vertices.
+    /// Compute texels of the mesh's texture instead of vertices.
     #[arg(long, requires = "mesh", conflicts_with = "volume")]
     uv: bool,
-    /// Voxels of a cube around the origin.
+    /// Compute voxels of a cube around the origin.
     #[arg(long, conflicts_with = "mesh")]
     volume: bool,
-    /// What --volume shows as a surface or a picture: `all`, or numbers of roots such as 0,4. Root
-    /// (a, b) of n^2 has the number a n + b, from 0 [default: all].
+    /// Basins that --volume shows as a surface or a picture: `all`, or numbers of roots such as
+    /// 0,4. Root (a, b) of n^2 has the number a n + b, from 0 [default: all].
     #[arg(long, value_name = "ROOTS", requires = "volume", value_parser = Basins::parse)]
     basins: Option<Basins>,
-    /// What is opaque in a picture of voxels: basins as a whole, or where points converge slowly
-    /// [default: solid with --basins, else slow].
+    /// Opaque part of a picture of voxels: whole basins (solid), or points that converge slowly
+    /// (slow) [default: solid with --basins, else slow].
     #[arg(long, value_name = "WHAT", requires = "volume")]
     opacity: Option<Opacity>,
-    /// Where the result goes: .png for a plane or texels, or with --frames .apng or .gif; a mesh
-    /// with colours for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd
-    /// (roots), a mesh (the closed surfaces of basins), or a table of roots such as .npy, a line of
-    /// voxels a row (numpy: reshape(N, N, N), indices z, y, x).
+    /// Output file: .png for a plane or texels, or with --frames .apng or .gif; a mesh with colours
+    /// for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd (roots), a mesh (the
+    /// closed surfaces of basins), or a table of roots such as .npy, with a line of voxels in each
+    /// row (numpy: reshape(N, N, N), indices z, y, x).
     #[arg(short, long, value_name = "FILE", required_unless_present_any = ["picture", "heights", "material"])]
     output: Option<PathBuf>,
-    /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, .vti or
-    /// .nrrd for voxels, else a table of numbers.
+    /// Write the speed of convergence of each point: .png (16 bits, white is slow) for a plane or
+    /// texels, .vti or .nrrd for voxels, else a table of numbers.
     #[arg(long, value_name = "FILE")]
     heights: Option<PathBuf>,
-    /// Write the mesh with a material over its texture to this .glb or .gltf file: which one by
-    /// root, joints between them where points converge slowly.
+    /// Write the mesh with a material on its surface to this .glb or .gltf file: roots select the
+    /// parts of the material, with joints where points converge slowly.
     #[arg(long, value_name = "FILE", requires = "uv")]
     material: Option<PathBuf>,
-    /// The material: enamel in the colours of roots between lines of gold, or stone, metal and wood
-    /// between dark joints [default: enamel].
+    /// Kind of material: enamel in the colours of the roots between lines of gold (enamel), or
+    /// stone, metal and wood between dark joints (stones) [default: enamel].
     #[arg(long, value_name = "WHICH", requires = "material")]
     inlay: Option<Stuff>,
-    /// Pack the numbers in .vti (zlib) and .nrrd (gzip).
+    /// Compress the numbers in .vti (zlib) and .nrrd (gzip).
     #[arg(long, requires = "volume")]
     compress: bool,
     #[command(flatten)]
@@ -150,7 +153,7 @@ pub struct Args {
     force: Force,
 }
 
-/// Of a polynomial, the highest power first.
+/// The coefficients of a polynomial, that of the highest power first.
 #[derive(Debug, Clone)]
 struct Coefficients(Vec<[f64; 2]>);
 
@@ -266,7 +269,7 @@ fn options(args: &Args) -> catamaran::Result<NewtonOptions> {
         .w(args.w))
 }
 
-/// The fourth coordinate of each frame.
+/// Returns the fourth coordinate of each frame.
 fn fourth_coordinates(args: &Args) -> Vec<f64> {
     let (Some(count), Some(end)) = (args.frames, args.w_to) else { return vec![args.w] };
     let steps = count.saturating_sub(1).max(1) as f64;
@@ -280,7 +283,7 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let (width, height) = args.size.unwrap_or(if args.volume { (128, 128) } else { (1024, 1024) });
     if args.volume {
         if width != height {
-            bail!("--size {width}x{height}: a volume has as many voxels in each way");
+            bail!("--size {width}x{height}: a volume needs the same number along each side");
         }
         return Ok(Drawing::Voxels { grid: Grid::cube(width, args.extent) });
     }
@@ -290,10 +293,10 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let mut file = crate::decimate::read(path, &args.repair)?;
     let named = || path.display().to_string();
     if args.material.is_some() {
-        // A relief goes over seams, for which the texture must not repeat.
+        // A relief crosses seams, for which the texture must not repeat.
         let within = file.uv.as_ref().map(slime::fitted);
         if within != file.uv {
-            note(format_args!("texture coordinates are made smaller, to be from 0 to 1"));
+            note(format_args!("{}: texture coordinates are scaled into 0 to 1", named()));
         }
         file.uv = within;
     }
@@ -305,34 +308,36 @@ fn drawing(args: &Args) -> Result<Drawing> {
         let positions = fitted.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
         return Ok(Drawing::Vertices { file: Box::new(file), positions });
     }
-    let uv = file.uv.as_ref().context("has no texture coordinates").with_context(named)?;
+    let uv = file.uv.as_ref().context("no texture coordinates (--uv)").with_context(named)?;
     let texels = texels(&fitted, uv, width, height).with_context(named)?;
     let (width, height) = (width as usize, height as usize);
     Ok(Drawing::Texels { file: Box::new(file), texels, width, height })
 }
 
-/// The mesh moved and scaled such that its box has its middle at the origin and a longest side of
-/// `extent`.
+/// Moves and scales the mesh: its bounding box then has its centre at the origin and a longest side
+/// of `extent`.
 fn fitted(mesh: &TriMesh, extent: f64) -> catamaran::Result<TriMesh> {
     let (mut vertices, faces) = mesh.normalized(Normalization::UnitBox)?.into_parts();
     vertices.as_flattened_mut().iter_mut().for_each(|x| *x *= extent);
     TriMesh::new(vertices, faces)
 }
 
-/// N numbers with commas between them.
+/// Parses N numbers separated by commas.
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let all: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
-    let all = all.map_err(|e| format!("{e}: {N} numbers with commas between them are needed"))?;
-    all.try_into().map_err(|all: Vec<f64>| format!("{} numbers, where {N} are needed", all.len()))
+    let all = all.map_err(|e| format!("expected {N} numbers separated by commas: {e}"))?;
+    all.try_into().map_err(|all: Vec<f64>| {
+        format!("expected {N} numbers separated by commas, not {}", all.len())
+    })
 }
 
-/// `N` or `WIDTHxHEIGHT`.
+/// Parses `N` or `WIDTHxHEIGHT`.
 fn size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     let side = |text: &str| match text.trim().parse::<u32>() {
         Ok(n @ 1..=65_536) => Ok(n),
-        Ok(n) => Err(format!("{n}: sides are from 1 to 65,536")),
-        Err(e) => Err(e.to_string()),
+        Ok(n) => Err(format!("expected sides from 1 to 65,536, not {n}")),
+        Err(e) => Err(format!("expected N or WIDTHxHEIGHT, such as 800x600: {e}")),
     };
     Ok((side(width)?, side(height)?))
 }

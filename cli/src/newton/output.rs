@@ -1,4 +1,4 @@
-//! What is made of a fractal: pictures, meshes, volumes, tables.
+//! Writes a fractal as pictures, meshes, volumes and tables.
 
 use std::path::{Path, PathBuf};
 
@@ -22,10 +22,10 @@ use crate::picture::{
 };
 use crate::report::report;
 
-/// Where no surface is.
+/// The colour of texels without a surface.
 const NOTHING: [u8; 3] = [0; 3];
 
-/// What is computed, and what it is drawn as.
+/// The points to compute, and the kind of drawing.
 pub enum Drawing {
     Plane { grid: Grid },
     Vertices { file: Box<MeshFile>, positions: Vec<[f32; 3]> },
@@ -42,7 +42,7 @@ impl Drawing {
         }
     }
 
-    /// Width and height of the picture, if it is one.
+    /// Returns the width and height of the picture, if the drawing is one.
     fn pixels(&self) -> Option<(usize, usize)> {
         match self {
             Self::Plane { grid } => Some((grid.counts[0] as usize, grid.counts[1] as usize)),
@@ -51,7 +51,7 @@ impl Drawing {
         }
     }
 
-    /// Values of points as values of pixels.
+    /// Returns values of points as values of pixels.
     fn spread<T: Copy>(&self, values: Vec<T>, nothing: T) -> Vec<T> {
         let Self::Texels { texels, width, height, .. } = self else { return values };
         let mut all = vec![nothing; width * height];
@@ -62,17 +62,18 @@ impl Drawing {
     }
 }
 
-/// Whether a file is called like a picture.
+/// Returns whether the name of a file is that of a picture.
 fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
-/// Whether a file is called like a mesh.
+/// Returns whether the name of a file is that of a mesh.
 fn is_mesh(path: &Path) -> bool {
     MeshFormat::of(path).is_ok()
 }
 
-/// Whether the files are called what they will be, and what they depend on is there.
+/// Refuses names of files that do not fit their content, and options without the options that they
+/// need.
 pub fn check_names(args: &Args) -> Result<()> {
     let is_picture = args.uv || (args.mesh.is_none() && !args.volume);
     let is_image = |path: &Path| is_png(path) || AnimationFormat::of(path).is_some();
@@ -80,10 +81,10 @@ pub fn check_names(args: &Args) -> Result<()> {
         let name = path.display();
         if is_picture {
             if !is_image(path) {
-                bail!("{name}: a plane, or texels, are written as .png, .apng or .gif");
+                bail!("{name}: a plane or a texture is written as .png, .apng or .gif");
             }
         } else if AnimationFormat::of(path).is_some() {
-            bail!("{name}: --picture draws animations of meshes and volumes");
+            bail!("{name}: only --picture writes animations of meshes and volumes");
         } else if !args.volume {
             meshes::check_name(path)?;
         } else if !is_mesh(path) && VolumeFormat::of(path, false).is_none() {
@@ -101,7 +102,7 @@ pub fn check_names(args: &Args) -> Result<()> {
             bail!("--picture shows vertices or voxels: it needs MESH or --volume, and not --uv");
         }
         if !is_image(path) {
-            bail!("{}: a picture must be called .png, .apng or .gif", path.display());
+            bail!("{}: the name of a picture must end in .png, .apng or .gif", path.display());
         }
     }
     if let Some(path) = &args.material {
@@ -124,17 +125,17 @@ pub fn check_names(args: &Args) -> Result<()> {
     let files = [args.output.as_deref(), args.picture.path()];
     if args.fps.is_some() && !files.into_iter().flatten().any(|p| AnimationFormat::of(p).is_some())
     {
-        bail!("--fps is for animations, which are called .apng or .gif");
+        bail!("--fps is for animations: it needs an output named .apng or .gif");
     }
     let volume_file = |path: &PathBuf| VolumeFormat::of(path, true).is_some();
     if args.compress && ![&args.output, &args.heights].into_iter().flatten().any(volume_file) {
-        bail!("--compress is for .vti and .nrrd");
+        bail!("--compress is for .vti and .nrrd: it needs such an output");
     }
     Ok(())
 }
 
 impl Args {
-    /// Whether the output is the surface of basins.
+    /// Returns whether the output is the surface of basins.
     pub fn draws_surface(&self) -> bool {
         self.volume && self.output.as_deref().is_some_and(is_mesh)
     }
@@ -147,7 +148,7 @@ pub struct Outputs<'a> {
     heights: Option<Frames>,
     picture: Option<Frames>,
     material: Option<Frames>,
-    /// That of the first frame.
+    /// The transfer function of the first frame.
     transfer: Option<Transfer>,
 }
 
@@ -165,7 +166,7 @@ impl<'a> Outputs<'a> {
         })
     }
 
-    /// The names of all files.
+    /// Returns the names of all files.
     pub fn names(args: &Args) -> Vec<PathBuf> {
         let [output, heights, material] =
             [&args.output, &args.heights, &args.material].map(Option::as_deref);
@@ -261,7 +262,7 @@ impl<'a> Outputs<'a> {
         let output = output.file()?;
         if let Some(format) = VolumeFormat::of(output.path(), args.compress) {
             let arrays = [Voxels::Roots(&fractal.roots), Voxels::Convergence(&fractal.convergence)];
-            // NRRD has place for one.
+            // NRRD holds one array.
             let count = if matches!(format, VolumeFormat::Vti { .. }) { 2 } else { 1 };
             return Ok(write_volume(output, format, grid, &arrays[..count])?);
         }
@@ -269,24 +270,24 @@ impl<'a> Outputs<'a> {
         Ok(files::write(output, lines(&numbers, grid.counts[0] as usize))?)
     }
 
-    /// Draws a mesh, if there shall be a picture.
+    /// Draws a mesh, if a picture is requested.
     fn draw_mesh(&mut self, mesh: &TriMesh, colors: &[[u8; 3]], source: &Path) -> Result<()> {
         let Some(picture) = &mut self.picture else { return Ok(()) };
         let panels = [(mesh, Paint::Colors(colors), "")];
         picture.image(&self.args.picture.image(source, &panels, Scene::default())?)
     }
 
-    /// Lets animations appear.
+    /// Completes animations.
     pub fn finish(self) -> Result<()> {
         let all = [self.output, self.heights, self.picture, self.material];
         all.into_iter().flatten().try_for_each(Frames::finish)
     }
 }
 
-/// Width and height of a picture of a volume.
+/// Width and height of a picture of a volume, in pixels.
 const PICTURE: (usize, usize) = (800, 800);
 
-/// Values of points as a matrix of so many columns: a line of them a row.
+/// Returns values of points as a matrix with this number of columns: a line of points in each row.
 fn lines(values: &[f32], columns: usize) -> MatRef<'_, f32> {
     MatRef::from_row_major_slice(values, values.len() / columns.max(1), columns)
 }
@@ -317,7 +318,7 @@ fn write_heights(
     Ok(files::write(output, lines(&values, width))?)
 }
 
-/// The colours of points: of their roots, darker the slower they converge.
+/// Returns the colours of points: those of their roots, darker the slower the points converge.
 pub fn colors(newton: &Newton, fractal: &Fractal) -> Vec<[u8; 3]> {
     let n = newton.roots();
     let palette: Vec<_> = (0..n * n).map(|root| root_color(root as u16, n)).collect();

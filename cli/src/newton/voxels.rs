@@ -1,4 +1,4 @@
-//! What voxels are shown as: pictures of volumes, surfaces of basins.
+//! Shows voxels as pictures of volumes, and as surfaces of basins.
 
 use anyhow::{Result, bail};
 use catamaran::Par;
@@ -10,12 +10,12 @@ use clap::ValueEnum;
 
 use crate::picture::Volume;
 
-/// Numbers of roots; none for all of them.
+/// Numbers of roots; `None` for all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Basins(Option<Vec<u16>>);
 
 impl Basins {
-    /// `all`, or numbers with commas between them.
+    /// Parses `all`, or numbers separated by commas.
     pub fn parse(text: &str) -> Result<Self, String> {
         if text == "all" {
             return Ok(Self(None));
@@ -31,7 +31,7 @@ impl Basins {
         }
     }
 
-    /// The numbers, if the polynomial has those roots.
+    /// Returns the numbers, and refuses roots that the polynomial does not have.
     pub fn of(&self, newton: &Newton) -> Result<Vec<u16>> {
         let count = newton.roots().pow(2);
         let Some(numbers) = &self.0 else { return Ok((0..count as u16).collect()) };
@@ -42,7 +42,7 @@ impl Basins {
     }
 }
 
-/// What of a volume is opaque.
+/// The part of a volume that is opaque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Opacity {
     /// The basins.
@@ -51,15 +51,15 @@ pub enum Opacity {
     Slow,
 }
 
-/// The extinction of a solid voxel, a side: some 2 % of the light comes through.
+/// The extinction of a solid voxel, per side: some 2 % of the light comes through.
 const SOLID: f64 = 4.0;
-/// The largest extinction of slow voxels, a side of the cube.
+/// The largest extinction of slow voxels, per side of the cube.
 const SLOW: f64 = 60.0;
-/// The shares of voxels, by the speed of their convergence, from which on they are seen, and from
-/// which on they are as opaque as can be.
+/// The shares of voxels, ordered by speed of convergence, from which voxels are seen, and from
+/// which they are as opaque as possible.
 const SEEN: [f64; 2] = [0.7, 0.995];
 
-/// How shares of convergence become opaque.
+/// Converts shares of convergence to opacity.
 #[derive(Debug, Clone, Copy)]
 pub struct Transfer {
     low: f64,
@@ -67,7 +67,7 @@ pub struct Transfer {
 }
 
 impl Transfer {
-    /// One that suits this fractal.
+    /// Returns a transfer function that suits this fractal.
     pub fn new(newton: &Newton, fractal: &Fractal) -> Self {
         let mut all: Vec<f32> = fractal.convergence.clone();
         let last = all.len().saturating_sub(1);
@@ -84,7 +84,7 @@ impl Transfer {
     }
 }
 
-/// Voxels in the colours of their roots; only those of these basins.
+/// Returns voxels in the colours of their roots; only those of the given basins are opaque.
 pub fn volume(
     newton: &Newton,
     grid: &Grid,
@@ -111,7 +111,8 @@ pub fn volume(
     }
 }
 
-/// The surfaces of basins, closed, as one mesh: in the colours of their roots, a group each.
+/// Returns the closed surfaces of basins as one mesh, in the colours of their roots, with a group
+/// for each basin.
 pub fn surfaces(
     newton: &Newton,
     grid: &Grid,
@@ -142,7 +143,7 @@ pub fn surfaces(
         groups.names.push(format!("root-{root}"));
     }
     if faces.is_empty() {
-        bail!("--basins: no voxel is in one of them");
+        bail!("--basins: no voxel is in any of these basins");
     }
     let mut file = MeshFile::from(TriMesh::new(vertices, faces)?);
     file.colors = Some(colors);

@@ -1,4 +1,4 @@
-//! Pictures one after the other: as numbered files, or as an animation in one file.
+//! Writes sequences of pictures: as numbered files, or as an animation in one file.
 
 use std::cell::RefCell;
 use std::io::{self, Write};
@@ -11,11 +11,11 @@ use catamaran::io::Output;
 use super::image::Image;
 use crate::common::Force;
 
-/// Frames a second of an animation, by default.
+/// Frames per second of an animation, by default.
 pub const RATE: f64 = 12.0;
 
-/// Pixels of a frame of GIF that its colours are learned from, at least if it has as many: a tenth
-/// of a second.
+/// Pixels of a GIF frame that its colours are learned from, if it has as many; learning takes a
+/// tenth of a second.
 const LEARNED: usize = 50_000;
 
 /// Formats of animations.
@@ -23,12 +23,12 @@ const LEARNED: usize = 50_000;
 pub enum Format {
     /// Animated PNG: exact.
     Apng,
-    /// GIF: 256 colours a frame.
+    /// GIF: 256 colours in each frame.
     Gif,
 }
 
 impl Format {
-    /// The format that the name of a file says, if it is one of an animation.
+    /// Returns the format that the name of a file selects, if it is one of an animation.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
         match &*extension {
@@ -39,32 +39,32 @@ impl Format {
     }
 }
 
-/// A number of frames a second.
+/// Parses a number of frames per second.
 pub fn rate(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(rate) if (0.1..=50.0).contains(&rate) => Ok(rate),
-        _ => Err("expected a number of frames a second from 0.1 to 50".into()),
+        _ => Err("expected frames per second, a number from 0.1 to 50".into()),
     }
 }
 
 /// Where frames go.
 pub enum Frames {
-    /// Each to a file of its own.
+    /// Each frame goes to a separate file.
     Files(std::vec::IntoIter<Output>),
-    /// All to one file.
+    /// All frames go to one file.
     Animation(Animation),
 }
 
 impl Frames {
-    /// Starts the files for the frames: an animation if `path` is called like one, else one file a
-    /// frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame, called
-    /// `path`.
+    /// Starts the files for the frames: an animation if the name of `path` is that of one, else a
+    /// file for each frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame,
+    /// in `path`.
     pub fn create(path: &Path, count: Option<usize>, rate: f64, force: Force) -> Result<Self> {
         if let Some(format) = Format::of(path) {
             let name = path.display();
             let Some(count) = count else { bail!("{name}: an animation needs --frames") };
             if count == 0 {
-                bail!("{name}: an animation has at least one frame");
+                bail!("{name}: --frames 0, where an animation needs at least one frame");
             }
             let output = force.create(path)?;
             return Ok(Self::Animation(Animation::new(output, format, count, rate)));
@@ -73,15 +73,15 @@ impl Frames {
         Ok(Self::Files(files.collect::<Result<Vec<_>>>()?.into_iter()))
     }
 
-    /// The file of the next frame.
+    /// Returns the file of the next frame.
     pub fn file(&mut self) -> Result<Output> {
         match self {
             Self::Files(files) => files.next().context("more frames than files"),
-            Self::Animation(_) => bail!("an animation has pictures only"),
+            Self::Animation(_) => bail!("an animation holds only pictures"),
         }
     }
 
-    /// Writes the next frame, which is a picture.
+    /// Writes the next frame, a picture.
     pub fn image(&mut self, image: &Image) -> Result<()> {
         match self {
             Self::Files(_) => image.write_png(self.file()?),
@@ -89,7 +89,7 @@ impl Frames {
         }
     }
 
-    /// Lets an animation appear; other files have done so before.
+    /// Completes an animation; other files are complete already.
     pub fn finish(self) -> Result<()> {
         match self {
             Self::Files(_) => Ok(()),
@@ -98,7 +98,7 @@ impl Frames {
     }
 }
 
-/// The names of the files of frames.
+/// Returns the names of the files of frames.
 pub fn names(path: &Path, count: Option<usize>) -> Vec<PathBuf> {
     match count {
         Some(count) if Format::of(path).is_none() => {
@@ -108,14 +108,14 @@ pub fn names(path: &Path, count: Option<usize>) -> Vec<PathBuf> {
     }
 }
 
-/// `folder/name.png` as `folder/name-007.png`.
+/// Returns `folder/name-007.png` for `folder/name.png` and 7.
 fn numbered(path: &Path, i: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-{i:03}.{extension}"))
 }
 
-/// A file that an encoder writes to, and that is taken back when it is done.
+/// A file that is shared with an encoder, and taken back at the end.
 struct Shared(Rc<RefCell<Output>>);
 
 impl Write for Shared {
@@ -131,7 +131,7 @@ impl Write for Shared {
 /// An animation that is being written; it repeats for ever.
 pub struct Animation {
     output: Rc<RefCell<Output>>,
-    /// From the first frame on, which says how large it is.
+    /// Set by the first frame, which determines the size.
     encoder: Option<Encoder>,
     format: Format,
     frames: u32,
@@ -145,7 +145,7 @@ enum Encoder {
 }
 
 impl Animation {
-    /// One of so many frames.
+    /// Returns an animation of `frames` frames.
     fn new(output: Output, format: Format, frames: usize, rate: f64) -> Self {
         let name = output.path().display().to_string();
         let (output, frames) = (Rc::new(RefCell::new(output)), frames as u32);

@@ -11,64 +11,65 @@ use super::mesh::{Paint, Panel, Scene, Up, View, render};
 use crate::common::Force;
 use crate::report::status;
 
-/// A picture of meshes, beside what a subcommand computes.
+/// The options of the picture that a subcommand draws.
 #[derive(clap::Args)]
 pub struct PictureArgs {
     /// Draw the result to this .png file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// From where meshes are seen: degrees around the upward axis, degrees above the horizon, then
+    /// Viewpoint of the picture: degrees around the upward axis and degrees above the horizon, then
     /// ,flat for no perspective [default: 30,15].
     #[arg(long, value_name = "AROUND,ABOVE", requires = "picture", allow_hyphen_values = true)]
     view: Option<View>,
-    /// The axis that is up in the picture [default: that of the normals for a height field such as
-    /// a terrain, else z for .stl and .3mf, else y].
+    /// Axis that points up in the picture [default: that of the normals for a height field such as
+    /// a terrain, otherwise z for .stl, and y for all other files].
     #[arg(long, value_name = "AXIS", requires = "picture")]
     up: Option<Up>,
 }
 
-/// What is drawn: meshes side by side, what each is painted with, and its title.
+/// The panels of a picture: meshes side by side, the paint of each, and its title.
 type Panels<'a> = [(&'a TriMesh, Paint<'a>, &'a str)];
 
 impl PictureArgs {
-    /// Begins the picture, if there shall be one.
+    /// Begins the picture, if one is requested.
     pub fn create(&self, force: Force) -> Result<Option<Output>> {
         let Some(path) = &self.picture else { return Ok(None) };
         if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
-            bail!("{}: a picture must be called .png", path.display());
+            bail!("{}: the name of a picture must end in .png", path.display());
         }
         force.create(path).map(Some)
     }
 
-    /// Draws meshes side by side, all from the same side. The first and the name of its file,
-    /// `source`, say which axis is up, unless --up does.
+    /// Draws meshes side by side, all from the same viewpoint. Without --up, the first mesh and the
+    /// name of its file, `source`, determine the upward axis.
     pub fn draw(&self, output: Output, source: &Path, panels: &Panels<'_>) -> Result<()> {
         self.draw_as(output, source, panels, Scene::default())
     }
 
-    /// [`PictureArgs::draw`] of values from 0 to 1, whatever the least and the largest of them are.
+    /// Draws values from 0 to 1 on that scale, whatever their range; otherwise like
+    /// [`PictureArgs::draw`].
     pub fn draw_shares(&self, output: Output, source: &Path, panels: &Panels<'_>) -> Result<()> {
         let scale = Some(ColorScale::of([0.0, 1.0].into_iter()));
         self.draw_as(output, source, panels, Scene { scale, ..Scene::default() })
     }
 
-    /// [`PictureArgs::draw`] with flat faces and their edges.
+    /// Draws flat faces and their edges; otherwise like [`PictureArgs::draw`].
     pub fn draw_faces(&self, output: Output, source: &Path, panels: &Panels<'_>) -> Result<()> {
         let scene = Scene { edges: true, smooth: false, ..Scene::default() };
         self.draw_as(output, source, panels, scene)
     }
 
-    /// The name of the picture, if there shall be one.
+    /// Returns the name of the picture, if one is requested.
     pub fn path(&self) -> Option<&Path> {
         self.picture.as_deref()
     }
 
-    /// From where something is seen whose `up` axis is this, unless --up says another.
+    /// Returns the viewpoint, with --up or else `up` as the upward axis.
     pub fn view(&self, up: Up) -> View {
         View { up: self.up.unwrap_or(up), ..self.view.unwrap_or_default() }
     }
 
-    /// What [`PictureArgs::draw`] writes.
+    /// Returns the image that [`PictureArgs::draw`] writes.
     pub fn image(&self, source: &Path, panels: &Panels<'_>, scene: Scene<'_>) -> Result<Image> {
         let view = self.view(panels.first().map_or(Up::Y, |(mesh, ..)| guess(mesh, source)));
         let panels =

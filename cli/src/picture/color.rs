@@ -4,10 +4,10 @@ use colorous::{Gradient, RED_BLUE, VIRIDIS};
 
 use super::image::Rgb;
 
-/// The colour of what is not a number.
+/// The colour of NaN.
 const MISSING: Rgb = [150, 150, 150];
 
-/// Which colours stand for numbers.
+/// The colours that stand for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorMap {
     /// Blue, white, red, for numbers on both sides of a middle.
@@ -28,14 +28,15 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// For these numbers: diverging with zero in the middle when they have both signs, else
-    /// sequential from the least to the greatest. What is not finite takes no part.
+    /// Returns a scale for these numbers: diverging with zero in the middle when they have both
+    /// signs, else sequential from the least to the greatest. Numbers that are not finite are
+    /// ignored.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|x| x.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         let most = high.max(-low);
-        // A little over zero by rounding is no sign of its own.
+        // Rounding may give tiny numbers of the other sign.
         if low < -1e-6 * most && high > 1e-6 * most {
             return Self { map: ColorMap::Diverging, low: -most, high: most };
         }
@@ -43,12 +44,12 @@ impl ColorScale {
         Self { map: ColorMap::Sequential, low, high }
     }
 
-    /// The colour of a number; those beyond the ends have the colours of the ends.
+    /// Returns the colour of a number; numbers beyond the ends have the colours of the ends.
     pub fn color(&self, value: f64) -> Rgb {
         self.place(value).map_or(MISSING, |place| self.color_at(place))
     }
 
-    /// Where a number is between the ends, from 0 to 1; `None` for what is not one.
+    /// Returns the position of a number between the ends, from 0 to 1; `None` for NaN.
     fn place(&self, value: f64) -> Option<f64> {
         let t =
             if self.high > self.low { (value - self.low) / (self.high - self.low) } else { 0.5 };
@@ -65,15 +66,14 @@ impl ColorScale {
     }
 }
 
-/// The light of the colours of a scale, looked up: there are many samples to a picture, and few
-/// colours.
+/// A table of the light of the colours of a scale: a picture has many samples and few colours.
 pub struct Lights {
     scale: ColorScale,
     lights: Vec<[f64; 3]>,
 }
 
 impl Lights {
-    /// Colours looked up; neighbours differ by less than a step of a screen.
+    /// Entries of the table; neighbours differ by less than a step of a screen.
     const STEPS: usize = 2048;
 
     pub fn new(scale: ColorScale) -> Self {
@@ -82,7 +82,7 @@ impl Lights {
         Self { scale, lights }
     }
 
-    /// The light of the colour of a number.
+    /// Returns the light of the colour of a number.
     pub fn of(&self, value: f64) -> [f64; 3] {
         match self.scale.place(value) {
             Some(place) => self.lights[(place * (Self::STEPS - 1) as f64).round() as usize],
@@ -91,7 +91,7 @@ impl Lights {
     }
 }
 
-/// Amounts of light from the numbers of a screen (IEC 61966-2-1).
+/// Converts the numbers of a screen to amounts of light (IEC 61966-2-1).
 pub fn to_light(color: Rgb) -> [f64; 3] {
     color.map(|c| {
         let c = f64::from(c) / 255.0;
@@ -99,7 +99,7 @@ pub fn to_light(color: Rgb) -> [f64; 3] {
     })
 }
 
-/// The inverse of [`to_light`], rounded; light beyond 1 is white.
+/// Inverts [`to_light`], with rounding; light beyond 1 is white.
 pub fn to_screen(light: [f64; 3]) -> Rgb {
     light.map(|l| {
         let l = l.clamp(0.0, 1.0);

@@ -15,23 +15,23 @@ pub struct Image {
 }
 
 impl Image {
-    /// One of a single colour.
+    /// Returns an image of a single colour.
     pub fn new(width: usize, height: usize, color: Rgb) -> Self {
         Self { width, height, pixels: vec![color; width * height] }
     }
 
-    /// One whose pixel in column x and row y is `color(x, y)`.
+    /// Returns the image whose pixel in column x and row y is `color(x, y)`.
     pub fn from_fn(width: usize, height: usize, color: impl Fn(usize, usize) -> Rgb) -> Self {
         let pixels = (0..width * height).map(|i| color(i % width, i / width)).collect();
         Self { width, height, pixels }
     }
 
-    /// One of these pixels, rows of `width` from the top.
+    /// Returns the image of these pixels, rows of `width` from the top.
     pub fn from_pixels(width: usize, pixels: Vec<Rgb>) -> Self {
         Self { width, height: pixels.len() / width.max(1), pixels }
     }
 
-    /// Writes it as PNG and lets the file appear.
+    /// Writes the image as PNG, and completes the file.
     pub fn write_png(&self, mut output: Output) -> Result<()> {
         let name = output.path().display().to_string();
         self.encode(&mut output).with_context(|| format!("{name}: can't be written"))?;
@@ -48,27 +48,28 @@ impl Image {
         writer.finish()
     }
 
-    /// Pixels in a row.
+    /// Returns the number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Red, green and blue of the pixels, by rows.
+    /// Returns red, green and blue of the pixels, row by row.
     pub fn bytes(&self) -> &[u8] {
         self.pixels.as_flattened()
     }
 
-    /// The pixel in column x and row y, if it is there.
+    /// Returns the pixel in column x and row y, if there is one.
     pub fn pixel(&mut self, x: usize, y: usize) -> Option<&mut Rgb> {
         if x < self.width { self.pixels.get_mut(y * self.width + x) } else { None }
     }
 
-    /// Puts another over it, its upper left corner at column x and row y; what sticks out is cut.
+    /// Draws another image over this one, its upper left corner at column x and row y; parts
+    /// outside are cut.
     pub fn paste(&mut self, other: &Self, x: usize, y: usize) {
         for (row, line) in other.pixels.chunks_exact(other.width.max(1)).enumerate() {
             for (column, &color) in line.iter().enumerate() {
@@ -80,7 +81,7 @@ impl Image {
     }
 }
 
-/// Writes numbers as a PNG of 16 bits, black for 0, and lets the file appear.
+/// Writes numbers as a PNG of 16 bits, black for 0, and completes the file.
 pub fn write_gray(mut output: Output, width: usize, height: usize, values: &[u16]) -> Result<()> {
     let name = output.path().display().to_string();
     let encode = |sink: &mut dyn Write| -> Result<(), png::EncodingError> {

@@ -10,9 +10,9 @@ use colorous::{Color, Gradient, MAGMA, RED_BLUE};
 
 use super::image::Image;
 
-/// Longest side of a picture; larger matrices are averaged down to it.
+/// Longest side of a picture, in pixels; larger matrices are averaged down to it.
 const LARGEST: usize = 1024;
-/// Entries of small matrices become squares so that the side is at least about this.
+/// Least side of a picture, about, in pixels: entries of small matrices become squares.
 const SMALLEST: usize = 512;
 
 /// The colours of a heat map, and the values they stand for.
@@ -36,7 +36,7 @@ impl Scale {
         gradient.eval_continuous(t.clamp(0.0, 1.0))
     }
 
-    /// The two ends and the stops between, as a CSS gradient from low to high.
+    /// Returns the scale as a CSS gradient from low to high.
     pub fn css(self) -> String {
         let low = if self == Self::Diverging { -1.0 } else { 0.0 };
         let stops: Vec<String> = (0..=16)
@@ -46,9 +46,9 @@ impl Scale {
     }
 }
 
-/// Writes a PNG of the n x n matrix C, of which `entry` gives the row and column that hold the
-/// entry (i, j), and returns its colours. Entries are shown as `C_ij / sqrt(C_ii C_jj)`, which is a
-/// correlation when A was centred, and zero where the diagonal is.
+/// Writes a PNG of the n x n matrix C, and returns its colours. `entry` returns the row and column
+/// that hold the entry (i, j). Entries are shown as `C_ij / sqrt(C_ii C_jj)`, which is a
+/// correlation when A was centred, and as zero where the diagonal is zero.
 pub fn write<T: Real>(
     output: Output,
     c: MatRef<'_, T>,
@@ -80,8 +80,8 @@ pub fn write<T: Real>(
     Ok(scale)
 }
 
-/// Writes a PNG of n x n levels, of which those from 0 to 1 have colours of their own, and returns
-/// the colours. Of a larger matrix every cell is the highest of its levels.
+/// Writes a PNG of n x n levels, which are shown from 0 to 1, and returns the colours. A cell of a
+/// larger matrix shows the highest of its levels.
 pub fn levels(output: Output, n: usize, level: impl Fn(usize, usize) -> f64) -> Result<Scale> {
     let cells = n.min(SMALLEST);
     let mut highest = Vec::with_capacity(cells * cells);
@@ -96,7 +96,7 @@ pub fn levels(output: Output, n: usize, level: impl Fn(usize, usize) -> f64) -> 
     Ok(Scale::Sequential)
 }
 
-/// The rows or columns, of n, that a cell stands for.
+/// Returns the rows or columns, of n, that a cell shows.
 fn span(cell: usize, cells: usize, n: usize) -> Range<usize> {
     cell * n / cells..(cell + 1) * n / cells
 }

@@ -24,10 +24,10 @@ pub use volume::{Volume, render_volume};
 
 use catamaran::faer::Mat;
 
-/// A surface that nothing is to be seen on but its shape.
+/// The paint of a surface that shows nothing but its shape.
 pub const PLAIN: Paint<'static> = Paint::Plain([205, 214, 224]);
 
-/// The first column of functions on a mesh, to be drawn.
+/// Returns the first column of functions on a mesh, for drawing.
 pub fn first_column(functions: &Mat<f64>) -> Vec<f64> {
     functions.col_iter().next().map_or_else(Vec::new, |column| column.iter().copied().collect())
 }

@@ -1,11 +1,11 @@
-//! Words in pictures.
+//! Writes text in pictures.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 use super::color::{to_light, to_screen};
 use super::image::{Image, Rgb};
 
-/// How large letters are: their height in pixels.
+/// The height of letters, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
     /// 16.
@@ -15,12 +15,12 @@ pub enum Size {
 }
 
 impl Size {
-    /// The height of a line, in pixels.
+    /// Returns the height of a line, in pixels.
     pub fn height(self) -> usize {
         self.raster().val()
     }
 
-    /// The width of a text, in pixels.
+    /// Returns the width of a text, in pixels.
     pub fn width(self, text: &str) -> usize {
         text.chars().count() * get_raster_width(FontWeight::Regular, self.raster())
     }
@@ -33,8 +33,8 @@ impl Size {
     }
 }
 
-/// Writes ASCII text, its upper left corner at column x and row y; other characters are question
-/// marks, and what does not fit is cut.
+/// Writes ASCII text, its upper left corner at column x and row y; other characters become question
+/// marks, and text outside of the image is cut.
 pub fn write_text(image: &mut Image, text: &str, size: Size, x: usize, y: usize, color: Rgb) {
     let ink = to_light(color);
     let mut x = x;
@@ -53,7 +53,7 @@ pub fn write_text(image: &mut Image, text: &str, size: Size, x: usize, y: usize,
     }
 }
 
-/// A number in few letters: three digits, and a power of ten where that is shorter.
+/// Formats a number in few letters: three digits, and a power of ten where that is shorter.
 pub fn number(x: f64) -> String {
     if x == 0.0 {
         return "0".into();

@@ -1,5 +1,4 @@
-//! Curves on a surface as thin tubes that lie on it, and samples as small balls, so that they are
-//! drawn as what they are.
+//! Draws curves on a surface as thin tubes that lie on it, and samples as small balls.
 
 use anyhow::Result;
 use catamaran::curve::Curve;
@@ -8,20 +7,21 @@ use catamaran::mesh::{TriMesh, families};
 
 use super::image::Rgb;
 
-/// Radius of a tube, and of a ball, relative to the diagonal of the bounding box.
+/// Radius of a tube, relative to the diagonal of the bounding box.
 const TUBE: f64 = 0.0035;
+/// Radius of a ball, relative to the diagonal of the bounding box.
 const BALL: f64 = 0.008;
 /// Sides of a tube.
 const SIDES: usize = 6;
-/// A full turn cut into sides.
+/// The angle between neighbouring sides of a tube, in radians.
 const STEP: f64 = std::f64::consts::TAU / SIDES as f64;
 
 const SURFACE: Rgb = [205, 214, 224];
 const SAMPLE: Rgb = [30, 34, 42];
-/// Of the curves, one after the other.
+/// Colours of the curves, one after the other.
 const CURVES: [Rgb; 4] = [[214, 40, 57], [29, 92, 196], [26, 138, 68], [222, 138, 16]];
 
-/// The mesh with these curves and samples on it, and a colour for each vertex.
+/// Returns the mesh with these curves and samples on it, and a colour for each vertex.
 pub fn with_curves(
     mesh: &TriMesh,
     curves: &[Curve],
@@ -51,11 +51,11 @@ pub fn with_curves(
     Ok((TriMesh::new(vertices, faces)?, colors))
 }
 
-/// Takes points of a surface off it along its normals, or a tube around them would be half inside.
+/// Moves points off a surface along its normals, so that tubes around them are not half inside.
 struct Lift<'a> {
     mesh: &'a TriMesh,
     normals: Vec<Vector>,
-    /// Vertices that faces have, by x.
+    /// Vertices of faces, ordered by x.
     sorted: Vec<u32>,
     height: f64,
 }
@@ -69,7 +69,7 @@ impl<'a> Lift<'a> {
         Self { mesh, normals: mesh.vertex_normals(), sorted, height }
     }
 
-    /// The point above p, by the normal of the vertex nearest to p.
+    /// Returns the point above p, by the normal of the vertex nearest to p.
     fn above(&self, p: Vector) -> Vector {
         let Some(vertex) = self.nearest(p) else { return p };
         let normal = self.normals[vertex as usize];
@@ -89,14 +89,15 @@ impl<'a> Lift<'a> {
             }
             (at(v)[0] - p[0]).abs() <= far
         };
-        // Away from p along x, until x alone is farther than the nearest so far.
+        // The search goes away from p along x, until x alone is farther than the nearest vertex so
+        // far.
         let _ = above.iter().all(|&v| look(v));
         let _ = below.iter().rev().all(|&v| look(v));
         best.map(|(_, vertex)| vertex)
     }
 }
 
-/// The side of a prism around a line, without ends.
+/// Adds the sides of a prism around a line, without ends.
 fn tube(
     vertices: &mut Vec<Vector>,
     faces: &mut Vec<[u32; 3]>,

@@ -1,4 +1,4 @@
-//! Volumes of coloured, lit, more or less transparent voxels: emission and absorption along rays
+//! Draws volumes of coloured, lit, partly transparent voxels: emission and absorption along rays
 //! (N. Max, "Optical models for direct volume rendering", IEEE Transactions on Visualization and
 //! Computer Graphics 1, 1995).
 
@@ -17,11 +17,11 @@ use super::mesh::camera::Camera;
 use super::mesh::shade::{GLOSS, gloss, lambert};
 use super::mesh::{LARGEST, MARGIN, PAPER};
 
-/// Samples along a ray, a voxel.
+/// Samples along a ray, per voxel.
 const SAMPLES: f64 = 2.0;
-/// A ray ends where less than this share of the light behind is seen.
+/// A ray ends when less than this share of the light from behind is visible.
 const HIDDEN: f32 = 1e-3;
-/// The edges of the box that are behind the volume, and half their width in pixels.
+/// Colour of the edges of the box that are behind the volume, and half their width in pixels.
 const EDGE: (Rgb, f64) = ([150, 152, 158], 0.6);
 
 /// Voxels, x running fastest, then y.
@@ -34,16 +34,16 @@ pub struct Volume {
     pub step: Vector,
     /// The colour of each voxel.
     pub colors: Vec<Rgb>,
-    /// The extinction of each voxel: what is left of light after a way s through this and the same
-    /// is exp(-extinction s). Not negative.
+    /// The extinction of each voxel, not negative: the share of light after a distance s through
+    /// voxels of this extinction is exp(-extinction s).
     pub extinction: Vec<f32>,
 }
 
-/// Draws a volume, in the light of those lamps that meshes have, on paper. The same volume gives
-/// the same bytes for any number of threads.
+/// Draws a volume on paper, lit by the lamps of meshes. The same volume gives the same bytes for
+/// any number of threads.
 ///
 /// # Errors
-/// Sides of a picture that are too long, colours or extinctions that do not fit the voxels;
+/// The sides of the picture are too long; colours or extinctions do not fit the voxels;
 /// `Cancelled`.
 pub fn render_volume(
     volume: &Volume,
@@ -94,7 +94,7 @@ impl Volume {
         std::array::from_fn(|c| self.low[c] + self.counts[c] as f64 * self.step[c])
     }
 
-    /// The box as a mesh: corner b has the high end along those axes whose bits are in b.
+    /// Returns the box as a mesh: corner b has the high end along those axes whose bits are in b.
     fn corners(&self) -> Result<TriMesh> {
         let ends = [self.low, self.high()];
         let corner = |b: usize| std::array::from_fn(|c| ends[b >> c & 1][c]);
@@ -104,17 +104,18 @@ impl Volume {
         Ok(TriMesh::new((0..8).map(corner).collect(), faces)?)
     }
 
-    /// The extinction of a voxel; 0 where none is.
+    /// Returns the extinction of a voxel; 0 outside of the volume.
     fn at(&self, place: [usize; 3]) -> f32 {
         let [nx, ny, _] = self.counts;
-        // What is below 0 has wrapped around.
+        // Indices below 0 have wrapped around.
         if (0..3).any(|c| place[c] >= self.counts[c]) {
             return 0.0;
         }
         self.extinction[place[0] + nx * (place[1] + ny * place[2])]
     }
 
-    /// Where the extinction falls, and how fast: by Sobel's operator, which smooths across.
+    /// Returns the direction and rate at which the extinction falls, by Sobel's operator, which
+    /// smooths across.
     fn slope(&self, place: [usize; 3]) -> Vector {
         let mut slope = [0.0; 3];
         for d in 0..27_usize {
@@ -130,7 +131,7 @@ impl Volume {
         std::array::from_fn(|c| slope[c] / (32.0 * self.step[c]))
     }
 
-    /// For each voxel of a layer what it sends to the viewer, and its extinction.
+    /// Computes the light that each voxel of a layer sends to the viewer, and its extinction.
     fn light_layer(&self, camera: &Camera, k: usize, out: &mut [[f32; 4]]) {
         let [nx, ny, _] = self.counts;
         for (p, out) in out.iter_mut().enumerate() {
@@ -158,7 +159,7 @@ impl Volume {
         }
     }
 
-    /// Where a ray is in the box.
+    /// Returns the part of a ray that is in the box.
     fn inside(&self, from: Vector, way: Vector) -> Option<[f64; 2]> {
         let (low, high) = (self.low, self.high());
         let mut range = [0.0_f64, f64::INFINITY];
@@ -175,7 +176,7 @@ impl Volume {
         (range[0] < range[1]).then_some(range)
     }
 
-    /// The light that comes along a ray, and the share that is left of light from behind.
+    /// Returns the light that comes along a ray, and the remaining share of light from behind.
     fn march(&self, lit: &[[f32; 4]], from: Vector, way: Vector, range: [f64; 2]) -> [f32; 4] {
         let step = self.step.iter().fold(f64::INFINITY, |least, s| s.min(least)) / SAMPLES;
         let count = ((range[1] - range[0]) / step).ceil().max(1.0);
@@ -206,7 +207,8 @@ impl Volume {
         [light[0], light[1], light[2], left]
     }
 
-    /// Mixed from the eight voxels around; beyond the outermost centres as there.
+    /// Interpolates between the eight voxels around; beyond the outermost centres, values are those
+    /// at the centres.
     fn sample(&self, lit: &[[f32; 4]], place: Vector) -> [f32; 4] {
         let (mut low, mut share, mut next) = ([0; 3], [0.0; 3], [0; 3]);
         let strides = [1, self.counts[0], self.counts[0] * self.counts[1]];
@@ -230,7 +232,7 @@ impl Volume {
 /// Lines on the screen.
 struct Edges(Vec<[[f64; 2]; 2]>);
 
-/// The edges of a box that belong to no side that is seen.
+/// Returns the edges of a box that belong to no visible side.
 fn hidden_edges(corners: &TriMesh, camera: &Camera) -> Edges {
     let points: Vec<_> = corners.vertices().iter().map(|&p| camera.project(p)).collect();
     let seen = |face: &[u32; 3]| {
@@ -248,7 +250,7 @@ fn hidden_edges(corners: &TriMesh, camera: &Camera) -> Edges {
 }
 
 impl Edges {
-    /// The light that comes from behind at a place on the screen.
+    /// Returns the light that comes from behind at a place on the screen.
     fn behind(&self, x: f64, y: f64) -> [f64; 3] {
         let distance = |[a, b]: &[[f64; 2]; 2]| {
             let along = [b[0] - a[0], b[1] - a[1]];
@@ -266,8 +268,8 @@ impl Edges {
     }
 }
 
-/// Calls `work(i, item)` for every item, each once, on so many threads, of which the calling one
-/// reports.
+/// Calls `work(i, item)` once for every item, on this number of threads; the calling thread reports
+/// progress.
 fn share_out<T: Send>(
     threads: usize,
     items: Vec<T>,
@@ -297,7 +299,7 @@ fn share_out<T: Send>(
     std::thread::scope(|scope| {
         for _ in 1..threads.min(count) {
             let other = || {
-                // It reports nothing, which can't fail.
+                // This thread reports nothing, which can't fail.
                 let _ = serve(&|| Ok(()));
             };
             // Fewer threads where the system has no more: slower, but the same.
@@ -305,7 +307,7 @@ fn share_out<T: Send>(
         }
         serve(&|| progress.report(done.load(Ordering::Relaxed) as f64 / count as f64))
     })?;
-    // Others may have done all of it before this thread came to report.
+    // Other threads may have done all items before this thread reports.
     progress.report(1.0)
 }
 

@@ -1,4 +1,4 @@
-//! Accumulators on the disk, for a run that was killed to go on.
+//! Saves accumulators, from which a run that was killed is resumed.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -13,13 +13,13 @@ use crate::parse;
 use crate::ranks::Ranks;
 use crate::report::{complain, status};
 
-/// Where sums are kept, and when.
+/// The options of checkpoints.
 #[derive(clap::Args)]
 pub struct CheckpointArgs {
-    /// Keep the sums so far in this file, for --resume; it is removed in the end.
+    /// Save the sums to this file from time to time, for --resume; the file is removed at the end.
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
-    /// Minutes between two checkpoints; 0: after each block.
+    /// Minutes between two checkpoints; 0 writes one after each block.
     #[arg(
         long,
         value_name = "MINUTES",
@@ -28,19 +28,19 @@ pub struct CheckpointArgs {
         requires = "checkpoint"
     )]
     checkpoint_every: Duration,
-    /// Go on from the checkpoint, if there is one: the result will be the same bytes as without a
-    /// stop.
+    /// Continue from the checkpoint, if there is one. The result has the same bytes as that of an
+    /// uninterrupted run.
     #[arg(long, requires = "checkpoint")]
     resume: bool,
 }
 
 impl CheckpointArgs {
-    /// Whether sums are kept.
+    /// Returns whether checkpoints are written.
     pub fn is_given(&self) -> bool {
         self.checkpoint.is_some()
     }
 
-    /// Where this rank keeps its sums.
+    /// Returns the file of the checkpoints of this rank.
     fn path(&self, ranks: &Ranks) -> Option<PathBuf> {
         let path = self.checkpoint.as_ref()?;
         Some(match ranks.label() {
@@ -53,22 +53,23 @@ impl CheckpointArgs {
         })
     }
 
-    /// Refuses a file that is there, unless it is gone on from or replaced, and one that can't be
+    /// Refuses a file that exists, unless --resume or --force is given, and a file that can't be
     /// written.
     pub fn check(&self, ranks: &Ranks, force: Force) -> Result<()> {
         let Some(path) = self.path(ranks) else { return Ok(()) };
         if !force.is_given() && !self.resume && path.symlink_metadata().is_ok() {
             bail!(
-                "{}: exists already (--force replaces it, --resume goes on from it)",
+                "{}: exists already (--force replaces it, --resume continues from it)",
                 path.display()
             );
         }
-        // Hours later would be too late to find out.
+        // The first checkpoint, which may be hours later, would be too late for this error.
         drop(Output::create(&path, Overwrite::Replace)?);
         Ok(())
     }
 
-    /// The sums of all columns to go on from, if there are any and that is asked for.
+    /// Returns the sums of all columns in the checkpoint, with --resume and if there is a
+    /// checkpoint.
     pub fn resume<T: BlasReal>(
         &self,
         ranks: &Ranks,
@@ -81,13 +82,13 @@ impl CheckpointArgs {
         }
     }
 
-    /// Begins to count the time.
+    /// Starts the time to the first checkpoint.
     pub fn begin(&self, ranks: &Ranks) -> Option<Checkpoint> {
         let (path, every) = (self.path(ranks)?, self.checkpoint_every);
         Some(Checkpoint { path, every, last: Instant::now() })
     }
 
-    /// Removes the file, when all ranks have done their work.
+    /// Removes the file, after all ranks have done their work.
     pub fn remove(&self, ranks: &Ranks) -> Result<()> {
         ranks.wait();
         match self.path(ranks) {
@@ -106,7 +107,7 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the file when it is time. A failure is told, and leaves the last file: the sums are
+    /// Writes the file when it is due. A failure is reported and leaves the last file: the sums are
     /// still right.
     pub fn after_block<T: BlasReal>(&mut self, sum: &Accumulator<T>) {
         if self.last.elapsed() < self.every || sum.rows() == sum.expected_rows() {
@@ -115,13 +116,15 @@ impl Checkpoint {
         let written = Output::create(&self.path, Overwrite::Replace)
             .and_then(|output| files::write_accumulator(output, sum));
         if let Err(e) = written {
-            complain(format_args!("{e}; going on with the last checkpoint, if there is one"));
+            complain(format_args!(
+                "{e}; the run continues, with the last checkpoint if there is one"
+            ));
         }
         self.last = Instant::now();
     }
 }
 
-/// The accumulator in the file, when it is one of the same sums; `None` when there is no file.
+/// Reads the accumulator in the file, and refuses one of other sums; `None` when there is no file.
 fn resume<T: BlasReal>(
     path: &Path,
     ncols: usize,
@@ -129,13 +132,13 @@ fn resume<T: BlasReal>(
 ) -> Result<Option<Accumulator<T>>> {
     if path.symlink_metadata().is_err() {
         let name = path.display().to_string();
-        status!("resumed", path = name, row = 0; "no {name}: from the first row")?;
+        status!("resumed", path = name, row = 0; "no {name}: the run starts from the first row")?;
         return Ok(None);
     }
     let sum = files::read_accumulator::<T>(path)?;
     sum.check_labels(labels).with_context(|| path.display().to_string())?;
     if sum.strip() != (0..ncols) {
-        bail!("{}: not of all of C", path.display());
+        bail!("{}: has the sums of a strip of C, not of all of C", path.display());
     }
     let (rows, all) = (sum.rows(), sum.expected_rows());
     let name = path.display().to_string();

@@ -1,5 +1,5 @@
-//! What commands share that read the rows of a matrix once, block by block: where rows come from,
-//! and how sums are kept for a run that was killed to go on.
+//! The rows of commands that read a matrix once, block by block: where rows come from, and how sums
+//! are saved for a run that was killed.
 
 mod checkpoint;
 mod source;

@@ -1,4 +1,4 @@
-//! Where the rows of A come from: a file that is read block by block, or a matrix in memory.
+//! The rows of A: a file that is read block by block, or a matrix in memory.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -22,7 +22,7 @@ use crate::report::{seconds, status};
 pub struct Source {
     name: PathBuf,
     content: Content,
-    /// Of its columns, in the header of a text table; none elsewhere.
+    /// The names of the columns, in the header of a text table; empty elsewhere.
     names: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ enum Content {
     Whole(Matrix),
 }
 
-/// Opens a matrix and reports what it is.
+/// Opens a matrix, and reports its size and kind.
 pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> Result<Source> {
     let start = Instant::now();
     let source = Source::open(path, columns)?;
@@ -57,7 +57,7 @@ pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> 
 pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 
 impl Source {
-    /// Opens `.npy` and HDF5, and reads everything else.
+    /// Opens `.npy` and HDF5 files, and reads all others.
     pub fn open(name: &Path, columns: Option<Range<usize>>) -> Result<Self> {
         let (content, names) = if is_file_of_rows(name) {
             let file = RowFile::open(name)?;
@@ -73,22 +73,22 @@ impl Source {
         Ok(Self { name: name.into(), content, names })
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.name
     }
 
-    /// The names of the columns, in the header of a text table; none elsewhere.
+    /// Returns the names of the columns, in the header of a text table; empty elsewhere.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Whether it is read block by block.
+    /// Returns whether the matrix is read block by block.
     pub fn is_file(&self) -> bool {
         matches!(self.content, Content::File(_))
     }
 
-    /// Number of rows and columns.
+    /// Returns the number of rows and columns.
     pub fn shape(&self) -> (usize, usize) {
         match &self.content {
             Content::File(file) => (file.nrows(), file.ncols()),
@@ -96,7 +96,7 @@ impl Source {
         }
     }
 
-    /// Whether it holds single precision.
+    /// Returns whether the entries are in single precision.
     pub fn is_single(&self) -> bool {
         match &self.content {
             Content::File(file) => file.is_single(),
@@ -104,7 +104,7 @@ impl Source {
         }
     }
 
-    /// The sparse matrix, if it is one.
+    /// Returns the sparse matrix, if the source is one.
     pub fn sparse(&self) -> Option<&CsMat<f64>> {
         match &self.content {
             Content::Whole(Matrix::Sparse(sparse)) => Some(sparse),
@@ -112,7 +112,7 @@ impl Source {
         }
     }
 
-    /// The type of its entries, for people.
+    /// Describes the type of the entries.
     pub fn kind(&self) -> String {
         match self.sparse() {
             Some(sparse) => format!("f64, {} nonzeros", sparse.nnz()),
@@ -120,7 +120,7 @@ impl Source {
         }
     }
 
-    /// What tells it from others, and from itself after a change.
+    /// Returns a text that distinguishes the source from others, and from itself after a change.
     pub fn identity(&self) -> String {
         match &self.content {
             Content::File(file) => file.identity(),
@@ -134,7 +134,8 @@ impl Source {
         }
     }
 
-    /// The rows, converted to T; `strict` refuses NaN and infinities. Can be asked for again.
+    /// Returns the rows, converted to T; `strict` refuses NaN and infinities. May be called several
+    /// times.
     pub fn rows<T: BlasReal>(&self, strict: bool) -> Result<Rows<'_, T>> {
         let rows = match &self.content {
             Content::File(file) => Box::new(file.try_clone()?),
@@ -144,7 +145,8 @@ impl Source {
     }
 }
 
-/// Whether the name says so. What is no plain file, such as a pipe, is read as a whole.
+/// Returns whether the name is that of a file that is read by rows. A file that is not regular,
+/// such as a pipe, is read as a whole.
 fn is_file_of_rows(name: &Path) -> bool {
     let text = name.to_string_lossy().to_ascii_lowercase();
     let hdf5 = [".h5", ".hdf5", ".he5"];
@@ -183,7 +185,7 @@ impl<T: Real> RowBlocks<T> for Finite<'_, T> {
     }
 }
 
-/// Rows that tell a bar how far they were read, and stop when it says so.
+/// Rows that report to a bar how far they were read, and stop after a signal.
 pub struct Watched<'a, T> {
     /// The rows.
     pub rows: Rows<'a, T>,
@@ -228,7 +230,7 @@ fn read(
     named(path, files::read_with_names(path, &options.max_memory(input::max_memory())))
 }
 
-/// The file, in errors that know none.
+/// Adds the file to errors that do not name it.
 fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
     match result {
         Err(e @ (catamaran::Error::Argument { .. } | catamaran::Error::OutOfMemory { .. })) => {
@@ -238,7 +240,7 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
     }
 }
 
-/// The `m` weights in a file with one row or one column.
+/// Reads the `m` weights in a file with one row or one column.
 pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
     let (matrix, _) = read(path, "weights", None)?;
     let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
@@ -261,9 +263,9 @@ pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
 
 /// Some of the rows of a source.
 pub struct Part<'a, T> {
-    /// All of them.
+    /// All rows.
     pub rows: Rows<'a, T>,
-    /// These.
+    /// The rows of this part.
     pub range: Range<usize>,
 }
 
@@ -281,7 +283,7 @@ impl<T> RowBlocks<T> for Part<'_, T> {
     }
 }
 
-/// Tells weights from others: FNV-1a of their bits.
+/// Returns a number that distinguishes weights: FNV-1a of their bits.
 pub fn fingerprint(weights: &[f64]) -> u64 {
     let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     weights.iter().flat_map(|w| w.to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, mix)

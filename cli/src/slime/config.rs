@@ -1,5 +1,5 @@
-//! What a simulation is like: a TOML file with the names of table 3.1, or an .ini of the reference
-//! implementation.
+//! Reads the configuration of a simulation: a TOML file with the names of table 3.1, or an .ini of
+//! the reference implementation.
 
 use std::fs;
 use std::path::Path;
@@ -10,10 +10,10 @@ use serde::Deserialize;
 
 use super::material::LookConfig;
 
-/// Sub-steps where a file asks for projected steps and does not say how many.
+/// Substeps of projected steps, if the file gives no number.
 const SUBSTEPS: u32 = 10;
 
-/// The names and units of [`Options`], and what materials look like.
+/// The names and units of [`Options`], and the look of materials.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Config {
@@ -50,7 +50,7 @@ enum Spread {
     SeamAware,
 }
 
-/// What a file says, and which of it has no counterpart here.
+/// The settings of a file, and the names of settings that have no counterpart here.
 #[derive(Debug, PartialEq)]
 pub struct Loaded {
     pub options: Options,
@@ -58,7 +58,7 @@ pub struct Loaded {
     pub without_effect: Vec<String>,
 }
 
-/// Reads a configuration; what it does not say is as by default.
+/// Reads a configuration; settings that are missing have their defaults.
 pub fn load(path: &Path) -> Result<Loaded> {
     let named = || path.display().to_string();
     let text = fs::read_to_string(path).with_context(named)?;
@@ -109,8 +109,9 @@ fn toml(text: &str) -> Result<Loaded> {
     Ok(Loaded { options, look: config.material, without_effect: Vec::new() })
 }
 
-/// The .ini of the thesis' implementation (github.com/filthynobleman/slime-manifold, data/configs):
-/// lengths are parts of the side of the texture, the turn speed is in half-turns a second.
+/// Reads the .ini of the thesis' implementation (github.com/filthynobleman/slime-manifold,
+/// data/configs): lengths are parts of the side of the texture, the turn speed is in half-turns per
+/// second.
 fn reference(text: &str) -> Result<Loaded> {
     let mut options = Options::default();
     let mut without_effect = Vec::new();
@@ -120,7 +121,7 @@ fn reference(text: &str) -> Result<Loaded> {
             continue;
         }
         let Some((key, value)) = line.split_once('=').map(|(k, v)| (k.trim(), v.trim())) else {
-            bail!("line {number}: {line:?} is not a name, = and a value");
+            bail!("line {number}: {line:?} is not of the form NAME=VALUE");
         };
         let real = || value.parse::<f64>().with_context(|| format!("line {number}: {key}"));
         let count = || value.parse::<usize>().with_context(|| format!("line {number}: {key}"));
@@ -133,8 +134,8 @@ fn reference(text: &str) -> Result<Loaded> {
             "VisionDist" => options.vision_distance = 100.0 * real()?,
             "DecayRate" => options.evaporation_rate = real()?,
             "DiffuseRate" => options.diffusion_rate = real()?,
-            // Steps are exact here, sensors are points of a blurred texture, and what an agent
-            // leaves is 1.
+            // Steps are exact here, sensors are points of a blurred texture, and an agent deposits
+            // 1.
             "MoveStep" | "SensorRadius" | "TrailWeight" | "StepsPerFrame" => {
                 real()?;
                 without_effect.push(key.to_owned());

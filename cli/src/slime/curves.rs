@@ -11,7 +11,7 @@ use catamaran_charts::{Axis, Chart, Line, Series};
 /// A moment: seconds of the simulation, and the coverage of each species.
 pub type Moment = (f64, Vec<Coverage>);
 
-/// A row a moment.
+/// Writes a row for each moment.
 pub fn write_csv(mut output: Output, moments: &[Moment]) -> Result<()> {
     let mut text = String::from("seconds");
     for s in 0..moments.first().map_or(0, |m| m.1.len()) {

@@ -5,8 +5,8 @@ use catamaran::io::Output;
 use catamaran::mesh::io::Picture;
 use catamaran::texture::slime::Simulation;
 
-/// The names of the pictures of a frame, without their ending's dot: species in the channels of
-/// one, or one each when there are more than three.
+/// Returns the names of the pictures of a frame: species in the channels of one picture, or one
+/// picture for each species when there are more than three.
 pub fn names(stem: &str, species: usize) -> Vec<String> {
     match species {
         1..=3 => vec![format!("{stem}.png")],
@@ -31,7 +31,7 @@ pub fn write(simulation: &Simulation, outputs: Vec<Output>) -> Result<()> {
     outputs.into_iter().enumerate().try_for_each(|(s, output)| save(output, gray(s)?))
 }
 
-/// Writes a texture, whose rows are from v = 0, and lets the file appear.
+/// Writes a texture, whose rows are from v = 0, and completes the file.
 pub fn save(mut output: Output, texture: Picture) -> Result<()> {
     texture.flipped().write_png(&mut output).map_err(|e| output.error(e))?;
     Ok(output.commit()?)

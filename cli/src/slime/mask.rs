@@ -1,4 +1,4 @@
-//! Masks from PNG.
+//! Reads masks from PNG.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -8,11 +8,11 @@ use anyhow::{Context, Result};
 use catamaran::io::SourceOptions;
 use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE};
 
-/// Above this a channel of a mask counts.
+/// A channel of a mask counts above this value.
 const HALF: u8 = 127;
 
 /// Reads a mask of `size` x `size` texels from a picture of any size: red where agents start, green
-/// where they can't go, blue where they want to be (thesis, figure 3.9). Texels take the pixel at
+/// where obstacles are, blue where attractors are (thesis, figure 3.9). Texels take the pixel at
 /// their centre.
 pub fn read(path: &Path, size: usize, options: &SourceOptions<'_>) -> Result<Mask> {
     let named = || path.display().to_string();
@@ -30,7 +30,7 @@ pub fn read(path: &Path, size: usize, options: &SourceOptions<'_>) -> Result<Mas
     let info = reader.next_frame(&mut pixels).with_context(named)?;
     let samples = info.color_type.samples();
     if samples < 3 {
-        anyhow::bail!("{}: a mask has red, green and blue; this is grey", named());
+        anyhow::bail!("{}: a mask needs red, green and blue; this picture is grey", named());
     }
     let (width, height) = (info.width as usize, info.height as usize);
     let mut mask = Mask::default();

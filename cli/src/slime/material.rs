@@ -1,4 +1,4 @@
-//! Materials of what grew: looks in the configuration, and the files of `--material`.
+//! Materials of the texture: looks in the configuration, and the files of `--material`.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use serde::Deserialize;
 use super::images;
 use crate::common::Force;
 
-/// The mesh in its material.
+/// The file of the mesh with its material.
 pub const MODEL: &str = "material.glb";
 const ALBEDO: &str = "albedo.png";
 const ROUGHNESS: &str = "roughness.png";
@@ -20,7 +20,7 @@ const HEIGHT: &str = "height.png";
 const NORMAL: &str = "normal.png";
 const GLOW: &str = "glow.png";
 
-/// The table `[material]` of a configuration: what differs from a look that has a name.
+/// The table `[material]` of a configuration: differences from a named look.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LookConfig {
@@ -44,23 +44,24 @@ struct FinishConfig {
     glow: Option<f64>,
 }
 
-/// The names of looks, on the command line.
+/// Parses the name of a look on the command line.
 pub fn parser() -> impl TypedValueParser<Value = Preset> {
     let names = Preset::ALL.map(|(name, _)| name);
     PossibleValuesParser::new(names).try_map(|name| named(&name))
 }
 
-/// The look of a name.
+/// Returns the look with this name.
 pub fn named(name: &str) -> Result<Preset, String> {
     let found = Preset::ALL.into_iter().find(|(known, _)| *known == name);
     found.map(|(_, preset)| preset).ok_or_else(|| {
         let known = Preset::ALL.map(|(known, _)| known).join(", ");
-        format!("no look is called {name:?}; there are {known}")
+        format!("no look is called {name:?}; the looks are {known}")
     })
 }
 
 impl LookConfig {
-    /// The look that it describes; `preset`, of the command line, goes before the name that it has.
+    /// Returns the described look; `preset`, of the command line, replaces the look that the file
+    /// names.
     pub fn look(&self, preset: Option<Preset>) -> Result<Look> {
         let own = self.look.as_deref().map(named).transpose().map_err(|e| anyhow!("look: {e}"))?;
         let mut look = Look::of(preset.or(own).unwrap_or_default());
@@ -70,7 +71,7 @@ impl LookConfig {
         look.bare = self.bare.over(look.bare)?;
         let known = look.species.clone();
         for (s, config) in self.species.iter().enumerate() {
-            // Looks have colours again from the first for more species.
+            // For more species the finishes of a look repeat from the first.
             let finish = config.over(known[s % known.len()])?;
             match look.species.get_mut(s) {
                 Some(own) => *own = finish,
@@ -94,17 +95,17 @@ impl FinishConfig {
     }
 }
 
-/// A colour as style sheets have it: `#rrggbb`.
+/// Parses a colour as style sheets write it: `#rrggbb`.
 fn color(text: &str) -> Result<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii());
     let byte = |k: usize| u8::from_str_radix(digits?.get(2 * k..2 * k + 2)?, 16).ok();
     match [0, 1, 2].map(byte) {
         [Some(r), Some(g), Some(b)] => Ok([r, g, b]),
-        _ => bail!("color: {text:?}, where one such as \"#ffcd50\" is needed"),
+        _ => bail!("color: {text:?} is not a colour such as \"#ffcd50\""),
     }
 }
 
-/// The names of the files of a look.
+/// Returns the names of the files of a look.
 pub fn names(look: &Look) -> Vec<&'static str> {
     let glows = look.species.iter().chain([&look.bare]).any(|finish| finish.glow > 0.0);
     let mut all = vec![ALBEDO, ROUGHNESS, METALNESS, HEIGHT, NORMAL];
@@ -115,8 +116,8 @@ pub fn names(look: &Look) -> Vec<&'static str> {
     all
 }
 
-/// Statements of a Wavefront material that name the pictures (roughness, metalness and normals as
-/// most programs have them).
+/// Returns the statements of a Wavefront material that name the pictures (roughness, metalness and
+/// normals as most programs write them).
 pub fn statements(look: &Look) -> String {
     let glow = if names(look).contains(&GLOW) {
         format!("Ke 1 1 1\nmap_Ke {GLOW}\n")
@@ -158,7 +159,7 @@ pub fn write(
         material = material.emission(glow.flipped());
     }
     let mut model = mesh.clone();
-    // Without them viewers show flat faces.
+    // Without normals viewers show flat faces.
     let values = model.mesh.vertex_normals();
     model.normals = Some(Attribute { values, corners: None });
     meshes::write_with_material(create(MODEL)?, &model, &material)

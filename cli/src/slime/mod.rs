@@ -37,84 +37,83 @@ use on_device::OnDevice;
 use view::Subject;
 pub use view::draw;
 
-/// Pixels of a side of the picture of the mesh.
+/// Side of the picture of the mesh, in pixels.
 const PIXELS: usize = 900;
 
 /// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
 ///
-/// The folder gets the texture every so many steps, species in the channels of one .png up to three
-/// and in one .png each beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj,
-/// whose material (mesh.mtl) shows the last picture. A mesh without texture coordinates gets an
-/// atlas of its triangles. With --material the folder gets textures for physically based rendering,
-/// and the mesh in them. Ctrl-C ends it; with --state it can go on from there, with the same result
-/// as if it had never stopped.
+/// The folder gets the texture at each frame (--every): up to three species are the channels of one
+/// .png, and more species have one .png each. It also gets coverage.csv, and mesh.obj, the mesh
+/// with its texture coordinates, whose material (mesh.mtl) shows the last frame. A mesh without
+/// texture coordinates gets an atlas of its triangles. With --material the folder gets textures for
+/// physically based rendering, and the mesh with these textures. Ctrl-C ends the run; a run with
+/// --state can be resumed (--resume), with the same result as without the interruption.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH", required_unless_present = "tile")]
     mesh: Option<PathBuf>,
-    /// No mesh, but a square whose opposite sides are joined: the texture repeats without a seam.
-    /// Its picture (--render) shows four of it.
+    /// Use a square whose opposite sides are joined, instead of a mesh: the texture repeats without
+    /// a seam. --render shows four copies.
     #[arg(long, conflicts_with_all = ["mesh", "atlas"])]
     tile: bool,
-    /// What the simulation is like: .toml with the names of table 3.1 of the thesis
+    /// Settings of the simulation: .toml with the names of table 3.1 of the thesis
     /// (docs/algorithms/slime.md) and a table [material] (docs/guide/slime.md), or an .ini of the
     /// reference implementation.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Steps, those of a run that is resumed among them.
+    /// Number of steps in all; those of a resumed run count.
     #[arg(long, value_name = "NUMBER", default_value_t = 900)]
     steps: u32,
-    /// The folder for frames.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Steps from frame to frame; only the last one unless given.
+    /// Number of steps from frame to frame [default: the last step is the only frame].
     #[arg(long, value_name = "STEPS")]
     every: Option<u32>,
-    /// Texels of a side of the texture, a multiple of 32; goes before the file.
+    /// Texels along each side of the texture, a multiple of 32; overrides --config [default: 2048].
     #[arg(long, value_name = "TEXELS")]
     size: Option<usize>,
-    /// Number of agents; goes before the file.
+    /// Number of agents; overrides --config [default: 1000000].
     #[arg(long, value_name = "NUMBER")]
     agents: Option<usize>,
-    /// Number of species; goes before the file.
+    /// Number of species; overrides --config [default: 1].
     #[arg(long, value_name = "NUMBER")]
     species: Option<usize>,
-    /// Seed of all randomness; goes before the file.
+    /// Seed of all randomness; overrides --config [default: 0].
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u32>,
-    /// A .png over the texture: red where agents start, green where obstacles are, blue where
-    /// attractors are.
+    /// Mask over the texture, a .png file: red where agents start, green where obstacles are, blue
+    /// where attractors are.
     #[arg(long, value_name = "FILE")]
     mask: Option<PathBuf>,
-    /// An atlas of triangles even where the mesh has texture coordinates.
+    /// Make an atlas of triangles even if the mesh has texture coordinates.
     #[arg(long)]
     atlas: bool,
     /// Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and material.glb,
-    /// the mesh in them, which glTF viewers show: with the look of the configuration, or
-    /// --material=LOOK: strands, marble, gold, wood, engraved or lava (which writes glow.png, too)
-    /// [default: strands].
+    /// the mesh with these textures, for glTF viewers. LOOK is strands, marble, gold, wood,
+    /// engraved or lava (which also writes glow.png) [default: that of --config, or strands].
     #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::parser())]
     material: Option<Option<Preset>>,
-    /// Draw the mesh in its last texture, or in its material, to this .png file.
+    /// Draw the mesh with its last texture, or with its material, to this .png file.
     #[arg(long, value_name = "FILE")]
     render: Option<PathBuf>,
-    /// From where it is seen: degrees around the upward axis, degrees above the horizon, then ,flat
-    /// for no perspective [default: 30,15].
+    /// Viewpoint of --render: degrees around the upward axis and degrees above the horizon, then
+    /// ,flat for no perspective [default: 30,15].
     #[arg(long, value_name = "AROUND,ABOVE", requires = "render", allow_hyphen_values = true)]
     view: Option<View>,
-    /// The axis that is up in that picture [default: that of the normals for a height field such as
-    /// a terrain, else z for .stl and .3mf, else y].
+    /// Axis that points up in the picture of --render [default: that of the normals for a height
+    /// field such as a terrain, otherwise z for .stl, and y for all other files].
     #[arg(long, value_name = "AXIS", requires = "render")]
     up: Option<Up>,
     /// Draw coverage and presence over time to this .svg file.
     #[arg(long, value_name = "FILE")]
     coverage: Option<PathBuf>,
-    /// Write the state in the end, or at Ctrl-C, to this file.
+    /// Save the state to this file at the end, or at Ctrl-C.
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Go on from the state in this file; mesh, configuration and mask must be those that it began
-    /// with.
+    /// Continue from the state in this file; mesh, configuration and mask must be those of the
+    /// interrupted run.
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -142,7 +141,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let first = simulation.state().step;
     if first > args.steps {
-        bail!("--steps: {}, but the state that is resumed is after {first}", args.steps);
+        bail!("--steps {}: the resumed state is after {first} steps already", args.steps);
     }
     let device = args.device.open()?;
     let mut on_device =
@@ -215,7 +214,7 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = folder, files = count; "{folder}: {count} files")
 }
 
-/// Reports the time of so many steps, and what they left.
+/// Reports the time of the steps, and the coverage after them.
 fn report_steps(time: Duration, steps: u32, species: &[Coverage]) -> Result<()> {
     if steps > 0 {
         let step = time / steps;
@@ -241,7 +240,7 @@ fn report_steps(time: Duration, steps: u32, species: &[Coverage]) -> Result<()> 
     Ok(())
 }
 
-/// The files besides frames.
+/// The outputs besides frames.
 struct Outputs {
     table: Output,
     mesh: Output,
@@ -258,7 +257,7 @@ impl Outputs {
             if !ending.is_empty()
                 && path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(ending))
             {
-                bail!("{}: must be called .{ending}", path.display());
+                bail!("{}: the name must end in .{ending}", path.display());
             }
             Ok(Some(args.force.create(path)?))
         };
@@ -274,7 +273,7 @@ impl Outputs {
 
 /// The mesh with the texture coordinates of the frames.
 const MESH: &str = "mesh.obj";
-/// Its material, which shows the last frame.
+/// The material of the mesh, which shows the last frame.
 const MATERIAL: &str = "mesh.mtl";
 const MATERIAL_NAME: &str = "slime";
 /// Coverage and presence after each step.
@@ -286,7 +285,7 @@ fn frame_names(step: u32, last: u32, species: usize) -> Vec<String> {
 }
 
 impl Args {
-    /// The options, and the look of the material if there is to be one.
+    /// Returns the options, and the look of the material if one is requested.
     fn options(&self) -> Result<(Options, Option<Look>)> {
         let mut options = Options::default();
         let mut look = LookConfig::default();
@@ -294,11 +293,11 @@ impl Args {
             let loaded = config::load(path)?;
             if !loaded.without_effect.is_empty() {
                 let names = loaded.without_effect.join(", ");
-                note(format_args!("{}: without effect here: {names}", path.display()));
+                note(format_args!("{}: settings without effect here: {names}", path.display()));
             }
             options = loaded.options;
             if loaded.look.is_some() && self.material.is_none() {
-                note(format_args!("{}: [material] is for --material", path.display()));
+                note(format_args!("{}: [material] needs --material", path.display()));
             }
             look = loaded.look.unwrap_or_default();
         }
@@ -311,11 +310,11 @@ impl Args {
         Ok((options, look))
     }
 
-    /// The steps after which there is a frame, and the names of all files in the folder, none of
-    /// which is there yet.
+    /// Returns the steps after which there is a frame, and the names of all files in the folder,
+    /// none of which exists yet.
     fn frames(&self, species: usize, look: Option<&Look>) -> Result<(Vec<u32>, Vec<String>)> {
         let mut frames: Vec<u32> = match self.every {
-            Some(0) => bail!("--every: 0, where at least 1 is needed"),
+            Some(0) => bail!("--every 0: at least 1 is needed"),
             Some(every) => (1..=self.steps / every).map(|i| i * every).collect(),
             None => Vec::new(),
         };
@@ -330,7 +329,7 @@ impl Args {
         Ok((frames, files))
     }
 
-    /// The picture of --render.
+    /// Draws the picture of --render.
     fn draw(
         &self,
         file: &MeshFile,
@@ -359,10 +358,10 @@ impl Args {
         };
         let inside = fitted(uv);
         if inside != *uv {
-            note(format_args!("texture coordinates are made to fit into 0 to 1"));
+            note(format_args!("{}: texture coordinates are scaled into 0 to 1", path.display()));
         }
         Surface::new(&file.mesh, &inside)
-            .with_context(|| format!("{} (--atlas does without)", path.display()))
+            .with_context(|| format!("{} (--atlas makes new texture coordinates)", path.display()))
     }
 
     fn simulation(&self, file: &MeshFile, options: &Options) -> Result<Simulation> {
@@ -370,7 +369,7 @@ impl Args {
         let folded = surface.flipped().len();
         if folded > 0 {
             note(format_args!(
-                "the texture is folded: {folded} triangles lie upside down in it, face {} first",
+                "the texture is folded: {folded} triangles are upside down, the first is face {}",
                 surface.flipped()[0]
             ));
         }
@@ -403,7 +402,7 @@ impl Args {
     }
 }
 
-/// The mesh with the texture coordinates that the frames are for.
+/// Returns the mesh with the texture coordinates of the frames.
 fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
     let values = simulation.surface().uv().as_flattened().to_vec();
     let corners = (0..values.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
@@ -415,8 +414,8 @@ fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
     textured
 }
 
-/// Writes the material of the mesh (Wavefront MTL): the textures of its look, or white but for the
-/// picture of a frame.
+/// Writes the material of the mesh (Wavefront MTL): the textures of its look, or the picture of a
+/// frame.
 fn write_material(mut output: Output, picture: Option<&String>, look: Option<&Look>) -> Result<()> {
     let texture = match look {
         Some(look) => material::statements(look),

@@ -1,4 +1,4 @@
-//! A simulation whose steps a device takes.
+//! Runs a simulation on a device.
 
 use anyhow::Result;
 use catamaran::texture::slime::{Coverage, Simulation};
@@ -11,18 +11,18 @@ pub struct OnDevice(catamaran::opencl::SlimeOnDevice);
 
 #[cfg(feature = "opencl")]
 impl OnDevice {
-    /// From where the simulation is.
+    /// Copies the simulation to the device.
     pub fn new(device: &Device, simulation: &Simulation) -> Result<Self> {
         Ok(Self(catamaran::opencl::SlimeOnDevice::new(device, simulation)?))
     }
 
-    /// One step, and what is covered then.
+    /// Computes a step, and returns the coverage after it.
     pub fn step(&mut self) -> Result<Vec<Coverage>> {
         self.0.run(1, catamaran::base::Progress::none())?;
         Ok(self.0.coverage()?)
     }
 
-    /// Brings the simulation to where the device is.
+    /// Copies the state of the device to the simulation.
     pub fn give_back(&self, simulation: &mut Simulation) -> Result<()> {
         Ok(self.0.give_back(simulation)?)
     }

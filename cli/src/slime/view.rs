@@ -1,4 +1,4 @@
-//! A lit picture of the surface in its texture.
+//! Draws the lit surface with its texture.
 
 use anyhow::Result;
 use catamaran::mesh::TriMesh;
@@ -7,12 +7,12 @@ use catamaran::texture::slime::{GOAL, OBSTACLE, Simulation};
 
 use crate::picture::{Image, Material, Paint, Panel, Scene, Texture, View, render};
 
-/// Where nothing is, in an attractor, and on an obstacle.
+/// Colours of bare ground, of attractors, and of obstacles.
 const BARE: [f64; 3] = [40.0, 44.0, 52.0];
 const ATTRACTOR: [f64; 3] = [46.0, 92.0, 60.0];
 const WALL: [f64; 3] = [128.0, 128.0, 134.0];
 
-/// Colours of pheromone, again from the first when there are more species.
+/// Colours of pheromone; they repeat from the first for more species.
 const COLORS: [[f64; 3]; 6] = [
     [255.0, 205.0, 80.0],
     [90.0, 190.0, 255.0],
@@ -22,7 +22,7 @@ const COLORS: [[f64; 3]; 6] = [
     [240.0, 240.0, 240.0],
 ];
 
-/// The colour of each texel.
+/// Returns the colour of each texel.
 pub fn colors(simulation: &Simulation) -> Vec<[u8; 3]> {
     let size = simulation.texels().size();
     let of = |texel: usize| {
@@ -41,21 +41,21 @@ pub fn colors(simulation: &Simulation) -> Vec<[u8; 3]> {
     (0..size * size).map(of).collect()
 }
 
-/// What a picture is of.
+/// The subject of a picture.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     /// The mesh.
     pub mesh: &'a TriMesh,
     /// The texture coordinates of the corners of its faces.
     pub uv: &'a [[[f64; 2]; 3]],
-    /// How it grew.
+    /// The simulation.
     pub simulation: &'a Simulation,
-    /// Its material, if it has one.
+    /// The material, if there is one.
     pub maps: Option<&'a MaterialMaps>,
 }
 
 impl Subject<'_> {
-    /// The surface as it is now, `pixels` high and wide.
+    /// Draws the surface as it is now, `pixels` high and wide.
     pub fn draw(&self, view: View, pixels: usize) -> Result<Image> {
         let plain = if self.maps.is_none() { colors(self.simulation) } else { Vec::new() };
         let texture = Texture {
@@ -74,13 +74,13 @@ impl Subject<'_> {
     }
 }
 
-/// The surface as it is now, `pixels` high and wide, with a colour for each species.
+/// Draws the surface as it is now, `pixels` high and wide, with a colour for each species.
 pub fn draw(mesh: &TriMesh, simulation: &Simulation, view: View, pixels: usize) -> Result<Image> {
     let uv = simulation.surface().uv();
     Subject { mesh, uv, simulation, maps: None }.draw(view, pixels)
 }
 
-/// Four tiles, two each way, and their texture coordinates: to see that no seam shows.
+/// Returns four tiles, two each way, and their texture coordinates, to show that there is no seam.
 pub fn four_tiles() -> Result<(TriMesh, Vec<[[f64; 2]; 3]>)> {
     let (mut vertices, mut faces, mut uv) = (Vec::new(), Vec::new(), Vec::new());
     for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {

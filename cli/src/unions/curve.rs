@@ -14,7 +14,7 @@ pub fn chart(history: &[Epoch]) -> Chart {
         Axis::log10("mean error of logarithms"),
         vec![
             curve("training", [0x1d, 0x4e, 0xd8], |epoch| epoch.training),
-            curve("pairs to choose by", [0xb4, 0x53, 0x09], |epoch| epoch.validation),
+            curve("validation", [0xb4, 0x53, 0x09], |epoch| epoch.validation),
         ],
     )
 }

@@ -16,44 +16,44 @@ use crate::report::{report, seconds, status};
 
 /// Generate shapes, cut parts out of them, and write the spectra of parts and of their unions.
 ///
-/// Humanoids and creatures of random bones to train on, other humanoids and three more families to
-/// test with; see docs/algorithms/unions.md. Shapes that are done stay in the folder FILE.parts
-/// until the file is there; the same command goes on from it. The same options give the same file
-/// for any number of threads.
+/// The data set has humanoids and creatures of random bones to train on, and other humanoids and
+/// three more families to test with; see docs/algorithms/unions.md. Finished shapes stay in the
+/// folder FILE.parts until FILE is complete; the same command resumes an interrupted run from that
+/// folder. The same options give the same file for any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The data set: .npz, or .h5 where HDF5 is built in.
+    /// Output file of the data set: .npz, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Seed of everything.
+    /// Seed of all randomness.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
-    /// How much of it; the options below change parts of that.
+    /// Size of the data set; the options below override parts of it.
     #[arg(long, default_value = "full")]
     size: Size,
-    /// Vertices of a shape, about.
+    /// Approximate number of vertices of a shape [default: 2500; small: 2000].
     #[arg(long, value_name = "NUMBER")]
     vertices: Option<usize>,
-    /// Humanoids to train on.
+    /// Number of humanoids to train on [default: 32; small: 8].
     #[arg(long, value_name = "NUMBER")]
     known: Option<usize>,
-    /// Humanoids to test with, of each of two body types.
+    /// Number of humanoids to test with, of each of two body types [default: 5; small: 2].
     #[arg(long, value_name = "NUMBER")]
     unknown: Option<usize>,
-    /// Quadrupeds, headphones and sheets to test with, of each.
+    /// Number of quadrupeds, of headphones and of sheets to test with [default: 2; small: 1].
     #[arg(long, value_name = "NUMBER")]
     others: Option<usize>,
-    /// Poses of each of them.
+    /// Number of poses of each of these shapes [default: 2].
     #[arg(long, value_name = "NUMBER")]
     poses: Option<usize>,
-    /// Pairs of parts of a family.
+    /// Number of pairs of parts of each family [default: 90; small: 36].
     #[arg(long, value_name = "NUMBER")]
     pairs: Option<usize>,
-    /// Further shapes to train on, each a known humanoid in another pose, with other parts than all
-    /// others.
+    /// Number of further humanoids to train on, each in another pose and with separate parts
+    /// [default: 4000; small: 8].
     #[arg(long, value_name = "NUMBER")]
     varied: Option<usize>,
-    /// Bodies of random bones to train on.
+    /// Number of creatures of random bones to train on [default: 320; small: 4].
     #[arg(long, value_name = "NUMBER")]
     creatures: Option<usize>,
     #[command(flatten)]
@@ -62,12 +62,12 @@ pub struct Args {
     force: Force,
 }
 
-/// A size with a name.
+/// A named size.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Size {
-    /// That of the pretrained weights.
+    /// The size that the pretrained weights were trained on.
     Full,
-    /// About a tenth, of small meshes.
+    /// A small data set of smaller meshes, to try things.
     Small,
 }
 
@@ -118,7 +118,7 @@ fn options(args: &Args) -> DatasetOptions {
     options
 }
 
-/// The folder of what is done.
+/// Returns the folder of the finished shapes.
 fn parts(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(".parts");

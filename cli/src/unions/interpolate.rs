@@ -12,28 +12,29 @@ use crate::common::Force;
 use crate::picture::{Paint, PictureArgs};
 use crate::report::row;
 
-/// Interpolate between the spectra of two parts, and predict the union of each with a third one.
+/// Interpolate between the spectra of two parts, and predict the union of each interpolated
+/// spectrum with a third part.
 ///
-/// What figure 2.10 of the thesis shows: with --localize, where the union goes on a template while
-/// one part turns into another. Spectra in between need not be those of any surface; the
-/// out-of-distribution score says where the network has seen nothing like them.
+/// With --localize this is figure 2.10 of the thesis: the region of the union on a template while
+/// one part turns into another. An interpolated spectrum may not be that of any surface; the
+/// out-of-distribution score says where it is unlike the training data.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The part to begin with, the one to end with, and the one that stays: .obj, .ply, .off, .stl,
-    /// .glb or .gltf, each also as .gz or .xz.
+    /// The first part, the last part, and the part that stays: .obj, .ply, .off, .stl, .glb or
+    /// .gltf, each also as .gz or .xz.
     #[arg(value_name = "PART", num_args = 3, required = true)]
     parts: Vec<PathBuf>,
-    /// Unions from beginning to end.
+    /// Number of unions from the first part to the last, 2 to 1000.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(2..=1000))]
     steps: u16,
     #[command(flatten)]
     source: PartArgs,
-    /// Find the unions on this template, a mesh: that of `unions template`.
+    /// Find the unions on this template, a mesh such as that of `unions template`.
     #[arg(long, value_name = "TEMPLATE")]
     localize: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Write the eigenvalues of the unions, a column each: .csv.
+    /// Write the eigenvalues of the unions to this .csv file, a column for each union.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -43,7 +44,7 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     if args.picture.path().is_some() && args.localize.is_none() {
-        bail!("--picture draws where unions are: it needs --localize");
+        bail!("--picture draws the regions of unions: it needs --localize");
     }
     let output = args.output.as_deref().map(|path| args.force.create(path)).transpose()?;
     let picture = args.picture.create(args.force)?;

@@ -13,7 +13,7 @@ mod tune;
 use anyhow::Result;
 use clap::Subcommand;
 
-/// Spectral unions of partial shapes: predict them, and data and training for that.
+/// Predict spectral unions of partial shapes, and train the network that predicts them.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]

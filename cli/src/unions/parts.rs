@@ -10,10 +10,11 @@ use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
 use crate::input::MeshArgs;
 use crate::report::{report, row};
 
-/// What predicts, and on what.
+/// The options of the network and of its input.
 #[derive(clap::Args)]
 pub struct PartArgs {
-    /// Other weights than those that come with the program: .safetensors, of `unions train`.
+    /// Weights of the network: .safetensors, of `unions train` or `unions tune` [default: those of
+    /// the program].
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
     #[command(flatten)]
@@ -24,19 +25,20 @@ pub struct PartArgs {
 pub type Localized = (TriMesh, Vec<f64>);
 
 impl PartArgs {
-    /// The weights of the file, or those that come with the program.
+    /// Returns the network with the weights of the file, or with those of the program.
     pub fn model(&self) -> Result<SpectralUnion> {
         model(self.weights.as_deref())
     }
 
-    /// A part, and its Dirichlet spectrum; without faces, that of the surface its points are from.
+    /// Reads a part and computes its Dirichlet spectrum; a part without faces is a point cloud of a
+    /// surface.
     pub fn read(&self, path: &Path) -> Result<(TriMesh, Vec<f64>)> {
         let mesh = self.repair.read(path)?.mesh;
         let spectrum = spectrum(&mesh).with_context(|| path.display().to_string())?;
         Ok((mesh, spectrum))
     }
 
-    /// Where unions are on a template, one for each list of parts.
+    /// Computes the regions of unions on a template, one for each list of parts.
     pub fn localized(
         &self,
         template: &Path,
@@ -62,7 +64,7 @@ impl PartArgs {
     }
 }
 
-/// The weights of a file, or those that come with the program.
+/// Returns the network with the weights of a file, or with those of the program.
 pub fn model(weights: Option<&Path>) -> Result<SpectralUnion> {
     Ok(match weights {
         Some(path) => SpectralUnion::read(path)?,
@@ -70,7 +72,7 @@ pub fn model(weights: Option<&Path>) -> Result<SpectralUnion> {
     })
 }
 
-/// What a score means.
+/// Reports an out-of-distribution score and its meaning.
 pub fn report_ood(score: f64) -> Result<()> {
     let verdict = if score > 1.0 {
         "unlike the training data, so the prediction is unreliable"
@@ -88,7 +90,7 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
     let values = spectra.dirichlet(&all, K)?;
     if values[0] <= 0.0 {
-        bail!("closed, or with a closed component: a part of a surface has a boundary");
+        bail!("a component is closed: each component of a part needs a boundary");
     }
     Ok(values)
 }

@@ -15,22 +15,22 @@ use crate::report::{head, row};
 /// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
 ///
 /// The parts are meshes with boundary or point clouds (files without faces), in any pose and
-/// position, of any connectivity; which of their points correspond is not needed. Prints 20
-/// Dirichlet eigenvalues of each part, those predicted for the union, and how unlike the shapes of
-/// the training the parts are: above 1 the prediction is unreliable.
+/// position, of any connectivity; correspondences of their points are not needed. Prints 20
+/// Dirichlet eigenvalues of each part, those predicted for the union, and an out-of-distribution
+/// score: above 1 the parts are unlike the training data, and the prediction is unreliable.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Two parts or more: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
+    /// Two or more parts: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
     #[arg(value_name = "PARTS", num_args = 2.., required = true)]
     parts: Vec<PathBuf>,
     #[command(flatten)]
     source: PartArgs,
-    /// Find the union on this template, a mesh: that of `unions template`.
+    /// Find the union on this template, a mesh such as that of `unions template`.
     #[arg(long, value_name = "TEMPLATE")]
     localize: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Write the eigenvalues of the parts and of the union, in columns: .csv.
+    /// Write the eigenvalues of the parts and of the union to this .csv file, a column for each.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     if args.parts.len() < 2 {
-        bail!("a union is of two parts or more");
+        bail!("PARTS: a union needs at least two parts");
     }
     let output = args.output.as_deref().map(|path| args.force.create(path)).transpose()?;
     let picture = args.picture.create(args.force)?;

@@ -17,28 +17,28 @@ use crate::shape::dense;
 
 /// Deform a mesh until it has a given spectrum: the shape of a predicted union.
 ///
-/// Many shapes have the same eigenvalues; the result is one near the template, with its faces. The
-/// spectrum is that of a Dirichlet boundary if the template has a boundary, as `unions predict` has
-/// it, and the one without its zeros if the template is closed.
+/// Many shapes have the same eigenvalues; the result is one near the template, with its faces. If
+/// the template has a boundary, the spectrum is that of Dirichlet conditions, as `unions predict`
+/// prints it; if the template is closed, the spectrum leaves out the zero eigenvalues.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh to deform: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
     #[arg(value_name = "TEMPLATE")]
     template: PathBuf,
-    /// The eigenvalues: the last column of a table (.csv, .npy, ...), such as that of
+    /// Table of eigenvalues (.csv, .npy, ...), of which the last column is used, such as that of
     /// `unions predict -o`.
     #[arg(long, value_name = "FILE")]
     spectrum: PathBuf,
-    /// How many of them are used, the first ones [default: all].
+    /// Number of eigenvalues to use, the first ones of the table [default: all].
     #[arg(short, value_name = "K")]
     k: Option<usize>,
-    /// Steps at most.
+    /// Largest number of steps.
     #[arg(long, value_name = "N", default_value_t = ShapeOptions::default().steps)]
     steps: usize,
-    /// Mean relative difference of eigenvalues that is good enough.
+    /// Mean relative difference of eigenvalues at which the deformation ends.
     #[arg(long, value_name = "SHARE", default_value_t = ShapeOptions::default().tolerance)]
     tolerance: f64,
-    /// Where the deformed mesh goes.
+    /// Output file of the deformed mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "MESH")]
     output: PathBuf,
     #[command(flatten)]
@@ -73,10 +73,16 @@ pub fn run(args: &Args) -> Result<()> {
     drop(bar);
     let (steps, error) = (found.steps, 100.0 * found.error);
     report!("steps", count = steps; "{steps}")?;
-    report!("error", mean_percent = error; "{error:.3} % of the eigenvalues, in the mean")?;
+    report!(
+        "error",
+        mean_percent = error;
+        "{error:.3} % mean relative difference of the eigenvalues"
+    )?;
     if found.error > args.tolerance {
         let wanted = 100.0 * args.tolerance;
-        note(format_args!("the eigenvalues are not within {wanted} % after the last step"));
+        note(format_args!(
+            "the eigenvalues are not within {wanted} % after the last step (--steps)"
+        ));
     }
     if let Some(picture) = picture {
         let panels = [(&template, PLAIN, "template"), (&found.mesh, PLAIN, "deformed")];

@@ -14,10 +14,11 @@ use crate::report::status;
 /// Write the template on which `unions predict --localize` finds unions: a human at rest.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf.
+    /// Output file of the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "MESH")]
     output: PathBuf,
-    /// Vertices, about; as many as the data set has that the weights are of.
+    /// Approximate number of vertices; the default is that of the data set of the pretrained
+    /// weights.
     #[arg(long, value_name = "NUMBER", default_value_t = DatasetOptions::default().vertices)]
     vertices: usize,
     #[command(flatten)]
@@ -29,7 +30,7 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.force.create(&args.output)?;
     let model = Model::new(Family::Humanoid, args.vertices)?;
     let template = model.template();
-    // Along y, as pictures have it; families stand along z.
+    // y is up, as in pictures; families have z up.
     let upright = template.vertices().iter().map(|&[x, y, z]| [x, z, -y]).collect();
     let mesh = TriMesh::new(upright, template.faces().to_vec())?;
     meshes::write(output, &MeshFile::from(mesh))?;

@@ -21,58 +21,59 @@ use crate::progress;
 use crate::report::{report, status};
 use crate::signals;
 
-/// Between two writes of the state, at least: what a stop amid an epoch loses besides the epoch.
+/// Least time between two writes of the state: a stop within an epoch loses at most this time
+/// besides the epoch.
 const PAUSE: Duration = Duration::from_secs(10);
 
 /// Train the network of `unions predict` on a data set of `unions dataset`.
 ///
-/// After epochs, at most every ten seconds, and at the end the state goes to OUT.state.npz, from
-/// which --resume goes on after Ctrl-C, the best weights so far to OUT, and the learning curve to
-/// OUT.svg. The result is the same for any number of threads.
+/// After an epoch, at most every ten seconds, and at the end the command writes the state to
+/// OUT.state.npz, the best weights so far to OUT, and the learning curve to OUT.svg. --resume
+/// continues from the state, such as after Ctrl-C. The result is the same for any number of
+/// threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The data set.
+    /// Data set, a file of `unions dataset`.
     #[arg(value_name = "DATA")]
     data: PathBuf,
-    /// The weights: .safetensors.
+    /// Output file of the weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Passes over the data in all; the rate falls over them. Default 40; with --resume that of the
-    /// state, which may be given more.
+    /// Number of passes over the data in all, over which the learning rate falls; --resume may
+    /// raise it [default: 40, or 310 for --architecture thesis; with --resume that of the state].
     #[arg(long, value_name = "NUMBER")]
     epochs: Option<usize>,
-    /// Stop after the epoch in which this time is over; --resume goes on.
+    /// Stop after the epoch in which this time, in minutes, is over; --resume continues.
     #[arg(long, value_name = "NUMBER")]
     minutes: Option<f64>,
-    /// Go on from OUT.state.npz; sizes and rates are then those of the state.
+    /// Continue from OUT.state.npz, with the sizes and rates of the state.
     #[arg(long)]
     resume: bool,
-    /// Which network.
+    /// Network to train.
     #[arg(long, default_value = "sum")]
     architecture: Kind,
-    /// Learn from the first N known humanoids only, and from no other shapes (thesis, table 2.2:
-    /// 1).
+    /// Train on the first N known humanoids only, and on no other shapes (thesis, table 2.2: 1).
     #[arg(long, value_name = "N")]
     identities: Option<usize>,
-    /// Layers before and after the sum over the parts.
+    /// Number of layers before and after the sum over the parts.
     #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [2, 2])]
     layers: Vec<usize>,
-    /// Numbers that stand for a spectrum.
+    /// Length of the code of a spectrum.
     #[arg(long, value_name = "NUMBER", default_value_t = 256)]
     width: usize,
-    /// Hidden neurons of a layer.
+    /// Number of hidden neurons in a layer.
     #[arg(long, value_name = "NUMBER", default_value_t = 512)]
     hidden: usize,
-    /// Pairs a step.
+    /// Number of pairs in a step.
     #[arg(long, value_name = "NUMBER", default_value_t = 128)]
     batch: usize,
-    /// Largest rate of the optimiser.
+    /// Largest learning rate.
     #[arg(long, value_name = "NUMBER", default_value_t = 2.5e-3)]
     rate: f64,
-    /// Share of each parameter that it loses in a step, times the rate.
+    /// Weight decay: the share of each parameter that a step removes, times the learning rate.
     #[arg(long, value_name = "NUMBER", default_value_t = 0.1)]
     decay: f64,
-    /// Seed of everything random.
+    /// Seed of all randomness.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -84,11 +85,11 @@ pub struct Args {
 /// Kinds of networks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// That of `unions predict`: codes of parts are added.
+    /// The network of `unions predict`, which adds the codes of parts.
     Sum,
-    /// The transformers of the thesis, to compare with: OUT is an .npz that `scripts/reproduce
-    /// unions --transformer` reads, and only --epochs, --minutes, --seed, --threads and --force
-    /// count.
+    /// The transformers of the thesis, for comparison: OUT is an .npz that `scripts/reproduce
+    /// unions --transformer` reads, and only --identities, --epochs, --minutes, --seed, --threads
+    /// and --force apply.
     Thesis,
 }
 
@@ -101,7 +102,7 @@ pub fn run(args: &Args) -> Result<()> {
     let files = [&args.output, &state_path, &curve_path];
     let there = files.into_iter().find(|path| path.symlink_metadata().is_ok());
     if let Some(path) = there.filter(|_| !args.force.is_given() && !args.resume) {
-        bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
+        bail!("{}: exists already (--force replaces it, --resume continues)", path.display());
     }
     let par = args.threads.par();
     let examples = examples(args, par)?;
@@ -145,7 +146,8 @@ pub fn run(args: &Args) -> Result<()> {
             training_error_percent = training,
             validation_error_percent = validation,
             seconds = time;
-            "{number}: error {training:.3} %, of those to choose by {validation:.3} %, {time:.0} s"
+            "{number}: training error {training:.3} %, validation error {validation:.3} %, \
+             {time:.0} s"
         )?;
         if late() {
             break;
@@ -173,8 +175,8 @@ fn examples(args: &Args, par: Par) -> Result<Examples> {
         training = training,
         composites = composites,
         validation = validation;
-        "{training} pairs to learn from ({composites} with a part that is a union), {validation} \
-         to choose by"
+        "{training} training pairs ({composites} with a part that is a union), {validation} \
+         validation pairs"
     )?;
     Ok(examples)
 }
@@ -182,7 +184,7 @@ fn examples(args: &Args, par: Par) -> Result<Examples> {
 /// Trains the network of the thesis.
 fn thesis(args: &Args) -> Result<()> {
     if args.resume {
-        bail!("--resume: a training of the thesis' network can't go on");
+        bail!("--resume: training with --architecture thesis can't be resumed");
     }
     let output = args.force.create(&args.output)?;
     let par = args.threads.par();
@@ -194,27 +196,27 @@ fn thesis(args: &Args) -> Result<()> {
         seed: args.seed,
         par,
     };
-    let mut told = Ok(());
+    let mut reported = Ok(());
     let mut watch = |epoch: usize, Losses { training, validation }| {
-        told = progress::check().map_err(anyhow::Error::from).and_then(|()| {
+        reported = progress::check().map_err(anyhow::Error::from).and_then(|()| {
             report!(
                 "epoch",
                 number = epoch + 1,
                 training_loss = training,
                 validation_loss = validation;
-                "{}: loss {training:.4}, of those to choose by {validation:.4}",
+                "{}: training loss {training:.4}, validation loss {validation:.4}",
                 epoch + 1
             )
         });
-        if told.is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if reported.is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let found = Transformer::train(&examples.training, &examples.validation, &options, &mut watch)?;
-    told?;
+    reported?;
     found.write(output)?;
     report_written(args)
 }
 
-/// The file called as the output with something behind it.
+/// Returns the name of the output with `end` behind it.
 fn beside(output: &Path, end: &str) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(end);

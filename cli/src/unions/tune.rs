@@ -15,33 +15,33 @@ use crate::input::MeshArgs;
 use crate::progress::{self, Bar};
 use crate::report::{report, status};
 
-/// Fit the network of `unions predict` to a family of shapes, from 50 meshes or so.
+/// Fit the network of `unions predict` to a family of shapes, from about 50 meshes.
 ///
-/// Cuts parts out of each mesh by balls and planes, and goes on with the training on their spectra.
-/// One mesh in ten is kept aside; its error, before and after, is printed. No template of the
-/// family is known, so --localize has no meaning with the new weights.
+/// Cuts parts out of each mesh by balls and planes, and continues the training on their spectra.
+/// One mesh in ten is held out, and the error on its pairs is printed before and after. The family
+/// has no template, so that --localize has no meaning with the new weights.
 #[derive(clap::Args)]
 pub struct Args {
     /// Complete shapes of the family: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or
     /// .xz.
     #[arg(value_name = "MESHES", num_args = 2.., required = true)]
     meshes: Vec<PathBuf>,
-    /// The new weights: .safetensors.
+    /// Output file of the new weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Weights to begin with, instead of those that come with the program.
+    /// Weights to start from: .safetensors [default: those of the program].
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
-    /// Pairs of parts of each mesh, about.
+    /// Approximate number of pairs of parts of each mesh.
     #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().pairs)]
     pairs: usize,
-    /// Passes over the pairs.
+    /// Number of passes over the pairs.
     #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().epochs)]
     epochs: usize,
-    /// Largest rate of the optimiser.
+    /// Largest learning rate.
     #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().rate)]
     rate: f64,
-    /// Seed of everything random.
+    /// Seed of all randomness.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -78,12 +78,12 @@ pub fn run(args: &Args) -> Result<()> {
         "data",
         training = training,
         validation = aside;
-        "{training} pairs to learn from, {aside} of meshes kept aside"
+        "{training} training pairs, {aside} validation pairs of meshes that are held out"
     )?;
     let (settings, state) = start(&base, &options);
     let mut trainer = Trainer::new(examples, settings, Some(state), par)?;
     let before = 100.0 * trainer.best_error();
-    report!("before", error_percent = before; "error {before:.3} %")?;
+    report!("before", error_percent = before; "validation error {before:.3} %")?;
     for number in 1..=options.epochs {
         progress::check()?;
         let epoch = trainer.epoch()?;
@@ -93,11 +93,11 @@ pub fn run(args: &Args) -> Result<()> {
             number = number,
             training_error_percent = training,
             validation_error_percent = aside;
-            "{number}: error {training:.3} %, kept aside {aside:.3} %"
+            "{number}: training error {training:.3} %, validation error {aside:.3} %"
         )?;
     }
     let after = 100.0 * trainer.best_error();
-    report!("after", error_percent = after; "error {after:.3} %")?;
+    report!("after", error_percent = after; "validation error {after:.3} %")?;
     let bytes = trainer.model()?.to_bytes()?;
     output.write_all(&bytes).map_err(|e| output.error(e))?;
     output.commit()?;

@@ -1,5 +1,5 @@
-//! The plant in time as binary glTF: a skinned mesh whose joints are segments, for Blender and
-//! engines.
+//! Writes the plant in time as binary glTF: a skinned mesh whose joints are segments, for Blender
+//! and engines.
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -23,9 +23,9 @@ const MOST_SEGMENTS: usize = 1 << 16;
 /// Linear colours of a leaf and of a stem.
 const COLORS: [[f32; 3]; 2] = [[0.10, 0.42, 0.09], [0.28, 0.17, 0.07]];
 
-/// Writes the poses at these times, in seconds. A segment is a joint below its parent's joint, so
-/// that its rotation alone moves, and nothing stretches between frames either; a pinned one stands
-/// by itself and still.
+/// Writes the poses at these times, in seconds. A segment is a joint below the joint of its parent,
+/// so that only its rotation changes, and nothing stretches between frames either; a pinned segment
+/// has no parent joint and does not move.
 pub fn write_animation(
     plant: &Plant,
     poses: &[Pose],
@@ -55,7 +55,7 @@ pub fn write_animation(
     Ok(output.commit()?)
 }
 
-/// A document and its numbers.
+/// A document and its binary data.
 #[derive(Default)]
 struct File {
     root: Root,
@@ -63,7 +63,7 @@ struct File {
 }
 
 impl File {
-    /// Adds numbers, at a multiple of four bytes.
+    /// Adds binary data, at a multiple of four bytes.
     fn view(&mut self, bytes: &[u8], target: Option<buffer::Target>) -> Index<View> {
         self.numbers.resize(self.numbers.len().next_multiple_of(4), 0);
         let view = View {
@@ -104,7 +104,7 @@ impl File {
         })
     }
 
-    /// An accessor with a view of its own.
+    /// Adds an accessor with a separate view.
     fn numbers<const N: usize>(
         &mut self,
         values: &[[f32; N]],
@@ -125,7 +125,7 @@ impl File {
         accessor.max = Some(over(f32::max, f32::NEG_INFINITY));
     }
 
-    /// The surface of the plant at rest.
+    /// Adds the surface of the plant at rest.
     fn mesh(&mut self, plant: &Plant, rest: &Pose, sides: usize) -> Result<Index<Mesh>> {
         let (vertices, faces) = tubes(plant, rest, sides, 0.0)?.into_parts();
         let vertex_data = Some(buffer::Target::ArrayBuffer);
@@ -174,8 +174,8 @@ impl File {
         }))
     }
 
-    /// Nodes 0 to n - 1: the segments, each where it begins; node n: the plant, turned from z
-    /// upwards to y upwards.
+    /// Adds nodes 0 to n - 1, the segments, each where it begins, and node n, the plant, turned
+    /// from z upwards to y upwards.
     fn joints(&mut self, plant: &Plant, rest: &Pose) -> Index<Skin> {
         let n = plant.len();
         let mut children: Vec<Vec<Index<Node>>> = vec![vec![]; n + 1];
@@ -217,7 +217,7 @@ impl File {
         })
     }
 
-    /// Rotations of segments against what they grow on.
+    /// Adds the rotations of segments relative to their parents.
     fn motion(&mut self, plant: &Plant, poses: &[Pose], seconds: &[f64]) {
         let times: Vec<[f32; 1]> = seconds.iter().map(|t| [*t as f32]).collect();
         let input = self.numbers(&times, Type::Scalar, None);
@@ -277,7 +277,7 @@ impl File {
     fn bytes(mut self) -> Result<Vec<u8>> {
         const MOST: usize = 1 << 31;
         if self.numbers.len() > MOST {
-            bail!("--animation: more than 2 GiB of numbers: fewer --frames");
+            bail!("--animation: more than 2 GiB of numbers; give fewer --frames");
         }
         self.numbers.resize(self.numbers.len().next_multiple_of(4), 0);
         self.root.push(Buffer {
@@ -294,12 +294,13 @@ impl File {
     }
 }
 
-/// The joint above that of a segment; none above that of the root or of a pinned one.
+/// Returns the parent joint of a segment; `None` for the root and for a pinned segment.
 fn above(plant: &Plant, v: usize) -> Option<usize> {
     plant.parent(v).filter(|_| !plant.segments()[v].pinned)
 }
 
-/// The rotation of a segment against its joint above: `conj(q_parent) q`, (w, x, y, z).
+/// Returns the rotation of a segment relative to its parent joint: `conj(q_parent) q`, (w, x, y,
+/// z).
 fn local(plant: &Plant, pose: &Pose, v: usize) -> [f64; 4] {
     let [b0, b1, b2, b3] = pose.rotations[v];
     let Some(p) = above(plant, v).filter(|&p| !plant.segments()[p].pinned) else {

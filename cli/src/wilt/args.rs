@@ -1,4 +1,4 @@
-//! The options of `catamaran wilt`, and what they ask for.
+//! The options of `catamaran wilt`, and the settings of the library that follow from them.
 
 use std::path::PathBuf;
 
@@ -18,109 +18,113 @@ use crate::common::{Force, Threads};
 use crate::input::{self, TextFile};
 use crate::parse;
 
-/// Let a plant dry out, and bend as it does.
+/// Simulate a plant that dries and bends.
 ///
 /// Computes the water of every node by the model of chapter 4 of the thesis, the stiffness that
-/// follows from it, and the pose in which the plant then rests; with --motion, how it moves there.
-/// The folder gets water.csv and stiffness.csv (a row for each frame: hours, total or mean, then a
-/// column for each node; kg and Pa), the plant as a mesh of tubes for each frame, water.svg and
-/// wilting.png; wilting.glb with --animation; balance.csv with --stomata or --soil.
+/// follows from it, and the pose at rest; with --motion, how the plant moves. The folder gets
+/// water.csv and stiffness.csv (a row for each frame: hours, total or mean, then a column for each
+/// node; kg and Pa), the plant as a mesh of tubes for each frame, water.svg and wilting.png;
+/// wilting.glb with --animation; balance.csv with --stomata or --soil.
 #[derive(clap::Args)]
 pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
     #[arg(value_name = "PLANT", required_unless_present = "grow")]
     plant: Option<PathBuf>,
-    /// Grow a plant of so many nodes instead of reading one.
+    /// Generate a plant with this number of nodes instead of reading one.
     #[arg(long, value_name = "NODES", conflicts_with = "plant")]
     grow: Option<usize>,
-    /// Seed of the plant that grows, and of the gusts of --wind.
+    /// Seed of the generated plant, and of the gusts of --wind.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     seed: u64,
-    /// How long.
+    /// Simulated time, in hours.
     #[arg(long, value_name = "HOURS", default_value_t = 48.0)]
     hours: f64,
-    /// What leaves lose, in grams per hour and square metre.
+    /// Water loss of leaves, in g/(h m^2).
     #[arg(long, value_name = "LOSS", default_value_t = 60.0)]
     delta: f64,
-    /// Steepness of the elasticity as a function of the relative water content; 10 unless given.
-    /// Parts may have their own: `leaf=8,stem=20`, or `12,leaf=8` with that of the parts that are
-    /// not named first; parts are leaf, petiole and stem. Petioles are those that the file labels
-    /// (class P of .mtg), else stalks without a branch that bear a leaf. With --literal in 1/g.
+    /// Steepness of the elasticity as a function of the relative water content. Parts (leaf,
+    /// petiole and stem) may have separate values: `leaf=8,stem=20`, or `12,leaf=8` with a first
+    /// value for all other parts. Petioles are those that the file labels (class P of .mtg), else
+    /// stalks without a branch that bear a leaf. With --literal in 1/g [default: 10].
     #[arg(long, value_name = "K|PART=K,...")]
     kappa: Option<Kappa>,
-    /// Steepness by radius instead of by part: `0.5=12,2=30` is 12 from 0.5 mm on and 30 from 2 mm
-    /// on; thinner segments have that of --kappa.
+    /// Steepness by radius instead of by part: `0.5=12,2=30` is 12 from a radius of 0.5 mm on and
+    /// 30 from 2 mm on; thinner segments have that of --kappa.
     #[arg(long, value_name = "MM=K,...")]
     kappa_by_radius: Option<ByRadius>,
-    /// Relative water content at which the elasticity is steepest; 0.75 unless given. With
-    /// --literal in g, 0 unless given.
+    /// Relative water content at which the elasticity is steepest; with --literal the grams of
+    /// water [default: 0.75; with --literal 0].
     #[arg(long, value_name = "W")]
     shift: Option<f64>,
-    /// Elasticity by equation 4.9 of the thesis, literally: a logistic of the grams in a node, and
-    /// the first number of --elasticity times that. A segment that is cut in two changes its
-    /// stiffness.
+    /// Use equation 4.9 of the thesis as printed: the elasticity is the first number of
+    /// --elasticity times a logistic function of the grams of water in a node. Cutting a segment in
+    /// two then changes its stiffness.
     #[arg(long, requires = "kappa")]
     literal: bool,
     /// Modulus of elasticity of full cells and of dry ones, in Pa.
     #[arg(long, value_name = "FULL,DRY", default_value = "5e7,3e5", value_parser = pair)]
     elasticity: [f64; 2],
-    /// Conductance, as a part of that of a pipe as wide as the segment: calibrates how far a plant
-    /// dries unevenly.
+    /// Conductance, as a fraction of that of a pipe as wide as the segment: determines how unevenly
+    /// a plant dries.
     #[arg(long, value_name = "CHI", default_value_t = 1e-9)]
     conductance: f64,
-    /// By day (16 hours) leaves lose --delta, by night (8 hours) a twelfth of it.
+    /// Alternate days (16 hours), in which leaves lose --delta, and nights (8 hours), in which they
+    /// lose a twelfth of it.
     #[arg(long)]
     day_night: bool,
-    /// Stomata that close as leaves dry: half closed at this relative water content, and so
-    /// steeply; 0.8,25 is usual.
+    /// Close stomata as leaves dry: they are half closed at the relative water content W, and close
+    /// more abruptly with a larger STEEPNESS; 0.8,25 is usual.
     #[arg(long, value_name = "W,STEEPNESS", value_parser = watering::stomata)]
     stomata: Option<Stomata>,
-    /// Soil at the root that holds so many grams of water, and has as many at first unless given:
-    /// the root takes it up.
+    /// Give the root soil that holds at most GRAMS of water, and AT_FIRST in the beginning (GRAMS
+    /// by default); the root takes the water up.
     #[arg(long, value_name = "GRAMS[,AT_FIRST]", value_parser = watering::soil)]
     soil: Option<Soil>,
-    /// Pour so many grams on the soil after so many hours, or as much as it holds; what it can't
-    /// hold drains. May be given again.
+    /// Water the soil after HOURS with GRAMS (by default with as much as it holds); the excess
+    /// drains. May be given several times.
     #[arg(long, value_name = "HOURS[:GRAMS]", requires = "soil")]
     rewater: Vec<Pour>,
-    /// Cut the connection of this node to its parent, for water, not for the rod. May be given
-    /// again.
+    /// Block the flow of water between this node and its parent; the rod stays whole. May be given
+    /// several times.
     #[arg(long, value_name = "NODE")]
     cut: Vec<usize>,
-    /// Multiply the conductance of the connection of a node to its parent. May be given again.
+    /// Multiply the conductance between a node and its parent. May be given several times.
     #[arg(long, value_name = "NODE,FACTOR", value_parser = pair)]
     weaken: Vec<[f64; 2]>,
-    /// Hold this node where it is, beside those that the file says. May be given again.
+    /// Hold this node in place, as well as those that the file pins. May be given several times.
     #[arg(long, value_name = "NODE")]
     pin: Vec<usize>,
-    /// Let the plant move, and show all --hours in a film of so many seconds: in every step water
-    /// is lost, and the rods go ahead with the stiffness and the weight of that moment.
+    /// Simulate the motion of the plant, and show all --hours in a film of this length, in seconds.
+    /// In every step the water advances, and then the rods with the stiffness and the weight of
+    /// that moment.
     #[arg(long, value_name = "SECONDS")]
     motion: Option<f64>,
-    /// Steps of a second of --motion, at least.
+    /// Least number of steps per second of --motion.
     #[arg(long, value_name = "NUMBER", default_value_t = 60.0, requires = "motion")]
     fps: f64,
-    /// The rate at which --motion wears off, in 1/s.
+    /// Decay rate of velocities in --motion, in 1/s.
     #[arg(long, value_name = "RATE", default_value_t = 1.0, requires = "motion")]
     damping: f64,
-    /// Wind in --motion, in m/s; z is upwards. 0,0,0 is still air, which drags at what moves.
+    /// Wind in --motion, in m/s, with z upwards; 0,0,0 is still air, which slows down moving parts
+    /// [default: no air].
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "motion")]
     wind: Option<[f64; 3]>,
-    /// Standard deviation of the --wind in each direction, as a part of its speed.
+    /// Standard deviation of the --wind in each direction, as a fraction of its speed.
     #[arg(long, value_name = "PART", default_value_t = 0.2, requires = "wind")]
     turbulence: f64,
-    /// Frames after the first one, at equal times.
+    /// Number of frames after the first one, at equal times.
     #[arg(long, value_name = "NUMBER", default_value_t = 24, value_parser = parse::frame_count)]
     frames: usize,
-    /// Write wilting.glb: the plant as a skinned mesh that moves, for Blender; of 24 frames a
-    /// second without --motion.
+    /// Write wilting.glb: the plant as a skinned mesh that moves, for Blender; without --motion it
+    /// has 24 frames per second.
     #[arg(long)]
     pub animation: bool,
-    /// Find delta, chi (--conductance) and kappa from a table of a plant that dries from full cells
-    /// on: the columns `time_h,weight_g`, with or without the pot, then `height_m` (of its highest
-    /// point) and `node_12_m` (of node 12), any number of them or none. Writes fit.csv, fitted.csv
-    /// and fit.svg, and lets nothing wilt. kappa needs heights: weights do not depend on it. With
-    /// --kappa by parts or radii, that of each is found. `-` is stdin.
+    /// Fit delta, chi (--conductance) and kappa to a table of a plant that dries, starting from
+    /// full cells, instead of a simulation. Columns are `time_h,weight_g`, with or without the pot,
+    /// then optionally `height_m` (of the highest point) and any number of columns such as
+    /// `node_12_m` (of node 12). Writes fit.csv, fitted.csv and fit.svg. Only heights determine
+    /// kappa: weights do not depend on it. With --kappa by parts, or --kappa-by-radius, each kappa
+    /// is fitted. `-` reads stdin.
     #[arg(
         long,
         value_name = "TABLE",
@@ -128,10 +132,10 @@ pub struct Args {
         conflicts_with_all = ["motion", "animation", "cut", "weaken", "literal", "stomata", "soil"]
     )]
     pub fit: Option<TextFile>,
-    /// Kind of the meshes.
+    /// Format of the meshes.
     #[arg(long, default_value = "ply")]
     mesh: Kind,
-    /// The folder for all files.
+    /// Output folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     #[command(flatten)]
@@ -140,7 +144,7 @@ pub struct Args {
     pub force: Force,
 }
 
-/// Kinds of mesh files.
+/// Formats of meshes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Kind {
     Obj,
@@ -149,24 +153,24 @@ enum Kind {
     None,
 }
 
-/// Three numbers.
+/// Parses three numbers separated by commas.
 fn triple(text: &str) -> Result<[f64; 3], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
     let three = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-    three.ok_or_else(|| "three numbers with commas between them".into())
+    three.ok_or_else(|| "expected three numbers separated by commas".into())
 }
 
-/// Two numbers.
+/// Parses two numbers separated by a comma.
 fn pair(text: &str) -> Result<[f64; 2], String> {
     let numbers = text.split_once(',').map(|(a, b)| (a.trim().parse(), b.trim().parse()));
     match numbers {
         Some((Ok(a), Ok(b))) => Ok([a, b]),
-        _ => Err("two numbers with a comma between them".into()),
+        _ => Err("expected two numbers separated by a comma".into()),
     }
 }
 
 impl Args {
-    /// The plant that was read or has grown, with its pins.
+    /// Reads or generates the plant, and pins nodes.
     pub fn plant(&self) -> Result<Plant> {
         let plant = match (&self.plant, self.grow) {
             (Some(path), _) => read_with(path, &input::source())?,
@@ -189,10 +193,10 @@ impl Args {
         Ok(Plant::new(segments, &parents, Some(plant.base()))?)
     }
 
-    /// What it goes through.
+    /// Returns the conditions of the simulation.
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
         if !(self.hours > 0.0 && self.hours.is_finite()) {
-            bail!("--hours: {}, where a positive number is needed", self.hours);
+            bail!("--hours {}: a positive number is needed", self.hours);
         }
         let mut damage: Vec<(usize, f64)> = self.cut.iter().map(|&node| (node, 0.0)).collect();
         for &[node, factor] in &self.weaken {
@@ -202,7 +206,7 @@ impl Args {
             damage.push((node as usize, factor));
         }
         if self.motion.is_some() && self.frames == 0 {
-            bail!("--frames: 0, where --motion needs at least 1");
+            bail!("--frames 0: --motion needs at least 1");
         }
         Ok(Weather {
             hours: self.hours,
@@ -220,7 +224,7 @@ impl Args {
         })
     }
 
-    /// What the plant is made of, and a name for the steepness of each class.
+    /// Returns the tissue of the plant, and a name for the steepness of each class.
     pub fn tissue(&self, plant: &Plant) -> Result<(Tissue, Vec<String>)> {
         const STEEPNESS: f64 = 10.0;
         let [full, dry] = self.elasticity;
@@ -237,12 +241,12 @@ impl Args {
         let Some(seconds) = self.motion else { return Ok(None) };
         for (name, value) in [("--motion", seconds), ("--fps", self.fps)] {
             if !(value > 0.0 && value.is_finite()) {
-                bail!("{name}: {value}, where a positive number is needed");
+                bail!("{name} {value}: a positive number is needed");
             }
         }
         let most = 1e7;
         if seconds * self.fps > most {
-            bail!("--motion: more than {most} steps");
+            bail!("--motion, --fps: more than {most} steps");
         }
         let wind =
             |velocity| Wind::new().velocity(velocity).turbulence(self.turbulence).seed(self.seed);
@@ -250,7 +254,7 @@ impl Args {
         Ok(Some(Film { seconds, motion, wind: self.wind.map(wind) }))
     }
 
-    /// How constants are fitted.
+    /// Returns the options of the fit.
     pub fn fit_options(&self, tissue: Tissue) -> FitOptions<'static> {
         FitOptions::new().elasticity(tissue).nights(self.day_night).par(self.par())
     }
@@ -259,16 +263,16 @@ impl Args {
         self.threads.par()
     }
 
-    /// When each frame is in a film, in seconds.
+    /// Returns the time of each frame in the film, in seconds.
     pub fn seconds(&self) -> Vec<f64> {
-        /// Of frames that are not of a film.
+        /// Frames per second without --motion.
         const FRAMES_PER_SECOND: f64 = 24.0;
         let count = self.frames.max(1) as f64;
         let last = self.motion.unwrap_or(count / FRAMES_PER_SECOND);
         (0..=self.frames).map(|i| last * i as f64 / count).collect()
     }
 
-    /// The files of a run.
+    /// Returns the names of the files of a run.
     pub fn names(&self) -> Vec<String> {
         if self.fit.is_some() {
             return fit::NAMES.map(String::from).into();

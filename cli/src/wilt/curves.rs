@@ -1,4 +1,4 @@
-//! Curves of water over time.
+//! Draws curves of water over time.
 
 use catamaran::plant::Plant;
 use catamaran_charts::{Axis, Chart, Line, Rgb, Series};
@@ -8,8 +8,8 @@ use super::Simulation;
 /// Whether a node is in a group.
 type Group<'a> = &'a dyn Fn(usize) -> bool;
 
-/// The relative water content of leaves, stem and the whole plant, and that of some nodes; that of
-/// the soil as a part of what it holds.
+/// Draws the relative water content of leaves, stem and the whole plant, and of some nodes, and the
+/// water of the soil as a fraction of its capacity.
 pub fn chart(plant: &Plant, simulation: &Simulation) -> Chart {
     let leaf = |v: usize| plant.segments()[v].leaf;
     // A few nodes, evenly over their numbers, behind the means.
@@ -34,7 +34,7 @@ pub fn chart(plant: &Plant, simulation: &Simulation) -> Chart {
     )
 }
 
-/// Of a group, if it has members; thin without a name.
+/// Returns the curve of a group, if the group has members; thin without a name.
 fn curve(
     simulation: &Simulation,
     name: &'static str,

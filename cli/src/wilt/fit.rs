@@ -1,4 +1,4 @@
-//! `wilt --fit`: the constants of a plant from what was weighed.
+//! `wilt --fit`: fits the constants of a plant to measurements.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -20,17 +20,17 @@ const GRAM_PER_HOUR: f64 = 1.0 / 3.6e6;
 /// The names of the files.
 pub const NAMES: [&str; 3] = ["fit.csv", "fitted.csv", "fit.svg"];
 
-/// What a column of a table has.
+/// The content of a column of a table.
 enum Column {
     Hours,
     Grams,
-    /// Of the highest point.
+    /// The height of the highest point, in metres.
     Height,
-    /// Of the node of this mark.
+    /// The height of the node of this mark, in metres.
     Mark(usize),
 }
 
-/// Reads `time_h,weight_g`, and in more columns heights: `height_m`, `node_12_m`.
+/// Reads the columns `time_h,weight_g`, and heights in further columns: `height_m`, `node_12_m`.
 pub fn read(table: &TextFile) -> Result<Measurements> {
     let (text, name) = (table.read()?, table.name());
     let mut measured = Measurements::default();
@@ -46,7 +46,7 @@ pub fn read(table: &TextFile) -> Result<Measurements> {
         }
         let numbers: Option<Vec<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();
         let Some(numbers) = numbers.filter(|numbers| numbers.len() == columns.len()) else {
-            bail!("{name}: line {}: expected {} numbers: {line:?}", i + 1, columns.len());
+            bail!("{name}: line {}: expected {} numbers, not {line:?}", i + 1, columns.len());
         };
         for (column, number) in columns.iter().zip(numbers) {
             match column {
@@ -72,24 +72,26 @@ fn header(cells: &[&str], measured: &mut Measurements) -> Result<Vec<Column>> {
                 measured.marks.push(Mark { node, heights: vec![] });
                 Column::Mark(measured.marks.len() - 1)
             }
-            _ => bail!("expected time_h,weight_g, then height_m and node_12_m, or none: {cell:?}"),
+            _ => bail!(
+                "expected time_h,weight_g, then height_m or columns such as node_12_m, not {cell:?}"
+            ),
         });
     }
     if columns.len() < 2 {
-        bail!("expected time_h,weight_g");
+        bail!("expected the columns time_h,weight_g");
     }
     Ok(columns)
 }
 
-/// What was fitted to what was measured.
+/// The result of a fit, and the measurements.
 pub struct Fitted<'a> {
     measured: &'a Measurements,
     found: Fit,
-    /// Names of the steepnesses.
+    /// The names of the steepnesses.
     classes: Vec<String>,
 }
 
-/// Fits and reports. `classes` are names of the steepnesses.
+/// Fits the constants and reports them. `classes` are the names of the steepnesses.
 pub fn run<'a>(
     plant: &Plant,
     measured: &'a Measurements,
@@ -103,7 +105,7 @@ pub fn run<'a>(
     for (name, Estimate { value, error }, unit) in constants(&found, &classes) {
         let spread = match error {
             e if e.is_nan() => "at a bound".into(),
-            e if e.is_infinite() => "not told by the measurements".into(),
+            e if e.is_infinite() => "not determined by the measurements".into(),
             e => format!("+- {e:.2e}"),
         };
         report!(
@@ -152,7 +154,7 @@ pub fn run<'a>(
 }
 
 impl Fitted<'_> {
-    /// Writes the constants, the measurements beside the model, and a picture of these.
+    /// Writes the constants, the measurements beside the model, and a picture of both.
     pub fn write(&self, file: impl Fn(&str) -> Result<Output>) -> Result<()> {
         let mut text = "constant,value,standard_error,unit\n".to_string();
         for (name, Estimate { value, error }, unit) in constants(&self.found, &self.classes) {
@@ -174,7 +176,7 @@ fn write(mut output: Output, text: &str) -> Result<()> {
     Ok(output.commit()?)
 }
 
-/// In the units of the options.
+/// Returns the constants in the units of the options.
 fn constants<'a>(found: &Fit, classes: &'a [String]) -> Vec<(&'a str, Estimate, &'static str)> {
     let times = |e: Estimate, s: f64| Estimate { value: e.value * s, error: e.error * s };
     let mut constants = vec![
@@ -187,7 +189,7 @@ fn constants<'a>(found: &Fit, classes: &'a [String]) -> Vec<(&'a str, Estimate, 
     constants
 }
 
-/// Names, values and units of the other minima, one after the other.
+/// Returns names, values and units of the other minima, one after the other.
 fn others<'a>(found: &Fit, classes: &'a [String]) -> Vec<Vec<(&'a str, f64, &'static str)>> {
     let water = found.other_water.iter().map(|other| {
         vec![
@@ -202,7 +204,7 @@ fn others<'a>(found: &Fit, classes: &'a [String]) -> Vec<Vec<(&'a str, f64, &'st
     water.chain(steepness).collect()
 }
 
-/// What was measured beside the model.
+/// Returns the measurements beside the model, as CSV.
 fn table(measured: &Measurements, found: &Fit) -> String {
     let has_heights = !measured.heights.is_empty();
     let mut text = "time_h,weight_g,model_g".to_string();
@@ -223,7 +225,7 @@ fn table(measured: &Measurements, found: &Fit) -> String {
     text
 }
 
-/// Weights between the lightest and the heaviest, and heights as parts of the first.
+/// Draws weights between the lightest and the heaviest, and heights as fractions of the tallest.
 fn chart(measured: &Measurements, found: &Fit) -> Chart {
     let heaviest = measured.weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lightest = measured.weights.iter().copied().fold(f64::INFINITY, f64::min);

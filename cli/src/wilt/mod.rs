@@ -26,7 +26,7 @@ use simulation::Effort;
 pub use simulation::{Simulation, Weather, simulate};
 pub use strip::draw_strip;
 
-/// Sides of a tube.
+/// Number of sides of a tube.
 const SIDES: usize = 6;
 
 /// Runs the subcommand.
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
     report_frames(&simulation)?;
     report_water(&simulation)?;
 
-    // Everything is there before the first file appears.
+    // All results are computed before the first file appears.
     create_folder()?;
     tables::write(file("water.csv")?, &simulation.hours, "total_kg", &simulation.water, |row| {
         row.iter().sum()
@@ -100,7 +100,7 @@ fn report_frames(simulation: &Simulation) -> Result<()> {
             "frames",
             count = frames,
             largest_iterations = iterations;
-            "{frames}, of at most {iterations} Newton iterations"
+            "{frames}, with at most {iterations} Newton iterations each"
         );
     };
     let Effort { steps, step, largest_gap, milliseconds, water_share } = *effort;
@@ -121,7 +121,7 @@ fn report_frames(simulation: &Simulation) -> Result<()> {
     )
 }
 
-/// Reports where the water is in the end, and where it went.
+/// Reports the water at the end, and where it went.
 fn report_water(simulation: &Simulation) -> Result<()> {
     let end = simulation.poses.len() - 1;
     let grams = |i: usize| 1e3 * simulation.water[i].iter().sum::<f64>();
@@ -130,7 +130,7 @@ fn report_water(simulation: &Simulation) -> Result<()> {
         "water",
         first_grams = first,
         last_grams = last;
-        "{first:.4} g, in the end {last:.4} g"
+        "{first:.4} g at first, {last:.4} g at the end"
     )?;
     let Balance { soil, transpired, supplied, drained, .. } = simulation.balance[end];
     let [soil, transpired, supplied, drained] =
@@ -143,8 +143,8 @@ fn report_water(simulation: &Simulation) -> Result<()> {
             capacity_grams = capacity,
             poured_grams = supplied,
             drained_grams = drained;
-            "{soil:.4} g in the end, of {capacity:.4} g; {supplied:.4} g poured, {drained:.4} g \
-             more drained"
+            "{soil:.4} g at the end, of at most {capacity:.4} g; {supplied:.4} g supplied, another \
+             {drained:.4} g drained"
         )?;
     }
     report!("leaves", lost_grams = transpired; "lost {transpired:.4} g")

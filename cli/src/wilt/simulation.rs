@@ -1,4 +1,4 @@
-//! Water, stiffness and pose at equal times, at rest or in motion.
+//! Computes water, stiffness and pose at equal times, at rest or in motion.
 
 use anyhow::Result;
 use catamaran::Par;
@@ -9,30 +9,30 @@ use catamaran::plant::{
     grams_per_hour, sway, wilt,
 };
 
-/// What a plant goes through.
+/// The conditions of a simulation.
 #[derive(Debug, Clone)]
 pub struct Weather {
-    /// How long.
+    /// The simulated time, in hours.
     pub hours: f64,
-    /// Frames after the first.
+    /// The number of frames after the first.
     pub frames: usize,
-    /// In g / (h m^2).
+    /// The water loss of leaves, in g/(h m^2).
     pub loss: f64,
     /// Whether there are nights.
     pub nights: bool,
     /// The scale of [`Conductivity::Pipe`].
     pub conductance: f64,
-    /// Stiffness from water.
+    /// The tissue, which determines stiffness from water.
     pub tissue: Tissue,
-    /// Whether and how stomata close.
+    /// The stomata, if they close.
     pub stomata: Option<Stomata>,
-    /// At the root.
+    /// The soil at the root.
     pub soil: Option<Soil>,
-    /// Of the soil.
+    /// The rewatering of the soil.
     pub rewatering: Vec<Rewatering>,
-    /// Nodes, and what the conductance to their parents is multiplied by.
+    /// Nodes, and the factors of the conductance to their parents.
     pub damage: Vec<(usize, f64)>,
-    /// A film of it, in motion; without, the plant is at rest at each moment.
+    /// The film, in motion; without it the plant is at rest at each moment.
     pub film: Option<Film>,
     /// Threads.
     pub par: Par,
@@ -41,51 +41,51 @@ pub struct Weather {
 /// The hours of a plant as seconds of motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Film {
-    /// How long it is.
+    /// The length of the film, in seconds.
     pub seconds: f64,
-    /// Of rods.
+    /// The options of the motion of rods.
     pub motion: MotionOptions,
-    /// The air.
+    /// The wind.
     pub wind: Option<Wind>,
 }
 
-/// What moving took.
+/// The effort of the motion.
 pub struct Effort {
-    /// Steps in all, and their length in seconds.
+    /// The number of steps in all.
     pub steps: usize,
-    /// In seconds.
+    /// The length of a step, in seconds.
     pub step: f64,
-    /// In metres.
+    /// The largest gap between segments, in metres.
     pub largest_gap: f64,
-    /// Milliseconds of a step, in the mean.
+    /// The mean time of a step, in milliseconds.
     pub milliseconds: f64,
-    /// Of the water, as a part of it.
+    /// The share of that time for the water, from 0 to 1.
     pub water_share: f64,
 }
 
-/// What became of a plant, frame by frame.
+/// The result of a simulation, frame by frame.
 pub struct Simulation {
-    /// When.
+    /// The times, in hours.
     pub hours: Vec<f64>,
-    /// In kg, when cells are full.
+    /// The water of each node when cells are full, in kg.
     pub full: Vec<f64>,
-    /// In kg.
+    /// The water of each node at each time, in kg.
     pub water: Vec<Vec<f64>>,
-    /// Of plant and soil.
+    /// The balance of plant and soil at each time.
     pub balance: Vec<Balance>,
-    /// What the soil holds at most, in kg, if there is one.
+    /// The capacity of the soil, in kg, if there is one.
     pub capacity: Option<f64>,
-    /// In Pa.
+    /// The modulus of each node at each time, in Pa.
     pub moduli: Vec<Vec<f64>>,
-    /// At each moment.
+    /// The pose at each time.
     pub poses: Vec<Pose>,
-    /// The most Newton iterations that a pose at rest took; 0 in motion.
+    /// The largest number of Newton iterations of a pose at rest; 0 in motion.
     pub iterations: usize,
-    /// Of a film.
+    /// The effort of the motion, for a film.
     pub effort: Option<Effort>,
 }
 
-/// Lets a plant wilt, and move where there is to be a film.
+/// Simulates a plant that wilts, in motion if there is a film.
 pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Result<Simulation> {
     let loss = grams_per_hour(weather.loss);
     let options = WaterOptions::new()

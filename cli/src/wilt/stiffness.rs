@@ -1,4 +1,4 @@
-//! The steepness kappa of each part of a plant, as the command line says it.
+//! Parses the steepness kappa of each part of a plant.
 
 use std::str::FromStr;
 
@@ -9,7 +9,8 @@ use catamaran::plant::{Elasticity, Part, Plant, Tissue};
 const PARTS: [(&str, Part); 3] =
     [("leaf", Part::Leaf), ("petiole", Part::Petiole), ("stem", Part::Stem)];
 
-/// `K`, `leaf=K,stem=K` or `K,leaf=K`: of parts that are not named, and of those that are.
+/// The value `K`, `leaf=K,stem=K` or `K,leaf=K`: the steepness of all other parts, and of named
+/// parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kappa {
     others: Option<f64>,
@@ -20,7 +21,7 @@ impl FromStr for Kappa {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || "expected K, or leaf=K, petiole=K and stem=K with commas between".into();
+        let expected = || "expected K, or leaf=K, petiole=K and stem=K separated by commas".into();
         let mut kappa = Self { others: None, parts: vec![] };
         for item in text.split(',') {
             let (name, number) = item.split_once('=').unwrap_or(("", item));
@@ -38,7 +39,7 @@ impl FromStr for Kappa {
     }
 }
 
-/// `MM=K,MM=K`: of segments whose radius is at least so many millimetres.
+/// The value `MM=K,MM=K`: the steepness of segments whose radius is at least MM millimetres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ByRadius(Vec<(f64, f64)>);
 
@@ -51,12 +52,12 @@ impl FromStr for ByRadius {
             Some((radius.trim().parse().ok()?, kappa.trim().parse().ok()?))
         };
         let classes: Option<Vec<(f64, f64)>> = text.split(',').map(class).collect();
-        classes.map(Self).ok_or_else(|| "expected MM=K, again after a comma".into())
+        classes.map(Self).ok_or_else(|| "expected MM=K, or several separated by commas".into())
     }
 }
 
-/// The tissue of a plant, and a name for each of its classes. `of` is the elasticity of a
-/// steepness, `usual` the steepness where none is said.
+/// Returns the tissue of a plant, and a name for each of its classes. `of` returns the elasticity
+/// of a steepness, and `usual` is the default steepness.
 pub fn tissue(
     plant: &Plant,
     kappa: Option<&Kappa>,
@@ -68,7 +69,7 @@ pub fn tissue(
     let parts = kappa.map_or(&[][..], |kappa| &kappa.parts);
     let (tissue, names) = match by_radius {
         Some(_) if !parts.is_empty() => {
-            bail!("--kappa-by-radius: --kappa must be one number then, that of thinner segments");
+            bail!("--kappa-by-radius: --kappa must be a single number, that of thinner segments");
         }
         Some(ByRadius(classes)) => {
             let metres: Vec<_> = classes.iter().map(|(mm, k)| (1e-3 * mm, of(*k))).collect();
@@ -90,8 +91,8 @@ pub fn tissue(
     used(plant, &tissue, names)
 }
 
-/// Without the class of the rest, if nothing is left for it; refuses a class that was asked for and
-/// that no segment has.
+/// Removes the class of the other parts if it is empty; refuses a requested class that no segment
+/// has.
 fn used(plant: &Plant, tissue: &Tissue, names: Vec<String>) -> Result<(Tissue, Vec<String>)> {
     let members: Vec<usize> = (0..plant.len()).map(|v| tissue.class(v)).collect();
     let is_empty = |class: usize| members.iter().all(|&member| member != class);

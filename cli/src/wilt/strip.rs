@@ -1,4 +1,4 @@
-//! The plant at some moments, side by side, in one picture.
+//! Draws the plant at some moments, side by side, in one picture.
 
 use anyhow::Result;
 use catamaran::io::Output;
@@ -8,17 +8,18 @@ use catamaran::plant::{Plant, tubes};
 use super::Simulation;
 use crate::picture::{ColorMap, ColorScale, Paint, Panel, Scene, Up, View, render};
 
-/// Moments that are shown, the first and the last among them.
+/// Number of moments that are shown, the first and the last among them.
 const SHOWN: usize = 7;
 
-/// Sides of a tube.
+/// Number of sides of a tube.
 const SIDES: usize = 8;
 
-/// Height of the picture, in pixels, and the largest width.
+/// Height of the picture, in pixels.
 const HEIGHT: usize = 520;
+/// Largest width of the picture, in pixels.
 const LARGEST_WIDTH: usize = 2400;
 
-/// Tubes are at least this part of the plant's height thick, so that veins are seen.
+/// Least thickness of tubes, as a fraction of the height of the plant, so that veins are visible.
 const THINNEST: f64 = 1.0 / 400.0;
 
 /// Draws the plant as it wilts, from left to right and to one scale, coloured by relative water
@@ -52,7 +53,7 @@ pub fn draw_strip(plant: &Plant, simulation: &Simulation, output: Output) -> Res
         }
     }
     let mesh = TriMesh::new(vertices, faces)?;
-    // Seen from the front, so that all moments are equally far.
+    // The view is from the front, so that all moments are equally far.
     let projection = crate::picture::Projection::Orthographic;
     let view = View { azimuth: 0.0, elevation: 8.0, up: Up::Z, projection };
     let wide = HEIGHT as f64 * pitch * shown.len() as f64 / (1.1 * height.max(0.2 * size));

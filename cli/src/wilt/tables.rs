@@ -1,11 +1,11 @@
-//! Numbers of every node over time, as CSV.
+//! Writes numbers of every node over time, as CSV.
 
 use std::io::Write;
 
 use anyhow::Result;
 use catamaran::io::Output;
 
-/// A row for each time: the hours, a number that stands for the row, and the values of all nodes.
+/// Writes a row for each time: the hours, a summary of the row, and the values of all nodes.
 pub fn write(
     output: Output,
     hours: &[f64],
@@ -20,7 +20,7 @@ pub fn write(
     write_rows(output, &head, hours.iter().zip(rows).map(|(h, r)| (*h, row(r))))
 }
 
-/// A row for each time: the hours and numbers.
+/// Writes a row for each time: the hours, and numbers.
 pub fn write_rows(
     mut output: Output,
     head: &str,
@@ -36,7 +36,7 @@ pub fn write_rows(
     Ok(output.commit()?)
 }
 
-/// With an exponent where there would be many zeros.
+/// Formats a number, with an exponent where there would be many zeros.
 fn cell(x: f64) -> String {
     const SMALL: f64 = 1e-12;
     if x != 0.0 && x.abs() < SMALL { format!(",{x:e}") } else { format!(",{x}") }

@@ -1,4 +1,4 @@
-//! Soil and rewatering, as the command line says them, and as a table.
+//! Parses soil and rewatering, and writes the balance of water as a table.
 
 use std::str::FromStr;
 
@@ -11,26 +11,26 @@ use super::tables::write_rows;
 /// Grams in a kilogram.
 const GRAMS: f64 = 1e3;
 
-/// `W,STEEPNESS`.
+/// Parses `W,STEEPNESS`.
 pub fn stomata(text: &str) -> Result<Stomata, String> {
     let numbers = text.split_once(',').map(|(w, s)| (w.trim().parse(), s.trim().parse()));
     match numbers {
         Some((Ok(half), Ok(steepness))) => Ok(Stomata::new().half(half).steepness(steepness)),
-        _ => Err("expected two numbers, a relative water content and a steepness".into()),
+        _ => Err("expected a relative water content and a steepness, such as 0.8,25".into()),
     }
 }
 
-/// `CAPACITY` or `CAPACITY,CONTENT`, in grams.
+/// Parses `CAPACITY` or `CAPACITY,CONTENT`, in grams.
 pub fn soil(text: &str) -> Result<Soil, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
     match numbers.as_deref() {
         Some(&[capacity]) => Ok(Soil::new(capacity / GRAMS)),
         Some(&[capacity, content]) => Ok(Soil::new(capacity / GRAMS).content(content / GRAMS)),
-        _ => Err("expected grams that the soil holds, and after a comma those at first".into()),
+        _ => Err("expected GRAMS or GRAMS,AT_FIRST, such as 200,50".into()),
     }
 }
 
-/// `HOURS` or `HOURS:GRAMS`.
+/// The value `HOURS` or `HOURS:GRAMS`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pour(pub Rewatering);
 
@@ -49,12 +49,12 @@ impl FromStr for Pour {
             (Some(hours), Some(Some(amount))) => {
                 Ok(Self(Rewatering { seconds: 3600.0 * hours, amount: Some(amount) }))
             }
-            _ => Err("expected hours, and after a colon grams".into()),
+            _ => Err("expected HOURS or HOURS:GRAMS, such as 120:50".into()),
         }
     }
 }
 
-/// Where the water is and where it went, a row for each frame.
+/// Writes where the water is and where it went, a row for each frame.
 pub fn write_balance(output: Output, hours: &[f64], balance: &[Balance]) -> Result<()> {
     let head = "time_h,plant_kg,soil_kg,transpired_kg,supplied_kg,drained_kg";
     let row = |b: &Balance| [b.plant, b.soil, b.transpired, b.supplied, b.drained];

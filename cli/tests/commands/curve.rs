@@ -73,9 +73,9 @@ fn what_is_wrong_is_said_with_its_place() {
         folder.fail(run)
     };
     assert!(told("0\n1\nx\n").contains("samples.txt:3: neither"));
-    assert!(told("0\n1\n").contains("samples: 2, where 3 are needed"));
+    assert!(told("0\n1\n").contains("samples: must be at least 3, are 2"));
     assert!(told("0\n1\n1\n").contains("sample 2 is vertex 1, as sample 1"));
-    assert!(told("0\n1\n99\n").contains("vertex 99 of 84"));
+    assert!(told("0\n1\n99\n").contains("vertex 99, out of range: 84"));
     assert!(!folder.path("curve.json").exists());
     // An outcome, not an error: there is a file.
     folder.write("samples.txt", "0\n1\n42\n");
@@ -172,7 +172,7 @@ fn several_curves_in_a_file_are_combined() {
     };
     assert!(told("1\ncurve a\n2\n3\n4\n").contains("samples.txt:2: samples before the first"));
     assert!(told("curve a\n2\ncurve a\n3\n").contains("samples.txt:3: a second curve a"));
-    assert!(told("curve a wide\n2\n").contains("wide: none of open, single, side=SIDE"));
+    assert!(told("curve a wide\n2\n").contains("wide: expected open, single or side=SIDE"));
     assert!(told("curve a side=in\n2\n").contains("expected small, large or seed:V"));
     assert!(told("curve a\n10\n12\n28\ncurve b\n").contains("curve b: samples: 0, where 3"));
     assert!(

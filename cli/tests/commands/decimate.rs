@@ -179,7 +179,7 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(few.contains("3 components need 12 vertices: 4 each, 3 with boundary"), "{few}");
     assert!(refused("-n 20 --first 486 -o out.ply").contains("first"));
     assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
-    assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: 0, where at least 1"));
+    assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: must be at least 1"));
     assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
     for (arguments, why) in
         [("--edge-length 1 --faces 9", "cannot be used with"), ("", "<-n <N>|--ratio")]
@@ -187,7 +187,7 @@ fn refusals_say_why_and_leave_nothing() {
         let run = folder.run(&format!("decimate in.ply {arguments} -o out.ply"));
         assert!(run.code == Some(2) && run.stderr.contains(why), "{}", run.stderr);
     }
-    assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: weights must be called"));
+    assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: the name of --weights"));
     assert!(refused("-n 20 -o out.txt").contains("out.txt"));
     let numbers = refused("-n 999999999999 -o out.ply");
     assert!(numbers.contains("more than a mesh can have"), "{numbers}");

@@ -21,7 +21,7 @@ fn what_readers_leave_out_is_noted_on_stderr() {
     let run = folder.run("mesh odd.ply");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     for note in [
-        "note: odd.ply: read as OBJ, for its content is not the PLY of its name",
+        "note: odd.ply: read as OBJ, the format of its content, and not as PLY",
         "note: odd.ply: skipped statements that are not of OBJ: 1, the first at line 5 (\"$\")",
         "note: odd.ply: left out triangles that have a vertex twice: 1, the first at line 12",
     ] {
@@ -33,11 +33,11 @@ fn what_readers_leave_out_is_noted_on_stderr() {
 fn what_formats_have_no_place_for_is_noted_on_stderr() {
     let folder = folder();
     let run = folder.run("mesh odd.obj -o odd.stl");
-    let note = "note: odd.stl: no place in this format for texture coordinates, materials";
+    let note = "note: odd.stl: this format can't store texture coordinates, materials";
     assert!(run.stderr.lines().any(|line| line == note), "{}", run.stderr);
     for kept in ["kept.obj", "kept.glb", "kept.gltf"] {
         let run = folder.run(&format!("mesh odd.obj -o {kept}"));
-        assert!(!run.stderr.contains("no place"), "{}", run.stderr);
+        assert!(!run.stderr.contains("can't store"), "{}", run.stderr);
         assert!(folder.succeed(&format!("mesh {kept}")).contains("texture coordinates"), "{kept}");
     }
 }

@@ -145,7 +145,7 @@ fn what_can_not_be_done_is_said_in_a_line() {
         ("mesh broken.obj -o new.obj", "broken.obj:1: "),
         ("mesh square.obj -o new.vtk", "new.vtk: unknown kind of mesh"),
         ("mesh square.obj -o new.ply.xz", "can only be read"),
-        ("mesh square.obj -o new.ply --component 1", "1 of 1 (numbered from 0)"),
+        ("mesh square.obj -o new.ply --component 1", "1 is not one of the 1 components"),
         ("mesh strip.ply -o new.ply --orient", "not orientable"),
     ] {
         let refused = folder.fail(arguments);
@@ -239,7 +239,7 @@ fn repairs_are_done_one_by_one_and_in_one_order() {
     }
     let refused = folder.run("mesh broken.off --weld=-1");
     assert_eq!(refused.code, Some(2));
-    let why = "expected a length that is not negative, or `seams`";
+    let why = "expected a length of at least 0, or `seams`";
     assert!(refused.stderr.contains(why), "{}", refused.stderr);
 }
 
@@ -295,14 +295,14 @@ fn every_command_joins_a_split_surface_and_says_so() {
         let said = notes(&folder, arguments);
         for note in [
             "note: split.ply: 37 vertices joined along seams\n",
-            "note: split.ply: vertex numbers are those of the repaired mesh, which has 114 \
-             vertices: `catamaran mesh split.ply --weld seams -o FILE` writes it\n",
+            "note: split.ply: vertex numbers refer to the repaired mesh, which has 114 vertices; \
+             `catamaran mesh split.ply --weld seams -o FILE` writes it\n",
         ] {
             assert!(said.contains(note), "{arguments}: {note:?} in {said}");
         }
         let strict = folder.fail(&format!("{arguments} --strict"));
-        let refused = "split.ply: 37 vertices are where others are, along seams: vertex 16 is \
-                       where vertex 0 is (--strict)";
+        let refused = "split.ply: 37 vertices coincide with others along seams: vertex 16 \
+                       with vertex 0 (--strict)";
         assert!(strict.contains(refused), "{arguments}: {strict}");
     }
     // The mesh that the note names is the one that commands work on, and needs no repair.

@@ -32,8 +32,8 @@ fn a_polynomial_is_drawn_as_its_roots_are() {
     let [written, roots] =
         ["written.png", "roots.png"].map(|name| std::fs::read(folder.path(name)).unwrap());
     assert_eq!(written, roots);
-    assert!(folder.fail("newton --polynomial 3+i -o c.png").contains("polynomial: it is constant"));
-    for (polynomial, why) in [("z+", "it ends where"), ("z^65", "a power above 64")] {
+    assert!(folder.fail("newton --polynomial 3+i -o c.png").contains("must not be constant"));
+    for (polynomial, why) in [("z+", "the text ends where"), ("z^65", "the power is above 64")] {
         let refused = folder.run(&format!("newton --polynomial {polynomial} -o c.png"));
         assert_eq!(refused.code, Some(2));
         assert!(refused.stderr.contains(why), "{}", refused.stderr);
@@ -344,15 +344,15 @@ fn what_is_wrong_is_said() {
     for (command, part) in [
         ("newton --power 1 -o a.png", "1 roots"),
         ("newton --extent 0 -o a.png", "--extent"),
-        ("newton --volume --size 3x4 -o a.npy", "as many voxels"),
+        ("newton --volume --size 3x4 -o a.npy", "the same number along each side"),
         ("newton --theta 99 -o a.png", "theta"),
         ("newton -o a.ply", ".png"),
         ("newton -o a.png --picture b.png", "--picture"),
         ("newton -o a.apng", "needs --frames"),
         ("newton --frames 0 --w-to 1 -o a.gif", "at least one frame"),
         ("newton --frames 2 --w-to 1 --fps 3 -o a.png", "--fps"),
-        ("newton --volume -o a.gif --frames 2 --w-to 1", "--picture draws animations"),
-        ("newton --volume --size 4 --picture a.jpg", "must be called .png"),
+        ("newton --volume -o a.gif --frames 2 --w-to 1", "only --picture writes animations"),
+        ("newton --volume --size 4 --picture a.jpg", "must end in .png"),
         ("newton --volume --size 4 --basins 9 --picture a.png", "the roots are 0 to 8"),
         ("newton --volume --size 4 --basins 1 -o a.npy", "--basins chooses"),
         ("newton --volume --size 4 --opacity slow -o a.ply", "--opacity"),

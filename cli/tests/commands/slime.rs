@@ -258,7 +258,7 @@ fn looks_that_are_wrong_are_named() {
     folder.write("c2.toml", format!("{CONFIG}[material]\ndepth = 1\n"));
     let run = folder.run("slime square.obj --config c2.toml --steps 1 -o out");
     assert_eq!(run.code, Some(0));
-    assert!(run.stderr.contains("[material] is for --material"), "{}", run.stderr);
+    assert!(run.stderr.contains("[material] needs --material"), "{}", run.stderr);
 }
 
 #[test]

@@ -153,7 +153,7 @@ fn operators_segments_and_products_find_the_points_too() {
         ("--segments a.txt c.txt", "a.txt, c.txt: labels: label 3 is on one of the meshes only"),
         ("--segments a.txt half.txt", "half.txt: row 0: 0.5 is not the number of a segment"),
         ("--segments a.txt pairs.txt", "pairs.txt: 3 rows for 162 vertices"),
-        ("--identity --smooth 3", "--smooth goes with --details heights only"),
+        ("--identity --smooth 3", "--smooth is for --details heights only"),
     ] {
         let said = folder.fail(&format!("{common} {arguments} -o out.npy"));
         assert!(said.contains(says), "{said}");
@@ -250,11 +250,11 @@ fn one_coefficient_changes_by_a_share_of_the_size() {
     folder.succeed("filter source.ply -k 10 --coefficient 3 -o moved.ply --picture m.png");
     assert_eq!(read(&folder.path("moved.ply")).unwrap().mesh.faces(), source.faces());
     for (arguments, says) in [
-        ("--coefficient 0", "moves the mesh and nothing else"),
+        ("--coefficient 0", "the constant function only moves the mesh"),
         ("--coefficient 11", "the last frequency is number 10"),
-        ("--coefficient 1 --share inf", "--share must be finite"),
-        ("--low-pass 3 --share 0.1", "--share goes with --coefficient only"),
-        ("--heat 0.1 --amount 2", "--amount goes with --sharpen only"),
+        ("--coefficient 1 --share inf", "--share inf: a finite number is needed"),
+        ("--low-pass 3 --share 0.1", "--share is for --coefficient only"),
+        ("--heat 0.1 --amount 2", "--amount is for --sharpen only"),
     ] {
         let said = folder.fail(&format!("filter source.ply -k 10 {arguments} -o x.ply"));
         assert!(said.contains(says), "{said}");

@@ -73,7 +73,7 @@ fn a_decimation_gives_nearly_the_same_pairs_and_its_errors_are_told() {
     assert_eq!(array(&folder, "few.npz", "eigenvectors").0, [3600, 12]);
     for (arguments, named) in [
         ("--via-decimation 9", "k: 12 eigenpairs from a coarse space of 9 dimensions"),
-        ("--via-decimation 600 --boundary dirichlet", "--via-decimation: "),
+        ("--via-decimation 600 --boundary dirichlet", "needs --boundary neumann"),
         ("--via-decimation 600 --shift 1", "cannot be used with '--shift"),
         ("--via-decimation 2", "n: 2, but"),
     ] {
@@ -165,7 +165,7 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert!(
         folder.fail("spectrum a.obj -k 4 -o s.npz").contains("k: 4 eigenpairs of a matrix of 3")
     );
-    assert!(folder.fail("spectrum a.obj -k 1 -o s.txt").contains("must be called .npz, .h5"));
+    assert!(folder.fail("spectrum a.obj -k 1 -o s.txt").contains("must end in .npz, .h5"));
     assert!(folder.fail("spectrum none.obj -k 1 -o s.npz").contains("none.obj"));
     folder.succeed("spectrum a.obj -k 1 -o s.npz");
     assert!(folder.fail("spectrum a.obj -k 1 -o s.npz").contains("exists already"));

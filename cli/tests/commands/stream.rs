@@ -99,7 +99,7 @@ fn c_larger_than_memory_is_computed_in_strips() {
 
     let fail = |arguments: &str| folder.fail(&format!("ata a.npy {options} {arguments}"));
     assert!(fail("-o c.csv").contains("c.csv: a matrix larger than memory"));
-    assert!(fail("").contains("name its file by -o"));
+    assert!(fail("").contains("name a file with -o"));
     for option in ["--verify", "--picture p.png", "--checkpoint k", "--accumulator k"] {
         let message = fail(&format!("-o d.npy {option}"));
         assert!(message.contains("needs all of C in memory"), "{message}");
@@ -271,7 +271,7 @@ fn resuming_what_is_different_says_what() {
 fn resume_without_a_checkpoint_begins_and_says_so() {
     let (folder, expected) = with_input(M, N);
     let report = folder.succeed("ata a.npy -o c.npy --checkpoint sums --resume");
-    assert!(report.contains("resumed     no sums: from the first row"), "{report}");
+    assert!(report.contains("resumed     no sums: the run starts from the first row"), "{report}");
     assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
     assert_eq!(folder.names(), ["a.npy", "c.npy"]);
 }
@@ -282,7 +282,7 @@ fn checkpoint_is_not_replaced_by_accident() {
     folder.write("sums", "precious");
     let message = folder.fail("ata a.npy -o c.npy --checkpoint sums");
     assert!(message.contains("sums: exists already"), "{message}");
-    assert!(message.contains("--resume goes on from it"), "{message}");
+    assert!(message.contains("--resume continues from it"), "{message}");
     assert_eq!(fs::read_to_string(folder.path("sums")).unwrap(), "precious");
     folder.succeed("ata a.npy -o c.npy --checkpoint sums --force");
     assert_eq!(folder.read_npy::<f64>("c.npy"), expected);

@@ -70,9 +70,9 @@ fn damage_and_nights_show() {
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
     folder.write("plant.txt", "verts 2\n0,0,0,.1,.002,0\n1,0,0,.2,-1,1\nedges 1\n0,1\n");
-    assert!(folder.fail("wilt plant.txt -o out").contains("plant.txt: node 1: radius -1"));
+    assert!(folder.fail("wilt plant.txt -o out").contains("plant.txt: node 1: radius must"));
     assert!(folder.fail("wilt none.swc -o out").contains("none.swc"));
-    assert!(folder.fail("wilt --grow 5 -o out --cut 9").contains("node 9 of 5"));
+    assert!(folder.fail("wilt --grow 5 -o out --cut 9").contains("node 9 is out of range"));
     assert!(folder.fail("wilt --grow 5 -o out --pin 9").contains("--pin: node 9 of 5"));
     assert!(folder.fail("wilt --grow 5 -o out --hours=-1").contains("--hours"));
     assert!(folder.fail("wilt --grow 0 -o out").contains("nodes"));
@@ -299,7 +299,7 @@ fn each_part_has_its_own_steepness() {
     fails("--kappa root=3", "leaf=K");
     fails("--kappa-by-radius 3", "MM=K");
     fails("--kappa-by-radius 2=3,1=4", "ascend");
-    fails("--kappa leaf=3 --kappa-by-radius 1=3", "--kappa must be one number");
+    fails("--kappa leaf=3 --kappa-by-radius 1=3", "--kappa must be a single number");
     fails("--kappa leaf=-3", "steepness");
 }
 
@@ -347,9 +347,9 @@ fn soil_is_emptied_and_watered_and_no_water_is_lost() {
     };
     fails("--rewater 3", "--soil");
     fails("--soil 1,2", "at most 0.001 kg");
-    fails("--soil x", "grams");
+    fails("--soil x", "expected GRAMS");
     fails("--soil 1 --rewater=-3", "time of rewatering");
-    fails("--soil 1 --rewater 3:x", "colon");
+    fails("--soil 1 --rewater 3:x", "expected HOURS or HOURS:GRAMS");
     fails("--stomata 0.5", "steepness");
     fails("--stomata 0.5,-1", "steepness");
     fails("--soil 1 --fit weights.csv", "--fit");

@@ -29,7 +29,7 @@ const fn spelling(
     Spelling { prefix, suffix, convention, wide }
 }
 
-/// All of them.
+/// All spellings.
 pub const SPELLINGS: [Spelling; 10] = [
     spelling("", "_", Convention::Fortran, false),
     spelling("scipy_", "_", Convention::Fortran, false),
@@ -43,7 +43,7 @@ pub const SPELLINGS: [Spelling; 10] = [
     spelling("scipy_cblas_", "64_", Convention::Cblas, true),
 ];
 
-/// The address of a symbol, as a program that links with it gets it.
+/// Returns the address of a symbol, as a program that links with it gets it.
 pub fn symbol(name: &str) -> *mut c_void {
     let text = CString::new(name).unwrap();
     // SAFETY: a string that ends.
@@ -92,8 +92,8 @@ macro_rules! with_integer {
     };
 }
 
-/// `C := alpha op(A) op(A)^T + beta C`, the triangle `part`; with the conjugate transpose where
-/// elements are complex.
+/// Computes `C := alpha op(A) op(A)^T + beta C`, the triangle `part`; with the conjugate transpose
+/// where elements are complex.
 pub fn syrk<T: Scalar>(
     spelling: Spelling,
     part: Part,
@@ -167,7 +167,7 @@ pub fn syrk<T: Scalar>(
     });
 }
 
-/// `C := alpha op(A) op(B) + beta C`, all of it by `gemm`, or a triangle by the routine `triangle`.
+/// Computes `C := alpha op(A) op(B) + beta C`, all of it by `gemm`, or a triangle by `triangle`.
 pub fn gemm<T: Scalar, O: Into<Trans> + Copy>(
     spelling: Spelling,
     (part, triangle): (Part, &str),

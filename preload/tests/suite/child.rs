@@ -9,11 +9,11 @@ use super::calls::{Convention, SPELLINGS, Spelling, gemm, syrk};
 use super::library;
 use super::oracle::{Matrix, Part, Random, Scalar, Trans, check};
 
-/// What a child runs.
+/// The variable with the task of a child.
 const TASK: &str = "CATAMARAN_BLAS_TEST_TASK";
 
-/// Runs `program` with the library, and then `more`, loaded before all others, and of the variables
-/// that it reads only these.
+/// Returns a command that runs `program` with the library, and then `more`, loaded before all
+/// others. Of the variables that the library reads, only these are set.
 pub fn preloaded(program: &Path, more: &[&Path], variables: &[(&str, &str)]) -> Command {
     let mut command = Command::new(program);
     let ours = library::path();
@@ -45,12 +45,12 @@ pub fn run(task: &str, more: &[&Path], variables: &[(&str, &str)]) -> Output {
     output
 }
 
-/// What a process wrote to standard error.
+/// Returns what a process wrote to standard error.
 pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Not a test by itself: the tasks of children.
+/// Runs the task of a child; not a test by itself.
 #[test]
 fn in_child() {
     let Ok(task) = std::env::var(TASK) else { return };
@@ -84,7 +84,7 @@ fn in_child() {
     }
 }
 
-/// All parameters of all routines, at small sides and at some that a planner looks at.
+/// Checks all parameters of all routines, at small sides and at some that are worth a plan.
 fn parameters<T: Scalar>() {
     const FACTORS: [[f64; 2]; 6] =
         [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [-0.5, 1.0], [0.75, -2.0], [1.0, 1.0]];
@@ -160,7 +160,7 @@ fn products<T: Scalar>(spelling: Spelling, [m, n, k]: [usize; 3], factors: [f64;
     }
 }
 
-/// The lower triangle of A^T A, A k x n.
+/// Returns the lower triangle of A^T A, A k x n.
 pub fn gram<T: Scalar>(n: usize, k: usize) -> Matrix<T> {
     let mut random = Random(17);
     let a = Matrix::<T>::new(k, n, false, 0, || random.number());
@@ -169,7 +169,7 @@ pub fn gram<T: Scalar>(n: usize, k: usize) -> Matrix<T> {
     c
 }
 
-/// A number that differs when the bytes of some results do.
+/// Returns a number that differs when the bytes of some results do.
 fn hash<T: Scalar>() -> u64 {
     let mut random = Random(23);
     let a = Matrix::<T>::new(400, 300, false, 0, || random.number());
@@ -186,7 +186,7 @@ fn hash<T: Scalar>() -> u64 {
     hash
 }
 
-/// Children of a process that has computed, and is computing, compute the same.
+/// Checks that children of a process that has computed, and is computing, compute the same.
 fn fork<T: Scalar>() {
     let expected = gram::<T>(300, 300);
     std::thread::scope(|scope| {
@@ -228,7 +228,7 @@ fn many_threads<T: Scalar>() {
     });
 }
 
-/// C is a part of the memory of A: beside A, and on it.
+/// Checks products whose C is a part of the memory of A: beside A, and on it.
 fn overlap<T: Scalar>() {
     let (name, trans) = if T::IS_COMPLEX { ("zherk_", b'C') } else { ("dsyrk_", b'T') };
     let op = if T::IS_COMPLEX { Trans::Conjugated } else { Trans::Transposed };
@@ -287,7 +287,7 @@ fn overlap<T: Scalar>() {
     }
 }
 
-/// Calls with wrong arguments change nothing.
+/// Checks that calls with wrong arguments change nothing.
 fn wrong() {
     let a = Matrix::<f64>::new(3, 3, false, 0, || 1.0);
     let mut c = Matrix::<f64>::new(3, 3, false, 0, || 2.0);

@@ -1,4 +1,4 @@
-//! Calls that go to the next library, which is a false one here: its results are recognised.
+//! Calls that go to the next library, here a fake one whose results are recognised.
 
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::oracle::{Matrix, Part};
 
 const FAKE: &str = "CATAMARAN_BLAS_TEST_FAKE";
 
-/// Compiles the false library into `folder`.
+/// Compiles the fake library into `folder`.
 fn fake(folder: &Path) -> PathBuf {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/fake.rs");
     let library = folder.join("libfake.so");
@@ -24,7 +24,7 @@ fn fake(folder: &Path) -> PathBuf {
     library
 }
 
-/// The tasks of children.
+/// Runs the task of a child.
 pub fn task(name: &str) {
     match name {
         "forward" => forward(),
@@ -40,7 +40,7 @@ pub fn task(name: &str) {
     }
 }
 
-/// Loads the false library for itself alone, as Python does with extensions.
+/// Loads the fake library locally, as Python does with extensions.
 fn load() {
     let path = CString::new(std::env::var(FAKE).unwrap()).unwrap();
     // SAFETY: a library without initialisers.
@@ -48,7 +48,7 @@ fn load() {
     assert!(!handle.is_null());
 }
 
-/// The first entry of A^T A for A of ones, n x n, by one of the spellings.
+/// Returns the first entry of A^T A for A of ones, n x n, by one of the spellings.
 fn first(spelling: usize, n: usize) -> f64 {
     let a = Matrix::<f64>::new(n, n, false, 0, || 1.0);
     let mut c = Matrix::<f64>::new(n, n, false, 0, || 0.0);
@@ -64,9 +64,9 @@ fn large() -> f64 {
     first(0, 300)
 }
 
-/// What is forwarded, and what is not.
+/// Checks what is forwarded, and what is not.
 fn forward() {
-    // Twice, for the second call takes another way.
+    // Twice, because the second call takes another way.
     for _ in 0..2 {
         assert_eq!((small(), large()), (1.0, 300.0));
         assert_eq!((first(7, 3), first(7, 300)), (2.0, 300.0));
@@ -84,7 +84,7 @@ fn forward() {
     let (a, mut c) = (ones(3), ones(3));
     gemm(SPELLINGS[0], (Part::Upper, "gemmt"), [(&a, true), (&a, true)], [1.0, 0.0], &mut c);
     assert_eq!(c.at(0, 0), 42.0);
-    // A spelling that the false library lacks.
+    // A spelling that the fake library lacks.
     assert_eq!(first(1, 3), 3.0);
 }
 
@@ -119,10 +119,10 @@ fn the_other_modes_forward_nothing_but_what_they_can_not_compute() {
         let variables = [("CATAMARAN_BLAS", mode), ("CATAMARAN_BLAS_VERBOSE", "1")];
         let report = errors(&run("two calls", &[&fake], &variables));
         assert!(report.contains("dsyrk_: 2 calls, 2 computed in "), "{report}");
-        assert!(!report.contains("said once"), "{report}");
+        assert!(!report.contains("reported once"), "{report}");
         let variables = [("CATAMARAN_BLAS", mode), ("CATAMARAN_BLAS_MEMORY", "1k")];
         let report = errors(&run("forward all", &[&fake], &variables));
-        let line = format!("dsyrk_: not {mode}, for it takes more than CATAMARAN_BLAS_MEMORY");
+        let line = format!("{mode}: it takes more than CATAMARAN_BLAS_MEMORY");
         assert_eq!(report.matches(&line).count(), 1, "{report}");
     }
 }

@@ -1,8 +1,8 @@
-//! Where the shared library is.
+//! The path of the shared library.
 
 use std::path::PathBuf;
 
-/// The file that cargo built beside this program.
+/// Returns the file that cargo built beside this program.
 pub fn path() -> PathBuf {
     let program = std::env::current_exe().unwrap();
     let path = program.with_file_name("libcatamaran_blas.so");

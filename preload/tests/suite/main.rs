@@ -1,5 +1,5 @@
-//! The shared library as programs see it: its symbols, and calls by them in processes of their own,
-//! for settings are read once in a process.
+//! The shared library as programs see it: its symbols, and calls of them in separate processes,
+//! because settings are read once in a process.
 //!
 //! `in_child` below is what such a process runs.
 

@@ -24,7 +24,7 @@ pub trait Scalar: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
     fn real(x: f64) -> Self::Real;
     fn bits(self) -> [u64; 2];
 
-    /// A factor of `gemm` that is complex where matrices are.
+    /// Returns a factor of `gemm` that is complex where matrices are.
     fn factor(x: f64) -> c64 {
         let simple = !Self::IS_COMPLEX || x == 0.0 || x == 1.0;
         c64::new(x, if simple { 0.0 } else { 0.5 - x })
@@ -113,7 +113,7 @@ impl Random {
         self.0
     }
 
-    /// Between -1 and 1.
+    /// Returns a number between -1 and 1.
     pub fn number(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
@@ -150,17 +150,17 @@ impl<T: Scalar> Matrix<T> {
         if self.by_rows { i * self.leading + j } else { i + j * self.leading }
     }
 
-    /// Entry (i, j).
+    /// Returns entry (i, j).
     pub fn value(&self, i: usize, j: usize) -> c64 {
         self.data[self.place(i, j)].to()
     }
 
-    /// Its real part.
+    /// Returns the real part of entry (i, j).
     pub fn at(&self, i: usize, j: usize) -> f64 {
         self.value(i, j).re
     }
 
-    /// op(self), entry (i, j).
+    /// Returns entry (i, j) of op(self).
     pub fn op(&self, trans: Trans, i: usize, j: usize) -> c64 {
         match trans {
             Trans::No => self.value(i, j),

@@ -28,8 +28,8 @@ centred = a - a.mean(axis=0)
 assert abs(np.cov(a.T) - np.einsum('ki,kj->ij', centred, centred) / 399).max() < 1e-11
 ";
 
-/// A Python that has numpy: one that is named, those of scripts/test-blas and scripts/rivals, or
-/// the system's.
+/// Returns a Python that has numpy: one that is named, those of scripts/test-blas and
+/// scripts/rivals, or the system's.
 fn python() -> Option<PathBuf> {
     let target = std::env::current_exe().unwrap();
     let target = target.ancestors().nth(3).unwrap();

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::library;
 
-/// All spellings of all routines.
+/// Returns all spellings of all routines.
 fn expected() -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let real = ["syrk", "gemm", "gemmt", "gemmtr"].as_slice();
@@ -25,15 +25,15 @@ fn expected() -> BTreeSet<String> {
     names
 }
 
-/// The little-endian number of `N` bytes at `at`.
+/// Returns the little-endian number of `N` bytes at `at`.
 fn number<const N: usize>(file: &[u8], at: usize) -> usize {
     let mut bytes = [0; 8];
     bytes[..N].copy_from_slice(&file[at..at + N]);
     u64::from_le_bytes(bytes) as usize
 }
 
-/// The names of the dynamic symbols that a 64-bit ELF file defines (System V ABI, "Sections" and
-/// "Symbol Table").
+/// Returns the names of the dynamic symbols that a 64-bit ELF file defines (System V ABI,
+/// "Sections" and "Symbol Table").
 fn defined(file: &[u8]) -> BTreeSet<String> {
     const DYNSYM: usize = 11;
     assert_eq!(&file[..6], b"\x7fELF\x02\x01", "a 64-bit little-endian ELF file");

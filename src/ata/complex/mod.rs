@@ -1,4 +1,4 @@
-//! Products of complex matrices, out of real ones: `A^H A` and `A^H B`.
+//! Products of complex matrices, computed by real ones: `A^H A` and `A^H B`.
 //!
 //! With `A = X + i Y` and `B = U + i V`, and `[X; Y]` for X above Y,
 //! `A^H B = [X; Y]^T [U; V] + i [X; Y]^T [V; -U]`: the classical algorithm's four real products, as
@@ -40,8 +40,8 @@ use crate::blas::BlasReal;
 ///
 /// # Accuracy
 /// With u the unit roundoff and `|a_i|` the Euclidean norm of a column, both parts of every entry
-/// satisfy `|C_ij - exact| <= 8 m u |a_i| |a_j|` for beta = 0 and alpha = 1. On the exact path,
-/// asked for by name, each block is rounded once: the error is then that of
+/// satisfy `|C_ij - exact| <= 8 m u |a_i| |a_j|` for beta = 0 and alpha = 1. On the exact path, if
+/// it is requested by name, each block is rounded once: the error is then that of
 /// [`Accuracy`](super::Accuracy), and u more for each block.
 ///
 /// NaN and infinities have the effect of `(x - i y)(u + i v) = (x u + y v) + i (x v - y u)`, term
@@ -61,7 +61,7 @@ use crate::blas::BlasReal;
 ///
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
-/// [`Error::OutOfMemory`] when the memory can't be had, [`Error::Cancelled`]. C is untouched then.
+/// [`Error::OutOfMemory`] when memory is refused, [`Error::Cancelled`]. C is untouched then.
 pub fn aha<T: BlasReal>(
     alpha: T,
     a: MatRef<'_, Complex<T>>,
@@ -210,7 +210,7 @@ fn check<T: BlasReal>(
     [a, b, c]: [(usize, usize); 3],
 ) -> Result<()> {
     let of_another = |wanted: &str| {
-        Err(Error::Argument { what: "plan", why: format!("it is not one of {wanted}") })
+        Err(Error::Argument { what: "plan", why: format!("is not a plan of {wanted}") })
     };
     if !kinds.contains(&plan.kind) {
         return of_another(if kinds == [Kind::Aha] { "A^H A" } else { "A^H B" });

@@ -1,4 +1,4 @@
-//! What will be done for a complex product, as data: real products of blocks of rows.
+//! Plans of complex products, as data: real products of blocks of rows.
 
 use std::ops::Range;
 
@@ -32,8 +32,8 @@ pub(super) enum Kind {
 /// complex matrices: one plan for many calls, and the memory of a call before it runs.
 ///
 /// It depends on the shape, the precision and the options, but never on the number of threads.
-/// With [`AtaOptions::memory`] blocks of rows are as small as it takes, down to 128; the sums, as
-/// large as C, stay. Results depend on these blocks in their last bits.
+/// With [`AtaOptions::memory`] blocks of rows are as small as necessary, down to 128 rows; the
+/// sums, as large as C, always stay in memory. The rounding of the result depends on these blocks.
 ///
 /// ```
 /// use catamaran::{AtaOptions, Par, ata::ComplexPlan};
@@ -53,8 +53,8 @@ pub struct ComplexPlan {
     pub(super) blocks: usize,
     /// The sums of these are the real and the imaginary part.
     pub(super) terms: [Term; 2],
-    /// Of each term: for the height of the first block, and of the last. Blocks differ by a row at
-    /// most.
+    /// For each term, the plans for the height of the first block and of the last one. Heights
+    /// differ by a row at most.
     pub(super) plans: [[Plan; 2]; 2],
 }
 
@@ -72,8 +72,8 @@ impl ComplexPlan {
     /// # Errors
     /// As [`Plan::ata`].
     pub fn aha<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
-        // Antisymmetric, so that the fast schemes for symmetric products do not apply: a general
-        // one, and its transpose. The exact path has no schemes, and rounds the difference once.
+        // Antisymmetric, so the fast schemes for symmetric products do not apply: a general product
+        // and its transpose. The exact path has no schemes, and rounds the difference once.
         let imaginary = if options.asks_for_exact() {
             Term { op: Op::Gemmt, left: 0..2, right: 1..3 }
         } else {
@@ -165,18 +165,18 @@ impl ComplexPlan {
         Ok(Self { kind, conjugated: false, sides, blocks, terms, plans })
     }
 
-    /// The rows of a block.
+    /// Returns the rows of a block.
     pub(super) fn rows(&self, block: usize) -> Range<usize> {
         let start = |block| block_start(self.sides[0], self.blocks, block);
         start(block)..start(block + 1)
     }
 
-    /// Parts that a stack of A has, and one of B.
+    /// Returns the numbers of parts of a stack of A and of one of B.
     pub(super) fn parts(&self) -> [usize; 2] {
         parts(self.kind, &self.terms)
     }
 
-    /// Elements of the sums, the stacks and the scratch of the real products.
+    /// Returns the elements of the sums, the stacks and the scratch of the real products.
     pub(super) fn lens<T: BlasReal>(&self, par: Par) -> [usize; 4] {
         let [_, n, k] = self.sides;
         let height = self.rows(self.blocks - 1).len();
@@ -218,7 +218,7 @@ fn parts(kind: Kind, terms: &[Term; 2]) -> [usize; 2] {
     }
 }
 
-/// Elements of a row of the stacks.
+/// Returns the elements of a row of the stacks.
 fn line(kind: Kind, terms: &[Term; 2], [_, n, k]: [usize; 3]) -> usize {
     [n, k].into_iter().zip(parts(kind, terms)).map(|(n, parts)| n.saturating_mul(parts)).sum()
 }

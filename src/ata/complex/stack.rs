@@ -42,7 +42,7 @@ impl<'a, T: Real> Stack<'a, T> {
             let lines = if by_rows { this.transpose_mut() } else { this };
             jobs.extend(pieces(lines).map(|(first, piece)| (first, part, piece)));
         }
-        // The parts of one piece after another: its source is in the cache for all but the first.
+        // The parts of a piece follow each other: its source is in the cache for all but the first.
         jobs.sort_by_key(|&(first, part, _)| (first, part));
         par.for_each(jobs.into_iter(), |_, (first, part, piece)| {
             let source = source.subcols(first, piece.ncols());

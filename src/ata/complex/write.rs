@@ -1,4 +1,4 @@
-//! Sums into the complex result, on many threads.
+//! Writes sums into the complex result, on many threads.
 
 use faer::complex::Complex;
 use faer::prelude::{Reborrow, ReborrowMut};
@@ -13,12 +13,12 @@ const PIECE: usize = 1 << 14;
 /// Largest side of a tile of a triangle: a transposed tile stays in the first-level cache.
 const TILE: usize = 64;
 
-/// Whether entries of a row are nearer to each other than those of a column.
+/// Returns whether entries of a row are nearer to each other than those of a column.
 pub(super) fn by_rows<T>(matrix: MatRef<'_, T>) -> bool {
     matrix.col_stride().unsigned_abs() <= matrix.row_stride().unsigned_abs()
 }
 
-/// The columns in pieces of [`PIECE`] entries, each with the number of its first column.
+/// Returns the columns in pieces of [`PIECE`] entries, each with the number of its first column.
 pub(super) fn pieces<T>(matrix: MatMut<'_, T>) -> impl Iterator<Item = (usize, MatMut<'_, T>)> {
     let size = (PIECE / matrix.nrows().max(1)).max(1);
     let (mut first, mut rest) = (0, Some(matrix));
@@ -32,7 +32,7 @@ pub(super) fn pieces<T>(matrix: MatMut<'_, T>) -> impl Iterator<Item = (usize, M
     })
 }
 
-/// `s z`; a real s multiplies both parts, so that infinities keep to theirs.
+/// Computes `s z`; a real s multiplies both parts, so that infinities stay in their part.
 #[inline(always)]
 pub(super) fn times<T: Real>(s: Complex<T>, z: Complex<T>) -> Complex<T> {
     if s.im == T::ZERO {
@@ -41,7 +41,7 @@ pub(super) fn times<T: Real>(s: Complex<T>, z: Complex<T>) -> Complex<T> {
     Complex { re: s.re * z.re - s.im * z.im, im: s.re * z.im + s.im * z.re }
 }
 
-/// `value + beta old`, without what is `None`; `old` is not called for when beta is 0.
+/// Computes `value + beta old`, without what is `None`; `old` is not called when beta is 0.
 #[inline(always)]
 fn updated<T: Real>(
     value: Option<Complex<T>>,
@@ -56,7 +56,7 @@ fn updated<T: Real>(
     value.map_or(old, |value| Complex { re: value.re + old.re, im: value.im + old.im })
 }
 
-/// `C := V + beta C` with `V_ij = value(i, j)`; without V where that is `None`.
+/// Computes `C := V + beta C` with `V_ij = value(i, j)`; without V where that is `None`.
 pub(super) fn write_general<T: Real>(
     c: MatMut<'_, Complex<T>>,
     value: impl Fn(usize, usize) -> Option<Complex<T>> + Sync,
@@ -76,8 +76,8 @@ pub(super) fn write_general<T: Real>(
     });
 }
 
-/// As [`write_general`], for the triangle or triangles of `uplo` of a Hermitian C; `value(i, j)` is
-/// called for i >= j only, and the imaginary parts of the diagonal become zero.
+/// Computes [`write_general`] for the triangle or triangles of `uplo` of a Hermitian C; `value(i,
+/// j)` is called for i >= j only, and the imaginary parts of the diagonal become zero.
 pub(super) fn write_hermitian<T: Real>(
     c: MatMut<'_, Complex<T>>,
     value: impl Fn(usize, usize) -> Option<Complex<T>> + Sync,
@@ -131,7 +131,7 @@ struct Tile<'c, T> {
     above: Option<MatMut<'c, Complex<T>>>,
 }
 
-/// The tiles of the square `c` that begins at (first, first).
+/// Cuts the square `c`, which begins at (first, first), into tiles.
 fn cut_triangle<'c, T>(c: MatMut<'c, Complex<T>>, first: usize, tiles: &mut Vec<Tile<'c, T>>) {
     let n = c.nrows();
     if n <= TILE {
@@ -144,7 +144,7 @@ fn cut_triangle<'c, T>(c: MatMut<'c, Complex<T>>, first: usize, tiles: &mut Vec<
     cut_triangle(end, first + half, tiles);
 }
 
-/// The tiles of a part below the diagonal.
+/// Cuts a part below the diagonal into tiles.
 fn cut_square<'c, T>(tile: Tile<'c, T>, tiles: &mut Vec<Tile<'c, T>>) {
     let (nrows, ncols) = tile.below.shape();
     if nrows.max(ncols) <= TILE {

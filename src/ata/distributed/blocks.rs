@@ -110,8 +110,8 @@ impl Blocks {
             let (x, y) = ((rank + a) % ranks, (rank + b) % ranks);
             let (left, right) = (x.max(y), x.min(y));
             let mut rows = self.columns(left);
-            // Half way around, the ranks p and p + P/2 have the same pair, one of them the other
-            // way round.
+            // Half way around, the ranks p and p + P/2 have the same pair, one of them in the
+            // opposite order.
             if d > 0 && 2 * d == ranks {
                 let middle = rows.start.midpoint(rows.end);
                 rows = if x < y { rows.start..middle } else { middle..rows.end };
@@ -120,7 +120,7 @@ impl Blocks {
         })
     }
 
-    /// The number of entries of a product.
+    /// Returns the number of entries of a product.
     fn product_len(&self, product: &Product) -> usize {
         let rows = product.rows.len();
         let on_diagonal = product.left == product.right;
@@ -143,16 +143,16 @@ impl Blocks {
     }
 }
 
-/// Rows that travel at once, at least: products with fewer are slow.
+/// Least number of rows that travel at once: products with fewer are slow.
 const SHORTEST: usize = 256;
 
-/// Rows that travel at once, at least 1, when A is m x n and each rank sees the columns of `seen`
-/// ranks.
+/// Returns the number of rows that travel at once, at least 1, when A is m x n and each rank sees
+/// the columns of `seen` ranks.
 pub(crate) fn piece_height(m: usize, n: usize, seen: usize) -> usize {
     // Two pieces of all that is seen are as much as m + n / 2 rows of the own columns: its share of
     // A and C.
     let height = (m + n / 2) / (2 * seen);
-    // And several pieces, so that one can hide behind another.
+    // Several pieces, so that the transfer of one can overlap the product of another.
     height.min(m.div_ceil(4)).max(SHORTEST).next_multiple_of(64)
 }
 

@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn every_rank_gets_every_term_of_its_part_once() {
         for ranks in (1..=70).chain([127, 128, 129, 1000]) {
-            // terms[r][i]: whose products are in the sum that rank r has for rank r + i
+            // terms[r][i]: the ranks whose products are in the sum that rank r has for rank r + i
             let mut terms: Vec<Vec<Vec<usize>>> =
                 (0..ranks).map(|r| (0..ranks).map(|_| vec![r]).collect()).collect();
             let rounds = rounds(ranks);

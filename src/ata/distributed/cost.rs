@@ -1,4 +1,4 @@
-//! What A^T A on many ranks costs, in each [`Mode`], beside the least possible: predicted from the
+//! Predicted costs of A^T A on many ranks in each [`Mode`], and lower bounds. Costs follow from the
 //! plans, on a [`Machine`] of latency, bandwidth and speed.
 //!
 //! Sources: H. Al Daas, G. Ballard, L. Grigori, S. Kumar and K. Rouse, "Parallel memory-independent
@@ -21,11 +21,11 @@ use crate::ata::gram::block_rows;
 pub enum Mode {
     /// Each rank has rows of A; their products are reduced and scattered.
     Rows,
-    /// Each rank has columns of A; those travel so that each pair meets once.
+    /// Each rank has columns of A, which travel so that each pair meets once.
     Columns,
     /// One rank has A and gets C: AtA-D.
     Tree,
-    /// One rank has A and gets C, and deals rows.
+    /// One rank has A and gets C, and distributes the rows.
     Deal,
 }
 
@@ -59,10 +59,10 @@ impl fmt::Display for Mode {
     }
 }
 
-/// Where A is before, and C after.
+/// Where A is before the product, and C after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// Each rank can bring its part of A, and keep its part of C.
+    /// Each rank has a part of A, and keeps a part of C.
     EveryRank,
     /// On one rank.
     OneRank,
@@ -75,9 +75,9 @@ pub struct LowerBound {
     /// Dimensions along which the work is cut where the bound is reached: 1, the rows of A; 2, rows
     /// and columns of C; 3, all.
     pub dimensions: u32,
-    /// Words of A and C that the rank has to do with.
+    /// Words of A and C that the rank accesses.
     pub accessed: f64,
-    /// Words that it sends or receives: those of them beyond its own share.
+    /// Words that it sends or receives: the accessed ones beyond its own share.
     pub words: f64,
 }
 
@@ -109,11 +109,11 @@ pub fn lower_bound(ranks: usize, m: usize, n: usize) -> LowerBound {
 /// Computes the lower bound on the words of some rank when every rank begins with `m / ranks` rows
 /// of A, and work and storage are even, for any algorithm. [`lower_bound`] lets A begin anywhere.
 ///
-/// A rank that sums a part of C of c entries multiplies its own rows for nothing, `m c / ranks`
-/// products. A row of which it is sent f entries gives it at most `f^2 / 2` products, and no more
-/// than c, so at most `f sqrt(c / 2)`. It owes `m n^2 / (2 ranks)` products, and the sums beyond
-/// its share of C to others; what is sent is received, so the mean of both over the ranks is no
-/// less than the least over c.
+/// A rank that sums a part of C of c entries multiplies its own rows without communication, `m c /
+/// ranks` products. A row of which it receives f entries gives it at most `f^2 / 2` products, and
+/// no more than c, so at most `f sqrt(c / 2)`. It must compute `m n^2 / (2 ranks)` products, and
+/// send the sums beyond its share of C to others. What is sent is received, so the mean of both
+/// over the ranks is no less than the least over c.
 ///
 /// ```
 /// use catamaran::ata::distributed::{lower_bound, lower_bound_of_rows};
@@ -130,7 +130,7 @@ pub fn lower_bound_of_rows(ranks: usize, m: usize, n: usize) -> f64 {
         let others = m * n * (0.5 - sums) / p / (sums / 2.0).sqrt();
         others + n * n * (sums - 0.5 / p)
     };
-    // From its own share to all.
+    // From the rank's own share of C to all of C.
     let shares = (0..=STEPS).map(|i| 0.5 * (1.0 + (p - 1.0) * f64::from(i) / f64::from(STEPS)) / p);
     shares.map(least).fold(f64::INFINITY, f64::min)
 }
@@ -161,7 +161,7 @@ pub fn proposition_8_3(ranks: usize, m: usize, n: usize) -> (f64, f64) {
     (2.0 * (7.0 * (level - 1.0) + 5.0), down + up)
 }
 
-/// What a mode costs the rank that has the most of each.
+/// The cost of a mode: of each quantity, that of the rank that has the most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// The mode.
@@ -175,7 +175,7 @@ pub struct Cost {
     /// Words of memory: its part of A and C, what it receives, and scratch of the communication;
     /// not that of the products.
     pub memory: f64,
-    /// Seconds, from where A is in this mode to where C is.
+    /// Seconds, with A and C in the places of this mode.
     pub seconds: f64,
 }
 
@@ -259,7 +259,7 @@ fn columns(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let memory = rows * width + entries + scratch;
     let (computation, communication) =
         (machine.computation(products), machine.communication(messages, words));
-    // A piece is multiplied when it has arrived: the other way round, and as long.
+    // Each piece is multiplied after its arrival. The reverse order takes as long.
     let seconds = pipeline(computation, communication, pieces);
     Cost { mode: Mode::Columns, words, messages, products, memory, seconds }
 }
@@ -308,7 +308,7 @@ fn dealt(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     }
 }
 
-/// Seconds of `count` pieces that are computed while the ones before or after them travel.
+/// Returns the seconds of `count` pieces that are computed while others travel.
 fn pipeline(computation: f64, communication: f64, count: usize) -> f64 {
     let count = count as f64;
     (computation + communication) / count + computation.max(communication) * (count - 1.0) / count
@@ -330,7 +330,7 @@ pub fn simulate(tree: &TaskTree, machine: &Machine) -> f64 {
     end(tree, machine, 0, 0.0, &mut free)
 }
 
-/// When node `id` is done, if its owner turns to it as soon as it is `free` and its last rows
+/// Returns when node `id` is done, if its owner starts it as soon as it is `free` and its last rows
 /// arrive at `arrival`.
 fn end(tree: &TaskTree, machine: &Machine, id: usize, arrival: f64, free: &mut [f64]) -> f64 {
     let node = &tree.nodes()[id];
@@ -347,7 +347,7 @@ fn end(tree: &TaskTree, machine: &Machine, id: usize, arrival: f64, free: &mut [
         now += machine.communication(1.0, child.words_of(rows.len()) as f64);
         arrivals[id - node.children.start] = now;
         if strip == 0 {
-            // A process that is sent several leaves has all of them before it is through with the
+            // A process that receives several leaves has all of them before it has finished the
             // first.
             let process = child.task.process;
             free[process] = now.max(free[process]);
@@ -502,7 +502,7 @@ mod tests {
             let words = predict(Mode::Rows, p, m, n, &Machine::default()).words;
             words / lower_bound_of_rows(p, m, n)
         };
-        // A tall A: nothing better.
+        // For a tall A the bounds agree.
         assert!((ratio(4, 600_000, 500) - 1.0).abs() < 0.01);
         assert!((ratio(2, 4096, 4096) - 1.0).abs() < 0.01);
         assert!((ratio(4, 4096, 4096) - 1.244).abs() < 0.01);
@@ -582,7 +582,7 @@ mod tests {
                 assert_eq!(choice(p, m, n, Place::EveryRank), Mode::Rows, "{m} x {n}, {p} ranks");
             }
         }
-        // Where latency is everything, who sends to few at a time wins.
+        // Where latency dominates, the mode wins in which a rank sends to few others at a time.
         assert_eq!(choice(65_536, 200, 200, Place::OneRank), Mode::Tree);
         for (name, mode) in Mode::NAMES {
             assert_eq!(mode.to_string(), name);

@@ -10,8 +10,8 @@ const SEARCHED: usize = 40;
 /// Returns residues modulo `ranks >= 1`, ascending from 0, such that every residue is a difference
 /// of two of them.
 ///
-/// The shortest possible for up to 40 ranks; beyond that a ruler of B. Wichmann (1963), at most
-/// `1.25 sqrt(ranks) + 4` residues.
+/// The cover is the shortest possible for up to 40 ranks. Beyond that it is a ruler of B. Wichmann
+/// (1963), with at most `1.25 sqrt(ranks) + 4` residues.
 ///
 /// ```
 /// use catamaran::ata::distributed::difference_cover;
@@ -25,7 +25,7 @@ pub fn difference_cover(ranks: usize) -> Vec<usize> {
     if ranks <= SEARCHED { shortest(ranks) } else { wichmann(ranks) }
 }
 
-/// By trying: covers of k residues for the least k that has enough differences, then k + 1, ...
+/// Searches covers of k residues for the least k that has enough differences, then k + 1, ...
 fn shortest(ranks: usize) -> Vec<usize> {
     match ranks {
         0 | 1 => return vec![0],
@@ -46,8 +46,8 @@ fn shortest(ranks: usize) -> Vec<usize> {
     unreachable!("all residues are a cover")
 }
 
-/// Extends `cover` to `len` residues that cover everything, if that is possible; `counts` says how
-/// often each difference occurs.
+/// Extends `cover` to `len` residues that cover everything, if that is possible; `counts` has the
+/// number of times that each difference occurs.
 fn extend(cover: &mut Vec<usize>, counts: &mut [u32], len: usize) -> bool {
     let ranks = counts.len();
     let missing = counts.iter().filter(|&&count| count == 0).count();
@@ -77,7 +77,7 @@ fn extend(cover: &mut Vec<usize>, counts: &mut [u32], len: usize) -> bool {
     false
 }
 
-/// The shortest Wichmann ruler that measures every length up to half of `ranks`.
+/// Returns the shortest Wichmann ruler that measures every length up to half of `ranks`.
 fn wichmann(ranks: usize) -> Vec<usize> {
     let half = ranks / 2;
     let marks = |r: usize, s: usize| 4 * r + s + 3;
@@ -94,7 +94,7 @@ fn wichmann(ranks: usize) -> Vec<usize> {
             cover.push(cover[cover.len() - 1] + step);
         }
     }
-    // A ruler longer than half may reach around.
+    // A ruler longer than half of `ranks` may wrap around.
     for mark in &mut cover {
         *mark %= ranks;
     }
@@ -137,7 +137,7 @@ mod tests {
             let received = (difference_cover(ranks).len() - 1) as f64;
             let root = (ranks as f64).sqrt();
             assert!(received <= 1.25 * root + 3.0, "{ranks}: {received}");
-            // What the goal of 1.5 times the lower bound asks for.
+            // The goal is 1.5 times the lower bound.
             assert!(received <= 1.5 * root, "{ranks}: {received} of {root}");
         }
     }

@@ -1,11 +1,11 @@
-//! Block-cyclic matrices, as ScaLAPACK has them: blocks of rows and of columns are dealt out, like
-//! cards, to the rows and columns of a grid of processes.
+//! Block-cyclic matrices, as in ScaLAPACK: blocks of rows and of columns are dealt out cyclically
+//! to the rows and columns of a grid of processes.
 //!
 //! Source: J. Choi, J. Demmel, I. Dhillon et al., "ScaLAPACK: a portable linear algebra library for
 //! distributed memory computers" (1996), and its users' guide, section 4.3.
 //!
-//! [`Parts`] and [`Delivery`] are the ways from there to what a product needs, and back: who sends
-//! what to whom, in an order that both sides can list without talk.
+//! [`Parts`] and [`Delivery`] redistribute such matrices for a product, and back: which rank sends
+//! which entries to which, in an order that both sides know without communication.
 
 use std::ops::Range;
 
@@ -103,7 +103,7 @@ impl Dealing {
         })
     }
 
-    /// Blocks from the first part to `part`.
+    /// Returns the number of blocks from the first part to `part`.
     fn distance(&self, part: usize) -> usize {
         (part + self.parts - self.first) % self.parts
     }
@@ -348,9 +348,10 @@ pub enum Cut {
 
 /// A block-cyclic A, m x n, as about equal parts of rows, or of columns, one for each rank.
 ///
-/// Products don't mind the order of rows. They are counted here one row of the grid after another,
-/// so that the part of a rank and what another one holds have a contiguous piece in common, most
-/// rows stay in their row of the grid, and there is at most one message from each rank to another.
+/// The order of rows does not matter to a product. Rows are counted here by one row of the grid
+/// after another, so that the part of a rank and the entries that another one holds have a
+/// contiguous piece in common, most rows stay in their row of the grid, and there is at most one
+/// message from each rank to another.
 ///
 /// ```
 /// use catamaran::ata::distributed::{BlockCyclic, Cut, Grid, GridOrder, Parts};
@@ -371,14 +372,14 @@ pub struct Parts {
     starts: Vec<usize>,
 }
 
-/// What one rank has of the part of another.
+/// The entries of one rank's part that another rank holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Piece {
-    /// Rows of what the one holds.
+    /// Rows of the piece, among those that the holder has.
     pub rows: Range<usize>,
-    /// Columns of what the one holds.
+    /// Columns of the piece, among those that the holder has.
     pub cols: Range<usize>,
-    /// The first of those rows in the part.
+    /// The position of the first of these rows in the part.
     pub first_row: usize,
 }
 
@@ -436,7 +437,7 @@ impl Parts {
         }
     }
 
-    /// The rows in the part of `rank`, in the order of the rows of the grid.
+    /// Returns the rows in the part of `rank`, in the order of the rows of the grid.
     fn rows(&self, rank: usize) -> Range<usize> {
         let m = self.matrix.rows.len;
         match (self.cut, self.matrix.grid.place(rank)) {
@@ -485,12 +486,12 @@ impl Parts {
     }
 }
 
-/// The `i`-th of about equal parts of `0..len`.
+/// Returns the `i`-th of about equal parts of `0..len`.
 fn share(len: usize, parts: usize, i: usize) -> Range<usize> {
     block_start(len, parts, i)..block_start(len, parts, i + 1)
 }
 
-/// A symmetric result on its way into a block-cyclic C.
+/// The redistribution of a symmetric result to a block-cyclic C.
 ///
 /// ```
 /// use catamaran::Uplo;
@@ -506,26 +507,26 @@ fn share(len: usize, parts: usize, i: usize) -> Range<usize> {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Delivery<'l> {
-    /// Who holds which entries of the result.
+    /// Which rank holds which entries of the result.
     pub result: &'l Layout,
-    /// Where they go; n x n.
+    /// The layout of C, n x n.
     pub target: BlockCyclic,
-    /// The triangles of C that are wanted.
+    /// The triangles of C that are delivered.
     pub uplo: Uplo,
 }
 
-/// Neighbours, in the result and in C.
+/// Entries that are adjacent both in the result and in C.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Run {
-    /// Where the first is among the entries that the sender holds.
+    /// Position of the first entry among those that the sender holds.
     pub at: usize,
-    /// How many they are.
+    /// Number of entries.
     pub len: usize,
-    /// Where the first goes, in the receiver's part of C.
+    /// Row of the first entry in the receiver's part of C.
     pub row: usize,
-    /// Its column there.
+    /// Column of the first entry there.
     pub col: usize,
-    /// Whether the others follow down the column, not along the row.
+    /// Whether the entries follow down the column, not along the row.
     pub down: bool,
 }
 
@@ -546,7 +547,7 @@ impl Delivery<'_> {
                 }
             }
             if self.uplo != Uplo::Lower && cols.owner(i) == grid_col {
-                // The diagonal is there already when both are wanted.
+                // With both triangles the diagonal is delivered once.
                 let beyond = if self.uplo == Uplo::Both { i } else { i + 1 };
                 let mirrored = first..segment.cols.end.min(beyond);
                 for run in rows.runs(grid_row, mirrored) {
@@ -572,7 +573,7 @@ mod tests {
     use super::super::{Blocks, Chunks};
     use super::*;
 
-    /// Every dealing with few indices.
+    /// Returns every dealing with few indices.
     fn dealings() -> impl Iterator<Item = Dealing> {
         let all = (0..14).flat_map(|len| (1..6).map(move |block| (len, block)));
         all.flat_map(|(len, block)| {
@@ -582,7 +583,7 @@ mod tests {
         })
     }
 
-    /// The indices of each part, dealt one at a time.
+    /// Returns the indices of each part, dealt one at a time.
     fn dealt(dealing: &Dealing) -> Vec<Vec<usize>> {
         let mut hands = vec![Vec::new(); dealing.parts];
         let mut part = dealing.first;
@@ -687,7 +688,7 @@ mod tests {
         assert_eq!(matrix.local_shape(4), (0, 0));
     }
 
-    /// Matrices of a shape on small grids.
+    /// Returns matrices of a shape on small grids.
     fn matrices(shape: (usize, usize)) -> Vec<BlockCyclic> {
         let mut all = Vec::new();
         for (rows, cols) in [(1, 1), (1, 3), (3, 1), (2, 2), (2, 3)] {

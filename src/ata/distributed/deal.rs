@@ -1,4 +1,4 @@
-//! One rank has A and deals its rows.
+//! One rank has A and distributes its rows.
 
 use std::ops::Range;
 
@@ -6,10 +6,10 @@ use super::machine::Machine;
 use super::segment::packed_len;
 
 /// Returns the rows of A, m x n, that each of `ranks >= 1` processes gets, in order. Process 0
-/// deals the rows.
+/// sends the rows.
 ///
-/// All are through at the same time on `machine`: process 0 sends nothing to itself, and so keeps
-/// more rows the slower messages are; all of them where sending costs more than computing.
+/// On `machine` all processes end at the same time. Process 0 sends nothing to itself, so it keeps
+/// more rows if messages are slower, and all of them if sending costs more than computing.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, deal};
@@ -21,8 +21,8 @@ pub fn deal(ranks: usize, m: usize, n: usize, machine: &Machine) -> Vec<Range<us
     let others = ranks.saturating_sub(1);
     let compute = 2.0 * packed_len(n) as f64 / machine.flops;
     let travel = n as f64 * machine.seconds_per_word;
-    // Seconds of a row of process 0, and of one of each of the others: it arrives, is computed, or
-    // waits until those for the others have been sent.
+    // Seconds for a row of process 0, and for one of each other process: the largest of its
+    // transfer, its product, and the transfers of the rows of all others.
     let slowest = (travel + compute).max(others as f64 * travel);
     let kept = slowest / (slowest + others as f64 * compute);
     let kept = if kept.is_finite() { (m as f64 * kept).ceil() as usize } else { m };

@@ -4,8 +4,8 @@ use super::segment::Segment;
 
 /// Which rank holds which entries of the lower triangle of C, each exactly once.
 ///
-/// A rank keeps its entries one after another, in the order of [`Layout::segments`]: whoever knows
-/// the layout can gather, redistribute or multiply without further talk.
+/// A rank keeps its entries one after another, in the order of [`Layout::segments`]. With the
+/// layout alone they can be gathered, redistributed or multiplied without further communication.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Blocks, Chunks, Layout, packed_len};

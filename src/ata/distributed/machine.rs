@@ -1,5 +1,5 @@
-/// A message of w words takes `latency + w * seconds_per_word`; a rank sends one at a time, and
-/// receives one at a time.
+/// A model of ranks and their network: a message of w words takes `latency + w * seconds_per_word`;
+/// a rank sends one message at a time, and receives one at a time.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, Mode, predict};
@@ -11,16 +11,16 @@
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Machine {
-    /// Seconds.
+    /// Seconds that each message takes.
     pub latency: f64,
-    /// Seconds; a word is an entry.
+    /// Seconds that each word takes; a word is an entry.
     pub seconds_per_word: f64,
     /// Floating-point operations of a rank per second, two for a product of scalars that is added.
     pub flops: f64,
 }
 
 impl Default for Machine {
-    /// A rank per core of a cluster: 2 microseconds, 10 GB/s in f64, 50 GFLOP/s.
+    /// Returns a rank per core of a cluster: 2 microseconds, 10 GB/s in f64, 50 GFLOP/s.
     fn default() -> Self {
         Self { latency: 2e-6, seconds_per_word: 8e-10, flops: 5e10 }
     }

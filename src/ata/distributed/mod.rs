@@ -1,11 +1,11 @@
-//! A^T A on many ranks, as data: who holds which part of the triangle, who sends what to whom, and
-//! what it costs. No communication happens here, so that plans for thousands of ranks are tested on
-//! one; `mpi` executes them.
+//! Plans of A^T A on many ranks, as data: which rank holds which part of the triangle, which rank
+//! sends what to which, and the cost. Nothing communicates here, so plans for thousands of ranks
+//! are tested on one; `mpi` executes them.
 //!
-//! Two ways leave the result distributed ([`Layout`]): rows of A summed chunk by chunk
-//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). From
-//! one rank and back to it there are that of the thesis ([`TaskTree`]) and dealing rows
-//! ([`deal()`]). [`choose`] says which is the fastest.
+//! Two algorithms leave the result distributed ([`Layout`]): rows of A summed chunk by chunk
+//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). With
+//! A and C on one rank there are the algorithm of the thesis ([`TaskTree`]) and distributed rows
+//! ([`deal()`]). [`choose`] returns the fastest.
 
 mod blocks;
 mod chunks;

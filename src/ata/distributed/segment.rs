@@ -10,7 +10,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// The segments that the packed entries `entries` (row by row) are made of.
+    /// Returns the segments of the packed entries `entries` (row by row).
     pub(super) fn of_packed(entries: Range<usize>) -> impl Iterator<Item = Self> {
         let mut row = row_of(entries.start);
         let mut at = entries.start;
@@ -40,7 +40,7 @@ pub fn packed_len(n: usize) -> usize {
     if n.is_multiple_of(2) { n / 2 * (n + 1) } else { n.div_ceil(2) * n }
 }
 
-/// The row that a packed entry is in.
+/// Returns the row that a packed entry is in.
 fn row_of(entry: usize) -> usize {
     // i (i + 1) / 2 <= e, i the largest
     ((8 * entry as u128 + 1).isqrt() as usize - 1) / 2
@@ -60,7 +60,7 @@ mod tests {
                 entry += 1;
             }
         }
-        // Beyond what f64 could tell apart.
+        // Beyond the precision of f64.
         let n = 3_000_000_019;
         assert_eq!(row_of(packed_len(n)), n);
         assert_eq!(row_of(packed_len(n) - 1), n - 1);

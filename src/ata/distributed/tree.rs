@@ -46,22 +46,22 @@ pub struct TreeNode {
     /// The nodes below, none for a leaf. Their blocks cover this one's; those of two children are
     /// disjoint, or the same.
     pub children: Range<usize>,
-    /// No sibling before this one has the same block.
+    /// Whether no sibling before this node has the same block.
     pub is_first: bool,
 }
 
-/// Some rows of what a child reads of A, on their way to its owner.
+/// A message to the owner of a child: some rows of the part of A that the child reads.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PlannedSend {
     /// The child, by its place among the nodes.
     pub child: usize,
-    /// Its strip, from 0.
+    /// The number of the strip, from 0.
     pub strip: usize,
     /// The rows, counted from the first that the child sums over.
     pub rows: Range<usize>,
 }
 
-/// What one process does in the whole; words are entries of A and C.
+/// The work and traffic of one process; words are entries of A and C.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Load {
     /// Words sent.
@@ -78,14 +78,14 @@ pub struct Load {
     pub memory: usize,
 }
 
-/// Strips of rows in which a leaf gets its part of A, at most.
+/// Most strips of rows in which a leaf gets its part of A.
 const STRIPS: usize = 4;
-/// Entries above which it gets them in strips: 8 MiB of f64, which take longer than a message.
+/// Entries above which a leaf gets strips: 8 MiB of f64, which take longer than a message.
 const STRIPPED: usize = 1 << 20;
-/// Rows of a strip, at least: products of fewer are slower.
+/// Least number of rows of a strip: products of fewer are slower.
 const SHORTEST_STRIP: usize = 1024;
 
-/// Results of others that a process has room for at the same time: one arrives while one is added.
+/// Results of others that fit in memory at the same time: one arrives while one is added.
 pub(crate) const RESULTS_IN_FLIGHT: usize = 2;
 
 impl TaskTree {
@@ -114,7 +114,7 @@ impl TaskTree {
                 below_rectangle(&nodes[id], share, depth)
             };
             for Child { task, sums, share, depth } in children {
-                // What is empty leaves its processes idle.
+                // An empty block leaves its processes idle.
                 if sums.is_empty() || task.rows.is_empty() || task.cols.is_empty() {
                     continue;
                 }
@@ -290,14 +290,14 @@ pub fn levels(p: usize) -> usize {
     }
 }
 
-/// The part of equation 8.5 for the general block: `k + sign(p mod 8^max(k, 1))`, `k` the largest
-/// with `8^k <= p`, for `p >= 1`. One process too counts as a level: others have two.
+/// Returns the part of equation 8.5 for the general block: `k + sign(p mod 8^max(k, 1))`, `k` the
+/// largest with `8^k <= p`, for `p >= 1`. One process too counts as a level: others have two.
 fn rectangle_levels(p: usize) -> usize {
     let k = p.ilog(8);
     k as usize + usize::from(!p.is_multiple_of(8_usize.pow(k.max(1))))
 }
 
-/// A node to be, and what it has for its part of the tree.
+/// A planned node, and the processes and levels for its part of the tree.
 struct Child {
     task: Task,
     sums: Range<usize>,
@@ -305,13 +305,13 @@ struct Child {
     depth: usize,
 }
 
-/// Part `i` of `parts` of a range.
+/// Returns part `i` of `parts` of a range.
 fn part(range: &Range<usize>, parts: usize, i: usize) -> Range<usize> {
     let start = |i| range.start + block_start(range.len(), parts, i);
     start(i)..start(i + 1)
 }
 
-/// At most `depth` levels for a triangle of C on the processes `share`.
+/// Returns the children for a triangle of C on the processes `share`, at most `depth` levels.
 fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Child> {
     let p = share.len();
     if p <= 1 {
@@ -334,7 +334,7 @@ fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Chi
     rectangles.chain(squares).collect()
 }
 
-/// At most `depth` levels for a block of C on the processes `share`.
+/// Returns the children for a block of C on the processes `share`, at most `depth` levels.
 fn below_rectangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Child> {
     let p = share.len();
     if p <= 1 {
@@ -354,7 +354,7 @@ fn below_rectangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Ch
     (0..8).map(child).collect()
 }
 
-/// The leaves of `tree`, a tree of AtA-S for the block of `node`.
+/// Returns the leaves of `tree`, a tree of AtA-S for the block of `node`.
 fn tiles(node: &TreeNode, tree: &Node, share: Range<usize>) -> Vec<Child> {
     let shifted = |range: &Range<usize>, by| range.start + by..range.end + by;
     let child = |task: &Task| {
@@ -373,7 +373,7 @@ fn tiles(node: &TreeNode, tree: &Node, share: Range<usize>) -> Vec<Child> {
 mod tests {
     use super::*;
 
-    /// Equation 8.5 as printed, `P / 4` in integers.
+    /// Returns equation 8.5 as printed, `P / 4` in integers.
     fn equation_8_5(p: usize) -> usize {
         match p {
             1 => 0,
@@ -508,7 +508,7 @@ mod tests {
             [4, 2, 1]
         );
         assert_eq!([strips(100_000, 1000, 2), strips(100_000, 10, 2)], [4, 1]);
-        // An inner node waits for all: its owner sends parts of them on.
+        // The owner of an inner node sends parts of A on, so it waits for all of it.
         assert!(TaskTree::new(8192, 8192, 32).nodes()[1].strips().len() == 1);
     }
 

@@ -1,4 +1,4 @@
-//! Which part of the residues stays in which cache while they are multiplied.
+//! The parts of the residues that stay in each cache while they are multiplied.
 
 use crate::base::data_caches;
 use crate::kernel::int8::{DEPTH, Slice};
@@ -23,12 +23,12 @@ impl Blocking {
         Self::for_caches(data_caches(), left, right)
     }
 
-    /// The right panel takes two thirds of the first-level cache, the left side a quarter of the
-    /// second.
+    /// Chooses the blocking for these caches: the right panel takes two thirds of the first-level
+    /// cache, the left side a quarter of the second.
     fn for_caches([first, second]: [usize; 2], left: usize, right: usize) -> Self {
         let depth = (first / 3 * 2 / size_of::<Slice>()).clamp(1, DEPTH);
         let most_rows = (second / 4 / (depth * size_of::<Slice>())).max(1);
-        // Blocks of equal height, as low ones are slow.
+        // Blocks of equal height, because low blocks are slow.
         let rows = left.div_ceil(left.div_ceil(most_rows).max(1)).max(1);
         let cols = right.clamp(1, COLS);
         Self { rows, cols, depth }

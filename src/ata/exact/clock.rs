@@ -1,4 +1,4 @@
-//! What the stages take.
+//! Times of the stages.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -12,16 +12,16 @@ pub struct Stages {
     pub conversion: f64,
     /// Products of residues, with their reductions.
     pub products: f64,
-    /// From residues to C.
+    /// Recombination of residues to C.
     pub recombination: f64,
 }
 
-/// Collects them from all threads.
+/// Collects the times from all threads.
 #[derive(Default)]
 pub(super) struct Clock(Mutex<Stages>);
 
 impl Clock {
-    /// Adds what `work` takes on each of `threads` threads to a stage.
+    /// Adds the time of `work` on each of `threads` threads to a stage.
     pub fn time<R>(
         &self,
         stage: fn(&mut Stages) -> &mut f64,

@@ -19,12 +19,12 @@ pub(crate) struct Columns {
     pub wide: bool,
 }
 
-/// Bands of 64 rows, and tiles of 16 columns, of an operand.
+/// Returns the numbers of bands of 64 rows, and of tiles of 16 columns, of an operand.
 fn extent<T>(a: MatRef<'_, T>) -> (usize, usize) {
     (a.nrows().div_ceil(STEP), a.ncols().div_ceil(PANEL) * 2)
 }
 
-/// Elements of scratch that [`Columns::new`] takes.
+/// Returns the elements of scratch that [`Columns::new`] takes.
 pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
     let count = m.div_ceil(STEP) * n.div_ceil(PANEL) * PANEL;
     Arena::<T>::len_of::<i32>(count) + Arena::<T>::len_of::<f64>(count)
@@ -65,7 +65,7 @@ impl Columns {
                 }
             });
         }
-        // What rounding to integers adds to a norm is at most 1/2 per row.
+        // Rounding to integers adds at most 1/2 per row to a norm.
         let limit = moduli.largest_norm - 0.5 * (a.nrows() as f64).sqrt() - 1.0;
         let mut columns = vec![0; tiles * WIDTH];
         let mut non_finite = Vec::new();
@@ -101,8 +101,8 @@ impl Columns {
     }
 }
 
-/// The exponents of 16 columns from the bounds of their tiles; `None` for columns that are not
-/// finite.
+/// Returns the exponents of 16 columns from the bounds of their tiles, `None` for columns that are
+/// not finite.
 fn combine<T: Operand>(
     norms: impl Iterator<Item = TileNorms> + Clone,
     limit: f64,
@@ -147,7 +147,7 @@ pub(super) fn for_tiles<T: Operand>(
     let by_rows = a.row_stride().unsigned_abs() >= a.col_stride().unsigned_abs();
     let inner = if by_rows { columns.len() } else { bands.len() };
     let total = bands.len() * columns.len();
-    /// Tiles that are worth a ticket.
+    /// Tiles of a ticket: fewer are not worth one.
     const RUN: usize = 64;
     par.map_blocks(total, RUN, |tiles| {
         let mut tile = Tile::zeros();

@@ -7,7 +7,7 @@ use super::sink::Sink;
 use crate::base::{Disjoint, Tracker, tickets};
 use crate::kernel::int8::{Block, Kernel, MOST_MODULI};
 
-/// What all rounds share.
+/// Data that all rounds share.
 pub(super) struct Job<'j, 'm, S> {
     pub layout: &'j Layout,
     pub sink: S,
@@ -51,7 +51,8 @@ impl<S: Sink> Job<'_, '_, S> {
         tickets(workers, lines.len(), |_, at| {
             let (unit, line) = lines[at];
             let write = |i: usize, j: usize| {
-                // SAFETY: nobody writes the residues now; a block of C is in one line of one unit.
+                // SAFETY: no thread writes the residues now; a block of C is in one line of one
+                // unit.
                 unsafe { self.write(kernel, batch, unit, (i, j)) }
             };
             let work = || {
@@ -70,7 +71,7 @@ impl<S: Sink> Job<'_, '_, S> {
     /// Writes a block of C from its residues.
     ///
     /// # Safety
-    /// Nobody writes the residues, and nobody uses the block, meanwhile.
+    /// No thread writes the residues, and no other thread uses the block, meanwhile.
     unsafe fn write(
         &self,
         kernel: &dyn Kernel,

@@ -1,5 +1,5 @@
-//! What the exact path will do, as data: which residues are in memory when, and which blocks of C
-//! are made of them. Shapes and counts only.
+//! The plan of the exact path, as data: which residues are in memory at which time, and which
+//! blocks of C are computed from them. Shapes and counts only.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ const ALLOWANCE: usize = 112 << 20;
 /// Residues of a tall matrix in memory at a time: enough for long products, few enough for caches
 /// and page tables.
 const TALL_STORE: usize = 64 << 20;
-/// Steps of a chunk of a tall matrix, at least: threads meet at its end.
+/// Least number of steps of a chunk of a tall matrix: threads wait for each other at its end.
 const TALL_STEPS: usize = 8192 / STEP;
 /// Residues of C in memory at a time where it is not the sum of several chunks.
 const BATCH: usize = 128 << 20;
@@ -20,11 +20,11 @@ const BATCH: usize = 128 << 20;
 /// The division of the work. Panels are 32 columns, steps 64 rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
-    /// Only the lower triangle of C.
+    /// Whether only the lower triangle of C is computed.
     pub symmetric: bool,
-    /// B is A.
+    /// Whether B is A.
     pub same: bool,
-    /// Moduli.
+    /// Number of moduli.
     pub moduli: usize,
     /// Panels of A.
     pub left: usize,
@@ -38,7 +38,7 @@ pub(crate) struct Layout {
     pub groups: usize,
     /// Residues of C in memory at a time, in bytes, where C is not the sum of several chunks.
     pub batch: usize,
-    /// What stays in which cache.
+    /// The parts that stay in each cache.
     pub blocking: Blocking,
 }
 
@@ -270,7 +270,7 @@ impl Layout {
     }
 }
 
-/// Pairs of panels, of the lower triangle or all.
+/// Returns the pairs of panels, of the lower triangle or all.
 fn pairs(triangle: bool, left: usize, right: usize) -> usize {
     if triangle { left * (left + 1) / 2 } else { left * right }
 }

@@ -42,7 +42,7 @@ pub(crate) use self::layout::Layout;
 pub(crate) use self::non_finite::{Flags, Signs};
 pub(crate) use self::sink::{TriangleRows, rows_of_triangle, triangle_len};
 
-/// Expected seconds on one core, when each entry of an operand is converted `conversions` times.
+/// Returns the expected seconds on one core, if each operand is converted `conversions` times.
 pub(crate) fn estimate(
     isa: Isa,
     [m, n, k]: [usize; 3],
@@ -55,14 +55,14 @@ pub(crate) fn estimate(
     let entries = if symmetric { n * (n + PANEL as f64) / 2.0 } else { n * k };
     let operands = if symmetric { m * n } else { m * (n + k) };
     let (moduli, converted) = (moduli as f64, conversions * operands);
-    /// Seconds of what does not grow with the operands.
+    /// Seconds that do not grow with the operands.
     const START: f64 = 3e-4;
-    // Short products pay for the sums' way in and out of the registers.
+    // Short products pay for loading and storing the sums.
     let products = entries * (m + 64.0) / rates.products;
     START + moduli * (products + converted / rates.conversions + entries / rates.recombinations)
 }
 
-/// Elements of scratch that [`execute`] needs.
+/// Returns the elements of scratch that [`execute`] needs.
 pub(crate) fn scratch_len<T: Operand>(
     [m, n, k]: [usize; 3],
     layout: &Layout,
@@ -72,7 +72,7 @@ pub(crate) fn scratch_len<T: Operand>(
     let slices: usize = layout.stores().iter().map(|bytes| slices_len::<T>(*bytes)).sum();
     let batch = Arena::<T>::len_of::<Block<i8>>(batch_blocks(layout));
     let workers = Worker::scratch_len::<T>(layout) * workers(layout, threads);
-    // The norms are done with before the rest is needed.
+    // The memory of the norms is free again when the rest is needed.
     norms.max(slices + batch + workers)
 }
 
@@ -80,13 +80,13 @@ fn slices_len<T: Real>(bytes: usize) -> usize {
     Arena::<T>::len_of::<Slice>(bytes / size_of::<Slice>())
 }
 
-/// Blocks of residues of the largest batch.
+/// Returns the blocks of residues of the largest batch.
 fn batch_blocks(layout: &Layout) -> usize {
     let places = batches(layout).map(|batch| batch.places).max();
     layout.moduli * places.unwrap_or(0)
 }
 
-/// Threads that can be busy with products.
+/// Returns how many threads can be busy with products.
 fn workers(layout: &Layout, threads: usize) -> usize {
     let units = batches(layout).map(|batch| batch.units.len()).max();
     threads.min(layout.moduli * units.unwrap_or(0)).max(1)
@@ -96,8 +96,8 @@ fn batches(layout: &Layout) -> impl Iterator<Item = Batch> {
     layout.pairs().into_iter().flat_map(|pair| layout.batches(pair))
 }
 
-/// `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is touched where
-/// the layout is symmetric.
+/// Computes `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is
+/// touched where the layout is symmetric.
 pub(crate) fn execute<T: Operand>(
     kernel: &dyn Kernel,
     layout: &Layout,
@@ -161,8 +161,8 @@ pub(crate) type Scaled<'a, T> = (MatRef<'a, T>, &'a Columns);
 /// `sums` that begins at `corner`, or subtracts it; of a symmetric layout only the lower triangle
 /// of the product.
 ///
-/// The caller sees to it that all entries of the product are below P/2
-/// ([`IntegerModuli::count_for`]), and that sums do not overflow.
+/// The caller ensures that all entries of the product are below P/2 ([`IntegerModuli::count_for`]),
+/// and that sums do not overflow.
 pub(crate) fn accumulate<T: Operand, I: Integer>(
     kernel: &dyn Kernel,
     layout: &Layout,
@@ -185,13 +185,13 @@ pub(crate) fn accumulate<T: Operand, I: Integer>(
     progress.finish()
 }
 
-/// What progress counts: products of panels, step by step and modulus by modulus.
+/// Returns the work that progress counts: products of panels, for each step and modulus.
 fn cost(layout: &Layout) -> f64 {
     let cost: usize = batches(layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
     (cost * layout.steps * layout.moduli) as f64
 }
 
-/// Hands the residues of `left^T right` to the sink, block by block, until someone cancels.
+/// Passes the residues of `left^T right` to the sink, block by block, until a request to stop.
 fn multiply<T: Operand>(
     kernel: &dyn Kernel,
     layout: &Layout,

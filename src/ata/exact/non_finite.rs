@@ -1,9 +1,9 @@
-//! Entries of C that a NaN or an infinity of A or B reaches: what the classical algorithm gives,
-//! without its overflows.
+//! Computes the entries of C that a NaN or an infinity of A or B reaches, as in the classical
+//! algorithm, but without its overflows.
 //!
-//! Every term that is not finite decides alone or with its opposite, so that the others need not be
-//! looked at. A term needs one infinite factor and the signs of both: a few bits of each entry say
-//! all.
+//! A term that is not finite determines the sum, alone or with its opposite, so that finite terms
+//! do not matter. Such a term follows from an infinite factor and the signs of both factors: a few
+//! bits of each entry are enough.
 
 use faer::{MatMut, MatRef};
 
@@ -27,9 +27,9 @@ struct Columnwise {
     words: Vec<Word>,
     /// Words of a column.
     height: usize,
-    /// Whether a column has an infinity or a NaN.
+    /// Whether a column has neither an infinity nor a NaN.
     finite: Vec<bool>,
-    /// Whether a column has a NaN, which alone decides.
+    /// Whether a column has a NaN, which determines all its products.
     nan: Vec<bool>,
 }
 
@@ -71,7 +71,7 @@ impl Columnwise {
     }
 }
 
-/// Which terms that are not finite an entry of C has.
+/// The kinds of terms of an entry of C that are not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Flags(pub u8);
 
@@ -94,7 +94,7 @@ impl Flags {
         }
     }
 
-    /// Those of `x^T y`: of infinities times a sign, or times zero.
+    /// Returns the flags of `x^T y`: of infinities times a sign, or times zero.
     fn of(x: &[Word], y: &[Word]) -> Self {
         let mut found = 0;
         for (x, y) in x.iter().zip(y) {
@@ -118,7 +118,7 @@ impl Flags {
 /// The operands of a product of which one has columns that are not finite.
 pub(crate) struct Signs {
     left: Columnwise,
-    /// `None` when it is the left one.
+    /// `None` when it is the same as the left operand.
     right: Option<Columnwise>,
 }
 
@@ -154,8 +154,8 @@ impl Signs {
         Flags::of(left.column(i), right.column(j))
     }
 
-    /// The work of a row of C with all its columns, in the unit of [`super::cost`]: what a product
-    /// of panels takes about 150 words are compared in.
+    /// Returns the work of a row of C with all its columns, in the unit of [`super::cost`]: a
+    /// product of panels takes as long as a comparison of about 150 words.
     fn row_cost(&self) -> f64 {
         (self.right().finite.len() * self.left.height) as f64 / 150.0
     }
@@ -185,7 +185,7 @@ impl Signs {
             for j in 0..columns {
                 if let Some(sum) = self.flags(i, j).sum() {
                     let value = row[(0, j)] + alpha * T::from_f64(sum);
-                    // One NaN, whatever the machine made of it.
+                    // The same NaN on every machine.
                     let value = if value.to_f64().is_nan() { T::from_f64(f64::NAN) } else { value };
                     row[(0, j)] = value;
                 }

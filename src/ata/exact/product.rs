@@ -48,7 +48,7 @@ impl Round<'_, '_> {
     /// `i` of column panel `j` go to `residues[place(i, j)]` and on.
     ///
     /// # Safety
-    /// Nobody else uses these places meanwhile.
+    /// No other thread uses these places meanwhile.
     pub unsafe fn multiply(
         &self,
         unit: &Unit,
@@ -61,7 +61,7 @@ impl Round<'_, '_> {
         let _session = kernel.session();
         let modulus = &self.moduli[l];
         let all = &self.left.extent().steps;
-        // Pieces of equal length, as short ones are slow.
+        // Pieces of equal length, because short ones are slow.
         let pieces = all.len().div_ceil(layout.blocking.depth);
         let bound = |i: usize| all.start + all.len() * i / pieces;
         for piece in 0..pieces {
@@ -77,7 +77,7 @@ impl Round<'_, '_> {
                 let [right, next] = [j, (j + 1).min(unit.cols.end - 1)]
                     .map(|j| self.right.slices(l, j, steps.clone()));
                 let first = place(rows.start, j);
-                // SAFETY: the caller's promise; the reference dies with this product.
+                // SAFETY: the caller's promise; the reference ends with this product.
                 let residues = unsafe { residues.range(first..first + rows.len()) };
                 kernel.product(&Operands { left, right, next, modulus, continued }, residues);
             }

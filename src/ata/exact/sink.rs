@@ -14,7 +14,7 @@ use crate::kernel::int8::{
 
 /// Takes the blocks of a product.
 pub(super) trait Sink: Sync {
-    /// Whether the rows of the product lie side by side, so that blocks are best taken row by row.
+    /// Returns whether rows of the product lie side by side, so that blocks are best taken by rows.
     fn is_by_rows(&self) -> bool;
 
     /// Takes the block of panels (i, j) from its residues, modulus by modulus. Those of the block
@@ -32,8 +32,8 @@ pub(super) trait Sink: Sync {
 }
 
 /// Calls `visit(row, col, triangle, residues)` for each of the four quarters of the block of panels
-/// (i, j) that is inside an n x k matrix; `row` and `col` are those of its first entry, `triangle`
-/// says whether only its lower triangle is wanted.
+/// (i, j) that is inside an n x k matrix. `row` and `col` are those of its first entry; with
+/// `triangle` only its lower triangle is needed.
 fn for_quarters(
     (i, j): (usize, usize),
     (n, k): (usize, usize),
@@ -50,7 +50,7 @@ fn for_quarters(
         let mut of_quarter = [&residues[0][quarter]; MOST_MODULI];
         for (of_quarter, residues) in of_quarter.iter_mut().zip(residues) {
             *of_quarter = &residues[quarter];
-            // They come from far away.
+            // The residues of the next block are prefetched.
             let next = std::ptr::from_ref::<Block<i8>>(residues).wrapping_add(next);
             fetch_lines(next.cast::<Quarter<i8>>().wrapping_add(quarter), 4);
         }
@@ -58,14 +58,14 @@ fn for_quarters(
     }
 }
 
-/// `C := alpha X + beta C` for the product X.
+/// A sink that computes `C := alpha X + beta C` for the product X.
 pub(super) struct Floats<'c, T> {
     pub alpha: T,
     pub beta: T,
     pub moduli: &'c Moduli,
     pub left: &'c Columns,
     pub right: &'c Columns,
-    /// Only the lower triangle of C.
+    /// Whether only the lower triangle of C is touched.
     pub symmetric: bool,
     pub c: Disjoint<'c, T>,
 }
@@ -104,7 +104,7 @@ impl<T: Operand> Sink for Floats<'_, T> {
 }
 
 impl<T: Operand> Floats<'_, T> {
-    /// At most 16 x 16 values, or their lower triangle.
+    /// Stores at most 16 x 16 values, or their lower triangle.
     fn store(&self, values: &Quarter<f64>, triangle: bool, mut c: MatMut<'_, T>) {
         if c.row_stride() == 1 {
             let columns: Quarter<f64> =
@@ -155,10 +155,10 @@ impl<'s, I> TriangleRows<'s, I> {
         Self { entries: Disjoint::of_slice(entries), skipped: triangle_len(first) }
     }
 
-    /// Entry (i, j).
+    /// Returns entry (i, j).
     ///
     /// # Safety
-    /// Nobody else uses it meanwhile.
+    /// No other thread uses it meanwhile.
     #[allow(clippy::mut_from_ref)]
     unsafe fn get(&self, i: usize, j: usize) -> &mut I {
         // SAFETY: the caller's promise.
@@ -166,13 +166,13 @@ impl<'s, I> TriangleRows<'s, I> {
     }
 }
 
-/// Entries of the first `rows` rows of a lower triangle.
+/// Returns the number of entries of the first `rows` rows of a lower triangle.
 pub(crate) fn triangle_len(rows: usize) -> usize {
     rows * (rows + 1) / 2
 }
 
-/// These rows of a triangle, whose entries lie one after another from those of the first row on,
-/// and their numbers.
+/// Returns these rows of a triangle, whose entries lie one after another from those of the first
+/// row on, and their numbers.
 pub(crate) fn rows_of_triangle<T>(
     mut entries: &mut [T],
     rows: Range<usize>,
@@ -184,15 +184,15 @@ pub(crate) fn rows_of_triangle<T>(
     })
 }
 
-/// `S += X` or `S -= X` for the integer product X, which is a part of the lower triangle S.
+/// A sink that computes `S += X` or `S -= X`; the integer product X is a part of the triangle S.
 pub(super) struct Integers<'s, I> {
     pub moduli: &'s IntegerModuli,
     pub sums: &'s TriangleRows<'s, I>,
-    /// Where in S the first entry of X goes.
+    /// The place in S of the first entry of X.
     pub corner: (usize, usize),
     /// Rows and columns of X.
     pub shape: (usize, usize),
-    /// Only the lower triangle of X.
+    /// Whether only the lower triangle of X is used.
     pub symmetric: bool,
     pub subtract: bool,
 }

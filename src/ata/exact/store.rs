@@ -24,7 +24,7 @@ impl<'a> Store<'a> {
         Self { memory, extent: Extent { panels: 0..0, steps: 0..0 } }
     }
 
-    /// Computes the residues of the part of `a` that `extent` says.
+    /// Computes the residues of the part of `a` in `extent`.
     pub fn fill<T: Operand>(
         &mut self,
         kernel: &dyn Kernel,
@@ -103,14 +103,14 @@ impl<'a> Residents<'a> {
             if current(0) || current(1) {
                 continue;
             }
-            // One whose content this round does not need; A and B each have their own.
+            // A store that this round does not need. If A and B differ, each has its own store.
             let slot = match (layout.same, self.held[0]) {
                 (false, _) => need.operand,
                 (true, Some(held)) => usize::from(held != need && needs.contains(&held)),
                 (true, None) => 0,
             };
             fill(&mut self.stores[slot], need, extent);
-            // The other may hold an earlier chunk of the same.
+            // The other store may hold an earlier chunk of the same group.
             self.held = self.held.map(|held| held.filter(|&h| h != need));
             self.held[slot] = Some(need);
         }

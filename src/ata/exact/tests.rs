@@ -1,4 +1,4 @@
-//! Every kernel, every division of the work: the same bytes, and those of integers of any size.
+//! Checks that every kernel and division of the work gives the bytes of integers of any size.
 
 use faer::{Mat, MatRef};
 
@@ -8,8 +8,8 @@ use super::*;
 use crate::base::{Arena, Par, Rng, Workspace};
 use crate::kernel::int8::tests::{PORTABLE, kernels};
 
-/// Uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a zero
-/// column.
+/// Returns uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a
+/// zero column.
 fn random<T: Operand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
     let mut rng = Rng::new(seed);
     Mat::from_fn(m, n, |i, j| {
@@ -25,7 +25,7 @@ fn columns<T: Operand>(kernel: &dyn Kernel, a: MatRef<'_, T>, moduli: &Moduli) -
     Columns::new(kernel, a, moduli, Par::Seq, &mut Arena::new(memory.as_mut_slice()))
 }
 
-/// `v 2^e`, rounded once.
+/// Returns `v 2^e`, rounded once.
 fn scaled(v: i128, e: i32) -> f64 {
     v as f64 * f64::from(e / 2).exp2() * f64::from(e - e / 2).exp2()
 }
@@ -48,7 +48,7 @@ fn run<T: Operand>(
     c
 }
 
-/// The divisions of the work that reach every branch: chunks of rows, groups of columns, both.
+/// Returns divisions of the work that reach every branch: chunks of rows, groups of columns, both.
 fn layouts(whole: &Layout) -> Vec<Layout> {
     let mut found = vec![whole.clone()];
     for (chunk, groups, [rows, cols, depth]) in [
@@ -155,7 +155,7 @@ fn general_products_are_the_same_bytes_for_every_kernel_and_layout() {
 
 #[test]
 fn only_amx_is_expected_to_beat_a_classical_product_and_only_a_long_one() {
-    // Of the fastest back end that the planner knows.
+    // The time of the fastest back end that the planner knows.
     let classical = |n: f64| n * n * n / 106e9 * (1.0 + 180.0 / n);
     for isa in Isa::ALL {
         for n in [100, 200, 300, 1024, 4096, 16_384] {

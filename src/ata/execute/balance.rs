@@ -1,28 +1,28 @@
-//! Whether the columns of the operands are of one size.
+//! Checks whether the columns of the operands have similar norms.
 //!
 //! Errors of fast levels are relative to the largest columns of a block sum, those of classical
-//! products to the two columns at hand. Multiplying columns by powers of two, exactly, until all
-//! norms are alike makes the two the same.
+//! products to the two columns of an entry. Multiplying columns by powers of two, which is exact,
+//! until all norms are alike makes the two bounds the same.
 
 use faer::MatRef;
 
 use crate::base::{Par, Real, widest};
 
-/// What the norms of the columns of an operand, or of both, allow.
+/// How the norms of the columns of one operand, or of both, compare.
 pub(super) enum Balance {
-    /// They are alike: fast levels as they are.
+    /// They are alike: fast levels need no scales.
     Even,
     /// They differ, and are alike once column j is multiplied by `2^exponents[j]`. A column of
-    /// zeros has no exponent: its products must be zero, which a fast level does not see to.
+    /// zeros has no exponent: its products must be zero, which a fast level does not ensure.
     Uneven(Vec<Option<i32>>),
-    /// A column is not finite. A fast level would spread that.
+    /// A column is not finite. A fast level would spread it to other entries.
     NotFinite,
 }
 
 /// Norms count as alike when they differ by less than `2^ALIKE`.
 const ALIKE: i32 = 2;
 
-/// Rows of a block whose sums one thread makes.
+/// Rows of a block whose sums one thread computes.
 const ROWS: usize = 1024;
 
 impl Balance {
@@ -43,8 +43,8 @@ impl Balance {
     }
 }
 
-/// The exponent e of each column's Euclidean norm, `2^e <= norm < 2^(e + 1)` but for rounding;
-/// `None` for a column of zeros. `None` in all when a column is not finite.
+/// Returns the exponent e of each column's Euclidean norm, `2^e <= norm < 2^(e + 1)` up to
+/// rounding; `None` for a column of zeros. Returns `None` when a column is not finite.
 fn norm_exponents<T: Real>(a: MatRef<'_, T>, par: Par) -> Option<Vec<Option<i32>>> {
     /// Squares that are neither lost below nor above the range.
     const SAFE: std::ops::Range<f64> = 1e-280..1e280;
@@ -55,14 +55,14 @@ fn norm_exponents<T: Real>(a: MatRef<'_, T>, par: Par) -> Option<Vec<Option<i32>
             return Some(Some(exponent(square)));
         }
         let entries = || (0..a.nrows()).map(|i| a[(i, j)].to_f64().abs());
-        // NaN is lost in a maximum, but not in the sum.
+        // A maximum drops NaN, but the sum does not.
         let largest = entries().fold(0.0, f64::max);
         match largest {
             0.0 if square == 0.0 => Some(None),
             _ if square.is_nan() || largest.is_infinite() => None,
             _ => {
                 let unit = largest.log2().floor();
-                // In two steps, for one power may not be a number.
+                // In two steps, because one power may be out of range.
                 let half = (-unit / 2.0).floor();
                 let scale = |x: f64| x * half.exp2() * (-unit - half).exp2();
                 let square = entries().map(scale).map(|x| x * x).sum::<f64>();
@@ -73,7 +73,7 @@ fn norm_exponents<T: Real>(a: MatRef<'_, T>, par: Par) -> Option<Vec<Option<i32>
     squares.into_iter().enumerate().map(of_column).collect()
 }
 
-/// The sum of the squares of each column, in f64.
+/// Returns the sum of the squares of each column, in f64.
 fn sums_of_squares<T: Real>(a: MatRef<'_, T>, par: Par) -> Vec<f64> {
     let (m, n) = a.shape();
     let by_columns = a.row_stride() == 1;
@@ -100,7 +100,7 @@ fn sums_of_squares<T: Real>(a: MatRef<'_, T>, par: Par) -> Vec<f64> {
         sums
     });
     let mut sums = vec![0.0; n];
-    // In order, whoever made them.
+    // In the order of the blocks, not of the threads that computed them.
     for part in parts {
         for (sum, part) in sums.iter_mut().zip(part) {
             *sum += part;
@@ -109,8 +109,8 @@ fn sums_of_squares<T: Real>(a: MatRef<'_, T>, par: Par) -> Vec<f64> {
     sums
 }
 
-/// The sum of the squares of `a[rows, j]`, whose column is contiguous, in eight sums that a vector
-/// holds.
+/// Returns the sum of the squares of `a[rows, j]`, whose column is contiguous, in eight partial
+/// sums that a vector register holds.
 #[inline(always)]
 fn column_square<T: Real>(a: MatRef<'_, T>, rows: std::ops::Range<usize>, j: usize) -> f64 {
     const SUMS: usize = 8;

@@ -18,7 +18,7 @@ use crate::kernel::packed::{self, Destination, Job, Part, Source};
 /// Products of scalars that are computed before another thread has woken up.
 const WORK_OF_ONE_THREAD: f64 = 4e6;
 
-/// Elements of scratch that [`execute`] needs.
+/// Returns the elements of scratch that [`execute`] needs.
 pub(super) fn scratch_len<T: BlasReal>(plan: &Fused, problem: &Problem, par: Par) -> usize {
     match plan.slabs.len() {
         1 => slab_scratch_len::<T>(plan, par.threads()),
@@ -29,7 +29,7 @@ pub(super) fn scratch_len<T: BlasReal>(plan: &Fused, problem: &Problem, par: Par
     }
 }
 
-/// Elements of scratch that one slab needs on so many threads.
+/// Returns the elements of scratch that one slab needs on so many threads.
 fn slab_scratch_len<T: BlasReal>(plan: &Fused, threads: usize) -> usize {
     let geometry = T::kernel(plan.isa).geometry();
     let of_program = |program: &Vec<FusedProduct>| {
@@ -40,7 +40,7 @@ fn slab_scratch_len<T: BlasReal>(plan: &Fused, threads: usize) -> usize {
     plan.slabs.iter().map(of_slab).max().unwrap_or(0)
 }
 
-/// Computes `product`, whose lower triangle alone is touched where the problem is symmetric.
+/// Computes `product`; only its lower triangle is touched where the problem is symmetric.
 #[inline(never)]
 pub(super) fn execute<T: BlasReal>(
     plan: &Fused,
@@ -110,10 +110,10 @@ pub(super) fn execute<T: BlasReal>(
 
 /// Powers of two for the columns of A, or of B.
 struct Scales<T> {
-    /// What columns are multiplied by while they are packed.
+    /// The factors of the columns while they are packed.
     factors: Vec<T>,
-    /// What their products are divided by: the same, but for columns of zeros, whose products come
-    /// out as zeros this way.
+    /// The divisors of their products: the same, except for columns of zeros, whose products become
+    /// zero this way.
     divisors: Vec<T>,
 }
 
@@ -130,7 +130,7 @@ impl<T: BlasReal> Scales<T> {
     }
 }
 
-/// The scales that fast levels need, if any, and whether to do without such levels.
+/// Returns the scales that fast levels need, if any, and whether to avoid such levels.
 fn balance<T: BlasReal>(
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
@@ -149,7 +149,7 @@ fn balance<T: BlasReal>(
     }
 }
 
-/// The products of `program` on matrices.
+/// Binds the products of `program` to matrices.
 fn bind<'a, T: BlasReal>(
     program: &[FusedProduct],
     part: Part,

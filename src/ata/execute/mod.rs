@@ -1,4 +1,4 @@
-//! Runs a [`Plan`] on matrices: each strategy has its executor, and none of them decides anything.
+//! Executors of a [`Plan`] on matrices, one for each strategy. They make no decisions.
 
 mod balance;
 mod fused;
@@ -14,7 +14,7 @@ use super::plan::{Exact, Op, Plan, Strategy};
 use crate::base::{Par, Result};
 use crate::blas::BlasReal;
 
-/// Elements of scratch that [`execute`] needs.
+/// Returns the elements of scratch that [`execute`] needs.
 pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
     let problem = &plan.problem;
     match &plan.strategy {
@@ -28,12 +28,12 @@ pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
     }
 }
 
-/// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements,
-/// whatever they hold. Of the options only threads and their cores, back end and progress matter:
-/// the rest is in the plan.
+/// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements with
+/// any contents. Of the options only threads and their cores, back end and progress matter: the
+/// rest is in the plan.
 ///
-/// What leads to a small product is inlined, that product being as fast as a handful of calls; the
-/// other executors are not.
+/// The path to a small product is inlined, because such a product takes no longer than a few calls;
+/// the other executors are not inlined.
 #[inline]
 pub(crate) fn execute<T: BlasReal>(
     plan: &Plan,
@@ -60,7 +60,7 @@ pub(crate) fn execute<T: BlasReal>(
     )
 }
 
-/// [`execute`] of an exact plan for the lower triangle, and what its stages took.
+/// Executes an exact plan for the lower triangle, and returns the times of its stages.
 pub(super) fn exact_stages<T: BlasReal>(
     plan: &Plan,
     product: Product<'_, T>,
@@ -86,7 +86,7 @@ fn exactly<T: BlasReal>(
     })
 }
 
-/// One product on the calling thread.
+/// Computes one product on the calling thread.
 #[inline(always)]
 fn direct<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
     let kernels = T::kernels(options.backend.as_ref());

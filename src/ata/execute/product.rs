@@ -4,17 +4,17 @@ use crate::ata::combine::{in_lower, scale, scale_lower};
 use crate::ata::options::Uplo;
 use crate::base::{Real, Result};
 
-/// `C := alpha A^T B + beta C`, B being A when `None`: the matrices of one call.
+/// The matrices of one call: `C := alpha A^T B + beta C`, B being A when `None`.
 ///
-/// A is m x n, B is m x k, C is n x k. A symmetric product touches the triangle or triangles of
-/// `uplo` alone; with `beta == 0` C is not read.
+/// A is m x n, B is m x k, C is n x k. A symmetric product touches only the triangle or triangles
+/// of `uplo`; with `beta == 0` C is not read.
 pub(crate) struct Product<'p, T> {
     pub alpha: T,
     pub a: MatRef<'p, T>,
     pub b: Option<MatRef<'p, T>>,
     pub beta: T,
     pub c: MatMut<'p, T>,
-    /// `None` when all of C is wanted and no symmetry known.
+    /// `None` when all of C is computed, without symmetry.
     pub uplo: Option<Uplo>,
 }
 
@@ -38,8 +38,8 @@ impl<T: Real> Product<'_, T> {
         })
     }
 
-    /// Does `work` to the same product with its triangle turned into the lower one, and mirrors it
-    /// when both are wanted.
+    /// Calls `work` with the same product for the lower triangle, and mirrors the result when both
+    /// triangles are requested.
     #[inline(always)]
     pub fn into_lower(self, work: impl FnOnce(Product<'_, T>) -> Result<()>) -> Result<()> {
         let Some(uplo) = self.uplo else { return work(self) };

@@ -24,8 +24,8 @@ pub(crate) struct Engine<'a, T> {
 }
 
 impl<T: Real> Engine<'_, T> {
-    /// `C := alpha op(A, B) + beta C`; A is m x n, B is m x k, C is n x k (k = n if symmetric, and
-    /// then only the lower triangle of C is touched). For [`Op::Syrk`] B must be A.
+    /// Computes `C := alpha op(A, B) + beta C`; A is m x n, B is m x k, C is n x k (k = n if
+    /// symmetric, and then only the lower triangle of C is touched). For [`Op::Syrk`] B must be A.
     pub(crate) fn run(
         &self,
         op: Op,
@@ -68,7 +68,7 @@ impl<T: Real> Engine<'_, T> {
         }
     }
 
-    /// One level of `scheme`.
+    /// Computes one level of `scheme`.
     fn level(
         &self,
         scheme: &Scheme,
@@ -98,14 +98,14 @@ impl<T: Real> Engine<'_, T> {
             let same = child == Op::Syrk;
             let left_blocks = Grid { view: a, rows: scheme.inner, cols: scheme.left };
             let right_blocks = Grid { view: b, rows: scheme.inner, cols: scheme.right };
-            // Half a product needs a square one.
+            // A product of which half is computed must be square.
             let widen = product.kind == ProductKind::Gemmt
                 && left_blocks.width(&product.left) != right_blocks.width(&product.right);
             let (left_sign, left) = p.sum(&product.left, left_blocks, widen);
             let (right_sign, right) =
                 if same { (left_sign, left) } else { q.sum(&product.right, right_blocks, widen) };
             let sign = left_sign * right_sign;
-            // Rows that only one of the two has meet zeros in the other.
+            // Rows that only one of the two has are multiplied by zeros in the other.
             let m = left.nrows().min(right.nrows());
             let (left, right) = (left.subrows(0, m), right.subrows(0, m));
 
@@ -116,7 +116,7 @@ impl<T: Real> Engine<'_, T> {
                 let mut dst = block_mut(c.rb_mut(), scheme, out);
                 let (rows, cols) = (left.ncols().min(dst.nrows()), right.ncols().min(dst.ncols()));
                 if rows < dst.nrows() || cols < dst.ncols() {
-                    // The product is smaller than its block: the rest still gets its beta.
+                    // The product is smaller than its block: the rest is still scaled by beta.
                     if child.symmetric() {
                         scale_lower(dst.rb_mut(), beta);
                     } else {
@@ -170,7 +170,7 @@ fn distribute<T: Real>(
     /// Elements of a strip: half of a second-level cache of 1 MiB.
     const STRIP: usize = 1 << 16;
     let by_rows = c.col_stride() == 1;
-    // Blocks may be larger than the product, and get their beta there.
+    // Blocks may be larger than the product; the rest is scaled by beta.
     let (rows, cols) = (c.nrows().div_ceil(scheme.left), c.ncols().div_ceil(scheme.right));
     let (lines, len) = if by_rows { (rows, cols) } else { (cols, rows) };
     let step = (STRIP / len.max(1)).max(1);
@@ -220,7 +220,8 @@ struct Grid<'a, T> {
 }
 
 impl<'a, T> Grid<'a, T> {
-    /// Columns of a sum of `terms`: those of its block, or of the widest block there is.
+    /// Returns the columns of a sum of `terms`: those of its block, or of the widest block there
+    /// is.
     fn width(&self, terms: &[Term]) -> usize {
         match terms {
             &[term] => self.block(term).ncols(),
@@ -237,7 +238,7 @@ impl<'a, T> Grid<'a, T> {
     }
 }
 
-/// P or Q: holds the last sum that had more than one term, and makes the next one from it when
+/// P or Q: holds the last sum that had more than one term, and computes the next one from it when
 /// that takes fewer terms.
 struct SumBuffer<'a, T> {
     extent: Extent,
@@ -247,13 +248,13 @@ struct SumBuffer<'a, T> {
 }
 
 impl<'a, T: Real> SumBuffer<'a, T> {
-    /// Stored the way `like` is.
+    /// Creates a buffer that is stored in the order of `like`.
     fn new(extent: Extent, like: MatRef<'_, T>, memory: &'a mut [T]) -> Self {
         Self { extent, memory, row_major: like.col_stride() == 1, held: Vec::new() }
     }
 
-    /// The sum of `terms` over `grid`, up to the returned sign. A sum of one block is that block,
-    /// unless it is to be widened to the full extent with zeros.
+    /// Returns the sum of `terms` over `grid`, up to the returned sign. A sum of one block is that
+    /// block, unless it must be widened to the full extent with zeros.
     fn sum<'s>(&'s mut self, terms: &[Term], grid: Grid<'s, T>, widen: bool) -> (T, MatRef<'s, T>) {
         if let &[term] = terms
             && term.coefficient.abs() == 1
@@ -275,7 +276,7 @@ impl<'a, T: Real> SumBuffer<'a, T> {
     }
 }
 
-/// A rows x cols matrix at the start of `memory`, stored the way `like` is.
+/// Returns a rows x cols matrix at the start of `memory`, stored in the order of `like`.
 fn scratch_matrix<'a, T>(
     memory: &'a mut [T],
     rows: usize,
@@ -318,7 +319,7 @@ mod tests {
     }
 
     /// Runs `op` by one table alone, with NaN in all scratch and in the triangle that is not
-    /// wanted.
+    /// computed.
     fn check(id: SchemeId, op: Op, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
         let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
         let recursion = Recursion {

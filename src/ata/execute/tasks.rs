@@ -14,18 +14,18 @@ use crate::ata::plan::{Op, Problem, Recursion, Task, Tasks};
 use crate::base::{Arena, Disjoint, Par, Result, Tracker, tickets};
 use crate::blas::BlasReal;
 
-/// Elements of scratch that [`execute`] needs.
+/// Returns the elements of scratch that [`execute`] needs.
 pub(super) fn scratch_len(plan: &Tasks, problem: &Problem, par: Par) -> usize {
     let partials = (plan.slabs.len() - 1) * problem.n * problem.k;
     plan.worker_scratch_len(problem.op) * workers(plan, par) + partials
 }
 
-/// Threads that can be busy.
+/// Returns how many threads can be busy.
 fn workers(plan: &Tasks, par: Par) -> usize {
     par.at_most(plan.slabs.len() * plan.tasks.len()).threads()
 }
 
-/// Computes `product`, whose lower triangle alone is touched where the problem is symmetric.
+/// Computes `product`; only its lower triangle is touched where the problem is symmetric.
 #[inline(never)]
 pub(super) fn execute<T: BlasReal>(
     plan: &Tasks,
@@ -39,7 +39,7 @@ pub(super) fn execute<T: BlasReal>(
         (product.alpha, product.a, product.b.unwrap_or(product.a), product.beta);
     let mut c = product.c;
     let mut arena = Arena::new(scratch);
-    // Stored as C is: back ends are not equally fast at both.
+    // Stored in the order of C: back ends are not equally fast for both orders.
     let row_major = c.col_stride() == 1;
     let partials: Vec<MatMut<'_, T>> = (1..slabs.len())
         .map(|_| partial(arena.take(problem.n * problem.k), problem, row_major))
@@ -99,7 +99,7 @@ pub(super) fn execute<T: BlasReal>(
     Ok(())
 }
 
-/// A matrix of C's shape in `memory`.
+/// Returns a matrix of C's shape in `memory`.
 pub(super) fn partial<'m, T>(
     memory: &'m mut [T],
     problem: &Problem,
@@ -112,7 +112,7 @@ pub(super) fn partial<'m, T>(
     }
 }
 
-/// The block of `matrix` that `task` owns.
+/// Returns the block of `matrix` that `task` owns.
 ///
 /// # Safety
 /// As for [`Disjoint::block`].

@@ -14,9 +14,9 @@ use crate::base::{Error, Par, Real, Result};
 use crate::blas::BlasReal;
 use crate::kernel::int8::I256;
 
-/// `C = sum of w_i (x_i - s)(x_i - s)^T` over rows `x_i` of n columns that come in blocks, with
-/// what it takes to go on later, elsewhere, or together with another one; s is zero, or the mean of
-/// the rows.
+/// A sum `C = sum of w_i (x_i - s)(x_i - s)^T` over rows `x_i` of n columns that come in blocks,
+/// where s is zero or the mean of the rows. The sum can be saved, continued elsewhere, and merged
+/// with others.
 ///
 /// There are three kinds. [`Accumulator::new`] adds in floating point: the last bits depend on the
 /// blocks and their order. [`Accumulator::exact`] adds integers on a grid that is chosen before the
@@ -44,15 +44,15 @@ pub struct Accumulator<T> {
     /// Columns of the rows.
     pub(super) ncols: usize,
     pub(super) sums: Sums<T>,
-    /// Rows that a source had which was streamed into this.
+    /// Number of rows of all sources that were streamed into this accumulator.
     pub(super) expected_rows: u64,
     /// Rows of its blocks; 0 before the first source.
     pub(super) block_rows: u64,
-    /// What the caller wants to find again: name and value.
+    /// Labels that the caller wants to find again: name and value.
     pub(super) labels: Vec<(String, String)>,
 }
 
-/// The sums of one kind or the other.
+/// The sums, of one of three kinds.
 #[derive(Debug)]
 pub(super) enum Sums<T> {
     Float(FloatSums<T>),
@@ -127,10 +127,10 @@ impl<T: BlasReal> Accumulator<T> {
     /// `centered`. All rows must be within the bounds. [`Accumulator::finish_extended`] returns C
     /// in extended precision; all else is as for [`Accumulator::exact`].
     ///
-    /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves those
-    /// of most data as they are; where [`RowBounds::of`] has found that all entries of the columns
-    /// are multiples of larger numbers, such as integers, shorter integers do, and the sums take
-    /// less time. Products with weights are not rounded.
+    /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves the
+    /// entries of most data unchanged. Where [`RowBounds::of`] has found that all entries of the
+    /// columns are multiples of larger numbers, such as integers, shorter integers are enough, and
+    /// the sums take less time. Products with weights are not rounded.
     ///
     /// ```
     /// use catamaran::ata::{Accumulator, RowBounds};
@@ -158,7 +158,7 @@ impl<T: BlasReal> Accumulator<T> {
         Self { ncols, sums, expected_rows: 0, block_rows: 0, labels: Vec::new() }
     }
 
-    /// Becomes exact, when it has no rows and is not; `bounds` are asked for then.
+    /// Makes an empty accumulator exact, if it is not; only then `bounds` is called.
     pub(super) fn make_exact(
         &mut self,
         bounds: impl FnOnce() -> Result<RowBounds<T>>,
@@ -167,7 +167,7 @@ impl<T: BlasReal> Accumulator<T> {
             return Ok(());
         }
         if self.rows() > 0 {
-            let why = "floating-point sums can't be gone on with exactly: make it with `exact`";
+            let why = "floating-point sums can't be continued exactly: create it with `exact`";
             return Err(Error::Argument { what: "accumulator", why: why.into() });
         }
         let shift = if self.is_centered() { Shift::Near } else { Shift::No };
@@ -289,7 +289,7 @@ impl<T: BlasReal> Accumulator<T> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] that names the first one that differs, and both values.
+    /// [`Error::Argument`] that names the first label that differs, and both values.
     pub fn check_labels(&self, wanted: &[(String, String)]) -> Result<()> {
         let value = |labels: &[(String, String)], name: &str| {
             labels.iter().find(|l| l.0 == name).map(|l| l.1.clone())
@@ -335,8 +335,8 @@ impl<T: BlasReal> Accumulator<T> {
         self.add(count, block, weights, &mut Pass::new(options)?)
     }
 
-    /// Removes rows that were added, in any blocks, with the same weights: what is left are the
-    /// bytes of sums that never had them. As [`Accumulator::add_block`] otherwise.
+    /// Removes rows that were added, in any blocks, with the same weights. The sums that remain
+    /// have the bytes of sums that never had these rows. Otherwise as [`Accumulator::add_block`].
     ///
     /// # Errors
     /// [`Error::Argument`] when the accumulator is not exact, or has fewer rows;
@@ -353,8 +353,8 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Adds the rows of a source, with their weights if they have any, in blocks;
-    /// `options.progress` is told the fraction of its rows. [`stream`](super::stream()) adds one
-    /// source and can go on with it after a stop; this adds any number of them.
+    /// `options.progress` receives the fraction of its rows. [`stream`](super::stream()) adds one
+    /// source and can continue after a stop; this function adds any number of them.
     ///
     /// ```
     /// use catamaran::ata::{Accumulator, DenseRows};
@@ -371,8 +371,8 @@ impl<T: BlasReal> Accumulator<T> {
     ///
     /// # Errors
     /// [`Error::Shape`] for columns and weights; those of the source; else as
-    /// [`Accumulator::add_block`]. Blocks before the one that failed were added, as
-    /// [`Accumulator::rows`] tells.
+    /// [`Accumulator::add_block`]. Blocks before the one that failed have been added, as
+    /// [`Accumulator::rows`] shows.
     pub fn add_rows(
         &mut self,
         rows: &mut (dyn RowBlocks<T> + Send),
@@ -438,7 +438,7 @@ impl<T: BlasReal> Accumulator<T> {
         check_weights(count, weights)
     }
 
-    /// [`Accumulator::add_block`] in a pass.
+    /// Adds a block as [`Accumulator::add_block`] does, in a pass.
     pub(super) fn add(
         &mut self,
         count: usize,
@@ -459,7 +459,7 @@ impl<T: BlasReal> Accumulator<T> {
     ) -> Result<()> {
         match &mut self.sums {
             Sums::Float(_) if remove => {
-                let why = "rows can be removed from an exact one only: make it with `exact`";
+                let why = "rows can be removed from exact sums only: create it with `exact`";
                 Err(Error::Argument { what: "accumulator", why: why.into() })
             }
             Sums::Float(sums) => sums.add(count, block, weights, pass),
@@ -492,7 +492,7 @@ impl<T: BlasReal> Accumulator<T> {
     ///
     /// # Errors
     /// [`Error::Argument`] when they differ in kind, columns, strip or centring, or when the grids
-    /// of exact sums are too far apart for 128 bits; the accumulator is of no use after that.
+    /// of exact sums are too far apart for 128 bits; the accumulator must not be used after that.
     pub fn merge(&mut self, other: Self) -> Result<()> {
         let different = |what, own: String, others: String| {
             let why = format!("{what}: {own} and {others} can't be merged");
@@ -551,8 +551,8 @@ impl<T: BlasReal> Accumulator<T> {
         if c.rows() == (0..ncols) && uplo != Uplo::Lower {
             mirror_lower(c.as_mut());
             if uplo == Uplo::Upper {
-                // The strict lower triangle is the strict upper one of the transpose: spare the
-                // diagonal.
+                // The strict lower triangle is the strict upper one of the transpose: the diagonal
+                // is skipped.
                 let below = c.as_mut().submatrix_mut(
                     1.min(ncols),
                     0,
@@ -601,7 +601,7 @@ pub(super) fn check_strip(rows: &Range<usize>, ncols: usize) -> Result<()> {
     Err(Error::Argument { what: "strip", why })
 }
 
-/// `count` finite weights, if any.
+/// Checks that there are `count` finite weights, if any.
 pub(crate) fn check_weights<T: Real>(count: usize, weights: Option<&[T]>) -> Result<()> {
     let Some(weights) = weights else { return Ok(()) };
     Error::check_shape("weights", (count, 1), (weights.len(), 1))?;

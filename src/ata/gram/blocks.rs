@@ -1,5 +1,5 @@
-//! One way through the rows of a source: block after block, the next one read while `work` has the
-//! last.
+//! Reads the rows of a source block by block: the next block is read while `work` processes the
+//! last one.
 
 use std::ops::ControlFlow;
 use std::sync::mpsc;
@@ -13,7 +13,7 @@ use crate::base::{Par, Real, Result, Scratch};
 /// Bytes of the two blocks that are in memory; of all three where weights need one of their own.
 const BLOCKS_BYTES: usize = 128 << 20;
 
-/// Fewer rows do not pay for the pass over C that each block takes.
+/// Least rows of a block: fewer do not pay for the pass over C that each block takes.
 const LEAST_ROWS: usize = 1024;
 
 /// Returns the number of rows of a block of n columns: a multiple of 64, about 64 MiB. With weights
@@ -63,8 +63,8 @@ pub(crate) fn for_each_block<T: Real>(
     Ok(())
 }
 
-/// [`for_each_block`] with a thread that reads; `Continue` when there is none to be had, nothing
-/// done.
+/// Computes [`for_each_block`] with a thread that reads. Returns `Continue`, with nothing done,
+/// when the system refuses the thread.
 fn overlapped<T: Real>(
     rows: &mut (dyn RowBlocks<T> + Send),
     start: usize,
@@ -83,7 +83,7 @@ fn overlapped<T: Real>(
         let (full_end, full) = mpsc::channel();
         let reader = move || {
             for first in (start..m).step_by(height) {
-                // Both ends fail when the other side has given up.
+                // Both ends fail when the other side has ended.
                 let Ok(mut block) = empty.recv() else { return };
                 let filled = fill(rows, first, height, &mut block).map(drop);
                 let failed = filled.is_err();
@@ -97,11 +97,11 @@ fn overlapped<T: Real>(
             return ControlFlow::Continue(());
         }
         for block in blocks {
-            // Who is gone says why below.
+            // If the reader has ended, its error is returned below.
             let _ = give.send(block);
         }
         // Ends with the last block, with the first error, or with a panic of the source, which the
-        // end of the scope passes on.
+        // end of the scope propagates.
         let done = full.iter().try_for_each(|filled| {
             let (first, mut block): (usize, Scratch) = filled?;
             let count = height.min(m - first);

@@ -21,13 +21,13 @@ use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
 /// Rows that one thread takes at a time.
 const PIECE: usize = 512;
 
-/// `C = sum of w_i x_i x_i^T` of shifted rows, as integers in units of the grid; some rows of the
-/// lower triangle. In extended precision the integers have 256 bits.
+/// A sum `C = sum of w_i x_i x_i^T` of shifted rows, as integers in units of the grid; some rows of
+/// the lower triangle. In extended precision the integers have 256 bits.
 #[derive(Debug)]
 pub(crate) struct ExactSums<T, I = i128> {
     pub(super) grid: Grid<T>,
     pub(super) strip: Range<usize>,
-    /// Whether the end is to be about the mean.
+    /// Whether the result is about the mean.
     pub(super) centered: bool,
     /// Rows so far.
     pub(super) rows: u64,
@@ -43,7 +43,7 @@ pub(crate) struct ExactSums<T, I = i128> {
     pub(super) rounded: bool,
 }
 
-/// What one thread finds in its rows.
+/// The results of one thread for its rows.
 struct Found {
     /// Sums of the weighted columns.
     sums: Vec<i128>,
@@ -53,7 +53,7 @@ struct Found {
     finite: [Vec<bool>; 2],
     /// Whether an entry is not on the grid.
     rounded: bool,
-    /// Whether all rows times weights are f64.
+    /// Whether all products of rows and weights are exact in f64.
     no_tail: bool,
 }
 
@@ -61,9 +61,9 @@ struct Found {
 struct Piece<'p, T> {
     rows: &'p mut [T],
     weights: Option<&'p [T]>,
-    /// Where the rows go times their weights; empty without weights.
+    /// Destination of the rows times their weights; empty without weights.
     weighted: &'p mut [T],
-    /// Where what rounding took from them goes; empty but in extended precision.
+    /// Destination of the rounding errors of these products; empty but in extended precision.
     tail: &'p mut [T],
     found: Found,
 }
@@ -84,7 +84,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Self::on(Grid::new(bounds, shift, I::EXTENDED)?, strip, centered)
     }
 
-    /// Of no rows, on a grid.
+    /// Creates the sums of no rows, on a grid.
     pub(super) fn on(grid: Grid<T>, strip: Range<usize>, centered: bool) -> Result<Self> {
         let len = triangle_len(strip.end) - triangle_len(strip.start);
         let sums = zeros(if centered { grid.ncols() } else { 0 })?;
@@ -108,7 +108,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 
     /// Adds a block of `count` rows, or subtracts it. Its entries are overwritten; nothing else is
-    /// changed by an error but [`Error::Cancelled`] and [`Error::OutOfMemory`].
+    /// changed by an error except [`Error::Cancelled`] and [`Error::OutOfMemory`].
     pub fn add(
         &mut self,
         count: usize,
@@ -120,7 +120,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let n = self.grid.ncols();
         let capacity = self.check(count, weights, subtract)?;
         let (options, engine, memory) = pass.parts();
-        // Weights were declared: rows without have weight 1.
+        // Weights were declared: rows without weights have weight 1.
         let ones;
         let weights = match (weights, self.grid.weight) {
             (None, Some(_)) => {
@@ -203,18 +203,18 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(())
     }
 
-    /// Whether so many rows with these weights can be added or subtracted, and how.
+    /// Checks that so many rows with these weights can be added or subtracted.
     fn check(&self, count: usize, weights: Option<&[T]>, subtract: bool) -> Result<Capacity> {
         let refuse = |what, why| Err(Error::Argument { what, why });
         let capacity = self.grid.capacity();
         let Capacity { slab, rows: room, column, .. } = capacity;
         if subtract && self.rows < count as u64 {
-            let why = format!("{count} rows can't be removed from {}", self.rows);
+            let why = format!("{count} rows can't be removed from a sum of {}", self.rows);
             return refuse("block", why);
         }
         if !subtract && (slab == 0 || self.rows + count as u64 > room) {
             let why = format!(
-                "{} rows, where the grid of column {column} has room for {room}: declare more",
+                "{} rows, but the grid of column {column} has room for {room}: declare more",
                 self.rows + count as u64
             );
             return refuse("bounds", why);
@@ -235,8 +235,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 
     /// Checks the bounds of rows, shifts them, multiplies them by their weights, and adds up the
-    /// columns. What is multiplied goes to the first of `sides`, what rounding took from it to the
-    /// second.
+    /// columns. The products go to the first of `sides`, their rounding errors to the second.
     fn prepare(
         &self,
         block: &mut [T],
@@ -333,7 +332,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
                 for (tail, (&product, &x)) in tail[i * n..].iter_mut().zip(products) {
                     let (weight, x) = (weight.to_f64(), x.to_f64());
                     let rest = weight.mul_add(x, -product.to_f64());
-                    // The rest of what is not finite is nothing.
+                    // A product that is not finite has no rounding error.
                     *tail = if product.abs() < infinity { T::from_f64(rest) } else { T::ZERO };
                     found.no_tail &= *tail == T::ZERO;
                 }
@@ -348,7 +347,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
                 add_columns(side, &factors[1], &mut found.sums);
             }
         }
-        // Once is enough.
+        // One rounded entry is enough.
         if I::EXTENDED && !self.rounded {
             found.rounded = is_rounded(rows, &factors[0]);
             if weights.is_some() {
@@ -367,7 +366,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         }
     }
 
-    /// Takes in which terms of a block are not finite.
+    /// Records which terms of a block are not finite.
     fn take_flags(
         &mut self,
         count: usize,
@@ -400,8 +399,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(())
     }
 
-    /// Adds the sums of other rows of the same columns and strip: on another grid after both have
-    /// moved to the finer one, exactly.
+    /// Adds the sums of other rows of the same columns and strip. If the grids differ, both sums
+    /// first move to the finer grid, exactly.
     pub fn merge(&mut self, mut other: Self) -> Result<()> {
         if self.grid != other.grid {
             let grid = self.grid.join(&other.grid)?;
@@ -413,7 +412,6 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             let why = format!("column {i}: the merged sums have more than {bits} bits");
             Error::Argument { what: "accumulator", why }
         };
-        // Nothing is changed before everything is known to fit.
         let sums = |own: &[i128], others: &[i128]| -> Option<Vec<i128>> {
             own.iter().zip(others).map(|(a, b)| a.checked_add(*b)).collect()
         };
@@ -438,8 +436,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(())
     }
 
-    /// Moves to a finer grid: every integer is multiplied by a power of two, and rows that are
-    /// shifted by `d` less, `x + d`, have `C + d t^T + t d^T + w d d^T` and `t + w d`.
+    /// Moves to a finer grid: every integer is multiplied by a power of two. Rows whose shift is
+    /// less by `d`, `x + d`, have `C + d t^T + t d^T + w d d^T` and `t + w d`.
     fn move_to(&mut self, fine: &Grid<T>) -> Result<()> {
         let refuse = |j: usize, why: &str| {
             let why = format!("column {j}: the grids are too far apart: {why}");
@@ -449,18 +447,18 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let more = (self.grid.weight_exponent - fine.weight_exponent) as u32;
         let finer: Vec<u32> = (0..n).map(|j| self.grid.finer(j, fine)).collect();
         let mut shifts = Vec::with_capacity(n);
-        // One weight is 2^unit of these.
+        // A weight of 1 is 2^unit in these units.
         let unit = (fine.weight_power + fine.weight_exponent) as u32;
         for j in 0..n {
             match self.grid.shift_difference(j, fine) {
                 Some(d) if d >> unit << unit == d => shifts.push(d),
-                _ => return refuse(j, "their shifts do not meet"),
+                _ => return refuse(j, "their shifts do not differ by whole units"),
             }
         }
         let Some(weights) =
             shifted(&self.weights, (fine.weight_power - self.grid.weight_power) as u32)
         else {
-            return refuse(0, "weights");
+            return refuse(0, "the weights have more than 128 bits");
         };
         self.weights = [weights[0], weights[1]];
         let w = self.weights[0];
@@ -486,7 +484,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
                 };
                 match moved() {
                     Some(moved) => *c = moved,
-                    None => return refuse(i, "a sum has more than 128 bits"),
+                    None => return refuse(i, "a sum has too many bits"),
                 }
             }
             at += i + 1;
@@ -516,7 +514,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             for j in 0..=i {
                 let (c, flags) = self.entry(i, j);
                 let value = match flags.sum() {
-                    // An infinite mean leaves nothing.
+                    // An infinite mean makes every entry NaN.
                     Some(_) if centered => f64::NAN,
                     None if centered => self.centered(c, i, j)?,
                     _ => self.value(i, j, c, flags),
@@ -551,14 +549,14 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         flags.sum().unwrap_or_else(|| scaled(c.to_f64(), self.grid.exponent(i, j)))
     }
 
-    /// The value of `c` as entry (i, j) about the mean, rounded once.
+    /// Returns the value of `c` as entry (i, j) about the mean, rounded once.
     fn centered(&self, c: I, i: usize, j: usize) -> Result<f64> {
         let (sums, exponent) = ([self.sums[i], self.sums[j]], self.grid.exponent(i, j));
         let value = c.centered(sums, self.weight_shift(), self.weights[0], exponent);
         value.ok_or_else(|| too_long(i))
     }
 
-    /// log2 of the units of weights in one of the grid.
+    /// Returns log2 of the units of weights in one of the grid.
     fn weight_shift(&self) -> u32 {
         (self.grid.weight_power + self.grid.weight_exponent) as u32
     }
@@ -626,7 +624,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
     }
 }
 
-/// Whether rounding to integers, after a multiplication by these factors, changes an entry.
+/// Returns whether rounding to integers, after a multiplication by these factors, changes an entry.
 #[inline(always)]
 fn is_rounded<T: Real>(rows: &[T], factors: &[[f64; 2]]) -> bool {
     let mut rounded = false;
@@ -655,7 +653,7 @@ fn add_columns<T: Real>(rows: &[T], factors: &[[f64; 2]], sums: &mut [i128]) {
         parts.fill([0; 2]);
         for row in rows.chunks_exact(n) {
             for (([low, high], &x), [first, second]) in parts.iter_mut().zip(row).zip(factors) {
-                // What is not finite counts by its flags.
+                // Terms that are not finite are counted by their flags.
                 let x = if x.is_finite() { x.to_f64() } else { 0.0 };
                 let x = x * first * second;
                 let upper = (x * inverse).round_ties_even();

@@ -25,13 +25,13 @@ use crate::kernel::int8::I256;
 #[derive(Debug, Clone)]
 pub struct ExtendedGram {
     n: usize,
-    /// The rows of the lower triangle, one after another: the bits of the parts of each entry where
-    /// its integer was, so that no memory is needed beside the sums.
+    /// The rows of the lower triangle, one after another. The bits of the parts of each entry take
+    /// the place of its integer, so that no memory is needed beside the sums.
     entries: Vec<I256>,
     about: About,
 }
 
-/// What is known of the rows that the matrix is made of.
+/// Properties of the rows that the matrix is made of.
 #[derive(Debug, Clone)]
 pub(crate) struct About {
     /// Whether no entry of the rows was rounded.
@@ -44,8 +44,8 @@ pub(crate) struct About {
 }
 
 impl ExtendedGram {
-    /// A matrix (n x n) of sums, the rows of the lower triangle one after another: entry (i, j),
-    /// for `j <= i`, is `parts(i, j, sum)`.
+    /// Creates a matrix (n x n) of sums, the rows of the lower triangle one after another: entry
+    /// (i, j), for `j <= i`, is `parts(i, j, sum)`.
     pub(crate) fn from_sums(
         n: usize,
         mut sums: Vec<I256>,
@@ -69,7 +69,7 @@ impl ExtendedGram {
         Self { n, entries: sums, about }
     }
 
-    /// A matrix with these entries of its lower triangle, `entry(i, j)` for `j <= i`.
+    /// Creates a matrix with these entries of its lower triangle, `entry(i, j)` for `j <= i`.
     pub(crate) fn from_entries(
         n: usize,
         about: About,
@@ -138,14 +138,14 @@ impl ExtendedGram {
     }
 }
 
-/// The bits of three numbers in the place of an integer.
+/// Returns the bits of three numbers in the place of an integer.
 #[inline(always)]
 fn packed([first, second, third]: [f64; 3]) -> I256 {
     let low = u128::from(first.to_bits()) | u128::from(second.to_bits()) << u64::BITS;
     I256 { high: third.to_bits().into(), low }
 }
 
-/// The three numbers.
+/// Returns the three numbers.
 #[inline(always)]
 fn unpacked(I256 { high, low }: I256) -> [f64; 3] {
     [low as u64, (low >> u64::BITS) as u64, high as u64].map(f64::from_bits)

@@ -43,8 +43,8 @@ pub(super) fn add<T: BlasReal>(
     engine.multiply(Product { alpha, a, b, beta, c: square, uplo }, &options)
 }
 
-/// `C = sum of w_i (x_i - s)(x_i - s)^T`, of which some rows. Without centring the shift s is zero.
-/// With centring it is the mean of the first block, and the end moves it to the mean of all rows.
+/// Some rows of `C = sum of w_i (x_i - s)(x_i - s)^T`. Without centring the shift s is zero. With
+/// centring it is the mean of the first block, and the end moves it to the mean of all rows.
 #[derive(Debug)]
 pub(super) struct FloatSums<T> {
     /// The lower triangle of C, about the shift.
@@ -107,7 +107,7 @@ impl<T: BlasReal> FloatSums<T> {
         self.add_c(&other, first, |i, j| t[i] * d[j] + d[i] * (t[j] + others.weight * d[j]));
     }
 
-    /// `C += C' + correction`.
+    /// Computes `C += C' + correction`.
     fn add_c(&mut self, other: &Self, first: usize, correction: impl Fn(usize, usize) -> f64) {
         for i in 0..self.c.rows().len() {
             let own = self.c.lower_row_mut(i);

@@ -12,7 +12,7 @@
 //! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not
 //! finite, 32 extended precision (entries of 256 bits), 64 some entries were rounded there.
 //!
-//! Nothing is allocated because a head says so: vectors grow with the bytes that arrive, and C is
+//! No allocation depends on the head alone: vectors grow with the bytes that arrive, and C is
 //! allocated, untouched, when the vectors of as many columns have arrived.
 
 use std::io::{self, Read, Write};
@@ -34,10 +34,10 @@ use crate::kernel::int8::I256;
 
 const MAGIC: &[u8; 8] = b"CATAACC\0";
 
-/// Of this format; another one is refused.
+/// Version of this format; data of another version is rejected.
 const VERSION: u32 = 2;
 
-/// A head beyond this is no head of ours.
+/// A longer head is not one of this format.
 const LONGEST_HEAD: u32 = 1 << 20;
 
 /// Values converted at a time.
@@ -64,8 +64,8 @@ const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE | EXTENDED 
 /// ```
 ///
 /// # Errors
-/// Those of the source; [`io::ErrorKind::InvalidData`] when they are of something else, or of
-/// another version.
+/// Those of the source; [`io::ErrorKind::InvalidData`] when the bytes are not an accumulator, or
+/// one of another version.
 pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {
     preamble(&mut Checked::new(source))
 }
@@ -82,7 +82,7 @@ fn flags_of<T, I>(sums: &ExactSums<T, I>) -> u8 {
 }
 
 impl<T: BlasReal> Accumulator<T> {
-    /// Writes it, for [`Accumulator::read`].
+    /// Writes the accumulator, for [`Accumulator::read`].
     ///
     /// ```
     /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
@@ -154,7 +154,7 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Reads as [`Accumulator::read`] does, from a source of at most `bytes` bytes. A head that
-    /// announces more is refused before memory is asked for.
+    /// announces more is rejected before memory is allocated.
     pub(crate) fn read_within(source: &mut dyn Read, bytes: u64) -> io::Result<Self> {
         let mut source = Checked::new(source);
         let scalar = preamble(&mut source)?;
@@ -218,7 +218,7 @@ impl<T: BlasReal> Accumulator<T> {
         };
         source.get_check()?;
         if source.stream.read(&mut [0])? != 0 {
-            return Err(invalid("damaged: it goes on after its end"));
+            return Err(invalid("damaged: data after its end"));
         }
         Ok(Self { expected_rows, block_rows, labels, ..Self::of(ncols, sums) })
     }
@@ -275,7 +275,7 @@ fn get_exact<T: BlasReal, I: Value + SumInteger>(
     if has(NON_FINITE) {
         source.append(&mut flags, entries.len())?;
         if flags.iter().any(|&flags| flags > Flags::MOST) {
-            return Err(invalid("damaged: what is not finite"));
+            return Err(invalid("damaged: its flags of terms that are not finite"));
         }
     }
     let (centered, rounded) = (has(CENTERED), has(ROUNDED));
@@ -286,7 +286,7 @@ fn no_memory(e: Error) -> io::Error {
     io::Error::new(io::ErrorKind::OutOfMemory, e.to_string())
 }
 
-/// A number with bytes of its own.
+/// A number with a fixed representation in bytes.
 trait Value: Copy {
     const BYTES: usize = size_of::<Self>();
     fn put(self, bytes: &mut Vec<u8>);
@@ -322,7 +322,7 @@ impl Value for I256 {
 
 impl<T: Real> Value for T {
     fn put(self, bytes: &mut Vec<u8>) {
-        // An f32 survives f64 and back.
+        // An f32 is converted to f64 and back without a change.
         match size_of::<T>() {
             4 => bytes.extend((self.to_f64() as f32).to_le_bytes()),
             _ => bytes.extend(self.to_f64().to_le_bytes()),
@@ -344,7 +344,7 @@ fn preamble<S: Read>(source: &mut Checked<S>) -> io::Result<&'static str> {
     }
     let version = source.number()?;
     if version != VERSION {
-        let what = format!("an accumulator of version {version}, where {VERSION} is known");
+        let what = format!("an accumulator of version {version}, but {VERSION} is supported");
         return Err(invalid(what));
     }
     match source.number()? {
@@ -358,7 +358,7 @@ fn invalid(what: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.into())
 }
 
-/// A stream, and the checksum of what went through it.
+/// A stream, and the checksum of the bytes that went through it.
 struct Checked<S> {
     stream: S,
     check: Hasher,
@@ -447,7 +447,7 @@ impl<S: Read> Checked<S> {
         Ok(values)
     }
 
-    /// Memory grows with what arrives.
+    /// Appends `len` values; memory grows with the bytes that arrive.
     fn append<V: Value>(&mut self, values: &mut Vec<V>, len: usize) -> io::Result<()> {
         let mut bytes = vec![0; CHUNK.min(len) * V::BYTES];
         let mut left = len;
@@ -467,7 +467,7 @@ impl<S: Read> Checked<S> {
     fn get_check(&mut self) -> io::Result<()> {
         let sum = self.check.clone().finalize();
         if u32::from_le_bytes(self.bytes()?) != sum {
-            return Err(invalid("damaged: its checksum is another"));
+            return Err(invalid("damaged: its checksum differs"));
         }
         self.check.reset();
         Ok(())

@@ -1,4 +1,4 @@
-//! The grid that exact sums are on: what each column is rounded to, chosen before the first row.
+//! The grid of exact sums: the unit that each column is rounded to, chosen before the first row.
 
 use super::blocks::for_each_block;
 use super::source::RowBlocks;
@@ -6,14 +6,14 @@ use crate::ata::options::AtaOptions;
 use crate::base::{Error, Par, Real, Result, widest, zeros};
 use crate::kernel::int8::{IntegerModuli, WIDE_BITS, power_of_two, scaled};
 
-/// Bits of the integers that entries become, at most: as few as an f64 shifted near its column
-/// needs (see [`Grid::new`]), so that 2^26 rows fit in 128 bits and 2^16 in the residues.
+/// Returns the most bits of the integers that entries become: as few as an f64 shifted near its
+/// column needs (see [`Grid::new`]), so that 2^26 rows fit in 128 bits and 2^16 in the residues.
 const fn most_bits<T>() -> i32 {
     if size_of::<T>() == 8 { 50 } else { 24 }
 }
 
-/// Moduli of the products: one more than by default, for columns whose largest entry is far above
-/// the others.
+/// Returns the number of moduli of the products: one more than by default, for columns whose
+/// largest entry is far above the others.
 pub(super) const fn moduli<T>() -> usize {
     if size_of::<T>() == 8 { 15 } else { 8 }
 }
@@ -24,7 +24,7 @@ const SUM_BITS: i32 = 126;
 /// Bits of a sum in extended precision.
 const EXTENDED_SUM_BITS: i32 = 250;
 
-/// log2 of the rows that are multiplied at a time in extended precision, at least.
+/// Least log2 of the rows that are multiplied at a time in extended precision.
 const EXTENDED_SLAB_BITS: i32 = 14;
 
 /// A column is shifted to within this many bits of its largest entry and no further: its unit is
@@ -86,7 +86,7 @@ impl<T: Real> RowBounds<T> {
             }
             if low > high {
                 let why =
-                    format!("column {j}: the lower one, {low}, is above the upper one, {high}");
+                    format!("column {j}: the lower bound {low} is above the upper bound {high}");
                 return Err(Error::Argument { what: "bounds", why });
             }
         }
@@ -106,7 +106,7 @@ impl<T: Real> RowBounds<T> {
         Ok(Self { weight: Some(largest), ..self })
     }
 
-    /// Those of no rows, which [`RowBounds::join`] adds to.
+    /// Returns the bounds of no rows, which [`RowBounds::join`] extends.
     fn none(n: usize) -> Result<Self> {
         let (mut lower, mut upper) = (zeros::<T>(n)?, zeros::<T>(n)?);
         lower.fill(T::from_f64(f64::INFINITY));
@@ -116,9 +116,9 @@ impl<T: Real> RowBounds<T> {
         Ok(Self { lower, upper, units, weight: None, rows: 0 })
     }
 
-    /// Reads all rows once, in blocks of `block_rows`, and takes the bounds of the finite entries,
-    /// of the weights, and the number of rows. `options.progress` is told the fraction that is
-    /// read.
+    /// Reads all rows once, in blocks of `block_rows`, and returns the bounds of the finite
+    /// entries, of the weights, and the number of rows. `options.progress` receives the fraction
+    /// that has been read.
     ///
     /// ```
     /// use catamaran::{AtaOptions, ata::{DenseRows, RowBounds}, faer::mat};
@@ -141,7 +141,8 @@ impl<T: Real> RowBounds<T> {
         Self::read(rows, weights, block_rows, false, options)
     }
 
-    /// As [`RowBounds::of`], and [`Error::NonFinite`] for the first entry that is not finite.
+    /// Reads bounds as [`RowBounds::of`] does; [`Error::NonFinite`] names the first non-finite
+    /// entry.
     pub(crate) fn of_finite(
         rows: &mut (dyn RowBlocks<T> + Send),
         weights: Option<&[T]>,
@@ -178,9 +179,9 @@ impl<T: Real> RowBounds<T> {
         Ok(bounds)
     }
 
-    /// Takes in the finite entries of rows of `n` columns; whether all of them are.
+    /// Extends the bounds to the finite entries of rows; returns whether all entries are finite.
     fn widen(&mut self, block: &[T], n: usize, par: Par) -> Result<bool> {
-        /// Entries that one thread looks at at a time.
+        /// Entries that one thread reads at a time.
         const PIECE: usize = 1 << 18;
         let rows = (PIECE / n).max(1);
         let none = Self::none(n)?;
@@ -201,7 +202,7 @@ impl<T: Real> RowBounds<T> {
         Ok(finite)
     }
 
-    /// Takes in the finite entries of rows, on one thread; whether all of them are.
+    /// Extends the bounds on one thread; returns whether all entries are finite.
     #[inline(always)]
     fn include(&mut self, block: &[T]) -> bool {
         let infinity = T::from_f64(f64::INFINITY);
@@ -223,7 +224,7 @@ impl<T: Real> RowBounds<T> {
         all
     }
 
-    /// The smallest bounds that contain both.
+    /// Extends the bounds to the smallest that contain both.
     fn hull(&mut self, other: &Self) {
         let Self { lower, upper, units, .. } = other;
         for j in 0..self.lower.len() {
@@ -279,13 +280,13 @@ impl<T: Real> RowBounds<T> {
         self.weight
     }
 
-    /// What all entries of a column are multiples of (see the field).
+    /// Returns what all entries of each column are multiples of (see the field).
     #[cfg(feature = "mpi")]
     pub(crate) fn units(&self) -> &[f64] {
         &self.units
     }
 
-    /// From parts that other ranks have sent.
+    /// Creates bounds from parts that other ranks have sent.
     #[cfg(feature = "mpi")]
     pub(crate) fn from_parts(
         [lower, upper]: [Vec<T>; 2],
@@ -297,23 +298,23 @@ impl<T: Real> RowBounds<T> {
     }
 }
 
-/// The error for the first entry that is not finite, of rows of `n` columns from `first` on.
+/// Returns the error for the first non-finite entry of rows of `n` columns from `first` on.
 pub(super) fn first_non_finite<T: Real>(block: &[T], n: usize, first: usize) -> Error {
     let at = block.iter().position(|x| !x.is_finite()).unwrap_or(0);
     Error::NonFinite { what: "rows", index: (first + at / n, at % n) }
 }
 
-/// The value of the last one bit of a finite number, or half of it for a power of two; 0 for 0.
+/// Returns the value of the last one bit of a finite number, half of it for a power of two, 0 for
+/// 0.
 #[inline(always)]
 fn lowest_bit(x: f64) -> f64 {
     let bits = x.to_bits();
     (x - f64::from_bits(bits & bits.wrapping_sub(1))).abs()
 }
 
-/// What every entry is shifted by and rounded to. A row x with weight w becomes the integers
-/// `rint((x_j - s_j) 2^p_j)` on the left and `rint(w (x_j - s_j) 2^(p_j - e))` on the right side,
-/// where e is that of the weights; so entry (i, j) of the product counts units of
-/// `2^-(p_i + p_j - e)`.
+/// The shift and the unit of every entry. A row x with weight w becomes the integers `rint((x_j -
+/// s_j) 2^p_j)` on the left and `rint(w (x_j - s_j) 2^(p_j - e))` on the right side, where e is
+/// that of the weights; so entry (i, j) of the product counts units of `2^-(p_i + p_j - e)`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid<T> {
     /// Bounds of the entries.
@@ -381,7 +382,7 @@ impl<T: Real> Grid<T> {
             grid.weight_power = bits - 1 - grid.weight_exponent;
         }
         for j in 0..n {
-            // No finite entries: none is expected. One zero, whatever its sign.
+            // Columns without finite entries keep their bounds of zero. -0 becomes 0.
             if bounds.lower[j] <= bounds.upper[j] {
                 grid.lower[j] = bounds.lower[j] + T::ZERO;
                 grid.upper[j] = bounds.upper[j] + T::ZERO;
@@ -404,11 +405,11 @@ impl<T: Real> Grid<T> {
             }
             if !radius.is_finite() || exponent + grid.weight_exponent > most_exponent::<T>() {
                 let why =
-                    format!("column {j}: its range, times the weights, is beyond {}", T::NAME);
+                    format!("column {j}: its range times the weights exceeds that of {}", T::NAME);
                 return Err(Error::Argument { what: "bounds", why });
             }
             grid.powers[j] = bits - exponent;
-            // Nothing is rounded on a coarser grid that all entries are on.
+            // If all entries are multiples of a larger unit, that unit rounds nothing.
             let unit = bounds.units[j];
             if extended && grid.weight.is_none() && unit > 0.0 && unit.is_finite() {
                 grid.powers[j] = grid.powers[j].min(1 - self::exponent(unit));
@@ -446,7 +447,7 @@ impl<T: Real> Grid<T> {
         self.shift.get(j).copied().unwrap_or(T::ZERO)
     }
 
-    /// The largest absolute value of a shifted entry of column j.
+    /// Returns the largest absolute value of a shifted entry of column j.
     fn radius(&self, j: usize) -> f64 {
         let shift = self.shift_of(j);
         let ends = [self.lower[j] - shift, self.upper[j] - shift];
@@ -572,19 +573,19 @@ impl<T: Real> Grid<T> {
     }
 }
 
-/// What sums on a grid have room for.
+/// The capacity of sums on a grid.
 pub(super) struct Capacity {
     /// Moduli of a product.
     pub moduli: usize,
-    /// Rows whose product can be told from its residues.
+    /// Rows whose product is determined by its residues.
     pub slab: usize,
     /// Rows whose sums fit.
     pub rows: u64,
-    /// The column that decides.
+    /// The column that limits the rows.
     pub column: usize,
 }
 
-/// The least e with `x <= 2^e`, for x >= 0; that of the least number for 0.
+/// Returns the least e with `x <= 2^e`, for x >= 0; that of the least number for 0.
 fn exponent(x: f64) -> i32 {
     const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
     let bits = x.to_bits();
@@ -594,7 +595,7 @@ fn exponent(x: f64) -> i32 {
     }
 }
 
-/// A multiple of a power of two near the radius of an interval that is near its middle.
+/// Returns a multiple of a power of two near the radius of an interval that is near its middle.
 fn middle<T: Real>(lower: T, upper: T) -> T {
     let (lower, upper) = (lower.to_f64(), upper.to_f64());
     let size = exponent(lower.abs().max(upper.abs()));
@@ -607,7 +608,7 @@ fn middle<T: Real>(lower: T, upper: T) -> T {
     T::from_f64(scaled(scaled(middle, -unit).round_ties_even(), unit))
 }
 
-/// Numbers are below 2 to this.
+/// Returns the exponent e of the upper limit 2^e of all numbers.
 const fn most_exponent<T>() -> i32 {
     if size_of::<T>() == 8 { 1024 } else { 128 }
 }

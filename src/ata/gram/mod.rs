@@ -1,5 +1,5 @@
-//! A^T A of rows that come in blocks, from memory, files, sparse matrices or other ranks: one
-//! accumulator for all. What is there so far can be kept, gone on with, and merged. See
+//! A^T A of rows that come in blocks, from memory, files, sparse matrices or other ranks. One
+//! accumulator serves all sources; its sums can be saved, continued and merged. See
 //! docs/algorithms/ata.md, "Streaming".
 
 mod accumulator;

@@ -1,4 +1,4 @@
-//! What a pass keeps of the rows beside their product: weights, and sums for the mean.
+//! The sums of a pass over rows beside their product: weights, and sums for the mean.
 
 use faer::MatMut;
 
@@ -31,9 +31,9 @@ pub(crate) struct Moments<T> {
 struct Piece<'p, T> {
     rows: &'p mut [T],
     weights: Option<&'p [T]>,
-    /// Where the rows go times their weights; empty without weights.
+    /// Destination of the rows times their weights; empty without weights.
     weighted: &'p mut [T],
-    /// Their weighted sum; empty when nobody asks for it.
+    /// The weighted sum of the rows; empty when it is not needed.
     sum: Vec<f64>,
 }
 
@@ -50,9 +50,8 @@ impl<T: Real> Moments<T> {
         Ok(Self { shift: shift.to_vec(), ..Self::new(shift.len(), false)? })
     }
 
-    /// Takes in `count` rows of `n` columns: subtracts the shift from them, adds them to the sums,
-    /// and puts them times their weights into `weighted`, of the same length when there are
-    /// weights.
+    /// Adds `count` rows of `n` columns: subtracts the shift from them, adds them to the sums, and
+    /// writes them times their weights into `weighted`, of the same length when there are weights.
     pub fn take(
         &mut self,
         count: usize,
@@ -92,7 +91,7 @@ impl<T: Real> Moments<T> {
             })
             .collect();
         par.for_each(pieces.iter_mut(), |_, piece| adjust(piece, n, &self.shift));
-        // In order, whoever did them.
+        // In the order of the pieces, not of the threads that computed them.
         for piece in pieces {
             for (sum, part) in self.sum.iter_mut().zip(piece.sum) {
                 *sum += part;
@@ -136,8 +135,8 @@ impl<T: Real> Moments<T> {
     }
 }
 
-/// [`Error::Argument`] when `m` weights with this sum, and this sum of absolute values, have no
-/// mean.
+/// Returns [`Error::Argument`] when `m` weights with this sum, and this sum of absolute values,
+/// have no mean.
 pub(crate) fn check_weight(m: f64, sum: f64, size: f64) -> Result<()> {
     if sum.abs() <= m * f64::EPSILON * size {
         return Err(Error::Argument { what: "weights", why: "they sum to zero: no mean".into() });
@@ -145,7 +144,7 @@ pub(crate) fn check_weight(m: f64, sum: f64, size: f64) -> Result<()> {
     Ok(())
 }
 
-/// The mean row of a block by the sizes of the weights; the plain one if all weigh nothing.
+/// Returns the mean row of a block by the sizes of the weights, or the plain one if all are zero.
 fn mean<T: Real>(block: &[T], n: usize, weights: Option<&[T]>) -> Vec<T> {
     let size = |i: usize| weights.map_or(1.0, |w| w[i].to_f64().abs());
     let count = block.len() / n;
@@ -163,7 +162,7 @@ fn mean<T: Real>(block: &[T], n: usize, weights: Option<&[T]>) -> Vec<T> {
     sum.into_iter().map(|sum| T::from_f64(sum / total)).collect()
 }
 
-/// Does to the rows of a piece what [`Moments::take`] says.
+/// Adjusts the rows of a piece as [`Moments::take`] describes.
 fn adjust<T: Real>(piece: &mut Piece<'_, T>, n: usize, shift: &[T]) {
     let Piece { rows, weights, weighted, sum } = piece;
     widest(

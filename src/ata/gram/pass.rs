@@ -16,7 +16,7 @@ use crate::kernel::int8::{Integer, Isa, Kernel};
 use super::blocks::for_each_block;
 use super::source::RowBlocks;
 
-/// The share of a pass for bounds among two passes, as progress counts.
+/// The share of the pass for bounds in the progress of two passes.
 pub(super) const FIRST_PASS: f64 = 0.1;
 
 /// Calls `work(count, block, weights, pass)` for each block of `height` rows from row `start` on.
@@ -38,23 +38,23 @@ pub(super) fn for_each_block_of<'o, T: BlasReal>(
     })
 }
 
-/// The share that `count` rows from `first` on, of `m`, have of the whole.
+/// Returns the share that `count` rows from `first` on, of `m`, have of the whole.
 fn share_of_rows(first: usize, count: usize, m: usize) -> Range<f64> {
     let part = |rows: usize| rows as f64 / m.max(1) as f64;
     part(first)..part(first + count)
 }
 
-/// What a pass over rows has beside its sums.
+/// What a pass over rows needs beside its sums.
 pub(crate) struct Pass<'o> {
     pub options: AtaOptions<'o>,
-    /// The part of `options.progress` that the block at hand is.
+    /// The part of `options.progress` for the current block.
     pub progress: Progress<'o>,
-    /// Rows times weights.
+    /// Memory for rows times weights.
     pub weighted: Scratch,
     pub engine: Engine,
 }
 
-/// How columns become integers, and what these are multiplied modulo.
+/// How columns become integers, and the number of moduli.
 pub(crate) struct Scaling {
     /// Column j of the left side is multiplied by `2^powers[0][j]`, of the right side by
     /// `2^powers[1][j]`.
@@ -65,11 +65,11 @@ pub(crate) struct Scaling {
     pub moduli: usize,
 }
 
-/// What multiplies.
+/// The kernels and plans of the products.
 pub(crate) struct Engine {
-    /// Of the exact path.
+    /// The kernel of the exact path.
     pub kernel: &'static dyn Kernel,
-    /// With what they are for: a pass has two heights of blocks at most.
+    /// Plans and what they are for: a pass has two heights of blocks at most.
     plans: Vec<((Op, [usize; 3]), Plan)>,
     scratch: Scratch,
 }
@@ -176,7 +176,7 @@ impl Engine {
     }
 }
 
-/// Some columns of a matrix.
+/// Returns some columns of a matrix.
 pub(super) fn part<'a, T>(x: MatRef<'a, T>, columns: &Range<usize>) -> MatRef<'a, T> {
     x.subcols(columns.start, columns.len())
 }

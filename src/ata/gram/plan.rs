@@ -10,9 +10,9 @@ use crate::ata::scratch_len;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
-/// How an m x n matrix A will be streamed, as data: blocks, reads, memory. Beside the shape it
-/// depends on the memory allowed: C is computed in strips of rows, and each strip reads A once. The
-/// cut into blocks does not.
+/// A plan of the stream of an m x n matrix A, as data: blocks, reads, memory. It depends on the
+/// shape and on the allowed memory: C is computed in strips of rows, and each strip reads A once.
+/// The cut into blocks does not depend on the memory.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata::StreamPlan};
@@ -34,7 +34,7 @@ pub struct StreamPlan {
     bytes: usize,
     /// Whether sums are exact, after a pass for the bounds.
     exact: bool,
-    /// Of the product of a block, when one strip is all of C.
+    /// The plan of the product of a block, when one strip is all of C.
     product: Option<Plan>,
 }
 
@@ -123,7 +123,7 @@ impl StreamPlan {
         let mut largest = 0;
         while strips.last().is_none_or(|s| s.end < n) {
             let start = strips.last().map_or(0, |s| s.end);
-            // The longest that fits: scratch and C grow with its length.
+            // The longest strip that fits: scratch and C grow with its length.
             let (mut fits, mut over) = (start, n + 1);
             while over - fits > 1 {
                 let middle = fits.midpoint(over);
@@ -133,7 +133,7 @@ impl StreamPlan {
             if fits == start {
                 let least = needs.bytes::<T>(&(start..start + 1))?;
                 let why = format!(
-                    "{memory} bytes, where blocks of {height} rows and a row of C need {least}"
+                    "{memory} bytes, but blocks of {height} rows and a row of C need {least}"
                 );
                 return Err(Error::Argument { what: "memory", why });
             }
@@ -169,7 +169,7 @@ impl StreamPlan {
     }
 }
 
-/// Lines for people.
+/// Writes the plan as lines of text.
 impl fmt::Display for StreamPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (blocks, reads) = (self.rows.div_ceil(self.block_rows), self.reads());

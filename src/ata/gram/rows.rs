@@ -57,7 +57,7 @@ builder! { RowOptions<'a, T> {
 }}
 
 impl<T: Real> RowOptions<'_, T> {
-    /// Whether they suit m x n rows.
+    /// Checks that the options fit m x n rows.
     fn check(&self, m: usize, n: usize) -> Result<()> {
         check_weights(m, self.weights)?;
         match self.center {
@@ -77,7 +77,7 @@ impl<T: Real> RowOptions<'_, T> {
     }
 }
 
-/// Sum of `m` weights, and of their absolute values.
+/// Returns the sum of `m` weights, and of their absolute values.
 fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
     let weights = match weights {
         Some(weights) => weights,
@@ -90,16 +90,16 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 /// Computes `C := alpha X^T W X + beta C`, where X are the rows less their centre and W the
 /// weights.
 ///
-/// Rows are read once, block by block, the next block by a thread of its own (unless `options.par`
-/// is [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first
-/// block, for stability. The extra memory is two blocks of rows, one more with weights, and the
-/// scratch of [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for bit, for
-/// every `options.par`. [`stream`](super::stream()) can keep, resume and merge sums.
+/// Rows are read once, block by block, the next block by another thread (unless `options.par` is
+/// [`Par::Seq`](crate::Par::Seq)). For a product about the mean, the mean of the first block is
+/// subtracted first, for stability. The extra memory is two blocks of rows, one more with weights,
+/// and the scratch of [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for
+/// bit, for every `options.par`. [`stream`](super::stream()) can keep, resume and merge sums.
 ///
-/// On the exact path, when the options ask for it, rows are read twice, once for their bounds, and
-/// 16 bytes for each entry of a triangle of C are needed. The result then does not depend on the
-/// order of the rows either, as that of [`Accumulator::exact`](super::Accumulator::exact); in its
-/// last bits it differs from [`ata`](crate::ata()), which knows the norms of the columns.
+/// On the exact path, if the options request it, rows are read twice, once for their bounds, and 16
+/// bytes for each entry of a triangle of C are needed. The result then does not depend on the order
+/// of the rows either, as that of [`Accumulator::exact`](super::Accumulator::exact). It is rounded
+/// differently from that of [`ata`](crate::ata()), which knows the norms of the columns.
 ///
 /// ```
 /// use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows};
@@ -136,7 +136,7 @@ pub fn ata_rows<T: BlasReal>(
     row_options.check(m, n)?;
     let weights = row_options.weights;
     if m == 0 {
-        // C still gets its beta.
+        // C is still scaled by beta.
         let none = MatRef::from_row_major_slice(&[], 0, n);
         return ata(alpha, none, beta, c, options);
     }
@@ -161,7 +161,7 @@ pub fn ata_rows<T: BlasReal>(
     in_lower(c, options.uplo, |lower| moments.correct(alpha.to_f64(), 0, lower))
 }
 
-/// [`ata_rows`] in integers.
+/// Computes [`ata_rows`] in integers.
 fn exact_rows<T: BlasReal>(
     alpha: T,
     rows: &mut (dyn RowBlocks<T> + Send),
@@ -231,11 +231,11 @@ pub fn ata_extended<T: BlasReal>(
         Center::No => false,
         Center::Mean => true,
         Center::Given(_) => {
-            let why = "extended sums are about zero or about the mean";
+            let why = "must be none or the mean for extended sums";
             return Err(Error::Argument { what: "center", why: why.into() });
         }
     };
-    // The residues of a block are put together once: few rows do not pay for that where C is large.
+    // The residues of a block are recombined once: few rows do not pay for that where C is large.
     // No block is larger than the sums.
     let height = block_rows::<T>(rows.ncols(), weights.is_some()).max(rows.ncols());
     let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| options.progress.part(part));
@@ -278,7 +278,7 @@ impl<'r, T: BlasReal> AdjustedRows<'r, T> {
     }
 }
 
-/// The (weighted) mean row. Sums are in f64, block by block.
+/// Returns the (weighted) mean row. Sums are in f64, block by block.
 fn mean<T: BlasReal>(rows: &mut dyn RowBlocks<T>, weights: Option<&[T]>) -> Result<Vec<T>> {
     let (m, n) = (rows.nrows(), rows.ncols());
     if m == 0 {

@@ -1,4 +1,4 @@
-//! Where rows come from.
+//! Sources of rows.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
@@ -41,21 +41,21 @@ use crate::base::{Real, Result};
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub trait RowBlocks<T> {
-    /// Number of rows.
+    /// Returns the number of rows.
     fn nrows(&self) -> usize;
 
-    /// Number of columns.
+    /// Returns the number of columns.
     fn ncols(&self) -> usize;
 
     /// Fills `out` with the rows from `first` on; every entry of `out` is written. Rows may be
-    /// asked for more than once, always in blocks of consecutive rows inside the matrix.
+    /// requested more than once, always in blocks of consecutive rows inside the matrix.
     ///
     /// # Errors
     /// Whatever keeps the rows from being read.
     fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()>;
 }
 
-/// The rows of a matrix in memory, converted to the scalar asked for (f32 to f64 is exact).
+/// The rows of a matrix in memory, converted to the requested scalar (f32 to f64 is exact).
 ///
 /// ```
 /// use catamaran::ata::{DenseRows, RowBlocks};

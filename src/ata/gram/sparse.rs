@@ -109,7 +109,7 @@ pub fn sparse_multiplications<S: Real>(a: CsMatView<'_, S>) -> usize {
     a.outer_iterator().map(|row| row.nnz() * (row.nnz() + 1) / 2).sum()
 }
 
-/// [`ata_sparse`] into the lower triangle.
+/// Computes [`ata_sparse`] in the lower triangle.
 fn lower_triangle<S: Real, T: BlasReal>(
     alpha: T,
     a: CsMatView<'_, S>,
@@ -165,7 +165,7 @@ struct Blocks<'a, S> {
     a: CsMatView<'a, S>,
     /// Lines of a block.
     height: usize,
-    /// A line is the part of a column of C from the diagonal on, or else of a row up to it.
+    /// Whether a line is the part of a column of C from the diagonal on, not of a row up to it.
     by_columns: bool,
     /// Where the entries of a block begin in `entries`, and the end of the last block.
     starts: Vec<usize>,
@@ -226,7 +226,7 @@ impl<'a, S: Real> Blocks<'a, S> {
         block * self.height..self.a.cols().min((block + 1) * self.height)
     }
 
-    /// The entries of a row of A (at these places) that a line takes of it, the row having its
+    /// Returns the entries of a row of A, at these places, that belong to a line. The row has its
     /// entry of the line's column at `place`: columns ascend within a row.
     fn part(&self, places: &Range<usize>, place: usize) -> Range<usize> {
         if self.by_columns { place..places.end } else { places.start..place + 1 }
@@ -264,8 +264,8 @@ mod tests {
     use super::*;
     use crate::base::{Par, Pin, Rng};
 
-    /// A random matrix; the triplets of some entries come in two parts, and some rows and columns
-    /// are empty.
+    /// Returns a random matrix; the triplets of some entries come in two parts, and some rows and
+    /// columns are empty.
     fn random(m: usize, n: usize, share: f64, seed: u64) -> CsMat<f64> {
         let mut rng = Rng::new(seed);
         let mut entries = TriMat::new((m, n));
@@ -283,7 +283,7 @@ mod tests {
         entries.to_csr()
     }
 
-    /// The same in dense f64, the sums in another order.
+    /// Returns the same product in dense f64, the sums in another order.
     fn oracle(a: &CsMat<f64>, weights: Option<&[f64]>) -> Mat<f64> {
         let n = a.cols();
         let dense = a.to_dense();

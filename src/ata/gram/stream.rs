@@ -1,4 +1,4 @@
-//! The rows of a source into an accumulator.
+//! Adds the rows of a source to an accumulator.
 
 #[cfg(feature = "mpi")]
 use std::ops::Range;
@@ -17,22 +17,22 @@ use crate::ata::options::AtaOptions;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
-/// Called after each block; an error ends the pass.
+/// A function that is called after each block; an error ends the pass.
 pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
 
 /// Adds the m rows of a source, with m `weights` if there are any, to `accumulator`, in blocks of
 /// `block_rows` ([`block_rows()`](super::block_rows()) gives a good number). A thread reads the
 /// next block meanwhile, unless `options.par` is [`Par::Seq`](crate::Par::Seq).
 ///
-/// An accumulator of the first k blocks of this source, such as `after_block` may have kept, goes
-/// on with the next one, and ends as the same bytes as if it had never stopped; any other must be
-/// empty. The result is the same, bit for bit, for every `options.par`. `options.progress` is told
-/// the fraction of all rows.
+/// An accumulator of the first k blocks of this source, for instance one that `after_block` has
+/// kept, continues with the next block, and ends with the same bytes as without a stop; any other
+/// must be empty. The result is the same, bit for bit, for every `options.par`. `options.progress`
+/// receives the fraction of all rows.
 ///
-/// When the options ask for the exact path by name ([`AtaOptions::asks_for_exact`]), an empty
-/// accumulator becomes an exact one, of the bounds that a first pass over the rows finds: C is then
-/// the same bytes for any blocks. An accumulator that is exact already ([`Accumulator::exact`])
-/// stays so, whatever the options say, and needs no such pass.
+/// When the options request the exact path by name ([`AtaOptions::asks_for_exact`]), an empty
+/// accumulator becomes an exact one, with the bounds that a first pass over the rows finds: C is
+/// then the same bytes for any blocks. An accumulator that is exact already
+/// ([`Accumulator::exact`]) stays exact, whatever the options are, and needs no such pass.
 ///
 /// Memory beside the accumulator: two blocks, one more with weights, and the scratch of
 /// [`ata`](crate::ata()) for one.
@@ -101,7 +101,7 @@ pub fn stream<T: BlasReal>(
     })
 }
 
-/// The exact sums of some rows of C, of all rows of a source.
+/// Computes the exact sums of some rows of C, over all rows of a source.
 #[cfg(feature = "mpi")]
 pub(crate) fn exact_sums<T: BlasReal>(
     rows: &mut (dyn RowBlocks<T> + Send),

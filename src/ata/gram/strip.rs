@@ -41,13 +41,13 @@ impl<T: Real> Strip<T> {
         MatMut::from_row_major_slice_mut(&mut self.values.as_mut_slice()[..count * end], count, end)
     }
 
-    /// Row `i` of the strip as far as C's lower triangle goes.
+    /// Returns row `i` of the strip up to the diagonal of C.
     pub(super) fn lower_row(&self, i: usize) -> &[T] {
         let (first, end) = (self.rows.start + i, self.rows.end);
         &self.values.as_slice()[i * end..][..=first]
     }
 
-    /// As [`Strip::lower_row`].
+    /// Returns what [`Strip::lower_row`] returns, mutable.
     pub(super) fn lower_row_mut(&mut self, i: usize) -> &mut [T] {
         let (first, end) = (self.rows.start + i, self.rows.end);
         &mut self.values.as_mut_slice()[i * end..][..=first]

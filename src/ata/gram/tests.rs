@@ -1,5 +1,5 @@
-//! Exact sums: the same bytes for any blocks, order, threads, instruction set, merge and removal,
-//! and those of integers of any size.
+//! Checks that exact sums have the same bytes for any blocks, order, threads, instruction set,
+//! merge and removal, and those of integers of any size.
 
 use faer::Mat;
 
@@ -20,7 +20,7 @@ struct Rows<T> {
 }
 
 impl<T: BlasReal> Rows<T> {
-    /// Entries around `100 j` with columns of very different size; the sixth is constant.
+    /// Creates entries around `100 j` with columns of very different size; the sixth is constant.
     fn random(m: usize, n: usize, weighted: bool, seed: u64) -> Self {
         let mut rng = Rng::new(seed);
         let x = Mat::from_fn(m, n, |_, j| match j {
@@ -66,7 +66,7 @@ impl<T: BlasReal> Rows<T> {
         }
     }
 
-    /// The sums of all rows at once.
+    /// Returns the sums of all rows at once.
     fn whole(&self, bounds: &RowBounds<T>, centered: bool) -> Accumulator<T> {
         let mut sum = Accumulator::exact(bounds, centered).unwrap();
         let all: Vec<usize> = (0..self.x.nrows()).collect();
@@ -139,7 +139,7 @@ fn added_and_removed<T: BlasReal>() {
             rows.add(&mut sum, block, true, 2, &PORTABLE).unwrap();
         }
         assert!(bytes(&sum) == bytes(&expected));
-        // More than there are.
+        // More rows than there are.
         let error = rows.add(&mut sum, &vec![0; m], true, 1, &PORTABLE).unwrap_err();
         assert!(matches!(error, Error::Argument { what: "block", .. }), "{error}");
         assert!(bytes(&sum) == bytes(&expected));
@@ -196,7 +196,7 @@ fn merged<T: BlasReal>(common: bool) {
             }
             assert!(*first.get_or_insert(found.clone()) == found, "{weighted} {centered}");
         }
-        // On grids of their own parts are rounded otherwise, but no worse.
+        // On their own grids the parts are rounded differently, but not worse.
         let found = first.unwrap();
         for i in 0..n {
             for j in 0..=i {
@@ -235,7 +235,7 @@ fn grids_too_far_apart_are_not_merged_and_the_column_is_named() {
     assert!(error.contains("column 1"), "{error}");
 }
 
-/// Entries that are integers in units of 2^-20, as those integers.
+/// Returns entries that are integers in units of 2^-20, as those integers.
 fn dyadic(m: usize, n: usize, mean: i128, seed: u64) -> Vec<Vec<i128>> {
     let mut rng = Rng::new(seed);
     let mut deviation = || ((rng.uniform() - 0.5) * 2f64.powi(21)) as i128;
@@ -254,7 +254,7 @@ fn a_mean_that_is_1e8_deviations_away_costs_nothing() {
             let sum = |f: &dyn Fn(&[i128]) -> i128| integers.iter().map(|row| f(row)).sum::<i128>();
             let products = sum(&|row| row[i] * row[j]);
             let numerator = m as i128 * products - sum(&|row| row[i]) * sum(&|row| row[j]);
-            // Two roundings here, one there.
+            // Two roundings in the expected value, one in the result.
             let expected = numerator as f64 / m as f64 * 2f64.powi(-40);
             let error = (c.as_ref()[(i, j)] - expected).abs();
             assert!(error <= 2.0 * f64::EPSILON * expected.abs(), "({i}, {j}): {error:e}");
@@ -301,7 +301,7 @@ fn sums_without_centring_are_rounded_once() {
     }
 }
 
-/// The promise for columns whose largest entry is far above the others.
+/// Checks the promised error for columns whose largest entry is far above the others.
 fn spikes<T: BlasReal>() {
     let (m, n) = (500, 8);
     let mut rng = Rng::new(7);

@@ -2,13 +2,13 @@
 
 use crate::kernel::int8::{I256, Integer, scaled};
 
-/// An integer that exact sums are kept in.
+/// An integer type of exact sums.
 pub(crate) trait SumInteger: Integer {
-    /// Whether it is that of extended precision.
+    /// Whether the type is that of extended precision.
     const EXTENDED: bool;
 
-    /// `(self - a b 2^shift / w) 2^exponent`, rounded once; `None` when a number on the way has
-    /// more than 256 bits. `w` is not zero.
+    /// Returns `(self - a b 2^shift / w) 2^exponent`, rounded once; `None` when an intermediate
+    /// number has more than 256 bits. `w` is not zero.
     fn centered(self, sums: [i128; 2], shift: u32, w: i128, exponent: i32) -> Option<f64>;
 }
 
@@ -28,8 +28,8 @@ impl SumInteger for I256 {
     }
 }
 
-/// `(c - a b 2^shift / w) 2^exponent` as a sum of three f64; `None` when an integer on the way has
-/// more than 255 bits. `w` is not zero.
+/// Returns `(c - a b 2^shift / w) 2^exponent` as a sum of three f64; `None` when an intermediate
+/// integer has more than 255 bits. `w` is not zero.
 pub(super) fn centered_parts(
     c: I256,
     [a, b]: [i128; 2],
@@ -40,7 +40,7 @@ pub(super) fn centered_parts(
     /// Bits below the unit of c that are enough for three f64.
     const MORE: u32 = 160;
     let (n, d) = (Wide::product(a.unsigned_abs(), b.unsigned_abs()), w.unsigned_abs());
-    // The quotient and c are taken to as many more bits as there is room for.
+    // The quotient and c get as many additional bits as there is room for.
     let bits = (256 - n.leading_zeros() + shift + d.leading_zeros() + 1).saturating_sub(u128::BITS);
     let room = c.magnitude().leading_zeros().min(256_u32.checked_sub(bits)?);
     let more = room.checked_sub(2)?.min(MORE);
@@ -52,14 +52,14 @@ pub(super) fn centered_parts(
     Some(value.parts(exponent - more as i32))
 }
 
-/// `a / w 2^exponent` as a sum of two f64; `w` is not zero.
+/// Returns `a / w 2^exponent` as a sum of two f64; `w` is not zero.
 pub(super) fn mean_parts(a: i128, w: i128, exponent: i32) -> [f64; 2] {
     let [high, low, _] = centered_parts(I256::default(), [a, 1], 0, w, exponent)
         .expect("a quotient is no longer than its dividend");
     [-high, -low]
 }
 
-/// The largest integer up to `n 2^shift / d`, which has at most 256 bits. `d` is not zero.
+/// Returns the largest integer up to `n 2^shift / d`, which has at most 256 bits; d is not zero.
 fn divided(n: Wide, shift: u32, d: u128) -> Wide {
     const WORD: u32 = u64::BITS;
     let zeros = d.leading_zeros();
@@ -83,11 +83,11 @@ fn divided(n: Wide, shift: u32, d: u128) -> Wide {
     quotient
 }
 
-/// Quotient and remainder of `(rest 2^64 + word) / d`, for `rest` below d, whose first bit is set:
-/// a digit of a long division by two digits (Knuth 1997, volume 2, 4.3.1, algorithm D).
+/// Returns quotient and remainder of `(rest 2^64 + word) / d`, for `rest` below d, whose first bit
+/// is set: a digit of a long division by two digits (Knuth 1997, volume 2, 4.3.1, algorithm D).
 fn divided_digit(rest: u128, word: u64, d: u128) -> (u64, u128) {
     let [upper, lower] = [d >> 64, d & u128::from(u64::MAX)];
-    // Too large by 2 at most.
+    // The digit is too large by 2 at most.
     let mut digit = (rest / upper).min(u128::from(u64::MAX));
     let mut head = rest - digit * upper;
     while head >> 64 == 0 && digit * lower > (head << 64 | u128::from(word)) {
@@ -124,7 +124,7 @@ impl Wide {
         }
     }
 
-    /// For `shift` below 256.
+    /// Returns the integer shifted left, for `shift` below 256.
     fn shifted(self, shift: u32) -> Self {
         match shift {
             0 => self,
@@ -142,15 +142,15 @@ impl Wide {
         Some(Self { high, low })
     }
 
-    /// `self - other`, for one that is no larger.
+    /// Returns `self - other`, for an `other` that is no larger.
     fn minus(self, other: Self) -> Self {
         let (low, borrow) = self.low.overflowing_sub(other.low);
         Self { high: self.high - other.high - u128::from(borrow), low }
     }
 }
 
-/// `(c - a b 2^shift / w) 2^exponent`, rounded once to an f64, and a second time where it is
-/// subnormal; `None` when a number on the way has more than 256 bits. `w` is not zero.
+/// Returns `(c - a b 2^shift / w) 2^exponent`, rounded once to an f64, and a second time where it
+/// is subnormal; `None` when an intermediate number has more than 256 bits. `w` is not zero.
 pub(super) fn centered(
     c: i128,
     [a, b]: [i128; 2],
@@ -177,7 +177,7 @@ pub(super) fn centered(
     Some(if negative != (w < 0) { -value } else { value })
 }
 
-/// `n / d 2^exponent`, d not zero.
+/// Returns `n / d 2^exponent`, d not zero.
 fn quotient(n: Wide, d: u128, exponent: i32) -> f64 {
     if n == (Wide { high: 0, low: 0 }) {
         return 0.0;
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(centered(0, [1, -1], 120, 3, -120), Some(1.0 / 3.0));
         assert_eq!(centered(1, [1, 2], 120, -3, -120), Some(2.0 / 3.0));
         assert_eq!(centered(i128::MAX, [i128::MAX, i128::MAX], 3, 1, 0), None);
-        // A tie is broken by what is far below it: 2^53 + 1 + 2^-60.
+        // A tie is decided by a bit far below it: 2^53 + 1 + 2^-60.
         let c = (1_i128 << 113) + (1 << 60) + 1;
         assert_eq!(centered(c, [0, 0], 0, 1, -60), Some(2f64.powi(53) + 2.0));
         assert_eq!(centered(c - 1, [0, 0], 0, 1, -60), Some(2f64.powi(53)));
@@ -290,7 +290,7 @@ mod tests {
         use num_bigint::BigUint;
 
         let mut rng = Rng::new(3);
-        // Long runs of equal bits are what estimates of digits are wrong for.
+        // Estimates of digits fail for long runs of equal bits.
         let mut random = || {
             let x = (0..6).fold(0_u128, |x, _| {
                 let count = rng.bits() % 40;

@@ -1,4 +1,4 @@
-//! Which strategy a product gets: the cheapest one within the accuracy asked for.
+//! Chooses the strategy of a product: the cheapest one within the requested accuracy.
 
 use super::cost::{FusedCost, RecursionCost};
 use super::fused::{self, FusedProduct};
@@ -18,7 +18,7 @@ use crate::kernel::int8;
 pub(super) struct Choice {
     pub strategy: Strategy,
     pub seconds: f64,
-    /// Of products in floating point without fast levels.
+    /// Expected seconds of products in floating point without fast levels.
     pub classical_seconds: f64,
 }
 
@@ -31,25 +31,25 @@ const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
 /// Growth of the error that [`Accuracy::Default`] allows.
 const DEFAULT_GROWTH: f64 = 4.0;
 
-/// Where the faithful mode ends: below this side one more level cost more time than it saved, with
-/// OpenBLAS and with our own kernels as leaves (decision 0033).
+/// Base case of the faithful mode: below this side one more level cost more time than it saved,
+/// with OpenBLAS and with our own kernels as leaves (decision 0033).
 const FAITHFUL_BASE: Base = Base { general: 1536, symmetric: 1536 };
 
-/// Smallest side of a block when a scheme is asked for by name.
+/// Smallest side of a block for a scheme that is requested by name.
 const NAMED_SIDE: usize = 256;
 
-/// Fast levels that our own kernels fuse: more would read every block too often.
+/// Most fast levels that our own kernels fuse: more would read every block too often.
 const MOST_FUSED: usize = 2;
 
 /// Share of the classical time that a fast plan must stay below: within the error of the models the
-/// simpler way is the better one. Fused levels are not quite as cheap as the model of their traffic
-/// says.
+/// simpler plan is better. Fused levels are not quite as cheap as the model of their traffic
+/// predicts.
 const GAIN_OF_FUSED: f64 = 0.96;
 const GAIN_OF_TASKS: f64 = 0.98;
 const GAIN_OF_EXACT: f64 = 0.98;
 
-/// The strategy for `problem`. Small products are chosen inline: they take no longer than the
-/// choice.
+/// Returns the strategy for `problem`. Small products are chosen inline: they take no longer than
+/// the choice.
 #[inline]
 pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     match native_for(options) {
@@ -60,7 +60,7 @@ pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) ->
     }
 }
 
-/// The strategy for a `problem` that is worth an estimate.
+/// Returns the strategy for a `problem` that is worth an estimate.
 #[inline(never)]
 fn cheapest_strategy<T: BlasReal>(
     native: Option<&Native>,
@@ -83,7 +83,7 @@ fn cheapest_strategy<T: BlasReal>(
     if exact.seconds < GAIN_OF_EXACT * float.seconds { exact } else { float }
 }
 
-/// Our own kernels, when they are the back end and the scheme is one that they fuse.
+/// Returns our own kernels, when they are the back end and fuse the scheme.
 fn native_for<'o>(options: &'o AtaOptions<'_>) -> Option<&'o Native> {
     options.backend.native().filter(|_| match options.scheme {
         SchemeChoice::Auto | SchemeChoice::Float => true,
@@ -91,25 +91,25 @@ fn native_for<'o>(options: &'o AtaOptions<'_>) -> Option<&'o Native> {
             allowed_levels(options.accuracy, ERROR_GROWTH_PER_FUSED_LEVEL) <= MOST_FUSED
         }
         SchemeChoice::Classical | SchemeChoice::Exact => true,
-        // Their tables are for an engine that keeps sums, or mirror products.
+        // The tables of these need an engine that keeps sums, or mirror products.
         SchemeChoice::Ata2 | SchemeChoice::Rxtx | SchemeChoice::Kgp3 => false,
     })
 }
 
-/// Whether the product is over before it could be planned, and the options leave us the choice.
+/// Returns whether the product ends before it could be planned, and the options leave the choice.
 fn is_direct(native: &Native, problem: &Problem, options: &AtaOptions<'_>) -> bool {
     matches!(options.scheme, SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical)
         && native.is_small(problem.m, problem.n, problem.k, problem.same())
 }
 
 fn direct(native: &Native) -> Choice {
-    /// Seconds, at most: what counts as direct is less work than that of 30 microseconds.
+    /// Most seconds of a direct product: the work of 30 microseconds.
     const SECONDS: f64 = 3e-5;
     let strategy = Strategy::Direct(native.isa());
     Choice { strategy, seconds: SECONDS, classical_seconds: SECONDS }
 }
 
-/// The fused strategy on our own kernels.
+/// Returns the fused strategy on our own kernels.
 fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let Problem { op, m, n, k } = problem;
     let slabs = fused_slabs(m, n, k);
@@ -154,7 +154,7 @@ fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_
     Choice { strategy, seconds, classical_seconds }
 }
 
-/// The recursive strategy over any back end.
+/// Returns the recursive strategy over any back end.
 fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let Problem { op, m, n, k } = problem;
     let faithful = options.scheme == SchemeChoice::Ata2;
@@ -212,7 +212,7 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     Choice { strategy, seconds, classical_seconds }
 }
 
-/// The exact strategy.
+/// Returns the exact strategy.
 fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds: f64) -> Choice {
     let Problem { op, m, n, k } = problem;
     let isa = int8::Isa::best();
@@ -220,14 +220,14 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     let sides = [m, n, k];
     let (symmetric, same) = (op.symmetric(), problem.same());
     let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
-    // Without a limit it is a little more than once, for matrices that take days.
+    // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
     let strategy = Strategy::Exact(Box::new(Exact { isa, layout }));
     Choice { strategy, seconds, classical_seconds }
 }
 
-/// The cheapest of the recursions, unless it gains less than that over the classical one.
+/// Returns the cheapest recursion if it takes less than `gain` of the classical time, else none.
 fn cheapest(
     found: Vec<Recursion>,
     mut seconds: impl FnMut(&Recursion) -> f64,
@@ -242,7 +242,7 @@ fn cheapest(
         .map_or((Recursion::none(), classical_seconds), |(seconds, best)| (best, seconds))
 }
 
-/// The recursion of a scheme that the caller named.
+/// Returns the recursion of a scheme that the caller named.
 fn named(options: &AtaOptions<'_>, general: SchemeId, fast_levels: usize) -> Recursion {
     let symmetric = match options.scheme {
         SchemeChoice::Rxtx => vec![SchemeId::Rxtx, SchemeId::Split],
@@ -254,18 +254,18 @@ fn named(options: &AtaOptions<'_>, general: SchemeId, fast_levels: usize) -> Rec
     Recursion { symmetric, general: vec![general], base, fast_levels }
 }
 
-/// Algorithm 8.1 of the thesis.
+/// Returns algorithm 8.1 of the thesis.
 fn thesis(options: &AtaOptions<'_>, allowed: usize) -> Recursion {
     Recursion {
         symmetric: vec![SchemeId::Ata2],
         general: vec![SchemeId::Strassen],
         base: options.leaf.map_or(FAITHFUL_BASE, Base::side),
-        // The thesis knows no limit; a caller who names one gets it.
+        // The thesis has no limit; an accuracy that the caller sets limits the levels.
         fast_levels: if options.accuracy == Accuracy::Default { usize::MAX } else { allowed },
     }
 }
 
-/// The recursions worth a look, for blocks of C with sides of `shortest` or more.
+/// Returns the recursions worth a look, for blocks of C with sides of `shortest` or more.
 fn candidates(
     leaf: Option<usize>,
     shortest: usize,
@@ -308,9 +308,9 @@ fn allowed_levels(accuracy: Accuracy, growth: f64) -> usize {
     }
 }
 
-/// Moduli of the exact path; the table of [`Accuracy`].
+/// Returns the number of moduli of the exact path; the table of [`Accuracy`].
 fn exact_moduli<T: Real>(accuracy: Accuracy) -> usize {
-    /// The growth from which the fewest moduli will do.
+    /// The growth from which the fewest moduli are enough.
     const COARSE: f64 = 8.0;
     let (most, default, least) = if size_of::<T>() == 8 { (15, 14, 13) } else { (8, 7, 6) };
     match accuracy {
@@ -321,8 +321,8 @@ fn exact_moduli<T: Real>(accuracy: Accuracy) -> usize {
     }
 }
 
-/// Few enough tasks that blocks stay long, for long blocks are what back ends are fast at; a caller
-/// with many cores may ask for more.
+/// Returns so few tasks that blocks stay long, because back ends are fast at long blocks. A caller
+/// with many cores may set more.
 fn default_tasks(n: usize, k: usize) -> usize {
     match n.min(k) {
         0..256 => 1,
@@ -333,9 +333,9 @@ fn default_tasks(n: usize, k: usize) -> usize {
     }
 }
 
-/// Tasks of the faithful mode: few, so that a general block is long enough for Strassen's
-/// algorithm, and half as many for A^T B, which is nothing else. The thesis takes the number of
-/// threads, which would make results depend on it; a caller may do so too.
+/// Returns the tasks of the faithful mode: few, so that a general block is long enough for
+/// Strassen's algorithm, and half as many for A^T B, which consists of such a block. The thesis
+/// uses the number of threads, which would make results depend on it; a caller may set that too.
 fn faithful_tasks(op: Op, n: usize, k: usize) -> usize {
     let tasks = match n.min(k) {
         0..4096 => 1,
@@ -346,18 +346,18 @@ fn faithful_tasks(op: Op, n: usize, k: usize) -> usize {
     if op.symmetric() { tasks } else { (tasks / 2).max(1) }
 }
 
-/// Slabs for a tall A, whose C offers too few tasks.
+/// Returns the slabs for a tall A, whose C offers too few tasks.
 fn task_slabs(m: usize, n: usize, k: usize) -> usize {
     let side = n.max(k).max(1);
     if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 8) } else { 1 }
 }
 
-/// Slabs for a C that is too small to be shared by threads: a power of two, long enough for the sum
-/// of their results not to matter.
+/// Returns the slabs for a C that is too small to be shared by threads: a power of two, with slabs
+/// so long that the sum of their results does not matter.
 fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
     const SMALL: usize = 256;
     const SHORTEST: usize = 500;
-    /// Rows from which on many threads are worth their while.
+    /// Rows from which on more slabs pay off.
     const MANY: usize = 50_000;
     let side = n.max(k);
     if side > SMALL {
@@ -368,9 +368,9 @@ fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
     slabs.checked_ilog2().map_or(1, |log| 1 << log).min(most)
 }
 
-/// Scalars that a packed chunk may take, of which there are two: with the sums of the threads less
-/// than half of C, but what the third-level cache of a core holds at most, and a chunk that is
-/// worth its while at least. Of `memory` two chunks leave a quarter for the sums.
+/// Returns the scalars that one of two packed chunks may take: with the sums of the threads less
+/// than half of C, at most what the third-level cache of a core holds, and at least a chunk that
+/// pays off. Of `memory` two chunks leave a quarter for the sums.
 fn packing_budget<T>(n: usize, k: usize, memory: Option<usize>) -> usize {
     const LEAST: usize = 256 << 10;
     const MOST: usize = 64 << 20;

@@ -1,5 +1,5 @@
-//! What a product costs, in seconds on one core: estimates that decide between strategies. A wrong
-//! one costs time, never correctness.
+//! Estimated costs of products, in seconds on one core, which decide between strategies. A wrong
+//! estimate costs time, never correctness.
 
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ impl RecursionCost {
         Self { rates, scalar_bytes: size_of::<T>() as f64, known: HashMap::new() }
     }
 
-    /// Seconds of a product left to the back end.
+    /// Returns the seconds of a product left to the back end.
     fn leaf(&self, op: Op, shape: [usize; 3]) -> f64 {
         let [m, n, k] = shape.map(|side| side.max(1) as f64);
         let Rates { gemm_flops, gemm_half_side, syrk_flops, syrk_half_side, .. } = self.rates;
@@ -74,7 +74,7 @@ pub(super) struct FusedCost {
     pub scalar_bytes: usize,
     /// Scalars that packed operands may take.
     pub budget: usize,
-    /// Only the lower triangle of C is wanted.
+    /// Whether only the lower triangle of C is computed.
     pub symmetric: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A plan in words.
+//! Describes a plan in words.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -41,7 +41,7 @@ impl Display for Plan {
 }
 
 impl Plan {
-    /// Returns what it does in a few words without commas, for tables: `direct`, `classical`,
+    /// Returns what the plan does in a few words without commas, for tables: `direct`, `classical`,
     /// `exact`, or the schemes of its fast levels, the symmetric ones first.
     pub fn scheme(&self) -> String {
         let recursion = match &self.strategy {

@@ -15,7 +15,7 @@ pub(crate) struct Block {
     pub coefficient: i32,
     pub rows: Range<usize>,
     pub cols: Range<usize>,
-    /// Of C: the first product to arrive here, which brings beta with it.
+    /// For a block of C: whether this product is the first to be added there, which applies beta.
     pub first: bool,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct Block {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FusedProduct {
     pub left: Vec<Block>,
-    /// Empty when it is the same as the left side.
+    /// The right side; empty when it is the same as the left side.
     pub right: Vec<Block>,
     pub outputs: Vec<Block>,
     pub shape: Shape,
@@ -39,7 +39,7 @@ impl FusedProduct {
     }
 }
 
-/// The products of `op` with A m x n and B m x k, in order.
+/// Returns the products of `op` with A m x n and B m x k, in order.
 pub(crate) fn products(
     recursion: &Recursion,
     op: Op,
@@ -60,7 +60,7 @@ pub(crate) fn products(
     found
 }
 
-/// A product before it is taken apart.
+/// A product that is still to be divided.
 struct Node {
     op: Op,
     left: Vec<Block>,
@@ -70,13 +70,14 @@ struct Node {
 }
 
 impl Node {
-    /// Extents: what a block lacks counts as zero.
+    /// Returns the extents; rows and columns that a block lacks count as zero.
     fn shape(&self) -> Shape {
         let longest = |blocks: &[Block], of: fn(&Block) -> &Range<usize>| {
             blocks.iter().map(|b| of(b).len()).max().unwrap_or(0)
         };
         let depth = longest(&self.left, |b| &b.rows).max(longest(&self.right, |b| &b.rows));
-        // Every entry of an output needs one of the product, be it zero: beta comes with it.
+        // Every entry of an output needs one of the product, even a zero, because that applies
+        // beta.
         let rows = longest(&self.left, |b| &b.cols).max(longest(&self.outputs, |b| &b.rows));
         let cols = longest(&self.right, |b| &b.cols).max(longest(&self.outputs, |b| &b.cols));
         let (rows, cols) =
@@ -86,7 +87,7 @@ impl Node {
 
     fn flatten(mut self, recursion: &Recursion, symmetric: bool, found: &mut Vec<FusedProduct>) {
         if symmetric {
-            // Nobody wants what lies above the diagonal.
+            // Entries above the diagonal are not needed.
             self.outputs.retain(|o| o.rows.end > o.cols.start);
         }
         if self.outputs.is_empty() {
@@ -151,7 +152,7 @@ impl Node {
     }
 }
 
-/// The part of `block` that belongs to `term`, where blocks of these extents are cut into parts.
+/// Returns the part of `block` for `term`, where blocks of these extents are cut into parts.
 fn sub_block(block: &Block, term: Term, extents: (usize, usize), parts: (usize, usize)) -> Block {
     let cut = |range: &Range<usize>, extent, parts, i| {
         let at = |i| (range.start + block_start(extent, parts, i)).min(range.end);
@@ -188,7 +189,7 @@ mod tests {
             self.entries[i * self.cols + j]
         }
 
-        /// `depth` x `width`: the sum of blocks, zero where they end.
+        /// Returns the sum of blocks, `depth` x `width`, with zeros where they end.
         fn sum(&self, blocks: &[Block], depth: usize, width: usize) -> Self {
             let mut sum = Self { cols: width, entries: vec![0; depth * width] };
             for block in blocks {
@@ -205,7 +206,7 @@ mod tests {
         }
     }
 
-    /// Runs a program: each entry of C that somebody wants, or `None` where nothing has arrived.
+    /// Runs a program: each requested entry of C, or `None` where nothing was added.
     fn evaluate(
         program: &[FusedProduct],
         op: Op,
@@ -263,7 +264,7 @@ mod tests {
         }
     }
 
-    /// Every recursion that the native kernels may be given, and deeper ones.
+    /// Returns every recursion that the native kernels may be given, and deeper ones.
     fn recursions() -> impl Iterator<Item = Recursion> {
         let symmetric: [&[SchemeId]; 3] = [&[], &[Split], &[Kgp4, Split]];
         let general: [&[SchemeId]; 3] = [&[], &[Strassen], &[Winograd]];

@@ -6,7 +6,7 @@ use super::problem::Op;
 use super::recursion::Recursion;
 use crate::ata::scheme::{Product, ProductKind, Scheme, Term};
 
-/// Leading dimension of a scratch matrix: lines at multiples of the page size collide in the cache.
+/// Returns the leading dimension of a scratch matrix: page-sized distances collide in the cache.
 pub(crate) fn leading(len: usize) -> usize {
     if len >= 256 && len.is_multiple_of(64) { len + 16 } else { len }
 }
@@ -62,7 +62,7 @@ impl LevelScratch {
     }
 }
 
-/// Elements of scratch that a recursion needs for A m x n and B m x k.
+/// Returns the elements of scratch that a recursion needs for A m x n and B m x k.
 pub(crate) fn scratch_len(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize) -> usize {
     /// Operation, m, n, k, fast levels left.
     type Key = (Op, [usize; 3], usize);
@@ -129,8 +129,8 @@ impl Traffic {
     }
 }
 
-/// How to get from the sum `held` to the sum `wanted`: `wanted = reuse * held + change`, with
-/// reuse 0, 1 or -1, whichever reads least.
+/// Returns how to compute the sum `wanted` from the sum `held`: `wanted = reuse * held + change`,
+/// with reuse 0, 1 or -1, whichever reads least.
 pub(crate) fn cheapest_update(held: &[Term], wanted: &[Term]) -> (i8, Vec<Term>) {
     let mut best = (0, wanted.to_vec());
     if held.is_empty() {

@@ -1,5 +1,5 @@
-//! What will be done, as data: no threads, no matrices, nothing but shapes and counts. The plan
-//! that is printed is the object that [`execute`](super::execute()) takes.
+//! Plans, as data: shapes and counts, without threads or matrices. The plan that is printed is the
+//! object that [`execute`](super::execute()) runs.
 
 mod choose;
 mod cost;
@@ -31,8 +31,8 @@ use crate::kernel::int8;
 
 /// A plan for `C := alpha A^T A + beta C` or `C := alpha A^T B + beta C`.
 ///
-/// It depends on the shape, the precision and the options, but never on the number of threads:
-/// that is why results don't either. What it prints is what runs.
+/// It depends on the shape, the precision and the options, but never on the number of threads, so
+/// the result does not depend on that either. What is printed is what runs.
 ///
 /// ```
 /// use catamaran::{AtaOptions, Plan};
@@ -103,7 +103,7 @@ impl Plan {
         Self::new::<T>(Op::Gemmt, m, n, n, options)
     }
 
-    /// The plan for `op` with A m x n and B m x k.
+    /// Creates the plan for `op` with A m x n and B m x k.
     pub(crate) fn new<T: BlasReal>(
         op: Op,
         m: usize,
@@ -118,7 +118,7 @@ impl Plan {
         Ok(Self { problem, strategy, scalar: T::NAME, seconds, classical_seconds })
     }
 
-    /// The same on another instruction set, when it takes the exact path.
+    /// Returns the plan on another instruction set, when it takes the exact path.
     pub(crate) fn on(mut self, isa: int8::Isa) -> Self {
         if let Strategy::Exact(exact) = &mut self.strategy {
             exact.isa = isa;
@@ -126,7 +126,7 @@ impl Plan {
         self
     }
 
-    /// Whether it is for matrices of T.
+    /// Returns whether the plan is for matrices of T.
     pub(crate) fn is_of<T: BlasReal>(&self) -> bool {
         self.scalar == T::NAME
     }

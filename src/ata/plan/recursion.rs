@@ -2,16 +2,16 @@ use crate::ata::scheme::SchemeId;
 
 use super::problem::Op;
 
-/// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
+/// How blocks are divided: at each node by the first scheme whose blocks are not too small.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Recursion {
     /// For products of which the lower triangle is wanted, in order of preference.
     pub symmetric: Vec<SchemeId>,
     /// For general products, in order of preference.
     pub general: Vec<SchemeId>,
-    /// Where it ends.
+    /// Where the recursion ends.
     pub base: Base,
-    /// Levels of schemes with additions, at most.
+    /// Most levels of schemes with additions.
     pub fast_levels: usize,
 }
 
@@ -54,7 +54,7 @@ impl Recursion {
         list.iter().copied().find(|id| {
             let s = id.scheme();
             (fast_levels > 0 || !s.is_fast())
-                // Splitting rows must leave long ones; not splitting them is always allowed.
+                // Parts of split rows must be long; not splitting them is always allowed.
                 && (s.inner == 1 || m / s.inner >= side)
                 && n / s.left >= side
                 && k / s.right >= side

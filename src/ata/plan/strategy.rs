@@ -26,7 +26,7 @@ pub(crate) enum Strategy {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fused {
     pub isa: packed::Isa,
-    /// What the programs come from.
+    /// The recursion that the programs come from.
     pub recursion: Recursion,
     /// Scalars that packed operands may take, if that is possible.
     pub budget: usize,
@@ -39,8 +39,8 @@ pub(crate) struct Fused {
 pub(crate) struct Slab {
     pub rows: Range<usize>,
     pub program: Vec<FusedProduct>,
-    /// Instead of the program when a column is not finite: fast levels would spread it. Empty when
-    /// the program is classical itself.
+    /// The products instead of the program when a column is not finite, because fast levels would
+    /// spread that. Empty when the program is classical itself.
     pub classical: Vec<FusedProduct>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) struct Tasks {
     /// Whether the recursion has levels with additions.
     pub fast: bool,
     /// Whether columns whose norms differ much, or are not finite, make it classical: the caller
-    /// named no scheme, so that accuracy goes first.
+    /// has not named a scheme, so that accuracy comes first.
     pub guarded: bool,
 }
 

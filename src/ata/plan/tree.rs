@@ -14,7 +14,7 @@ use super::split::block_start;
 pub struct Task {
     /// The process that computes it.
     pub process: usize,
-    /// Only the lower triangle is wanted (`rows == cols`).
+    /// Whether only the lower triangle is computed (`rows == cols`).
     pub triangle: bool,
     /// Rows of C.
     pub rows: Range<usize>,
@@ -78,12 +78,12 @@ impl Node {
 }
 
 impl Task {
-    /// What it computes when the whole is `op`.
+    /// Returns the operation of this task when the whole product is `op`.
     pub(crate) fn op(&self, op: Op) -> Op {
         if self.triangle { op } else { Op::Gemm }
     }
 
-    /// Share of the work: entries of C.
+    /// Returns the share of the work: entries of C.
     pub(crate) fn cost(&self) -> f64 {
         let area = self.rows.len() as f64 * self.cols.len() as f64;
         if self.triangle { area / 2.0 } else { area }
@@ -106,8 +106,8 @@ pub fn levels(p: usize) -> usize {
     }
 }
 
-/// The part of equation 8.6 for the general block: `k + sign(p mod 4^max(k, 1))`, `k` the largest
-/// with `4^k <= p`.
+/// Returns the part of equation 8.6 for the general block: `k + sign(p mod 4^max(k, 1))`, `k` the
+/// largest with `4^k <= p`.
 fn rectangle_levels(p: usize) -> usize {
     if p <= 1 {
         return 0;
@@ -116,7 +116,7 @@ fn rectangle_levels(p: usize) -> usize {
     k as usize + usize::from(!p.is_multiple_of(4_usize.pow(k.max(1))))
 }
 
-/// `C[span, span]`, lower triangle, on `processes`, at most `depth` levels deep.
+/// Returns the tree of `C[span, span]`, lower triangle, on `processes`, at most `depth` levels.
 fn triangle(span: Range<usize>, processes: Range<usize>, depth: usize) -> Node {
     let p = processes.len();
     if p <= 1 || depth == 0 {
@@ -141,8 +141,8 @@ fn triangle(span: Range<usize>, processes: Range<usize>, depth: usize) -> Node {
     .flattened_when(depth == 1)
 }
 
-/// `C[rows, cols]` on `processes`, at most `depth` levels deep (one more when depth is 0 and there
-/// are several processes; the caller then flattens it).
+/// Returns the tree of `C[rows, cols]` on `processes`, at most `depth` levels deep (one more when
+/// depth is 0 and there are several processes; the caller then flattens it).
 fn rectangle(
     rows: Range<usize>,
     cols: Range<usize>,
@@ -178,14 +178,14 @@ fn rectangle(
     Node::Inner(children)
 }
 
-/// `parts = down * across`, as square as possible.
+/// Returns `parts = down * across`, as square as possible.
 fn grid(parts: usize) -> (usize, usize) {
     let down = (1..=parts.isqrt()).rev().find(|d| parts.is_multiple_of(*d)).unwrap_or(1);
     (down, parts / down)
 }
 
 impl Node {
-    /// With `flatten`, the grandchildren become children.
+    /// Replaces the children by the grandchildren, if `flatten` is set.
     fn flattened_when(self, flatten: bool) -> Self {
         match self {
             Self::Inner(children) if flatten => Self::Inner(

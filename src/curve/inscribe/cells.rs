@@ -1,48 +1,47 @@
-//! One face cut along straight chords between points of its sides. What is on which side, and which
-//! chords cross, follows from the order of the points around the face; coordinates only say where
-//! crossings are.
+//! Cuts a face along straight chords between points of its sides. The order of the points around
+//! the face determines sides and crossings; coordinates only give the positions of crossings.
 
 use crate::base::{Error, Result};
 use crate::mesh::quality;
 use crate::mesh::vector::Vector;
 
-/// Parts of a chord nearer than this are one.
+/// Positions on a chord nearer than this are one point.
 const SAME: f64 = 1e-9;
 
-/// A point of the face: its shares of the corners, and whom it stands for outside.
+/// A point of the face: its barycentric coordinates, and its vertex in the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
     pub shares: [f64; 3],
-    /// The number of the vertex outside; `None` for crossings of chords.
+    /// The index of its vertex in the mesh; `None` for crossings of chords.
     pub vertex: Option<u32>,
 }
 
-/// A part of the face, convex, as its points counter-clockwise; each with the line that leads to
-/// the next: sides 0, 1, 2, then chords.
+/// A convex part of the face, as its points counter-clockwise, each with the line that leads to the
+/// next: sides 0, 1, 2, then chords.
 type Cell = Vec<(usize, usize)>;
 
 /// A straight line from one point of the sides to another, and the points on it.
 struct Chord {
     ends: [usize; 2],
-    /// How far from the first end, and which point; sorted.
+    /// Positions from the first end, and the points there; sorted.
     stops: Vec<(f64, usize)>,
 }
 
-/// A face in parts.
+/// A face, cut into cells.
 pub(super) struct Cells {
-    /// Those of the sides counter-clockwise from corner 0, then crossings.
+    /// The points of the sides counter-clockwise from corner 0, then crossings.
     pub points: Vec<Point>,
-    /// How many are on the sides.
+    /// Number of points on the sides.
     around: usize,
-    /// The places of the corners among the points.
+    /// The positions of the corners among the points.
     corners: [usize; 3],
     cells: Vec<Cell>,
     chords: Vec<Chord>,
 }
 
 impl Cells {
-    /// Creates a face with points on its sides: for each side, from its first corner, that corner
-    /// and the points.
+    /// Creates a face with points on its sides. Each side begins with its first corner, followed by
+    /// its points.
     pub fn new(sides: [Vec<Point>; 3]) -> Self {
         let corners = [0, sides[0].len(), sides[0].len() + sides[1].len()];
         let cell = (sides.iter().enumerate())
@@ -53,7 +52,7 @@ impl Cells {
         Self { around: points.len(), points, corners, cells: vec![cell], chords: Vec::new() }
     }
 
-    /// Whether two points of the sides are on a common one.
+    /// Returns whether two points of the sides are on a common side.
     fn on_one_side(&self, a: usize, b: usize) -> bool {
         let sides = |p: usize| {
             let [_, second, third] = self.corners;
@@ -65,11 +64,11 @@ impl Cells {
         sides(a).into_iter().flatten().any(|side| others.contains(&Some(side)))
     }
 
-    /// Cuts along the line between two points of the sides, and returns the points that the line
-    /// passes, both ends included.
+    /// Cuts along the line between two points of the sides, and returns the points on that line,
+    /// both ends included.
     ///
     /// # Errors
-    /// [`Error::NotConverged`] when rounding leaves no order in which chords cross.
+    /// [`Error::NotConverged`] when rounding leaves no consistent order of crossings.
     pub fn cut(&mut self, a: usize, b: usize) -> Result<Vec<usize>> {
         if a == b {
             return Ok(vec![a]);
@@ -102,14 +101,14 @@ impl Cells {
         Ok(passed)
     }
 
-    /// From one point of a side to another of the same: the points between them.
+    /// Returns the points between two points of the same side.
     fn along_side(&self, a: usize, b: usize) -> Vec<usize> {
         let ahead = |from: usize, to: usize| -> Vec<usize> {
             let steps = (to + self.around - from) % self.around;
             (0..=steps).map(|i| (from + i) % self.around).collect()
         };
         let (one, mut other) = (ahead(a, b), ahead(b, a));
-        // The way along the side has no corner inside.
+        // The path along the side has no corner inside.
         let inside = |way: &[usize]| way[1..way.len() - 1].iter().any(|p| self.corners.contains(p));
         if inside(&one) {
             other.reverse();
@@ -119,7 +118,8 @@ impl Cells {
         }
     }
 
-    /// Where a new line crosses a chord, if it does; makes a point there.
+    /// Returns where a new line crosses a chord, with a point that is created there; `None` if it
+    /// does not cross.
     fn cross(&mut self, [a, b]: [usize; 2], chord: usize) -> Option<(f64, usize)> {
         let [c, d] = self.chords[chord].ends;
         let between = |p: usize| (a.min(b)..a.max(b)).contains(&p);
@@ -138,7 +138,7 @@ impl Cells {
         let along_old = part(turn(to(p, r), to(p, q)) / whole);
         let stops = &self.chords[chord].stops;
         let last = stops.len() - 1;
-        // Of the ends none: they are not on the new line.
+        // The ends of the chord are excluded, because they are not on the new line.
         if let Some(&(_, known)) =
             stops[1..last].iter().find(|stop| (stop.0 - along_old).abs() <= SAME)
         {
@@ -166,7 +166,7 @@ impl Cells {
         Some((along_new, new))
     }
 
-    /// Cuts the cell that has both points between them, unless it has that edge.
+    /// Cuts the cell that has both points, unless they already share an edge of it.
     fn split(&mut self, a: usize, b: usize, line: usize) -> Result<()> {
         let place = |cell: &Cell, p: usize| cell.iter().position(|&(q, _)| p == q);
         for k in 0..self.cells.len() {
@@ -190,14 +190,14 @@ impl Cells {
         Err(Error::NotConverged { iterations: self.chords.len(), residual: SAME })
     }
 
-    /// Returns the triangles of all cells, as points. Of possible ones the best shaped come first;
+    /// Returns the triangles of all cells, as points. The best shaped triangles are cut off first;
     /// none has its corners on one line.
     pub fn triangles(&self, corners: [Vector; 3]) -> Vec<[usize; 3]> {
         let place = |i: usize| self.place(i, corners);
         let mut all = Vec::new();
         for cell in &self.cells {
             let mut rest: Vec<usize> = cell.iter().map(|&(p, _)| p).collect();
-            // For each point the lines that it is on.
+            // For each point the lines that contain it.
             let mut lines: Vec<Vec<usize>> = (0..cell.len())
                 .map(|i| vec![cell[(i + cell.len() - 1) % cell.len()].1, cell[i].1])
                 .collect();
@@ -211,7 +211,7 @@ impl Cells {
                 };
                 let shape = |i: usize| quality(triple(i).map(|k| place(rest[k])));
                 let best = (0..n).filter(fits).rev().max_by(|&i, &j| shape(i).total_cmp(&shape(j)));
-                // A convex cell of more than three points always has one.
+                // A convex cell of more than three points always has such a triangle.
                 let i = best.unwrap_or(0);
                 let [before, _, after] = triple(i);
                 all.push(triple(i).map(|k| rest[k]));

@@ -1,4 +1,4 @@
-//! Curves drawn into a mesh: a mesh of the same surface whose edges they run along.
+//! Draws curves into a mesh: creates a mesh of the same surface with the curves along its edges.
 
 mod cells;
 #[cfg(test)]
@@ -12,15 +12,15 @@ use crate::mesh::vector::distance;
 use crate::mesh::{Edges, Origin, Refined, TriMesh};
 use cells::{Cells, Point};
 
-/// Points of an edge nearer to each other than this share of it, or to its ends, are one.
+/// Points of an edge nearer to each other than this share of it, or to its ends, become one.
 const SAME: f64 = 1e-9;
 
 /// A mesh with curves along its edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inscribed {
-    /// The mesh, and where it comes from.
+    /// The mesh, with its origin on the input.
     pub refined: Refined,
-    /// The curves, as paths of its vertices. Where curves cross, both have a vertex.
+    /// The curves, as paths of its vertices. Curves that cross share a vertex there.
     pub curves: Vec<Curve>,
 }
 
@@ -44,8 +44,8 @@ impl Curve {
 }
 
 /// Cuts the faces of a mesh along curves: new vertices, numbered after those of the mesh, lie where
-/// curves cross edges and each other. Curves along edges change nothing. O(V + F), plus the faces
-/// that the curves pass.
+/// curves cross edges and each other. Curves along edges change nothing. It takes O(V + F), plus
+/// the number of faces that the curves pass.
 ///
 /// Points nearer to each other than 1e-9 of an edge become one.
 ///
@@ -64,9 +64,9 @@ impl Curve {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for waypoints that are not on the mesh, or two of which one after the other
-/// are on no common face; [`Error::NotConverged`] where curves on a face are too near to each other
-/// to be told apart.
+/// [`Error::Argument`] for waypoints that are not on the mesh, or for successive waypoints on no
+/// common face; [`Error::Mesh`] names a face on which curves are too near to each other to be
+/// distinguished.
 pub fn inscribe(mesh: &TriMesh, curves: &[Curve]) -> Result<Inscribed> {
     let edges = Edges::new(mesh);
     let mut draft = Draft::new(mesh, &edges);
@@ -91,14 +91,14 @@ pub fn inscribe(mesh: &TriMesh, curves: &[Curve]) -> Result<Inscribed> {
     Ok(Inscribed { curves: drawn.collect(), refined })
 }
 
-/// A waypoint as a vertex of the finer mesh, with the edge that it is on.
+/// A waypoint as a vertex of the finer mesh, with the edge that contains it.
 #[derive(Clone, Copy)]
 struct Spot {
     vertex: u32,
     edge: Option<u32>,
 }
 
-/// From one waypoint to the next, over a face.
+/// The step from one waypoint to the next, across a face.
 struct Leg {
     face: u32,
     curve: usize,
@@ -109,16 +109,16 @@ struct Leg {
 struct Draft<'m> {
     mesh: &'m TriMesh,
     edges: &'m Edges,
-    /// The points of each edge that has some: how far from its first end, and the new vertex;
+    /// For each edge with new points, their positions from its first end and their vertices,
     /// sorted.
     on_edges: BTreeMap<u32, Vec<(f64, u32)>>,
     positions: Vec<[f64; 3]>,
     origins: Vec<Origin>,
-    /// The pieces of faces that were cut.
+    /// The pieces of each face that was cut.
     pieces: BTreeMap<u32, Vec<[u32; 3]>>,
 }
 
-/// For each curve, for each of its legs, the vertices behind the first.
+/// For each curve and each of its legs, the vertices after the first.
 type Ways = Vec<Vec<Vec<u32>>>;
 
 impl<'m> Draft<'m> {
@@ -133,7 +133,7 @@ impl<'m> Draft<'m> {
         }
     }
 
-    /// The vertices of all waypoints; makes those on edges.
+    /// Returns the vertices of all waypoints, and creates those on edges.
     fn spots(&mut self, curves: &[Curve]) -> Result<Vec<Vec<Spot>>> {
         let n = self.mesh.vertices().len();
         let mut crossings = Vec::new();
@@ -152,7 +152,7 @@ impl<'m> Draft<'m> {
                         let share = if a < b { share } else { 1.0 - share };
                         if !(0.0..=1.0).contains(&share) {
                             return refused(format!(
-                                "curve {i}, point {j}: {share} of edge {a}-{b}"
+                                "curve {i}, point {j}: share {share} of {a}-{b} is not in 0..=1"
                             ));
                         }
                         if share <= SAME {
@@ -166,7 +166,7 @@ impl<'m> Draft<'m> {
                     }
                 };
                 if vertex != u32::MAX && vertex as usize >= n {
-                    return refused(format!("curve {i}, point {j}: vertex {vertex} of {n}"));
+                    return refused(format!("curve {i}, point {j}: no vertex {vertex}"));
                 }
                 own.push(Spot { vertex, edge: None });
             }
@@ -198,7 +198,7 @@ impl<'m> Draft<'m> {
         self.positions.len() as u32 - 1
     }
 
-    /// What joins waypoints, each over a face that has both.
+    /// Returns the legs between waypoints, each across a face that has both.
     fn legs(&self, curves: &[Curve], spots: &[Vec<Spot>]) -> Result<Vec<Leg>> {
         let mut legs = Vec::new();
         for (i, (curve, own)) in curves.iter().zip(spots).enumerate() {
@@ -221,7 +221,7 @@ impl<'m> Draft<'m> {
             (Some(edge), _) | (None, Some(edge)) => edge,
             (None, None) => {
                 let [a, b] = [from.vertex, to.vertex];
-                // A curve can stay where it is after points became one.
+                // A leg has length zero after its points became one.
                 let at = self.edges.ends().partition_point(|ends| ends[0] < a);
                 if a == b {
                     let any = self.edges.ends().get(at).filter(|ends| ends[0] == a);
@@ -244,7 +244,7 @@ impl<'m> Draft<'m> {
         std::array::from_fn(|i| self.edges.of_corners()[3 * face as usize + i])
     }
 
-    /// Cuts all faces with points on their sides or curves over them.
+    /// Cuts all faces with points on their sides or curves across them.
     fn cut_faces(&mut self, legs: &[Leg]) -> Result<Ways> {
         let mut by_face: BTreeMap<u32, Vec<&Leg>> = BTreeMap::new();
         for leg in legs {
@@ -293,7 +293,7 @@ impl<'m> Draft<'m> {
         Ok(ways)
     }
 
-    /// The corners and points of the sides of a face, each side from its first corner on.
+    /// Returns the corners and points of the sides of a face, each side from its first corner on.
     fn sides(&self, face: u32) -> [Vec<Point>; 3] {
         let triangle = self.mesh.faces()[face as usize];
         std::array::from_fn(|i| {
@@ -330,11 +330,11 @@ impl<'m> Draft<'m> {
     }
 }
 
-/// Names the face that could not be cut.
+/// Returns an error that names the face that could not be cut.
 fn near(error: Error, face: u32) -> Error {
     match error {
         Error::NotConverged { .. } => Error::Mesh {
-            what: "curves on it are too near to each other to be told apart".into(),
+            what: "curves on it are too near to each other to be distinguished".into(),
             element: format!("face {face}"),
         },
         other => other,

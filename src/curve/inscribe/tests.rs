@@ -7,7 +7,7 @@ use crate::mesh::{TriMesh, families, shapes};
 
 const CORNERS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// A triangle with points at these shares of its sides, which are ascending.
+/// Returns a triangle with points at these ascending positions on its sides.
 fn triangle(sides: [&[f64]; 3]) -> Cells {
     let mut number = 0;
     Cells::new(std::array::from_fn(|i| {
@@ -21,12 +21,13 @@ fn triangle(sides: [&[f64]; 3]) -> Cells {
     }))
 }
 
-/// The triangles cover the face once, are turned like it, and have the points of all ways as edges.
+/// Asserts that the triangles cover the face once, have its orientation, and have the points of all
+/// ways as edges.
 fn check(cells: &mut Cells, chords: &[[usize; 2]]) {
     for &[a, b] in chords {
         cells.cut(a, b).unwrap();
     }
-    // Once more, with the points where later ones crossed.
+    // Once more, with the points where later chords crossed.
     let ways: Vec<Vec<usize>> = chords.iter().map(|&[a, b]| cells.cut(a, b).unwrap()).collect();
     let triangles = cells.triangles(CORNERS);
     let mut area = 0.0;
@@ -62,7 +63,7 @@ fn points_on_sides_alone_give_triangles_none_of_which_is_flat() {
 
 #[test]
 fn two_chords_meet_in_a_point_of_both() {
-    // Points 0 a 1 b 2 c: the medians of a and c.
+    // The points are 0 a 1 b 2 c; the chords are the medians of a and c.
     let mut cells = triangle([&[0.5], &[0.5], &[0.5]]);
     assert_eq!(cells.cut(1, 4).unwrap(), [1, 4]);
     assert_eq!(cells.cut(5, 2).unwrap(), [5, 6, 2]);
@@ -87,7 +88,7 @@ fn any_chords_cut_a_face() {
     for _ in 0..300 {
         let shares: [Vec<f64>; 3] = std::array::from_fn(|_| {
             let mut side: Vec<f64> = (0..below(5, &mut rng)).map(|_| rng.uniform()).collect();
-            // Regular points, so that chords meet three in a point.
+            // Regular points, so that three chords meet in a point.
             side.extend([0.25, 0.5, 0.75]);
             side.sort_by(f64::total_cmp);
             side
@@ -128,7 +129,7 @@ fn a_smooth_curve_becomes_edges_of_the_same_surface() {
         assert_eq!(along.len(), drawn.curves[0].path.len());
         assert!((drawn.curves[0].length / curve.length - 1.0).abs() < 1e-5);
         assert!(samples.iter().all(|v| drawn.curves[0].path.contains(v)));
-        // Vertices are where their origins say.
+        // Vertices are at their origins.
         for (p, origin) in finer.vertices().iter().zip(&drawn.refined.vertices) {
             let corners = origin.vertices.map(|v| mesh.vertices()[v as usize]);
             for k in 0..3 {
@@ -136,10 +137,10 @@ fn a_smooth_curve_becomes_edges_of_the_same_surface() {
                 assert!((x - p[k]).abs() < 1e-12);
             }
         }
-        // And faces on the faces that they are pieces of.
+        // Faces are on the faces that contain them.
         let areas = drawn.refined.shares(&vec![true; finer.faces().len()]).unwrap();
         assert!(areas.iter().all(|&share| share == 1.0));
-        // Along edges, once more, nothing changes.
+        // Drawing the same curves again, now along edges, changes nothing.
         let again = inscribe(finer, &drawn.curves).unwrap();
         assert_eq!(again.refined, Refined::new(finer.clone()));
         assert_eq!(again.curves, drawn.curves);
@@ -148,7 +149,7 @@ fn a_smooth_curve_becomes_edges_of_the_same_surface() {
 
 #[test]
 fn curves_that_cross_or_touch_share_vertices() {
-    // The diagonals of a square of 4 x 4, as waypoints on vertices and edges; and a line along one.
+    // The diagonals of a square of 4 x 4, as waypoints on vertices and edges, and a line along one.
     let mesh = shapes::grid(4, 4);
     let line = |waypoints: Vec<Waypoint>| Curve {
         order: vec![],
@@ -159,7 +160,8 @@ fn curves_that_cross_or_touch_share_vertices() {
         length: 0.0,
     };
     let vertices = |all: &[u32]| line(all.iter().map(|&v| Waypoint::Vertex(v)).collect());
-    // The grid's diagonals go up to the right or to the left; whichever, one of these crosses them.
+    // Whether the diagonals of the grid go up to the right or to the left, one of these crosses
+    // them.
     let up = vertices(&[0, 6, 12, 18, 24]);
     let half = |a, b| Waypoint::Edge { ends: [a, b], share: 0.5 };
     let other = |a, b, c, d| [Waypoint::Vertex(a), half(b, c), Waypoint::Vertex(d)];
@@ -188,9 +190,9 @@ fn what_is_not_on_the_mesh_is_refused() {
         inscribe(&mesh, &[curve]).unwrap_err().to_string()
     };
     let edge = |ends, share| Waypoint::Edge { ends, share };
-    assert!(told(vec![Waypoint::Vertex(6)]).contains("vertex 6 of 6"));
+    assert!(told(vec![Waypoint::Vertex(6)]).contains("no vertex 6"));
     assert!(told(vec![edge([0, 2], 0.5)]).contains("no edge 0-2"));
-    assert!(told(vec![edge([0, 1], 1.5)]).contains("1.5 of edge 0-1"));
+    assert!(told(vec![edge([0, 1], 1.5)]).contains("1.5 of 0-1"));
     assert!(told(vec![edge([1, 0], f64::NAN)]).contains("NaN"));
     assert!(told(vec![Waypoint::Vertex(0), Waypoint::Vertex(2)]).contains("no face has both"));
     let none = inscribe(&mesh, &[]).unwrap();

@@ -1,4 +1,4 @@
-//! What curves enclose.
+//! Regions that curves enclose.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -7,31 +7,31 @@ use crate::base::{Error, Result};
 use crate::curve::walls::Walls;
 use crate::mesh::TriMesh;
 
-/// The side of curves that is inside.
+/// The side of the curves that is the inside.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Side {
-    /// The one with the smaller area; of equal ones that with the lowest face. The default.
+    /// The side of smaller area; of equal areas, the side with the lowest face. The default.
     #[default]
     Small,
-    /// The other one.
+    /// The side of larger area.
     Large,
-    /// The pieces with these vertices, which are on no curve.
+    /// The pieces with these vertices, which must not be on a curve.
     Seeds(Vec<u32>),
 }
 
 impl Region {
     /// Returns the region that curves along edges of a mesh enclose.
     ///
-    /// By area, crossing a curve leads from one side to the other (the even-odd rule): a ring
-    /// around a hole, or two rings, are one region. On each part of the surface that curves are on
-    /// one side is chosen; parts without curves are outside. The boundary of the mesh bounds
-    /// regions like curves do.
+    /// With a side by area, crossing a curve leads from one side to the other (the even-odd rule):
+    /// a ring around a hole, or the band between two rings, is one region. One side is selected on
+    /// each part of the surface with curves; parts without curves are outside. The boundary of the
+    /// mesh bounds regions as curves do.
     ///
     /// ```
     /// use catamaran::curve::{Region, Side};
     /// use catamaran::mesh::families;
     ///
-    /// // A grid of 3 x 1 squares, cut behind the first.
+    /// // A grid of 3 x 1 squares, with a curve after the first square.
     /// let mesh = families::grid(3, 1)?;
     /// let small = Region::enclosed(&mesh, &[[2, 3]], &Side::Small)?;
     /// assert_eq!(small.faces(), [0, 1]);
@@ -40,9 +40,9 @@ impl Region {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] for two vertices that no edge joins, and for a seed that no face has or
-    /// that is on a curve; [`Error::Mesh`] names an edge with the same side on both sides of it:
-    /// curves that are open, or go around a handle, part nothing.
+    /// [`Error::Argument`] for two vertices that are not joined by an edge, and for a seed that has
+    /// no face or is on a curve; [`Error::Mesh`] names an edge with the same region on both sides:
+    /// open curves, and curves around a handle, enclose nothing.
     pub fn enclosed(mesh: &TriMesh, along: &[[u32; 2]], side: &Side) -> Result<Self> {
         let walls = Walls::new(mesh, along)?;
         let pieces = walls.pieces(mesh.faces().len());
@@ -54,7 +54,7 @@ impl Region {
     }
 }
 
-/// The pieces with these vertices.
+/// Returns the region of the pieces with these vertices.
 fn seeded(
     mesh: &TriMesh,
     along: &[[u32; 2]],
@@ -64,7 +64,7 @@ fn seeded(
 ) -> Result<Region> {
     let refused = |why| Err(Error::Argument { what: "seeds", why });
     if seeds.is_empty() {
-        return refused("none, where 1 is needed".into());
+        return refused("must not be empty".into());
     }
     let mut wanted = vec![false; pieces.len()];
     for &seed in seeds {
@@ -91,7 +91,7 @@ fn seeded(
     Ok(Region::new(inside))
 }
 
-/// One of the two sides of each part with curves.
+/// Returns one of the two sides of each part with curves.
 fn by_area(mesh: &TriMesh, walls: &Walls, pieces: &[u32], large: bool) -> Result<Region> {
     // The pieces across walls.
     let mut across: BTreeMap<u32, Vec<(u32, usize)>> = BTreeMap::new();
@@ -103,7 +103,7 @@ fn by_area(mesh: &TriMesh, walls: &Walls, pieces: &[u32], large: bool) -> Result
     if across.is_empty() {
         return Err(Error::Argument {
             what: "along",
-            why: "nothing but boundary of the mesh, which parts nothing".into(),
+            why: "must have an edge that is not on the boundary of the mesh".into(),
         });
     }
     let mut areas = vec![0.0; pieces.len()];
@@ -146,7 +146,7 @@ fn by_area(mesh: &TriMesh, walls: &Walls, pieces: &[u32], large: bool) -> Result
 
 fn parts_nothing(walls: &Walls, e: usize) -> Error {
     Error::Mesh {
-        what: "the same side is on both sides of it: curves that are open or go around a handle \
+        what: "has the same region on both sides: curves that are open or go around a handle \
                enclose nothing"
             .into(),
         element: walls.edges.name(e),

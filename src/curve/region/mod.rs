@@ -1,4 +1,4 @@
-//! Regions of a mesh: sets of its faces, such as curves enclose, and operations on them.
+//! Regions of a mesh: sets of its faces, such as those that curves enclose, and operations on them.
 
 mod enclosed;
 #[cfg(test)]
@@ -45,16 +45,16 @@ impl Region {
         !self.inside.contains(&true)
     }
 
-    /// Returns the faces that are in one of two regions or both.
+    /// Returns the union of two regions: the faces in one of them or both.
     ///
     /// # Errors
-    /// [`Error::Shape`] for regions of meshes with different numbers of faces; also of the other
-    /// operations.
+    /// [`Error::Shape`] for regions of meshes with different numbers of faces, for this operation
+    /// and the following ones.
     pub fn union(&self, other: &Self) -> Result<Self> {
         self.combined(other, |a, b| a | b)
     }
 
-    /// Returns the faces that are in both of two regions.
+    /// Returns the intersection of two regions: the faces in both.
     ///
     /// # Errors
     /// As [`Region::union`].
@@ -62,7 +62,7 @@ impl Region {
         self.combined(other, |a, b| a & b)
     }
 
-    /// Returns the faces of this region that are not in the other.
+    /// Returns the difference of two regions: the faces of this region that are not in the other.
     ///
     /// # Errors
     /// As [`Region::union`].
@@ -70,7 +70,7 @@ impl Region {
         self.combined(other, |a, b| a & !b)
     }
 
-    /// Returns the faces that are in one of two regions but not in both.
+    /// Returns the symmetric difference of two regions: the faces in one of them, but not in both.
     ///
     /// ```
     /// use catamaran::curve::Region;
@@ -111,7 +111,8 @@ impl Region {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] for a mesh with another number of faces; also of what follows.
+    /// [`Error::Shape`] for a mesh with another number of faces, for this operation and the
+    /// following ones.
     pub fn area(&self, mesh: &TriMesh) -> Result<f64> {
         self.check(mesh)?;
         let areas = mesh.face_areas().into_iter().zip(&self.inside);
@@ -141,7 +142,7 @@ impl Region {
         Ok((0..edges.len()).filter(|&e| mixed(e)).map(|e| edges.ends()[e]).collect())
     }
 
-    /// Returns the faces inside as a mesh, with the numbers that its vertices and faces had.
+    /// Returns the faces inside as a mesh, with the original indices of its vertices and faces.
     ///
     /// ```
     /// use catamaran::{curve::Region, mesh::families};

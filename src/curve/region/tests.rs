@@ -9,7 +9,7 @@ fn walls(curves: &[Curve]) -> Vec<[u32; 2]> {
     curves.iter().flat_map(Curve::edges).collect()
 }
 
-/// Curves through each list of samples, drawn into the mesh.
+/// Returns curves through each list of samples, drawn into the mesh.
 fn drawn(mesh: &TriMesh, layers: &[&[u32]], smooth: bool) -> Drawn {
     let mut drawing = Drawing::new(mesh.clone()).unwrap();
     for layer in layers {
@@ -27,7 +27,7 @@ fn regions(drawn: &Drawn, side: &Side) -> Vec<Region> {
     drawn.layers.iter().map(|l| Region::enclosed(mesh, &walls(l), side).unwrap()).collect()
 }
 
-/// Components, Euler characteristic and loops of the boundary.
+/// Returns the numbers of components, the Euler characteristic, and the number of boundary loops.
 fn topology(mesh: &TriMesh) -> (usize, i64, usize) {
     let edges = Edges::new(mesh);
     let loops = mesh.boundary_loops(&edges).unwrap().len();
@@ -46,7 +46,7 @@ fn a_closed_curve_on_a_sphere_cuts_it_in_two_disks() {
         assert_eq!(topology(&open.mesh), (2, 2, 2));
         assert_eq!(open.mesh.vertices().len(), whole.vertices().len() + along.len());
         assert!(open.mesh.require_manifold().is_ok());
-        // The same triangles in their places.
+        // The same triangles at the same positions.
         assert_eq!(open.mesh.area(), whole.area());
         for (face, old) in open.mesh.faces().iter().zip(whole.faces()) {
             assert_eq!(face.map(|v| open.vertices[v as usize]), *old);
@@ -62,7 +62,7 @@ fn a_closed_curve_on_a_sphere_cuts_it_in_two_disks() {
         assert_eq!(small.boundary(whole).unwrap(), edges);
         let part = small.part(whole).unwrap();
         assert_eq!(topology(&part.mesh), (1, 1, 1));
-        // Shares of the mesh's own faces have the same area.
+        // Shares of the faces of the mesh give the same area.
         let shares = drawn.refined.shares(small.mask()).unwrap();
         let sum: f64 = shares.iter().zip(mesh.face_areas()).map(|(s, a)| s * a).sum();
         assert!((sum - a).abs() < 1e-12);
@@ -80,7 +80,7 @@ fn seeds_choose_pieces() {
     let along = walls(&drawn.layers[0]);
     let mesh = &drawn.refined.mesh;
     let region = |side: Side| Region::enclosed(mesh, &along, &side);
-    // By area: the ends together, or the middle between them.
+    // By area: the two ends together, or the middle between them.
     let ends = region(Side::Small).unwrap();
     assert_eq!(Components::new(&ends.part(mesh).unwrap().mesh).len(), 2);
     assert_eq!(ends.faces().len(), 24 * 2 * 20);
@@ -96,7 +96,7 @@ fn seeds_choose_pieces() {
 #[test]
 fn a_loop_around_a_handle_can_be_cut_but_encloses_nothing() {
     let mesh = families::torus(40, 20, 2.0, 0.8).unwrap();
-    // Around the tube, twice; each has vertices 20 i to 20 i + 19.
+    // Two curves around the tube; each has the vertices 20 i to 20 i + 19.
     let ring = |i: u32| [20 * i, 20 * i + 5, 20 * i + 10, 20 * i + 15];
     let one = drawn(&mesh, &[&ring(3)], false);
     let along = walls(&one.layers[0]);
@@ -107,7 +107,7 @@ fn a_loop_around_a_handle_can_be_cut_but_encloses_nothing() {
         let refused = Region::enclosed(&mesh, &along, &side).unwrap_err().to_string();
         assert!(refused.contains("go around a handle"), "{refused}");
     }
-    // Two of them part it.
+    // Two such curves separate it.
     let two = drawn(&mesh, &[&ring(3), &ring(13)], false);
     let along = two.layers.concat();
     let along = walls(&along);
@@ -129,9 +129,9 @@ fn an_open_curve_is_a_slit_and_parts_what_it_reaches_across() {
     assert_eq!(topology(&across.mesh), (2, 2, 2));
     assert!(Region::enclosed(&mesh, &row(2, 6), &Side::Small).is_err());
     let half = Region::enclosed(&mesh, &row(0, 8), &Side::Small).unwrap();
-    // Of equal halves that with the lowest face.
+    // Of two equal halves, the one with the face of the lowest number is chosen.
     assert_eq!(half.faces(), (0..64).collect::<Vec<u32>>());
-    // Edges of the boundary part nothing.
+    // Edges of the boundary separate nothing.
     let side: Vec<[u32; 2]> = (0..8).map(|x| [x, x + 1]).collect();
     assert_eq!(topology(&cut(&mesh, &side).unwrap().mesh), (1, 1, 1));
     assert!(
@@ -175,7 +175,7 @@ fn regions_of_curves_that_cross_satisfy_the_laws_of_sets() {
             assert!((area(&union) + area(&both) - area(a) - area(b)).abs() < 1e-12);
             assert!(a.union(&a.complement()).unwrap().faces().len() == whole.faces().len());
         }
-        // Cut along all curves at once: disks, as many as faces of the arrangement.
+        // A cut along all curves at once gives disks, as many as the arrangement has faces.
         let along: Vec<[u32; 2]> = walls(&drawn.layers.concat());
         let open = cut(whole, &along).unwrap();
         let parts = Components::new(&open.mesh);
@@ -219,7 +219,7 @@ fn generated_curves_cut_surfaces_of_every_genus_and_with_boundary() {
             assert_eq!(topology(whole), (parts, euler, loops));
             let along = walls(&drawn.layers[0]);
             let open = topology(&cut(whole, &along).unwrap().mesh);
-            // A closed curve that keeps off the boundary has two sides.
+            // A closed curve away from the boundary has two sides.
             let region = Region::enclosed(whole, &along, &Side::Small);
             if loops == 0 {
                 let more = usize::from(region.is_ok());

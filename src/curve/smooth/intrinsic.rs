@@ -3,10 +3,10 @@ use std::f64::consts::PI;
 use crate::mesh::vector::distance;
 use crate::mesh::{Edges, TriMesh};
 
-/// No slot.
+/// Marks the absence of a slot.
 const NONE: u32 = u32::MAX;
 
-/// On which side of a joint its smaller wedge is, counter-clockwise.
+/// The side of a joint with its smaller wedge, counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Side {
     /// From the first slot to the second.
@@ -15,37 +15,37 @@ pub(super) enum Side {
     FromSecond,
 }
 
-/// A triangulation of the surface by straight lines over it, known by their lengths, and by their
+/// A triangulation of the surface by straight lines, represented by their lengths and by their
 /// directions at vertices (Sharp, Soliman and Crane, Navigating Intrinsic Triangulations, 2019).
 /// Slot 3 f + i is the edge of face f from its corner i to the next one.
 pub(super) struct Intrinsic {
     tails: Vec<u32>,
     twins: Vec<u32>,
     lengths: Vec<f64>,
-    /// The angle of each slot at its tail, counter-clockwise from one that stays the same.
+    /// The angle of each slot at its tail, counter-clockwise from a fixed slot.
     directions: Vec<f64>,
     edges: Vec<u32>,
-    /// One of the slots of each edge.
+    /// One slot of each edge.
     slots: Vec<u32>,
     flipped: Vec<bool>,
     /// The angle around each vertex.
     totals: Vec<f64>,
-    /// Vertices on the boundary.
+    /// Whether each vertex is on the boundary.
     open: Vec<bool>,
 }
 
-/// Returns the slot after this one in its face.
+/// Returns the next slot of the same face.
 pub(super) fn next(slot: u32) -> u32 {
     if slot % 3 == 2 { slot - 2 } else { slot + 1 }
 }
 
-/// Returns the slot before this one in its face.
+/// Returns the previous slot of the same face.
 pub(super) fn previous(slot: u32) -> u32 {
     next(next(slot))
 }
 
 impl Intrinsic {
-    /// Creates the triangulation of the faces themselves, which are manifold and oriented.
+    /// Creates the triangulation of the faces themselves, which must be manifold and oriented.
     pub fn new(mesh: &TriMesh, edges: &Edges) -> Self {
         let tails = mesh.faces().as_flattened().to_vec();
         let p = mesh.vertices();
@@ -80,7 +80,8 @@ impl Intrinsic {
 
     fn lay_directions(&mut self) {
         let all = 0..self.tails.len() as u32;
-        // At the boundary from the slot that has nothing before it, elsewhere from any.
+        // At the boundary, the angles start at the slot without a predecessor, elsewhere at any
+        // slot.
         let first = all.clone().filter(|&s| self.twins[s as usize] == NONE).collect::<Vec<_>>();
         for &s in &first {
             self.open[self.tails[s as usize] as usize] = true;
@@ -130,13 +131,13 @@ impl Intrinsic {
         self.totals[vertex as usize]
     }
 
-    /// Returns whether an edge is one of the mesh.
+    /// Returns whether an edge is an edge of the mesh.
     pub fn is_original(&self, edge: u32) -> bool {
         !self.flipped[edge as usize]
     }
 
-    /// Returns the slot of an edge that starts at a vertex; a slot of the face beside it when there
-    /// is none at the boundary.
+    /// Returns the slot of an edge that starts at a vertex; on the boundary, where it may not
+    /// exist, returns a slot of the face beside it.
     pub fn slot(&self, edge: u32, tail: u32) -> u32 {
         let slot = self.slots[edge as usize];
         let twin = self.twins[slot as usize];
@@ -150,8 +151,8 @@ impl Intrinsic {
         if a == vertex { b } else { a }
     }
 
-    /// Returns the side on which two slots from one vertex enclose less than pi, if they do; `None`
-    /// at the boundary, where paths stay.
+    /// Returns the side on which two slots from one vertex enclose less than pi; `None` if they do
+    /// not, or at the boundary, where paths stay.
     pub fn wedge(&self, first: u32, second: u32, straight: f64) -> Option<Side> {
         let v = self.tails[first as usize];
         if v != self.tails[second as usize] || self.open[v as usize] {
@@ -169,10 +170,10 @@ impl Intrinsic {
     }
 
     /// Flips edges at v between two of its edges, counter-clockwise, as long as the outer angle of
-    /// one is less than pi, and returns the edges of the outer arc, from the end of the first on;
-    /// nothing when something is in the way.
+    /// one is less than pi, and returns the edges of the outer arc, from the end of the first edge
+    /// on; `None` when an edge can't flip.
     pub fn flip_out(&mut self, v: u32, from: u32, to: u32, straight: f64) -> Option<Vec<u32>> {
-        // Every flip takes one edge from the wedge, and none comes.
+        // Every flip removes one edge from the wedge, and adds none.
         'again: loop {
             let mut arc = Vec::new();
             let mut s = self.slot(from, v);
@@ -196,7 +197,8 @@ impl Intrinsic {
         }
     }
 
-    /// Flips an edge inside, in a convex quadrilateral; not when it would become a loop.
+    /// Flips an interior edge in a convex quadrilateral, unless it would become a loop; returns
+    /// whether it did.
     fn flip(&mut self, h: u32) -> bool {
         let t = self.twins[h as usize];
         if t == NONE || t / 3 == h / 3 {
@@ -221,7 +223,7 @@ impl Intrinsic {
         let at_c = turned(old[0].2, angle(ca, length, ad), self.totals[c as usize]);
         let at_d = turned(old[2].2, angle(db, length, bc), self.totals[d as usize]);
         let (f, g) = (h / 3 * 3, t / 3 * 3);
-        // Faces d c a and c d b; outer twins may be slots that move themselves.
+        // The faces are d c a and c d b; outer twins may be slots that move themselves.
         let place = [f + 1, f + 2, g + 1, g + 2];
         let moved = |twin: u32| sides.iter().position(|&s| s == twin).map_or(twin, |i| place[i]);
         let old = old.map(|((tail, twin, edge), length, direction)| {
@@ -250,7 +252,7 @@ impl Intrinsic {
     }
 }
 
-/// The angle between sides a and b of a triangle, opposite to c.
+/// Returns the angle between sides a and b of a triangle, opposite to c.
 fn angle(a: f64, b: f64, c: f64) -> f64 {
     let cosine = (a * a + b * b - c * c) / (2.0 * a * b);
     if cosine.is_finite() { cosine.clamp(-1.0, 1.0).acos() } else { 0.0 }

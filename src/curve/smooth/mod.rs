@@ -1,10 +1,10 @@
 //! Geodesic smoothing by edge flips (Sharp and Crane, You Can Find Geodesic Paths in Triangle
 //! Meshes by Just Flipping Edges, 2020): a path shortens in an intrinsic triangulation whose
-//! vertices are those of the mesh, until it is straight at every vertex but the marked ones.
+//! vertices are those of the mesh, until it is straight at every vertex except the marked ones.
 //!
-//! Departures: joints are taken in turn, not the sharpest first; a joint stays as it is where it
-//! could only be shortened onto a vertex of the curve itself, so that curves which don't meet don't
-//! meet afterwards either.
+//! Differences from the paper: joints are processed in cyclic order, not the sharpest first; a
+//! joint that could only be shortened onto a vertex of the curve itself does not change, so that
+//! curves which do not meet before do not meet afterwards.
 
 mod intrinsic;
 mod trace;
@@ -19,35 +19,35 @@ use crate::mesh::{Edges, TriMesh};
 use intrinsic::{Intrinsic, Side};
 use trace::{Chord, Tracer};
 
-/// What is less straight than pi by at most this is straight, in radians.
+/// Largest deviation of an angle from pi that counts as straight, in radians.
 const STRAIGHT: f64 = 1e-6;
 
-/// Joints that are shortened for each vertex of the curves, at most.
+/// Largest number of joints that are shortened for each vertex of the curves.
 const STEPS: usize = 1000;
 
 /// Curves after [`smooth()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// For each curve its points, on the surface: vertices, and where it crosses edges; the first
+    /// The points of each curve on the surface: vertices, and crossings of edges; the first point
     /// is not repeated.
     pub points: Vec<Vec<[f64; 3]>>,
-    /// For each curve where its points are on the mesh.
+    /// The points of each curve as waypoints on the mesh.
     pub waypoints: Vec<Vec<Waypoint>>,
     /// The length of each curve.
     pub lengths: Vec<f64>,
-    /// Joints that were shortened.
+    /// Number of joints that were shortened.
     pub steps: usize,
-    /// Whether every joint that could be straightened was, within the allowed steps.
+    /// Whether every joint that can be straightened is straight, within the allowed steps.
     pub converged: bool,
 }
 
 impl Reconstruction {
     /// Shortens the curves to geodesics between their samples, as [`smooth()`] does. Points and
     /// lengths become those of the geodesics, while [`Curve::path`] stays. Returns whether the
-    /// curves are straight except at samples; otherwise 1,000 steps for each vertex were not
-    /// enough.
+    /// curves are straight except at samples; otherwise, 1,000 steps for each vertex did not
+    /// suffice.
     ///
-    /// - `mesh`, `samples`: those of the reconstruction.
+    /// - `mesh`, `samples`: the arguments of the reconstruction.
     ///
     /// ```
     /// use catamaran::{curve::{CurveOptions, CurveSolver}, mesh::families};
@@ -67,7 +67,7 @@ impl Reconstruction {
     }
 }
 
-/// Makes curves along edges of `mesh` geodesics between samples, and returns whether the steps
+/// Turns curves along edges of `mesh` into geodesics between samples, and returns whether the steps
 /// sufficed.
 pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> Result<bool> {
     let vertices: usize = curves.iter().map(|curve| curve.path.len()).sum();
@@ -80,8 +80,8 @@ pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> 
 }
 
 /// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, through
-/// which the curves keep running. At most `most_steps` joints are shortened. O(V + F), plus the
-/// faces that the curves pass.
+/// which the curves still run. At most `most_steps` joints are shortened. It takes O(V + F), plus
+/// the number of faces that the curves pass.
 ///
 /// ```
 /// use catamaran::curve::{CurveOptions, CurveSolver, smooth};
@@ -100,9 +100,9 @@ pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> 
 /// ```
 ///
 /// # Errors
-/// [`Error::Mesh`] for a mesh that is not manifold, or whose faces do not agree on what is outside;
-/// [`Error::Argument`] for curves that are not along edges, or use a vertex twice;
-/// [`Error::NotConverged`] when what was found can't be drawn on the mesh without crossings, as on
+/// [`Error::Mesh`] for a mesh that is not manifold, or whose faces disagree about which side is
+/// outside; [`Error::Argument`] for curves that are not along edges, or use a vertex twice;
+/// [`Error::NotConverged`] when the result can't be drawn on the mesh without crossings, as on
 /// faces without area.
 pub fn smooth(
     mesh: &TriMesh,
@@ -114,7 +114,7 @@ pub fn smooth(
     mesh.require_manifold()?;
     if let Some(&e) = mesh.inconsistent_edges(&edges).first() {
         return Err(Error::Mesh {
-            what: "faces run along it in the same direction".into(),
+            what: "its faces run in the same direction".into(),
             element: edges.name(e as usize),
         });
     }
@@ -155,7 +155,7 @@ pub fn smooth(
                 own.push(ends[1]);
                 places.push(at);
             }
-            // The last chord ends at the vertex that comes next.
+            // The last chord ends at the next vertex.
             own.pop();
             places.pop();
         }
@@ -173,7 +173,7 @@ pub fn smooth(
 /// A curve in the intrinsic triangulation.
 struct Path {
     vertices: Vec<u32>,
-    /// From each vertex to the next; one fewer than vertices when open.
+    /// The edge from each vertex to the next; one fewer than vertices if the path is open.
     edges: Vec<u32>,
     closed: bool,
 }
@@ -184,10 +184,10 @@ impl Path {
         let vertices = curve.path.clone();
         for &v in &vertices {
             if v as usize >= n {
-                return refused(format!("vertex {v} of {n} (numbered from 0)"));
+                return refused(format!("vertex {v} is out of range: {n}, numbered from 0"));
             }
             if !occupied.insert(v) {
-                return refused(format!("vertex {v} twice"));
+                return refused(format!("vertex {v} occurs twice"));
             }
         }
         let mut own = Vec::new();
@@ -196,13 +196,14 @@ impl Path {
         for (&a, &b) in vertices.iter().zip(next).take(count) {
             match edges.ends().binary_search(&[a.min(b), a.max(b)]) {
                 Ok(edge) => own.push(edge as u32),
-                Err(_) => return refused(format!("no edge from vertex {a} to {b}")),
+                Err(_) => return refused(format!("there is no edge from vertex {a} to {b}")),
             }
         }
         Ok(Self { vertices, edges: own, closed: curve.closed })
     }
 
-    /// Straightens joints until none can be, or the steps are used up, which is said.
+    /// Straightens joints until none can be straightened, or the steps are used up; returns whether
+    /// the path is straight.
     fn shorten(
         &mut self,
         intrinsic: &mut Intrinsic,
@@ -214,7 +215,7 @@ impl Path {
         let (mut stuck, mut i) = (0, 0);
         // A closed curve keeps three vertices, an open one its ends.
         let fewest = if self.closed { 3 } else { 2 };
-        // Until no joint around the whole curve could be shortened.
+        // The loop ends when no joint of the whole curve could be shortened.
         while stuck < self.vertices.len() {
             i %= self.vertices.len();
             let inner = self.closed || (i > 0 && i + 1 < self.vertices.len());
@@ -235,7 +236,7 @@ impl Path {
         true
     }
 
-    /// Replaces joint i by the outer arc of its smaller wedge, if that is a gain and free.
+    /// Replaces joint i by the outer arc of its smaller wedge, if that is shorter and free.
     fn straighten(
         &mut self,
         i: usize,
@@ -256,7 +257,7 @@ impl Path {
         if side == Side::FromSecond {
             arc.reverse();
         }
-        // From the vertex before to the one after: edges, and the vertices between them.
+        // The edges from the previous vertex to the next one, and the vertices between them.
         let mut at = self.vertices[before];
         let mut inside = Vec::new();
         for &edge in &arc {
@@ -275,7 +276,7 @@ impl Path {
         self.vertices.splice(i..=i, inside);
         match i {
             0 => {
-                // The edge before is the last one.
+                // The previous edge is the last one.
                 self.edges.remove(0);
                 let last = self.edges.len() - 1;
                 let split = arc.len() - 1;
@@ -290,7 +291,7 @@ impl Path {
     }
 }
 
-/// Whether two of the lines on a face cross inside of both.
+/// Returns whether two of the lines on a face cross inside of both.
 fn crosses(mesh: &TriMesh, face: u32, chords: &[[Vector; 2]]) -> bool {
     let [a, b, c] = mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]);
     let normal = cross(sub(b, a), sub(c, a));

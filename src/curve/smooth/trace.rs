@@ -3,32 +3,32 @@ use super::intrinsic::{Intrinsic, next, previous};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
 
-/// Faces that one line may cross, at most.
+/// Largest number of faces that a line may cross.
 const MOST_FACES: usize = 100_000;
-/// How far from its end a line may arrive, relative to its length.
+/// Largest distance between the end of a line and its target, relative to its length.
 const MISS: f64 = 1e-5;
 
 /// A piece of a line, on one face.
 pub(super) struct Chord {
     pub face: u32,
     pub ends: [Vector; 2],
-    /// Where it ends.
+    /// The end of the chord.
     pub at: Waypoint,
 }
 
-/// Follows straight lines over the mesh.
+/// Traces straight lines over the mesh.
 pub(super) struct Tracer<'m> {
     mesh: &'m TriMesh,
     twins: Vec<u32>,
     directions: Vec<f64>,
     corners: Vec<f64>,
     totals: Vec<f64>,
-    /// A slot of each vertex; the first one at the boundary.
+    /// A slot of each vertex; on the boundary, the first one.
     starts: Vec<u32>,
 }
 
 impl<'m> Tracer<'m> {
-    /// Creates a tracer of a triangulation in which no edge was flipped.
+    /// Creates a tracer from a triangulation without flipped edges.
     pub fn new(mesh: &'m TriMesh, intrinsic: &Intrinsic) -> Self {
         let count = 3 * mesh.faces().len() as u32;
         let mut starts = vec![u32::MAX; mesh.vertices().len()];
@@ -64,13 +64,13 @@ impl<'m> Tracer<'m> {
         while direction >= self.directions[s as usize] + self.corners[s as usize] {
             let ahead = self.twins[previous(s) as usize];
             if ahead == u32::MAX || ahead == self.starts[from as usize] {
-                break; // rounding: in the last face
+                break; // rounding: the line ends in the last face
             }
             s = ahead;
         }
         let (sin, cos) = (direction - self.directions[s as usize]).sin_cos();
         let end = [length * cos, length * sin];
-        // The face in the plane, its corner at the origin and the slot along x.
+        // The face in its plane, with a corner at the origin and the slot along x.
         let far = next(s);
         let (right_vertex, left_vertex) = (self.tail(far), self.tail(previous(s)));
         let (sin, cos) = self.corners[s as usize].sin_cos();
@@ -90,7 +90,7 @@ impl<'m> Tracer<'m> {
         }
         let mut edge = far;
         for _ in 0..MOST_FACES {
-            // Where it leaves: between right and left.
+            // The exit lies between right and left.
             let (r, l) = (turn(end, right), turn(end, left));
             let share = if l - r > 0.0 { (-r / (l - r)).clamp(0.0, 1.0) } else { 0.5 };
             let crossed = [edge, next(edge)].map(|s| self.tail(s));
@@ -103,7 +103,7 @@ impl<'m> Tracer<'m> {
             if twin == u32::MAX {
                 return None;
             }
-            // The apex of the face behind, on the other side of the edge.
+            // The apex of the next face, on the other side of the edge.
             let apex = self.tail(previous(twin));
             let along = [left[0] - right[0], left[1] - right[1]];
             let across = along[0].hypot(along[1]);
@@ -119,7 +119,7 @@ impl<'m> Tracer<'m> {
                 return Some(chords);
             }
             if turn(end, place) > 0.0 {
-                // It passes to the right of the apex.
+                // The line passes to the right of the apex.
                 left = place;
                 edge = next(twin);
             } else {
@@ -131,7 +131,7 @@ impl<'m> Tracer<'m> {
     }
 }
 
-/// Positive when b lies to the left of a.
+/// Returns a positive number when b lies to the left of a.
 fn turn(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }

@@ -1,4 +1,4 @@
-//! The input's texture as a surface of its own, which ends at seams.
+//! The texture of the input as a surface of its own, which ends at seams.
 
 use std::collections::VecDeque;
 
@@ -9,38 +9,38 @@ use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, dot, sub};
 use crate::mesh::{Edges, TriMesh};
 
-/// No face.
+/// Marks the absence of a face.
 const NONE: u32 = u32::MAX;
 
-/// Texture coordinates this near to each other are one, as a part of their extent: a few roundings
-/// to single precision.
+/// Distance below which texture coordinates are equal, relative to their extent: a few roundings to
+/// single precision.
 const SAME: f64 = 1e-6;
 
-/// A face whose area in the texture is this part of the square of its longest side or less has no
-/// direction of rotation.
+/// Ratio of the area of a face in the texture to the square of its longest side at or below which
+/// it has no orientation.
 const NO_AREA: f64 = 1e-9;
 
-/// How many faces around one without area are looked at for a frame.
+/// Number of faces that are searched around a face without area for a frame.
 const NEARBY: usize = 64;
 
 /// A mesh and its texture.
 pub(super) struct Charts<'a> {
     mesh: &'a TriMesh,
     uv: &'a Attribute<2>,
-    /// For each corner the face across the edge that starts there, if the texture goes on there.
+    /// For each corner the face across the edge that starts there, if the texture continues there.
     across: Vec<u32>,
-    /// For each face the last search that met it, and the side that it is on.
+    /// For each face the last search that met it, and its side.
     met: Vec<(u32, u32)>,
     search: u32,
     queue: VecDeque<u32>,
 }
 
-/// The faces near a point that hang together in the texture.
+/// The faces near a point that are connected in the texture.
 pub(super) struct Side {
-    /// Their point nearest to it.
+    /// Their point nearest to the given point.
     pub place: Place,
     pub point: Vector,
-    /// Whether the face is among them in which the point has its own place.
+    /// Whether they include the face of the given point.
     pub own: bool,
 }
 
@@ -63,8 +63,7 @@ impl<'a> Charts<'a> {
         Frame::of(corners, self.uv.of_face(self.mesh, face as usize)?)
     }
 
-    /// Returns the frame of a face, or, where the face has none, that of a face nearby in the
-    /// texture.
+    /// Returns the frame of a face, or, if the face has none, that of a face nearby in the texture.
     pub fn frame_near(&mut self, face: u32) -> Option<Frame> {
         if let Some(frame) = self.frame(face) {
             return Some(frame);
@@ -81,8 +80,8 @@ impl<'a> Charts<'a> {
         None
     }
 
-    /// Returns the sides of seams that these faces are on within `radius` around p, whose own place
-    /// is in `own`: the sides, and for each face the number of its side.
+    /// Returns the sides of seams on which these faces lie within `radius` around p, a point of the
+    /// face `own`: the sides, and for each face the number of its side.
     pub fn sides(
         &mut self,
         p: Vector,
@@ -167,7 +166,7 @@ fn across(mesh: &TriMesh, uv: &Attribute<2>) -> Vec<u32> {
         let along = ends == others;
         let there = if along { [p, q] } else { [q, p] };
         let close = |(a, b): (&f64, &f64)| (a - b).abs() <= same;
-        // Where a texture is folded over, as for the halves of a face, its edge is a seam too.
+        // Where a texture is folded, as for mirrored halves of a face, the edge is a seam, too.
         let turns = turns[one as usize / 3] * turns[other as usize / 3];
         let folded = if along { turns > 0.0 } else { turns < 0.0 };
         !folded && values.as_flattened().iter().zip(there.as_flattened()).all(close)
@@ -176,7 +175,7 @@ fn across(mesh: &TriMesh, uv: &Attribute<2>) -> Vec<u32> {
     let mut across = vec![NONE; 3 * mesh.faces().len()];
     for corners in edges.corners().rows() {
         for (i, &corner) in corners.iter().enumerate() {
-            // In turn, so that many faces at one edge are all reached.
+            // In cyclic order, so that all faces at an edge of many faces are reached.
             let others = corners[i + 1..].iter().chain(&corners[..i]);
             let next = others.copied().find(|&other| goes_on(corner, other));
             across[corner as usize] = next.map_or(NONE, |other| other / 3);
@@ -185,8 +184,8 @@ fn across(mesh: &TriMesh, uv: &Attribute<2>) -> Vec<u32> {
     across
 }
 
-/// 1 for a face whose corners go round counter-clockwise in the texture, -1 for clockwise, 0 for
-/// one without area there.
+/// Returns 1 for a face whose corners are counter-clockwise in the texture, -1 for clockwise, 0 for
+/// a face without area there.
 fn turn(corners: [Uv; 3]) -> f64 {
     let [a, b, c] = corners;
     let square = |p: Uv, q: Uv| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
@@ -195,7 +194,7 @@ fn turn(corners: [Uv; 3]) -> f64 {
     if area.abs() > NO_AREA * longest { area.signum() } else { 0.0 }
 }
 
-/// The longer side of the box of all values.
+/// Returns the longer side of the bounding box of all values.
 fn extent(uv: &Attribute<2>) -> f64 {
     let side = |k: usize| {
         let values = uv.values.iter().map(|value| value[k]);

@@ -2,19 +2,19 @@
 
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 
-/// Point of a texture.
+/// A point of a texture.
 pub(super) type Uv = [f64; 2];
 
-/// A face's singular values may differ so much before it counts as one without area in the texture.
+/// Ratio of the singular values of a face below which it counts as without area in the texture.
 const FLATTEST: f64 = 1e-6;
 
-/// How much a face may be stretched or compressed in any direction.
+/// Largest stretch or compression of a face in any direction.
 const STRETCH: f64 = 3.0;
 
-/// The texture of a face, continued over its plane.
+/// The texture of a face, extended over its plane.
 pub(super) struct Frame {
     normal: Vector,
-    /// Of u and v, in the plane.
+    /// The gradients of u and v, in the plane.
     gradients: [Vector; 2],
 }
 
@@ -36,13 +36,13 @@ impl Frame {
         usable.then(|| Self { normal: unit(normal), gradients })
     }
 
-    /// Returns the texture at `step` from a place whose texture is `from`.
+    /// Returns the texture at `step` from a point whose texture is `from`.
     pub fn continued(&self, from: Uv, step: Vector) -> Uv {
         [0, 1].map(|k| from[k] + dot(self.gradients[k], step))
     }
 
-    /// Returns the texture of a face that is turned about `hinge` into this plane, where the
-    /// texture is `from` at `hinge`. With `flipped`, the back of this plane faces out.
+    /// Returns the texture of a face that is rotated about `hinge` into this plane, where the
+    /// texture is `from` at `hinge`. With `flipped`, the back of this plane faces outwards.
     pub fn unfolded(
         &self,
         from: Uv,
@@ -57,7 +57,7 @@ impl Frame {
     }
 }
 
-/// A step after the shortest rotation that takes one unit vector to another.
+/// Returns a vector after the shortest rotation that takes one unit vector to another.
 fn turned(step: Vector, from: Vector, to: Vector) -> Vector {
     let sum: Vector = std::array::from_fn(|k| from[k] + to[k]);
     let half = dot(sum, sum) / 2.0;
@@ -65,7 +65,7 @@ fn turned(step: Vector, from: Vector, to: Vector) -> Vector {
         let (along_sum, along_from) = (dot(sum, step) / half, 2.0 * dot(from, step));
         return std::array::from_fn(|k| step[k] - sum[k] * along_sum + to[k] * along_from);
     }
-    // By half a turn about any axis across.
+    // Half a turn about any orthogonal axis.
     let least = (0..3).min_by(|&i, &j| from[i].abs().total_cmp(&from[j].abs())).unwrap_or(0);
     let mut other = [0.0; 3];
     other[least] = 1.0;
@@ -73,13 +73,13 @@ fn turned(step: Vector, from: Vector, to: Vector) -> Vector {
     std::array::from_fn(|k| 2.0 * dot(axis, step) * axis[k] - step[k])
 }
 
-/// Returns twice the area, negative where corners run clockwise.
+/// Returns twice the area, negative for clockwise corners.
 pub(super) fn area([a, b, c]: [Uv; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Returns whether the affine map of a triangle to another one neither turns it over nor stretches
-/// or compresses it by more than [`STRETCH`].
+/// Returns whether the affine map of a triangle to another one neither reverses its orientation nor
+/// stretches or compresses it by more than [`STRETCH`].
 pub(super) fn is_fair(from: [Uv; 3], to: [Uv; 3]) -> bool {
     let whole = area(from);
     let part = |k: usize, c: usize| {
@@ -93,7 +93,7 @@ pub(super) fn is_fair(from: [Uv; 3], to: [Uv; 3]) -> bool {
     let [p, q, r, s] = [part(0, 0), part(1, 0), part(0, 1), part(1, 1)];
     let determinant = p * s - q * r;
     let squares = p * p + q * q + r * r + s * s;
-    // The singular values are a and b: a b is the determinant, a a + b b the sum of squares.
+    // The singular values a and b satisfy: a b is the determinant, a a + b b the sum of squares.
     let largest =
         (squares / 2.0 + ((squares / 2.0).powi(2) - determinant.powi(2)).max(0.0).sqrt()).sqrt();
     determinant > 0.0 && largest <= STRETCH && determinant / largest >= 1.0 / STRETCH

@@ -1,4 +1,4 @@
-//! For each new face the point of the input that it stands for.
+//! Finds for each new face the point of the input from which it takes its attributes.
 
 use super::super::closest::{on_face, on_surface};
 use super::super::result::{Decimation, Place};
@@ -6,22 +6,22 @@ use super::super::surface::Surface;
 use crate::mesh::Genus;
 use crate::mesh::vector::{Vector, cross, dot, sub, unit};
 
-/// A face of the input whose normal has less than this along that of a new face, which are 120
-/// degrees, is on another sheet: what bridges a crease is turned less.
+/// Cosine between normals (120 degrees) below which a face of the input is on another sheet than a
+/// new face: faces across a crease differ less.
 const OTHER_SHEET: f64 = -0.5;
 
 /// The point of the input nearest to the middle of a new face.
 pub(super) struct Home {
     pub place: Place,
     pub point: Vector,
-    /// Whether the input's face there has the other side outside.
+    /// Whether the face of the input there has the opposite orientation.
     pub flipped: bool,
 }
 
-/// Returns the homes of all new faces: on the sheet of the surface that faces the same way, where
-/// one is near.
+/// Returns the homes of all new faces: points on the sheet of the surface with the same
+/// orientation, if one is near.
 pub(super) fn homes(found: &Decimation, input: &Surface<'_>) -> Vec<Home> {
-    // Faces of the input may have been flipped before it was decimated.
+    // Faces of the input may have been flipped before the decimation.
     let either_way = found.repairs.oriented || !matches!(found.before.genus, Genus::Orientable(_));
     found.mesh.faces().iter().map(|&face| home(found, input, face, either_way)).collect()
 }
@@ -30,7 +30,7 @@ fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: boo
     let corners = face.map(|v| found.mesh.vertices()[v as usize]);
     let middle: Vector = std::array::from_fn(|k| corners.iter().map(|p| p[k] / 3.0).sum());
     let normal = normal_of(corners);
-    // The homes that faces of the input would be, the better one the lower in order.
+    // The candidates for homes; the better one is lower in order.
     let of_face = |face: u32| {
         let (point, weights) = on_face(&input.mesh, face, middle);
         let there = input.mesh.faces()[face as usize].map(|v| input.position(v));
@@ -55,7 +55,7 @@ fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: boo
     best.1
 }
 
-/// Of length 1; zero for a face without area.
+/// Returns the normal of length 1; zero for a face without area.
 fn normal_of([a, b, c]: [Vector; 3]) -> Vector {
     unit(cross(sub(b, a), sub(c, a)))
 }

@@ -1,7 +1,8 @@
-//! Attributes of the input carried over to the new mesh.
+//! Carries attributes of the input over to the new mesh.
 //!
-//! Colours are those at the places of the new vertices. Each new face has a home, the face of the
-//! input nearest to its middle: its labels and its side of texture seams are those of its home.
+//! Colours are interpolated at the points of the input nearest to the new vertices. Each new face
+//! has a home, the face of the input nearest to its middle: its labels and its side of texture
+//! seams are those of its home.
 
 mod charts;
 mod frame;
@@ -18,7 +19,7 @@ use crate::mesh::TriMesh;
 use crate::mesh::io::{Labels, MeshFile};
 
 impl Decimation {
-    /// Returns the new mesh as a file with the attributes of `input` but for those that
+    /// Returns the new mesh as a file with the attributes of `input`, except for those that
     /// [`left_out`](Self::left_out) names.
     ///
     /// - Colours are those at the places of the vertices.
@@ -40,7 +41,7 @@ impl Decimation {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when `input` is not of the mesh that was decimated; [`Error::Shape`] and
+    /// [`Error::Shape`] when `input` is not the mesh that was decimated; [`Error::Shape`] and
     /// [`Error::Argument`] when its attributes do not fit it.
     pub fn carry(&self, input: &MeshFile) -> Result<MeshFile> {
         self.check_input(input)?;
@@ -59,8 +60,8 @@ impl Decimation {
         Ok(file)
     }
 
-    /// Returns the values at the places of the new vertices of functions that are linear on the
-    /// faces of `input`: `width` for each of its vertices, one vertex after the other.
+    /// Returns the values at the new vertices of functions that are linear on the faces of `input`.
+    /// `values` holds `width` numbers for each vertex of `input`, one vertex after the other.
     ///
     /// ```
     /// use catamaran::{decimate::{DecimateOptions, decimate}, mesh::families};
@@ -74,8 +75,8 @@ impl Decimation {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when `input` is not of the mesh that was decimated, or has not `width`
-    /// values for each vertex.
+    /// [`Error::Shape`] when `input` is not the mesh that was decimated, or `values` does not hold
+    /// `width` numbers for each vertex.
     pub fn carry_values(&self, input: &TriMesh, width: usize, values: &[f64]) -> Result<Vec<f64>> {
         self.check_mesh(input)?;
         let vertices = input.vertices().len();
@@ -91,8 +92,8 @@ impl Decimation {
         Ok(carried)
     }
 
-    /// Returns what of a file [`carry`](Self::carry) leaves out: names of attributes in plain
-    /// words, none where all is carried.
+    /// Returns the attributes of a file that [`carry`](Self::carry) leaves out, in plain words;
+    /// empty if all are carried over.
     ///
     /// ```
     /// use catamaran::decimate::Decimation;
@@ -106,17 +107,18 @@ impl Decimation {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     pub fn left_out(input: &MeshFile) -> Vec<&'static str> {
-        // They are those of the input's surface, not of the new faces.
+        // Normals belong to the surface of the input, not to the new faces.
         if input.normals.is_some() { vec!["normals"] } else { Vec::new() }
     }
 
-    /// `Ok` when `input` can be of the mesh that was decimated, and its attributes fit it.
+    /// Returns an error unless `input` can be the mesh that was decimated, and its attributes fit
+    /// it.
     fn check_input(&self, input: &MeshFile) -> Result<()> {
         self.check_mesh(&input.mesh)?;
         input.check()
     }
 
-    /// `Ok` when `input` can be the mesh that was decimated.
+    /// Returns an error unless `input` can be the mesh that was decimated.
     fn check_mesh(&self, input: &TriMesh) -> Result<()> {
         let vertices = input.vertices().len();
         Error::check_shape("input", (self.cells.of_vertices().len(), 3), (vertices, 3))?;
@@ -135,7 +137,7 @@ impl Decimation {
         let at = |place: &Place| {
             let given = input.mesh.faces()[place.face as usize].map(|v| colors[v as usize]);
             let color = place.mix(given);
-            // Rounded beyond 1, it would be read as one from 0 to 255.
+            // Rounding beyond 1 would make a reader take the colours as from 0 to 255.
             std::array::from_fn(|k| {
                 let [a, b, c] = given.map(|color| color[k]);
                 color[k].max(a.min(b).min(c)).min(a.max(b).max(c))

@@ -1,4 +1,4 @@
-//! Texture coordinates carried over.
+//! Carries texture coordinates over to the new mesh.
 
 use super::super::result::Decimation;
 use super::charts::Charts;
@@ -8,21 +8,22 @@ use crate::mesh::TriMesh;
 use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, distance, sub};
 
-/// The texture around a vertex is searched within so many times the distance to the farthest home
-/// of its faces: a surface that is not flat leads there by a detour.
+/// Radius of the search of the texture around a vertex, relative to the distance to the farthest
+/// home of its faces: on a curved surface, paths are longer.
 const DETOUR: f64 = 1.25;
 
-/// What a corner may have for texture coordinates.
+/// The possible texture coordinates of a corner.
 #[derive(Clone, Copy)]
 struct Choice {
-    /// Those of the point of its side of the seams that is nearest to it.
+    /// The coordinates of the nearest point on its side of the seams.
     nearest: Uv,
-    /// The same where that is its own place; else the texture continued from there to the corner.
+    /// The coordinates of the corner's own point, or otherwise the texture extended from the
+    /// nearest point to the corner.
     continued: Uv,
 }
 
-/// Returns the texture of the new mesh: that of the input at the homes of its faces, continued from
-/// there.
+/// Returns the texture of the new mesh: the texture of the input at the homes of its faces,
+/// extended from there.
 pub(super) fn carried(
     found: &Decimation,
     input: &TriMesh,
@@ -47,7 +48,7 @@ pub(super) fn carried(
     numbered(mesh, &corners)
 }
 
-/// For each corner of each face what it may have; `None` where its home has no texture.
+/// Returns the choices for each corner of each face; `None` where the home has no texture.
 fn choices(
     found: &Decimation,
     charts: &mut Charts<'_>,
@@ -84,8 +85,8 @@ fn choices(
     choices
 }
 
-/// The first of the choices that a face may have that is fair to the texture of its home: neither
-/// turned over nor much stretched. The last one is that texture itself, continued.
+/// Returns the first of the choices of a face that is fair to the texture of its home: neither
+/// reversed nor much stretched. The last choice is that texture itself, extended.
 fn fair(
     points: [Vector; 3],
     home: &Home,
@@ -94,7 +95,7 @@ fn fair(
     choices: [Choice; 3],
 ) -> [Uv; 3] {
     let nearest = choices.map(|choice| choice.nearest);
-    // Without area in the texture, nothing can be turned over.
+    // Without area in the texture there is no orientation to preserve.
     let Some(frame) = frame else { return nearest };
     let unfolded = frame.unfolded(at_home, home.point, points, home.flipped);
     let continued = choices.map(|choice| choice.continued);
@@ -102,7 +103,7 @@ fn fair(
     [nearest, continued].into_iter().find(fair).unwrap_or(unfolded)
 }
 
-/// These values of corners as an attribute: equal ones at a vertex are one.
+/// Returns the values of corners as an attribute, with equal values at a vertex merged.
 fn numbered(mesh: &TriMesh, given: &[Option<[Uv; 3]>]) -> Attribute<2> {
     let mut corners = vec![[Attribute::<2>::ABSENT; 3]; given.len()];
     let mut values: Vec<Uv> = Vec::new();

@@ -17,8 +17,8 @@ use super::file::{BUFFER, Stamp, canonical, seekable};
 use crate::base::{Error, Real, Result, reserved};
 use crate::io::source::{error, error_at};
 
-/// Bytes of unpacked chunks that are kept, and slots of the table that finds them: a prime, as its
-/// documentation asks for.
+/// Bytes of unpacked chunks that are kept, and slots of the table that finds them: a prime, as the
+/// documentation of HDF5 recommends.
 const CACHE: (usize, usize) = (32 << 20, 12_421);
 
 /// Datasets named in an error.
@@ -30,7 +30,7 @@ pub(super) struct DatasetRows {
     dataset: Dataset,
     /// The dataset's own name in the file that holds it.
     name: String,
-    /// Where a link led outside of `path`, that file; else `path`.
+    /// The file that a link in `path` leads to, or `path` itself.
     holder: PathBuf,
     stamp: Stamp,
     shape: (usize, usize),
@@ -41,7 +41,7 @@ pub(super) struct DatasetRows {
 }
 
 impl DatasetRows {
-    /// The dataset of this name, or the only one of two dimensions.
+    /// Opens the dataset of this name, or the only one of two dimensions.
     pub(super) fn open(path: &Path, name: Option<&str>) -> Result<Self> {
         seekable(path)?;
         let file = File::with_options()
@@ -130,7 +130,7 @@ impl DatasetRows {
         self.stamp
     }
 
-    /// Neither range is empty, both lie inside the matrix, and `out` has their shape.
+    /// Reads a block. Both ranges lie inside the matrix and are not empty; `out` has their shape.
     pub(super) fn read<T: Real>(
         &mut self,
         rows: Range<usize>,
@@ -143,13 +143,13 @@ impl DatasetRows {
             (true, false) => self.read_pieces::<T, f32>(rows, columns, out),
             (false, true) => self.read_pieces::<T, f64>(rows, columns, out),
         };
-        // First, for HDF5 takes what is missing at the end of a file for zeros, or stumbles over
-        // it.
+        // This check comes first, because HDF5 reads missing bytes at the end of a file as zeros,
+        // or fails with another message.
         self.stamp.check(&self.holder, fs::metadata(&self.holder))?;
         done
     }
 
-    /// T is S.
+    /// Reads a block in the precision of the file: T is S.
     fn read_same<T: Real, S: Real + H5Type>(
         &self,
         rows: Range<usize>,
@@ -169,7 +169,7 @@ impl DatasetRows {
         self.read_pieces::<T, S>(rows, columns, out)
     }
 
-    /// Through a buffer of the precision S.
+    /// Reads a block through a buffer of the precision S.
     fn read_pieces<T: Real, S: Real + H5Type>(
         &self,
         rows: Range<usize>,
@@ -203,8 +203,8 @@ impl DatasetRows {
         Ok(())
     }
 
-    /// Has HDF5 write the `height` x `width` entries, converted to S, entry (i, j) at
-    /// `to + i * stride + j`.
+    /// Makes HDF5 write the `height` x `width` entries, converted to S, entry (i, j) at `to + i *
+    /// stride + j`.
     ///
     /// # Safety
     /// All these places may be written, and `stride >= width`.
@@ -254,7 +254,7 @@ fn fail(path: &Path, e: &::hdf5::Error) -> Error {
     error(path, None, format!("HDF5 says: {e}"))
 }
 
-/// The name of the only dataset of two dimensions.
+/// Returns the name of the only dataset of two dimensions.
 fn only(path: &Path, file: &File) -> Result<String> {
     let names = datasets(file).map_err(|e| fail(path, &e))?;
     let mut matrices = names.iter().filter(|name| file.dataset(name).is_ok_and(|d| d.ndim() == 2));
@@ -272,7 +272,7 @@ fn only(path: &Path, file: &File) -> Result<String> {
     }
 }
 
-/// What to say about the datasets that exist.
+/// Returns the part of a message that lists the datasets of the file.
 fn listing(path: &Path, file: &File) -> Result<String> {
     let names = datasets(file).map_err(|e| fail(path, &e))?;
     let described: Vec<String> = names
@@ -294,17 +294,17 @@ fn listing(path: &Path, file: &File) -> Result<String> {
     })
 }
 
-/// The names of all datasets that the file itself holds, sorted.
+/// Returns the names of all datasets that the file itself holds, sorted.
 fn datasets(file: &File) -> ::hdf5::Result<Vec<String>> {
     let mut found = Vec::new();
-    // Groups with more than one name, which may contain themselves.
+    // Visited groups: groups may have several names, and may contain themselves.
     let mut seen = vec![file.loc_info_by_name("/")?.token];
     let mut waiting = vec![String::new()];
     while let Some(group) = waiting.pop() {
         let folder: Group = file.group(if group.is_empty() { "/" } else { &group })?;
         let mut names = Vec::new();
         folder.iter_visit_default(|name, link| {
-            // Other links lead to what has a name already, out of the file, or nowhere.
+            // Other links lead to objects that have a name already, out of the file, or nowhere.
             if link.link_type == LinkType::Hard {
                 names.push(format!("{group}/{name}"));
             }

@@ -1,4 +1,4 @@
-//! Files that are read in pieces, in any order: they must not change meanwhile.
+//! Files that are read in pieces, in any order. They must not change meanwhile.
 
 use std::fmt;
 use std::fs::{self, Metadata};
@@ -12,7 +12,7 @@ use crate::io::source::{error, error_at};
 /// Bytes of a file that are converted at a time.
 pub(super) const BUFFER: usize = 1 << 18;
 
-/// Why a file that was changed is refused.
+/// The message for a file that was changed.
 pub(super) const CHANGED: &str = "changed since it was opened";
 
 /// Size and time of modification of a file.
@@ -29,7 +29,7 @@ impl Stamp {
         Self { len: metadata.len(), modified: metadata.modified().ok() }
     }
 
-    /// Refuses a file that is no longer as it was.
+    /// Returns an error for a file that has changed since.
     pub fn check(self, path: &Path, now: io::Result<Metadata>) -> Result<()> {
         let now = Self::of(&now.map_err(|e| error_at(path, None, e))?);
         match now {
@@ -56,7 +56,7 @@ pub(super) fn shrank(path: &Path) -> Error {
     error(path, None, "truncated: it shrank since it was opened")
 }
 
-/// The size and time of a file that has a middle.
+/// Returns the size and time of a file that can be read from its middle.
 pub(super) fn seekable(path: &Path) -> Result<Stamp> {
     let metadata = fs::metadata(path).map_err(|e| error_at(path, None, e))?;
     if metadata.is_dir() {
@@ -68,7 +68,7 @@ pub(super) fn seekable(path: &Path) -> Result<Stamp> {
     Ok(Stamp::of(&metadata))
 }
 
-/// `path` without links and relative parts, where the system can tell.
+/// Returns `path` without links and relative parts, where the system can tell.
 pub(super) fn canonical(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.into())
 }

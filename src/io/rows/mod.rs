@@ -58,7 +58,7 @@ use crate::base::{Error, Real, Result};
 /// ```
 #[derive(Debug)]
 pub struct RowFile {
-    /// As given to [`RowFile::open`].
+    /// The name given to [`RowFile::open`].
     name: PathBuf,
     content: Content,
     /// The columns that are part of the matrix.
@@ -96,13 +96,13 @@ impl RowFile {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] when they are not inside the matrix of the file.
+    /// [`Error::Argument`] when the columns are not inside the matrix of the file.
     pub fn with_columns(mut self, columns: Range<usize>) -> Result<Self> {
         self.columns = checked_columns(Some(&columns), self.content.shape().1)?;
         Ok(self)
     }
 
-    /// Opens the same rows and columns once more, for another reader.
+    /// Opens the same rows and columns once more, for a second reader.
     ///
     /// # Errors
     /// As [`RowFile::open`]; [`Error::Io`] when the file has changed since it was opened.
@@ -173,7 +173,7 @@ impl<T: Real> RowBlocks<T> for RowFile {
         let rows = match first.checked_add(out.nrows()) {
             Some(end) if end <= nrows => first..end,
             _ => {
-                let why = format!("{} from {first} on are not inside its {nrows}", out.nrows());
+                let why = format!("{} from row {first} on, but the file has {nrows}", out.nrows());
                 return Err(Error::Argument { what: "rows", why });
             }
         };
@@ -230,7 +230,7 @@ impl Kind {
         let fail = |what: &str| Err(error(name, None, what));
         let text = name.to_string_lossy().to_ascii_lowercase();
         let is_hdf5 = |text: &str| [".h5", ".hdf5", ".he5"].iter().any(|end| text.ends_with(end));
-        // A name that is not text can't be cut, nor could a dataset be called that.
+        // A name that is not text has no part for a dataset.
         if let Some(whole) = name.to_str() {
             let colon = text.match_indices(':').find(|&(at, _)| is_hdf5(&text[..at]));
             if let Some((at, _)) = colon {

@@ -17,8 +17,8 @@ use crate::io::SourceOptions;
 use crate::io::npy::Layout;
 use crate::io::source::{Packing, Source, error, error_at};
 
-/// Entries between the pieces of two lines are read too when they have at most this many bytes:
-/// that takes less time than a seek.
+/// Entries between the pieces of two lines are also read when they have at most this many bytes,
+/// because that takes less time than a seek.
 const GAP: usize = 4096;
 
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub(super) struct NpyRows {
 
 impl NpyRows {
     pub(super) fn open(path: &Path) -> Result<Self> {
-        // A pipe would be waited for.
+        // The open of a pipe would wait.
         seekable(path)?;
         let layout = Layout::read(&mut Source::open(path, Packing::None, &SourceOptions::new())?)?;
         let opened = File::open(path).and_then(|file| file.metadata().map(|about| (file, about)));
@@ -70,7 +70,7 @@ impl NpyRows {
         self.stamp
     }
 
-    /// Neither range is empty, both lie inside the matrix, and `out` has their shape.
+    /// Reads a block. Both ranges lie inside the matrix and are not empty; `out` has their shape.
     pub(super) fn read<T: Real>(
         &mut self,
         rows: Range<usize>,
@@ -110,7 +110,7 @@ impl NpyRows {
         Ok(())
     }
 
-    /// Fills `out` with the entries from `start` on, those of its next row `line` entries later.
+    /// Fills `out` with the entries from `start` on. Each row of it starts `line` entries later.
     fn read_piece<T: Real>(
         &mut self,
         start: usize,
@@ -157,7 +157,7 @@ fn read_at(
     })
 }
 
-/// The memory of `out` if its rows follow one another without a gap.
+/// Returns the memory of `out` if its rows follow one another without a gap.
 fn bytes_of<T: Real>(out: MatMut<'_, T>) -> Option<&mut [u8]> {
     let (height, width) = out.shape();
     let lines = height == 1 || out.row_stride() == width as isize;

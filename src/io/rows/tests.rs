@@ -13,14 +13,14 @@ use super::*;
 use crate::io::tests::{Folder, doubles, npy, read_all};
 use crate::io::{Output, Overwrite, write};
 
-/// The block of `count` rows from `first` on, as T.
+/// Returns the block of `count` rows from `first` on, as T.
 fn block<T: Real>(rows: &mut RowFile, first: usize, count: usize) -> Mat<f64> {
     let mut out = Mat::<T>::from_fn(count, rows.ncols(), |_, _| T::from_f64(f64::NAN));
     rows.read(first, out.as_mut()).unwrap();
     Mat::from_fn(count, rows.ncols(), |i, j| out[(i, j)].to_f64())
 }
 
-/// The `what` of the error that opening `content` gives, which names the file.
+/// Returns the `what` of the error that opening `content` gives, which names the file.
 fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
     let folder = Folder::new();
     what(&folder.file(name, content), RowFile::open(folder.path(name)))
@@ -37,7 +37,7 @@ fn what<T: fmt::Debug>(path: &Path, result: Result<T>) -> String {
     }
 }
 
-/// Bytes of m x n entries 0, 1, ... in the order of the file.
+/// Returns the bytes of m x n entries 0, 1, ... in the order of the file.
 fn counting<const N: usize>(len: usize, to_bytes: impl Fn(u8) -> [u8; N]) -> Vec<u8> {
     (0..len).flat_map(|i| to_bytes((i % 101) as u8)).collect()
 }
@@ -271,7 +271,7 @@ fn files_that_change_while_they_are_read_are_refused() {
         assert_eq!(what(&path, rows.read(0, out.as_mut())), CHANGED);
         let len = file.metadata().unwrap().len();
         file.set_len(len - 16).unwrap();
-        // Rows that are still there are no longer to be trusted.
+        // Rows that are still there can't be trusted any more.
         for count in [1, 2] {
             let out = out.as_mut().subrows_mut(0, count);
             assert_eq!(what(&path, rows.read(0, out)), "truncated: it shrank since it was opened");

@@ -4,10 +4,10 @@ use std::collections::BinaryHeap;
 use super::Graph;
 use crate::base::{Error, Result};
 
-/// No vertex.
+/// Marks the absence of a vertex.
 const NONE: u32 = u32::MAX;
 
-/// Limits at which a search of [`Dijkstra`] stops; by default it has none.
+/// Limits at which a search of [`Dijkstra`] stops; by default there are none.
 ///
 /// ```
 /// use catamaran::mesh::{Dijkstra, Graph, SearchLimits};
@@ -22,7 +22,8 @@ const NONE: u32 = u32::MAX;
 pub struct SearchLimits<'a> {
     /// Vertices farther than this are not reached; in units of length, default infinite.
     pub cutoff: f64,
-    /// The search ends as soon as all of these are reached; empty, the default: never.
+    /// The search ends as soon as all of these vertices are reached. Empty by default: the search
+    /// visits all vertices.
     pub targets: &'a [u32],
 }
 
@@ -34,8 +35,8 @@ impl Default for SearchLimits<'_> {
 
 /// Shortest paths along the edges of a graph from the nearest of several sources (Dijkstra 1959).
 ///
-/// Made once for many searches: a search undoes only what the one before it touched, so that a
-/// local one costs O(m log m) for m edges looked at, whatever the size of the graph.
+/// One solver serves many searches: a search resets only what the previous search touched, so that
+/// a local search costs O(m log m) for m visited edges, whatever the size of the graph.
 ///
 /// ```
 /// use catamaran::mesh::{Dijkstra, Graph, SearchLimits};
@@ -50,17 +51,17 @@ impl Default for SearchLimits<'_> {
 pub struct Dijkstra<'g> {
     graph: &'g Graph,
     distances: Vec<f64>,
-    /// The vertex before on the path, [`NONE`] at sources.
+    /// The previous vertex on the path, [`NONE`] at sources.
     predecessors: Vec<u32>,
-    /// The source that the path starts from.
+    /// The source at which the path starts.
     origins: Vec<u32>,
     is_target: Vec<bool>,
-    /// Vertices whose distance is final, in this order.
+    /// Vertices whose distance is final, in the order in which they were reached.
     reached: Vec<u32>,
     /// Vertices that ever had a distance since the last reset.
     touched: Vec<u32>,
-    /// Distances of vertices, as bits: those of non-negative numbers are ordered as they are. Equal
-    /// ones by number.
+    /// Distances of vertices, as bits: the bits of non-negative numbers have the order of the
+    /// numbers. Equal distances are ordered by vertex.
     heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
@@ -85,8 +86,8 @@ impl<'g> Dijkstra<'g> {
     ///
     /// # Errors
     /// [`Error::Argument`] names a source or target out of range, a distance that is negative or
-    /// not finite, or a cut-off that is negative or not a number; the solver is then as if nothing
-    /// had been searched.
+    /// not finite, or a cut-off that is negative or not a number; the solver is then in the state
+    /// before any search.
     pub fn search(&mut self, sources: &[(u32, f64)], limits: &SearchLimits<'_>) -> Result<()> {
         self.reset();
         self.check(sources, limits)?;
@@ -98,7 +99,7 @@ impl<'g> Dijkstra<'g> {
         }
         self.start(sources, limits.cutoff);
         self.run(limits.cutoff, (missing > 0).then_some(missing));
-        // What is still waiting has no final distance.
+        // Vertices that are still in the heap have no final distance.
         for Reverse((bits, v)) in self.heap.drain() {
             let v = v as usize;
             if bits == self.distances[v].to_bits() {
@@ -192,13 +193,13 @@ impl<'g> Dijkstra<'g> {
     fn check(&self, sources: &[(u32, f64)], limits: &SearchLimits<'_>) -> Result<()> {
         let n = self.graph.len();
         let there = |what, v: u32| {
-            let why = || format!("vertex {v} of {n} (numbered from 0)");
+            let why = || format!("vertex {v} is out of range: {n} vertices, numbered from 0");
             if (v as usize) < n { Ok(()) } else { Err(Error::Argument { what, why: why() }) }
         };
         for &(v, start) in sources {
             there("sources", v)?;
             if !(start >= 0.0 && start.is_finite()) {
-                let why = format!("vertex {v} starts at distance {start}");
+                let why = format!("vertex {v} has distance {start}, must be finite and at least 0");
                 return Err(Error::Argument { what: "sources", why });
             }
         }
@@ -206,7 +207,7 @@ impl<'g> Dijkstra<'g> {
             there("targets", v)?;
         }
         if limits.cutoff.is_nan() || limits.cutoff < 0.0 {
-            let why = format!("{}, where it is at least 0", limits.cutoff);
+            let why = format!("must be at least 0, is {}", limits.cutoff);
             return Err(Error::Argument { what: "cutoff", why });
         }
         Ok(())
@@ -222,8 +223,8 @@ impl<'g> Dijkstra<'g> {
         }
     }
 
-    /// Takes vertices in the order of their distance until there are none left, or none of the
-    /// `missing` targets.
+    /// Takes vertices in the order of their distance until none is left, or none of the `missing`
+    /// targets.
     fn run(&mut self, cutoff: f64, mut missing: Option<usize>) {
         let graph = self.graph;
         while let Some(Reverse((bits, v))) = self.heap.pop() {

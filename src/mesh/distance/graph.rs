@@ -13,7 +13,7 @@ use crate::base::{Error, Result};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Graph {
-    /// Neighbours of v: entries `starts[v]..starts[v + 1]`.
+    /// The neighbours of v are the entries `starts[v]..starts[v + 1]`.
     starts: Vec<usize>,
     neighbours: Vec<u32>,
     lengths: Vec<f64>,
@@ -46,14 +46,16 @@ impl Graph {
     pub fn new(n: usize, edges: &[(u32, u32, f64)]) -> Result<Self> {
         let refused = |why| Err(Error::Argument { what: "edges", why });
         if u32::try_from(n).is_err() {
-            return refused(format!("{n} vertices, where at most 2^32 - 1 can be numbered"));
+            return refused(format!("at most 2^32 - 1 vertices are possible, got {n}"));
         }
         for (e, &(a, b, length)) in edges.iter().enumerate() {
             if a as usize >= n || b as usize >= n {
-                return refused(format!("edge {e}, from {a} to {b}, among {n} vertices"));
+                return refused(format!(
+                    "edge {e}, from {a} to {b}, is out of range: {n} vertices"
+                ));
             }
             if !(length >= 0.0 && length.is_finite()) {
-                return refused(format!("edge {e} has length {length}"));
+                return refused(format!("edge {e} has length {length}, must be at least 0"));
             }
         }
         Ok(Self::build(n, || edges.iter().copied()))

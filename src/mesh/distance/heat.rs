@@ -7,18 +7,18 @@ use super::super::{LaplacianKind, MassKind, TriMesh};
 use crate::base::{Error, Par, Result, Sets, builder};
 use crate::sparse::{Factor, Inverse, Mass, Symbolic};
 
-/// Heat below this has lost digits, and with them the direction it flows in.
+/// Smallest heat whose direction of flow is reliable: smaller numbers have lost digits.
 const COLD: f64 = 1e-290;
 
 /// Options of [`HeatMethod`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct HeatOptions {
-    /// How long heat flows, in units of the squared mean edge length; positive, default 1. More is
-    /// smoother.
+    /// Time of the heat flow, in units of the squared mean edge length; positive, default 1. A
+    /// longer time gives smoother distances.
     pub time: f64,
-    /// Triangles to work on; default [`LaplacianKind::Cotangent`]. The others are better where
-    /// triangles are bad, and bear faces without area.
+    /// Triangulation; default [`LaplacianKind::Cotangent`]. The other kinds are more accurate on
+    /// triangles of low quality, and allow faces without area.
     pub kind: LaplacianKind,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
@@ -36,11 +36,12 @@ builder! { HeatOptions {
     par: Par,
 }}
 
-/// Distances over the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in
-/// Heat (2013), with Neumann conditions at the boundary. Accurate to a few edges' share of the
-/// distance; not exact.
+/// Distances along the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in
+/// Heat (2013), with Neumann conditions at the boundary. The error is a few edge lengths; the
+/// distances are not exact.
 ///
-/// Two sparse Cholesky factorisations when it is made, two solves for every set of sources.
+/// Creating the solver takes two sparse Cholesky factorisations; each set of sources takes two
+/// solves.
 ///
 /// ```
 /// use catamaran::mesh::{HeatMethod, HeatOptions, families};
@@ -55,9 +56,9 @@ builder! { HeatOptions {
 pub struct HeatMethod {
     faces: Vec<[u32; 3]>,
     elements: Vec<Element>,
-    /// Of M + t W.
+    /// Factor of M + t W.
     heat: Factor,
-    /// Of W, with one vertex of every component held at zero.
+    /// Factor of W, with one vertex of every component held at zero.
     poisson: Factor,
     /// The component of every vertex: its vertex with the lowest number.
     components: Vec<u32>,
@@ -75,7 +76,7 @@ impl HeatMethod {
     pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
         let n = mesh.vertices().len();
         if !(options.time > 0.0 && options.time.is_finite()) {
-            let why = format!("{}, where it is positive and finite", options.time);
+            let why = format!("must be positive and finite, is {}", options.time);
             return Err(Error::Argument { what: "time", why });
         }
         let plain = Complex::of_mesh(mesh)?;
@@ -97,7 +98,7 @@ impl HeatMethod {
             return Err(Error::Argument { what: "mass", why });
         };
         let starts = stiffness.indptr();
-        // Symmetric: by rows or by columns is the same.
+        // The matrix is symmetric: storage by rows and by columns is the same.
         let places = SymbolicSparseColMatRef::new_checked(
             n,
             n,
@@ -109,7 +110,8 @@ impl HeatMethod {
         let factor = |matrix: &CsMat<f64>| {
             let found = symbolic.positive(SparseColMatRef::new(places, matrix.data()))?;
             found.filter(Factor::is_finite).ok_or_else(|| {
-                let why = "its Laplacian is not positive definite to working precision; the tufted kind mends that";
+                let why = "its Laplacian is not positive definite to working precision; \
+                           the tufted Laplacian avoids this";
                 Error::Argument { what: "mesh", why: why.into() }
             })
         };
@@ -146,15 +148,15 @@ impl HeatMethod {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] names a source that is not there. [`Error::Mesh`] names a vertex which
-    /// is so many edges away (about 650 with time 1) that no heat arrives: more time helps.
+    /// [`Error::Argument`] names a source that does not exist. [`Error::Mesh`] names a vertex which
+    /// is too many edges away (about 650 with time 1) for heat to arrive: use a longer time.
     pub fn distances(&self, sources: &[u32]) -> Result<Vec<f64>> {
         let n = self.components.len();
         let mut right = vec![0.0; n];
         let mut warm = vec![false; n];
         for &source in sources {
             let Some(heat) = right.get_mut(source as usize) else {
-                let why = format!("vertex {source} of {n} (numbered from 0)");
+                let why = format!("vertex {source} is out of range: {n} vertices, numbered from 0");
                 return Err(Error::Argument { what: "sources", why });
             };
             *heat = 1.0;
@@ -165,7 +167,7 @@ impl HeatMethod {
         self.heat.solve(ColMut::from_slice_mut(&mut heat).as_mat_mut(), self.par)?;
         let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
         if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
-            let what = "too many edges away for the heat to arrive; it takes a longer time".into();
+            let what = "too many edges away for heat to arrive; use a longer time".into();
             return Err(Error::Mesh { what, element: format!("vertex {v}") });
         }
         let mut slopes = self.against_the_flow(&heat);
@@ -191,8 +193,8 @@ impl HeatMethod {
         Ok(distances)
     }
 
-    /// The unit field against the gradient of heat u, integrated against the gradients of the hat
-    /// functions: on a triangle with stiffness S this is `-S u / |grad u|`, and
+    /// Returns the unit field against the gradient of heat u, integrated against the gradients of
+    /// the hat functions: on a triangle with stiffness S this is `-S u / |grad u|`, and
     /// `area |grad u|^2 = u^T S u`.
     fn against_the_flow(&self, heat: &[f64]) -> Vec<f64> {
         let mut slopes = vec![0.0; heat.len()];
@@ -208,7 +210,7 @@ impl HeatMethod {
             let w = element.weights;
             let energy: f64 = (0..3).map(|k| w[k] * rise[k] * rise[k]).sum();
             if energy <= 0.0 {
-                continue; // a sliver, and rounding
+                continue; // the sum is rounding error: the triangle is a sliver
             }
             let unit = (element.area / energy).sqrt();
             for k in 0..3 {
@@ -220,7 +222,7 @@ impl HeatMethod {
     }
 }
 
-/// The matrix with the same places and other entries.
+/// Returns a matrix with the same sparsity pattern and other entries.
 fn with_entries(matrix: &CsMat<f64>, entry: impl Fn(usize, usize, f64) -> f64) -> CsMat<f64> {
     let mut other = matrix.clone();
     for (i, mut row) in other.outer_iterator_mut().enumerate() {
@@ -231,7 +233,7 @@ fn with_entries(matrix: &CsMat<f64>, entry: impl Fn(usize, usize, f64) -> f64) -
     other
 }
 
-/// For each vertex, the lowest of those that faces connect it to.
+/// Returns for each vertex the lowest vertex of its component.
 fn components(n: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     let mut sets = Sets::new(n);
     for &[a, b, c] in faces {

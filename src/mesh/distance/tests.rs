@@ -3,7 +3,7 @@ use crate::base::{Error, Par, Rng};
 use crate::mesh::vector::{distance, dot};
 use crate::mesh::{LaplacianKind, TriMesh, families, shapes};
 
-/// Bellman and Ford's algorithm: distances from several sources.
+/// Returns the distances from several sources by the Bellman-Ford algorithm.
 fn oracle(n: usize, edges: &[(u32, u32, f64)], sources: &[(u32, f64)]) -> Vec<f64> {
     let mut distances = vec![f64::INFINITY; n];
     for &(v, d) in sources {
@@ -23,7 +23,7 @@ fn random_graph(n: u32, m: usize, seed: u64) -> Vec<(u32, u32, f64)> {
     let mut rng = Rng::new(seed);
     let mut vertex = || (rng.bits() % u64::from(n)) as u32;
     let ends: Vec<_> = (0..m).map(|_| (vertex(), vertex())).collect();
-    // Lengths of few digits, so that sums are exact and paths tie.
+    // The lengths have few digits, so that sums are exact and paths tie.
     ends.into_iter().map(|(a, b)| (a, b, (rng.bits() % 16) as f64 / 8.0)).collect()
 }
 
@@ -166,7 +166,7 @@ fn heat(mesh: &TriMesh, kind: LaplacianKind) -> HeatMethod {
     HeatMethod::new(mesh, &HeatOptions { kind, par: Par::Seq, ..Default::default() }).unwrap()
 }
 
-/// The mean and the largest difference, relative to the largest distance.
+/// Returns the mean and the largest difference, relative to the largest distance.
 fn errors(found: &[f64], exact: impl Fn(usize) -> f64) -> (f64, f64) {
     let largest = (0..found.len()).map(&exact).fold(0.0, f64::max);
     let all = || found.iter().enumerate().map(|(v, d)| (d - exact(v)).abs() / largest);

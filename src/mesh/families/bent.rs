@@ -1,19 +1,20 @@
-//! Bending, which changes lengths on thin shapes little: near-isometric copies.
+//! Bending, which changes lengths on thin shapes little, for near-isometric copies.
 
 use super::super::TriMesh;
 use super::draft::positive;
 use crate::base::{Error, Result};
 
-/// A bend: space behind `at` stays, a slab of width `length` beyond `at` is bent around a circle,
-/// and space behind the slab is turned with it. The middle plane through `at` keeps its lengths; at
-/// a height h in direction `towards`, lengths change by the factor 1 - h angle / length.
+/// A bend of space. Space behind `at` stays; a slab of width `length` beyond `at` is bent around a
+/// circle, and space behind the slab is turned with it. The middle plane through `at` keeps its
+/// lengths; at a height h in direction `towards`, lengths change by the factor 1 - h angle /
+/// length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
-    /// Where it begins.
+    /// Where the bend begins.
     pub at: [f64; 3],
     /// The direction that is bent, of length 1.
     pub along: [f64; 3],
-    /// Where it is bent to: of length 1, orthogonal to `along`.
+    /// The direction towards which space is bent, of length 1, orthogonal to `along`.
     pub towards: [f64; 3],
     /// The angle, in radians.
     pub angle: f64,
@@ -46,9 +47,7 @@ impl Bend {
         if !units || !near(dot(self.along, self.towards), 0.0) || !self.angle.is_finite() {
             return Err(Error::Argument {
                 what: "bend",
-                why: format!(
-                    "{self:?}, where orthogonal unit vectors and a finite angle are needed"
-                ),
+                why: format!("must have orthogonal unit vectors and a finite angle, is {self:?}"),
             });
         }
         Ok(())
@@ -77,7 +76,7 @@ impl Bend {
 ///
 /// # Errors
 /// [`Error::Argument`] unless the directions are orthogonal and of length 1 (to 1e-9), the length
-/// positive and all finite.
+/// is positive and all numbers are finite.
 pub fn bent(mesh: &TriMesh, bend: &Bend) -> Result<TriMesh> {
     bend.check()?;
     let vertices = mesh.vertices().iter().map(|&p| bend.apply(p)).collect();

@@ -17,8 +17,8 @@ use crate::base::Result;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) without a cell, for too many, or a thinness that is
-/// not positive.
+/// [`Error::Argument`](crate::Error::Argument) without a cell, for too many cells, or for a
+/// thinness that is not positive.
 pub fn slivers(columns: usize, rows: usize, thinness: f64) -> Result<TriMesh> {
     positive("thinness", thinness)?;
     sheet(columns, rows, Seam::Open, false, |i, j| {
@@ -89,7 +89,7 @@ pub fn bow_tie() -> Result<TriMesh> {
 /// ```
 ///
 /// # Errors
-/// None that a mesh could cause.
+/// None in practice.
 pub fn soup(mesh: &TriMesh) -> Result<TriMesh> {
     let count = mesh.faces().len();
     let mut draft = Draft::with_counts(count.checked_mul(3), Some(count))?;
@@ -99,10 +99,11 @@ pub fn soup(mesh: &TriMesh) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// Generates the unit sphere as programs export it that keep one texture coordinate for each
-/// vertex: cut open along a meridian, with a vertex at each pole for each of the `columns`. `rows`
-/// count from the south pole to the north pole. V = (columns + 1) (rows - 1) + 2 columns, F = 2
-/// columns (rows - 1). With vertices of equal positions welded, the mesh is a sphere.
+/// Generates the unit sphere in the form in which programs that keep one texture coordinate for
+/// each vertex export it: cut open along a meridian, with a vertex at each pole for each of the
+/// `columns`. `rows` count from the south pole to the north pole. V = (columns + 1) (rows - 1) + 2
+/// columns, F = 2 columns (rows - 1). With vertices of equal positions welded, the mesh is a
+/// sphere.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -127,7 +128,7 @@ pub fn split_sphere(columns: usize, rows: usize) -> Result<TriMesh> {
     for j in 1..rows {
         let (up, height) = super::draft::turn(j, 2 * rows).sin_cos();
         for i in 0..=columns {
-            // The last line is where the first one is, to the last bit.
+            // The last column has exactly the positions of the first one.
             let (sin, cos) = super::draft::turn(i % columns, columns).sin_cos();
             draft.vertices.push([up * cos, up * sin, -height]);
         }

@@ -36,7 +36,7 @@ pub fn icosphere(subdivisions: u32) -> Result<TriMesh> {
     let faces = 4usize.checked_pow(subdivisions).and_then(|n| n.checked_mul(20));
     let mut draft = Draft::with_counts(faces.map(|n| n / 2 + 2), faces)?;
     let corner = |s: f64, t: f64| [[-s, t * PHI, 0.0], [0.0, -s, t * PHI], [t * PHI, 0.0, -s]];
-    // In the order that the table of faces expects: by axis, then by signs.
+    // The order is that of the table of faces: by axis, then by signs.
     for axis in 0..3 {
         for (s, t) in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
             draft.vertices.push(on_sphere(corner(s, t)[axis]));
@@ -114,7 +114,7 @@ pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMe
     positive("minor", minor)?;
     positive("major", major)?;
     if minor >= major {
-        let why = format!("{minor}, where less than the major radius {major} is needed");
+        let why = format!("must be less than the major radius {major}, is {minor}");
         return Err(Error::Argument { what: "minor", why });
     }
     sheet(around, tube, Seam::Joined, true, |i, j| {
@@ -143,8 +143,7 @@ pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMe
 pub fn knot(p: u32, q: u32, along: usize, tube: usize, radius: f64) -> Result<TriMesh> {
     positive("radius", radius)?;
     if p == 0 || q == 0 || common_divisor(p, q) != 1 {
-        let why =
-            format!("({p}, {q}), where two positive numbers without common divisor are needed");
+        let why = format!("must be positive numbers without a common divisor, are ({p}, {q})");
         return Err(Error::Argument { what: "p, q", why });
     }
     let (p, q) = (f64::from(p), f64::from(q));
@@ -152,7 +151,8 @@ pub fn knot(p: u32, q: u32, along: usize, tube: usize, radius: f64) -> Result<Tr
         let t = turn(i, along);
         let ((sin_u, cos_u), (sin_v, cos_v)) = ((p * t).sin_cos(), (q * t).sin_cos());
         let distance = 2.0 + cos_v;
-        // The torus' normal is normal to every curve on the torus: a frame that closes by itself.
+        // The normal of the torus is normal to every curve on the torus: the frame closes without a
+        // twist.
         let normal = [cos_v * cos_u, cos_v * sin_u, sin_v];
         let tangent = on_sphere([
             -q * sin_v * cos_u - p * distance * sin_u,
@@ -186,7 +186,8 @@ fn common_divisor(a: u32, b: u32) -> u32 {
 /// [`Error::Argument`] without cells, or for too many vertices.
 pub fn genus(genus: usize, cells: usize) -> Result<TriMesh> {
     at_least("cells", cells, 1)?;
-    // Beyond this the mesh could not be numbered; below, the lattice fits its integers.
+    // Above this limit the vertices could not be numbered; below it, the coordinates fit the
+    // integers.
     let squares = genus.checked_mul(18).and_then(|n| n.checked_add(14));
     let faces = squares.and_then(|n| n.checked_mul(cells)?.checked_mul(cells)?.checked_mul(2));
     let draft = Draft::with_counts(faces.map(|n| n / 2 + 2), faces)?;

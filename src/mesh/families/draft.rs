@@ -1,18 +1,17 @@
 use super::super::TriMesh;
 use crate::base::{Error, Result};
 
-/// A mesh being made, with room for all of it.
+/// A mesh under construction, with all of its memory reserved.
 pub(super) struct Draft {
     pub vertices: Vec<[f64; 3]>,
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Draft {
-    /// Creates a draft with room for that many vertices and faces; `None`, a count that overflowed,
-    /// is an error.
+    /// Creates a draft with room for the given numbers of vertices and faces. `None`, a count that
+    /// overflowed, gives an error.
     pub fn with_counts(vertices: Option<usize>, faces: Option<usize>) -> Result<Self> {
-        // What overflows or can't be numbered would be refused by `TriMesh::new`, but only after it
-        // was made.
+        // `TriMesh::new` would refuse these counts, too, but only after the memory was filled.
         let fits = |count: Option<usize>, each: u32| {
             count.filter(|&n| n <= (u32::MAX / each) as usize).ok_or_else(|| Error::Argument {
                 what: "mesh",
@@ -36,19 +35,20 @@ fn reserved<T>(len: usize) -> Result<Vec<T>> {
     Ok(items)
 }
 
-/// How the last column of a sheet meets the first one.
+/// How the last column of a sheet is joined to the first one.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Seam {
-    /// It doesn't.
+    /// Not at all.
     Open,
     /// Row by row.
     Joined,
-    /// With the rows in reverse.
+    /// Row by row, with the rows in reverse order.
     Twisted,
 }
 
 /// Generates a sheet of `columns` x `rows` cells, each cut into two triangles; `position(i, j)` is
-/// that of the vertex in column i and row j. With joined rows the last row is the first one.
+/// the position of the vertex in column i and row j. With joined rows the last row is joined to the
+/// first one.
 pub(super) fn sheet(
     columns: usize,
     rows: usize,
@@ -91,7 +91,7 @@ pub(super) fn at_least(what: &'static str, value: usize, least: usize) -> Result
     if value >= least {
         return Ok(());
     }
-    Err(Error::Argument { what, why: format!("{value}, where at least {least} is needed") })
+    Err(Error::Argument { what, why: format!("must be at least {least}, is {value}") })
 }
 
 /// Returns an error unless `value` is finite and above 0.
@@ -99,7 +99,7 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
+    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
 }
 
 /// Returns the angle of step `i` of `count` around a circle.

@@ -4,14 +4,15 @@ use super::draft::{Draft, at_least};
 use super::voxels;
 use crate::base::{Error, Result};
 
-/// A joint, for limbs on the side of positive x and, mirrored, on the other side; `one_sided` keeps
-/// to the first.
+/// A joint of a limb on the side of positive x; its mirror image is the joint of the limb on the
+/// other side, unless the joint is `one_sided`.
 struct Joint {
     bend: Bend,
     one_sided: bool,
 }
 
-/// From the ends of the limbs to the trunk, so that each turns what was bent before.
+/// The joints from the ends of the limbs to the trunk, so that each joint turns what earlier joints
+/// bent.
 const JOINTS: [Joint; 4] = [
     joint([4.0, 0.0, 3.5], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 1.3, false),
     joint([1.6, 0.0, 3.5], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], 0.9, false),
@@ -44,11 +45,11 @@ const fn joint(
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] without cells, for too many vertices, or a pose outside 0..1.
+/// [`Error::Argument`] without cells, for too many vertices, or for a pose outside of 0 to 1.
 pub fn figure(cells: usize, pose: f64) -> Result<TriMesh> {
     at_least("cells", cells, 1)?;
     if !(0.0..=1.0).contains(&pose) {
-        return Err(Error::Argument { what: "pose", why: format!("{pose}, not in 0..1") });
+        return Err(Error::Argument { what: "pose", why: format!("must be in 0..=1, is {pose}") });
     }
     let faces = cells.checked_mul(cells).and_then(|n| n.checked_mul(300));
     let draft = Draft::with_counts(faces.map(|n| n / 2 + 2), faces)?;
@@ -66,7 +67,7 @@ pub fn figure(cells: usize, pose: f64) -> Result<TriMesh> {
 
 fn posed(p: [f64; 3], pose: f64) -> [f64; 3] {
     let side = p[0].signum();
-    // The limb on the other side is this one's mirror image.
+    // The limb on the other side is the mirror image.
     let mut q = [p[0].abs(), p[1], p[2]];
     for Joint { bend, one_sided } in &JOINTS {
         if *one_sided && side < 0.0 {

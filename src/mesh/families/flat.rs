@@ -140,7 +140,7 @@ pub fn terrain(columns: usize, rows: usize, seed: u64) -> Result<TriMesh> {
     })
 }
 
-/// Random values in [-1, 1) on a lattice of the unit square, and smooth ones between.
+/// Random values in [-1, 1) on a lattice of the unit square, and smooth interpolation between them.
 struct Noise {
     cells: usize,
     values: Vec<f64>,

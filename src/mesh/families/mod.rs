@@ -1,9 +1,9 @@
 //! Generated meshes with known counts, genus and boundary, for tests and demonstrations.
 //!
-//! All faces are counter-clockwise as seen from outside (from above, for what is flat). V and F are
-//! the numbers of vertices and faces; a closed orientable surface of genus g has V = F / 2 + 2 - 2
-//! g. The same arguments give the same mesh, but for last bits where machines round sines
-//! differently.
+//! All faces are counter-clockwise as seen from outside (for flat surfaces, from above). V and F
+//! are the numbers of vertices and faces; a closed orientable surface of genus g has
+//! V = F / 2 + 2 - 2 g. The same arguments give the same mesh, except for the last bits on machines
+//! that round sines differently.
 
 mod bent;
 mod broken;

@@ -1,4 +1,4 @@
-//! Surfaces of heaps of cubes, rounded.
+//! Rounded surfaces of sets of cubes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -44,7 +44,7 @@ pub(super) fn surface(cubes: &[[i32; 3]], cells: i32, mut draft: Draft) -> Resul
             }
         }
     }
-    // The time of the heat flow that this is does not depend on the resolution.
+    // The number of steps makes the time of this heat flow independent of the resolution.
     for _ in 0..=i64::from(cells).pow(2) / 4 {
         smooth(&mut draft);
     }
@@ -55,7 +55,7 @@ pub(super) fn surface(cubes: &[[i32; 3]], cells: i32, mut draft: Draft) -> Resul
 fn smooth(draft: &mut Draft) {
     let mut sums = vec![[0.0; 4]; draft.vertices.len()];
     for &[a, b, c] in &draft.faces {
-        // Every edge is met twice, once from each end.
+        // Each edge occurs twice, once from each end.
         for (u, v) in [(a, b), (b, c), (c, a)] {
             let sum = &mut sums[u as usize];
             let p = draft.vertices[v as usize];

@@ -31,18 +31,18 @@ impl Bounds {
     }
 }
 
-/// Items in a leaf.
+/// Number of items in a leaf.
 const LEAF: usize = 4;
 
-/// Leaves that one thread takes at a time.
+/// Number of leaves that one thread takes at a time.
 const BLOCK: usize = 64;
 
-/// Boxes of items, numbered from 0, in a complete binary tree over their order along a curve that
-/// fills space.
+/// A complete binary tree of the boxes of items, ordered along a space-filling curve. Items are
+/// numbered from 0.
 pub(crate) struct BoxTree {
-    /// The items by their place along the curve.
+    /// The items in the order of the curve.
     order: Vec<u32>,
-    /// For each item its place.
+    /// For each item, its position in `order`.
     places: Vec<u32>,
     boxes: Vec<Bounds>,
     /// Node 1 is the root, 2 i and 2 i + 1 are below i, and leaf l is node `leaves` + l.
@@ -92,8 +92,8 @@ impl BoxTree {
         pairs.concat()
     }
 
-    /// Calls `found` for every two items whose boxes meet, one of which is in this leaf, the other
-    /// one in it or in a later one.
+    /// Calls `found` for every two items whose boxes meet, one of which is in this leaf, and the
+    /// other in the same or a later leaf.
     fn visit_pairs(&self, leaf: usize, mut found: impl FnMut(u32, u32)) {
         let own = self.items(leaf);
         let meet = |i: u32, j: u32| self.boxes[i as usize].meets(&self.boxes[j as usize]);
@@ -129,7 +129,7 @@ impl BoxTree {
         }
     }
 
-    /// Calls `found` for every item whose box meets this one.
+    /// Calls `found` for every item whose box meets `bounds`.
     pub fn visit(&self, bounds: &Bounds, mut found: impl FnMut(u32)) {
         self.walk(bounds, 0, |leaf| {
             let items = self.items(leaf).iter().copied();
@@ -137,7 +137,7 @@ impl BoxTree {
         });
     }
 
-    /// Calls `found` for every leaf, from this one on, whose box meets this one.
+    /// Calls `found` for every leaf, from `from` on, whose box meets `bounds`.
     fn walk(&self, bounds: &Bounds, from: usize, mut found: impl FnMut(usize)) {
         // One node waits at each level below the root, and two at the lowest.
         let mut waiting = [0; 66];
@@ -177,7 +177,7 @@ impl BoxTree {
     }
 }
 
-/// The lowest 21 bits, each followed by two zeros (Morton, 1966).
+/// Returns the lowest 21 bits, each followed by two zeros (Morton, 1966).
 fn spread(x: u64) -> u64 {
     let mut x = x & 0x1f_ffff;
     for (shift, mask) in [

@@ -1,4 +1,4 @@
-//! Whether two triangles intersect, decided exactly.
+//! An exact test whether two triangles intersect.
 
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
@@ -8,7 +8,7 @@ use crate::mesh::vector::{Vector, cross, dot, sub};
 pub(crate) type Corners = [Vector; 3];
 
 /// Returns whether two triangles share a point beyond their common corners and edges, where equal
-/// positions are a common corner. Two triangles with all corners in common do.
+/// positions are a common corner. Two triangles with the same three corners intersect.
 pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
     let mut common = 0;
     let (mut in_first, mut in_second) = (0, 0);
@@ -55,11 +55,13 @@ fn edges(t: &Corners) -> [[Vector; 2]; 3] {
     [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
 }
 
-/// More than the rounding error of a determinant of three differences, relative to the product of
-/// their longest components: 12 products of three differences, each with 4 roundings, and 11 sums.
+/// An upper bound of the rounding error of a determinant of three differences, relative to the
+/// product of their longest components: 12 products of three differences, each with 4 roundings,
+/// and 11 sums.
 const ERROR: f64 = 1e-14;
 
-/// Whether these points are on one side of the plane of a triangle beyond doubt by rounding.
+/// Returns whether these points are certainly, beyond rounding, on one side of the plane of a
+/// triangle.
 fn clear_of([a, b, c]: &Corners, points: &[Vector]) -> bool {
     let longest = |[x, y, z]: Vector| x.abs().max(y.abs()).max(z.abs());
     let (ab, ac) = (sub(*b, *a), sub(*c, *a));
@@ -75,7 +77,7 @@ fn clear_of([a, b, c]: &Corners, points: &[Vector]) -> bool {
     above || below
 }
 
-/// On which side of the plane of the triangle a point is: the sign says.
+/// Returns a number whose sign is the side of the plane of the triangle on which a point lies.
 fn side([a, b, c]: &Corners, p: Vector) -> f64 {
     orient3d(point(*a), point(*b), point(*c), point(p))
 }
@@ -84,7 +86,7 @@ fn point([x, y, z]: Vector) -> Coord3D<f64> {
     Coord3D { x, y, z }
 }
 
-/// Whether an edge meets a triangle; never when that has no area.
+/// Returns whether an edge meets a triangle; never when that has no area.
 fn meets_edge(triangle: &Corners, [p, q]: [Vector; 2]) -> bool {
     let (before, behind) = (side(triangle, p), side(triangle, q));
     if (before > 0.0 && behind > 0.0) || (before < 0.0 && behind < 0.0) {
@@ -99,7 +101,7 @@ fn meets_edge(triangle: &Corners, [p, q]: [Vector; 2]) -> bool {
     turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
 }
 
-/// Whether an edge in the plane of a triangle meets it.
+/// Returns whether an edge in the plane of a triangle meets it.
 fn meets_in_plane(triangle: &Corners, edge: [Vector; 2]) -> bool {
     let Some(flat) = projection(triangle) else { return false };
     let [a, b, c] = triangle.map(flat);
@@ -111,7 +113,7 @@ fn meets_in_plane(triangle: &Corners, edge: [Vector; 2]) -> bool {
     inside(p) || [[a, b], [b, c], [c, a]].into_iter().any(|[u, v]| cross_in_plane([p, q], [u, v]))
 }
 
-/// Whether two segments in a plane meet.
+/// Returns whether two segments in a plane meet.
 fn cross_in_plane([p, q]: [Coord<f64>; 2], [u, v]: [Coord<f64>; 2]) -> bool {
     let opposite = |a: f64, b: f64| (a >= 0.0 && b <= 0.0) || (a <= 0.0 && b >= 0.0);
     let (at_u, at_v) = (orient2d(p, q, u), orient2d(p, q, v));
@@ -122,7 +124,7 @@ fn cross_in_plane([p, q]: [Coord<f64>; 2], [u, v]: [Coord<f64>; 2]) -> bool {
     opposite(at_u, at_v) && opposite(orient2d(u, v, p), orient2d(u, v, q))
 }
 
-/// Whether the triangles of an edge with p and with q lie on each other, in one plane.
+/// Returns whether the triangles of an edge with p and with q lie in one plane and overlap.
 fn folded([a, b]: [Vector; 2], p: Vector, q: Vector) -> bool {
     if side(&[a, b, p], q) != 0.0 {
         return false;
@@ -132,8 +134,8 @@ fn folded([a, b]: [Vector; 2], p: Vector, q: Vector) -> bool {
     orient2d(a, b, p) * orient2d(a, b, q) > 0.0
 }
 
-/// The projection along the axis that is steepest to the plane of a triangle; `None` when it has no
-/// area.
+/// Returns the projection along the axis closest to the normal of a triangle; `None` when the
+/// triangle has no area.
 fn projection([a, b, c]: &Corners) -> Option<fn(Vector) -> Coord<f64>> {
     let projections: [fn(Vector) -> Coord<f64>; 3] = [
         |[_, y, z]| Coord { x: y, y: z },
@@ -142,7 +144,8 @@ fn projection([a, b, c]: &Corners) -> Option<fn(Vector) -> Coord<f64>> {
     ];
     let normal = cross(sub(*b, *a), sub(*c, *a)).map(f64::abs);
     let steepest = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).unwrap_or(0);
-    // Rounding may choose an axis in the plane: then another one has an area.
+    // Rounding may select an axis in the plane of the triangle; then another axis gives a
+    // projection with an area.
     let has_area = |k: &usize| {
         let [a, b, c] = [a, b, c].map(|p| projections[*k](*p));
         orient2d(a, b, c) != 0.0

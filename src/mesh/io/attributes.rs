@@ -20,7 +20,7 @@ pub struct MeshFile {
     pub mesh: TriMesh,
     /// Texture coordinates (u, v).
     pub uv: Option<Attribute<2>>,
-    /// Normals, as they are in the file: of any length.
+    /// Normals of any length, as in the file.
     pub normals: Option<Attribute<3>>,
     /// Colours of the vertices: red, green, blue and opacity, usually from 0 to 1.
     pub colors: Option<Vec<[f64; 4]>>,
@@ -32,10 +32,10 @@ pub struct MeshFile {
     pub objects: Option<Labels>,
     /// The files that describe the materials, as the file names them (`mtllib` of OBJ).
     pub material_files: Vec<String>,
-    /// Triangles that are left out because two of their corners are one vertex.
+    /// Number of triangles that are left out because two of their corners are one vertex.
     pub collapsed_faces: usize,
-    /// What the reader left out or took for something else, one line each; empty for a mesh that
-    /// was not read from a file.
+    /// What the reader left out or replaced, one line each; empty for a mesh that was not read from
+    /// a file.
     pub notes: Vec<String>,
 }
 
@@ -73,13 +73,13 @@ impl MeshFile {
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh,
-    /// [`Error::Argument`] when the part has other vertices or faces than the mesh.
+    /// [`Error::Argument`] when the part is of another mesh.
     pub fn part(&self, part: Part) -> Result<MeshFile> {
         self.check()?;
         let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());
         let beyond = |numbers: &[u32], len: usize| numbers.iter().any(|&i| i as usize >= len);
         if beyond(&part.vertices, vertices) || beyond(&part.faces, faces) {
-            let why = format!("not one of a mesh of {vertices} vertices and {faces} faces");
+            let why = format!("is not part of this mesh of {vertices} vertices and {faces} faces");
             return Err(Error::Argument { what: "part", why });
         }
         let colors = self.colors.as_ref();
@@ -120,19 +120,19 @@ impl MeshFile {
     }
 }
 
-/// Values of the vertices of a mesh, or of the corners of its faces: where a texture is cut, a
-/// vertex has several.
+/// Values of the vertices of a mesh, or of the corners of its faces: at a cut of a texture, a
+/// vertex has several values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute<const N: usize> {
     /// The values.
     pub values: Vec<[f64; N]>,
-    /// For each face the numbers of the values of its corners, all three [`Attribute::ABSENT`]
-    /// where a face has none. `None` when the values are those of the vertices.
+    /// For each face, the indices of the values of its corners, all three [`Attribute::ABSENT`] if
+    /// the face has none. `None` when the values are those of the vertices.
     pub corners: Option<Vec<[u32; 3]>>,
 }
 
 impl<const N: usize> Attribute<N> {
-    /// The number of a value that is not there.
+    /// The index of an absent value.
     pub const ABSENT: u32 = u32::MAX;
 
     /// Returns the values of the corners of face f of `mesh`; `None` when the face has none.
@@ -147,7 +147,7 @@ impl<const N: usize> Attribute<N> {
         if self.corners.is_none() { Some(&self.values) } else { None }
     }
 
-    /// Those of a part of the mesh that has these.
+    /// Returns the attribute of a part of the mesh.
     fn part(&self, part: &Part) -> Self {
         let Some(corners) = &self.corners else {
             let values = part.vertices.iter().map(|&v| self.values[v as usize]).collect();
@@ -169,7 +169,7 @@ impl<const N: usize> Attribute<N> {
         Self::simplified(values, corners, &part.mesh)
     }
 
-    /// Returns values of corners as values of vertices where each vertex has only one.
+    /// Returns values of corners as values of vertices if each vertex has only one.
     pub(in super::super) fn simplified(
         values: Vec<[f64; N]>,
         corners: Vec<[u32; 3]>,

@@ -1,6 +1,6 @@
-//! Colours as files have them.
+//! Colours of files, converted to the range 0 to 1.
 
-/// The note about colours that are no attribute of all vertices.
+/// The note about colours that only some vertices have, and that are left out.
 pub(super) const SOME_COLORS: &str = "left out colours, which only some of the vertices have";
 
 /// Returns the colours of a file scaled to 0 to 1: colours with a number above 1 are taken to be

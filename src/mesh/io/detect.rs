@@ -1,4 +1,4 @@
-//! What a file is by its content.
+//! Detects the packing and the format of a file from its content.
 
 use super::format::MeshFormat;
 use super::gltf::GltfEncoding;
@@ -8,16 +8,17 @@ use super::stl::StlEncoding;
 use super::text::{number, words};
 use crate::io::Packing;
 
-/// How much of a file is looked at.
+/// Number of bytes of a file that are read to detect its format.
 pub(super) const LOOK: usize = 1 << 16;
 
-/// Statements of OBJ, at least, for each line that is none: other programs have some of their own.
+/// Least ratio of lines that are statements of OBJ to lines that are not: programs add statements
+/// of their own.
 const LEAST_KNOWN: usize = 8;
 
 const GZIP: &[u8] = b"\x1f\x8b";
 const XZ: &[u8] = b"\xfd7zXZ\0";
 
-/// Returns how a file that begins with `head` is packed, where its name says `named`.
+/// Returns the packing of a file that begins with `head`; the name of the file says `named`.
 pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
     if head.starts_with(GZIP) {
         Packing::Gzip
@@ -31,11 +32,11 @@ pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
 }
 
 /// Returns the format of a file that begins with `head`, and has `size` bytes if that is known;
-/// `None` if the beginning is that of no format or of several.
+/// `None` if it fits no format or several.
 pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let head = &head[..head.len().min(LOOK)];
-    // The header of binary STL is free, so what it says proves nothing against the size.
+    // The header of binary STL is arbitrary text, so the size decides, not the header.
     if is_binary_stl(head, size) {
         return Some(MeshFormat::Stl(StlEncoding::Binary));
     }
@@ -54,7 +55,7 @@ pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
         let facet = |line: &[u8]| matches!(words(line).next(), Some(b"facet" | b"endsolid"));
         return lines.any(facet).then_some(MeshFormat::Stl(StlEncoding::Ascii));
     }
-    // The last line may be cut.
+    // The last line may be incomplete.
     let complete = text.len() - lines.next_back().map_or(0, <[u8]>::len);
     let lines = text[..complete].split(|&byte| byte == b'\n');
     let mut content = lines.filter_map(|line| {
@@ -83,7 +84,8 @@ pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
     (vertices && known >= LEAST_KNOWN * unknown).then_some(MeshFormat::Obj)
 }
 
-/// Whether the size is what a header of 80 bytes and this many facets of 50 take.
+/// Returns whether the size is that of a header of 80 bytes, a count and that many facets of 50
+/// bytes.
 fn is_binary_stl(head: &[u8], size: Option<u64>) -> bool {
     let count = head.get(80..84).and_then(|bytes| bytes.first_chunk::<4>());
     let expected = count.map(|&bytes| 84 + 50 * u64::from(u32::from_le_bytes(bytes)));

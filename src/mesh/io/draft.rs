@@ -5,8 +5,7 @@ use super::polygon::{corners_of, fan, not_a_fan};
 use crate::base::{Error, Result};
 use crate::io::Source;
 
-/// What a reader of a line or an element finds wrong; where that is, [`Fault::at`] and
-/// [`Fault::of`] say.
+/// An error of a reader in a line or an element. [`Fault::at`] and [`Fault::of`] add the position.
 pub(super) enum Fault {
     What(String),
     Error(Error),
@@ -34,7 +33,7 @@ impl From<Error> for Fault {
 pub(super) type Checked<T> = std::result::Result<T, Fault>;
 
 impl Fault {
-    /// Returns the error, at the last line of the source if the error is about that line.
+    /// Returns the error, with the last line of the source as its position unless it has one.
     pub fn at(self, source: &Source<'_>) -> Error {
         match self {
             Self::What(what) => source.fail(what),
@@ -42,7 +41,7 @@ impl Fault {
         }
     }
 
-    /// Returns the same failure, of an element.
+    /// Returns the same fault with the name of an element in front.
     pub fn of(self, element: impl FnOnce() -> String) -> Self {
         match self {
             Self::What(what) => Self::What(format!("{}: {what}", element())),
@@ -61,24 +60,23 @@ pub(super) fn push<T>(list: &mut Vec<T>, item: T) -> Result<()> {
     Ok(())
 }
 
-/// Returns a list with room for `count` items, or for as many as may be believed before they are
-/// read.
+/// Returns a list with room for `count` items, or for fewer if the count can't be trusted yet.
 pub(super) fn roomy<T>(count: usize) -> Vec<T> {
     Vec::with_capacity(count.min(1 << 16))
 }
 
-/// Triangles that have a vertex twice.
+/// The note about triangles that have a vertex twice.
 const COLLAPSED: &str = "left out triangles that have a vertex twice";
 
-/// A mesh being read.
+/// A mesh that is being read.
 #[derive(Default)]
 pub(super) struct Draft {
     pub vertices: Vec<[f64; 3]>,
-    /// Polygons as fans, until the mesh is finished.
+    /// The faces, polygons as fans; `finish` replaces fans of polygons that are not convex.
     pub faces: Vec<[u32; 3]>,
     /// First face and number of faces of each polygon of more than three corners.
     polygons: Vec<[u32; 2]>,
-    /// Where the first triangle is that has a vertex twice.
+    /// Position of the first triangle that has a vertex twice.
     collapsed_at: Option<String>,
     pub notes: Notes,
 }
@@ -93,10 +91,10 @@ impl Draft {
     }
 
     /// Adds a face of any number of corners, which is at `place` in the file. Returns whether a
-    /// face was added: fewer than three corners are none.
+    /// face was added: a face of fewer than three corners is not.
     pub fn push_polygon(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<bool> {
         if corners.len() < 3 {
-            self.notes.add("left out faces of less than three corners", place);
+            self.notes.add("left out faces of fewer than three corners", place);
             return Ok(false);
         }
         let first = self.faces.len();
@@ -118,7 +116,8 @@ impl Draft {
         self.collapsed_at.get_or_insert_with(place);
     }
 
-    /// Returns these numbers, with 0 for those that are not finite, which are counted.
+    /// Returns the numbers, with 0 in place of those that are not finite, and notes how many were
+    /// replaced.
     pub fn finite<const N: usize>(
         &mut self,
         values: [f64; N],
@@ -132,11 +131,11 @@ impl Draft {
     }
 
     /// Returns the mesh. Polygons that are not convex are cut into triangles that cover them, and
-    /// triangles that have a vertex twice are left out. So are the entries of the other lists, each
-    /// of which is empty or has an entry for each face.
+    /// triangles that have a vertex twice are left out. The entries of the other lists, each of
+    /// which is empty or has an entry for each face, follow their faces.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for what is no mesh.
+    /// [`Error::Mesh`] when the vertices and faces make no mesh.
     pub fn finish(
         mut self,
         corners: &mut [&mut Vec<[u32; 3]>],

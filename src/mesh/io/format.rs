@@ -12,19 +12,19 @@ use crate::io::Packing;
 pub enum MeshFormat {
     /// Wavefront OBJ: `v`, `vt`, `vn`, `f`; text.
     Obj,
-    /// Stanford PLY. The encoding matters for writing only: a file says its own.
+    /// Stanford PLY. The encoding matters for writing only; a reader takes it from the header.
     Ply(PlyEncoding),
     /// Geomview OFF: text.
     Off,
-    /// Stereolithography STL. The encoding matters for writing only: it is recognised.
+    /// Stereolithography STL. The encoding matters for writing only; a reader detects it.
     Stl(StlEncoding),
-    /// Khronos glTF 2.0. The encoding matters for writing only: it is recognised.
+    /// Khronos glTF 2.0. The encoding matters for writing only; a reader detects it.
     Gltf(GltfEncoding),
 }
 
 impl MeshFormat {
-    /// Returns the format that the name of a file says, and how the file is packed: `.obj`, `.ply`
-    /// (binary, little endian), `.off`, `.stl` (binary), `.glb`, `.gltf`.
+    /// Returns the format and the packing that the name of a file implies: `.obj`, `.ply` (binary,
+    /// little endian), `.off`, `.stl` (binary), `.glb`, `.gltf`.
     pub(super) fn named(path: &Path) -> (Option<Self>, Packing) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let (stem, packing) = Packing::of(&name);
@@ -40,8 +40,8 @@ impl MeshFormat {
         (format, packing)
     }
 
-    /// Returns the format that the name of a file to be written says; the name may end in a packing
-    /// (`.gz`).
+    /// Returns the format that the name of a file to be written implies; the name may end in a
+    /// packing (`.gz`).
     ///
     /// ```
     /// use catamaran::mesh::io::MeshFormat;
@@ -52,7 +52,7 @@ impl MeshFormat {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] for a name that says none.
+    /// [`Error::Io`] for a name that implies no format.
     pub fn of(path: &Path) -> Result<Self> {
         let what = "unknown kind of mesh: the name must end in .obj, .ply, .off, .stl, .glb or \
                     .gltf, and may have .gz or (for reading) .xz after it";
@@ -69,8 +69,8 @@ impl MeshFormat {
         }
     }
 
-    /// Returns what of a file this format has no place for and [`write()`](super::write()) leaves
-    /// out: names of attributes in plain words, none where all is kept.
+    /// Returns the attributes of a file that this format can't store and that
+    /// [`write()`](super::write()) leaves out, in plain words; empty when all are stored.
     ///
     /// ```
     /// use catamaran::mesh::{families, io::{MeshFile, MeshFormat}};

@@ -1,7 +1,7 @@
 use super::super::Part;
 use crate::base::{Error, Result};
 
-/// The names of sets of faces, and which of them each face belongs to.
+/// The names of sets of faces, and the set to which each face belongs.
 ///
 /// ```
 /// use catamaran::mesh::io::{MeshFormat, read_bytes};
@@ -13,14 +13,15 @@ use crate::base::{Error, Result};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labels {
-    /// The names: without blanks around them, control characters, and a backslash at the end.
+    /// The names: without leading or trailing blanks, control characters, or a backslash at the
+    /// end.
     pub names: Vec<String>,
-    /// For each face the number of its name, [`Labels::ABSENT`] where it has none.
+    /// For each face, the index of its name; [`Labels::ABSENT`] for a face without one.
     pub of_faces: Vec<u32>,
 }
 
 impl Labels {
-    /// The number of a name that is not there.
+    /// The index of an absent name.
     pub const ABSENT: u32 = u32::MAX;
 
     /// Returns the name of face f; `None` when it has none.
@@ -43,14 +44,14 @@ impl Labels {
             None => Ok(()),
             Some(f) => {
                 let (number, names) = (self.of_faces[f], self.names.len());
-                let why = format!("face {f} has name {number} of {names}");
+                let why = format!("face {f} has name number {number}, out of range: {names} names");
                 Err(Error::Argument { what, why })
             }
         }
     }
 }
 
-/// Returns an error unless a name can be told from what is around it in a file.
+/// Returns an error unless the name can be read back from a text file.
 pub(super) fn check_name(what: &'static str, name: &str) -> Result<()> {
     let ends = name.is_empty() || name.trim() != name || name.ends_with('\\');
     if ends || name.contains(char::is_control) {
@@ -63,8 +64,7 @@ pub(super) fn check_name(what: &'static str, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// Returns the name in these words of a file in a form that can be written to another file; may be
-/// empty.
+/// Returns the name in a form that can be written to another file; the result may be empty.
 pub(super) fn clean_name(given: &str) -> String {
     let name = given.replace(char::is_control, " ");
     name.trim().trim_end_matches(|c: char| c == '\\' || c.is_whitespace()).into()

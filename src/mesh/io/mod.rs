@@ -1,10 +1,10 @@
-//! Mesh files: OBJ, PLY, OFF, STL and glTF in and out, each also gzipped (`.gz`), and `.xz` in.
+//! Mesh files: reads and writes OBJ, PLY, OFF, STL and glTF, also gzipped (`.gz`), and reads `.xz`.
 //!
-//! A reader trusts nothing: counts in a header reserve no memory before the bytes are there, what
-//! is broken is an error that names the file and the line or the element, and a file that takes
-//! more memory than it may is refused ([`SourceOptions::max_memory`]). What it leaves out or
-//! replaces, it notes ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, but for
-//! binary STL and glTF, which have single precision, and shows its file whole or not at all
+//! A reader does not trust the file: counts in a header reserve no memory before the bytes are
+//! read, an error names the file and the line or the element, and a file that needs more memory
+//! than the limit is refused ([`SourceOptions::max_memory`]). The reader notes what it leaves out
+//! or replaces ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, except in binary
+//! STL and glTF, which have single precision. The file appears when it is complete, or not at all
 //! ([`Output`]).
 
 mod attributes;
@@ -36,12 +36,12 @@ pub use stl::StlEncoding;
 use crate::base::{Error, Result};
 use crate::io::{Output, Packing, Source, SourceOptions};
 
-/// Reads the mesh in the file at `path`, in the format that its name says, or in that of its
-/// content where the two differ.
+/// Reads the mesh in the file at `path`, in the format that its name implies; where the content has
+/// another format, the content decides.
 ///
-/// - Polygons are cut into triangles: between their first corner and each of their other edges
-///   where that covers them, as it does if they are convex, and else by ears. Triangles that have a
-///   vertex twice are left out ([`MeshFile::collapsed_faces`]).
+/// - A polygon becomes a fan of triangles around its first corner where the fan covers it, as for a
+///   convex polygon, and is cut into ears otherwise. Triangles that have a vertex twice are left
+///   out ([`MeshFile::collapsed_faces`]).
 /// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position
 ///   that is not finite is an error.
 /// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too,
@@ -67,13 +67,13 @@ use crate::io::{Output, Packing, Source, SourceOptions};
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] with file and line or element; [`Error::Mesh`], with the file, for positions or
-/// faces that make no mesh; [`Error::OutOfMemory`].
+/// [`Error::Io`] with the file and the line or element; [`Error::Mesh`], with the file, for
+/// positions or faces that make no mesh; [`Error::OutOfMemory`].
 pub fn read(path: &Path) -> Result<MeshFile> {
     read_with(path, &SourceOptions::new())
 }
 
-/// Reads as [`read()`] does, within a limit of memory, and with a callback that is told the
+/// Reads as [`read()`] does, within a limit of memory, and with a callback that receives the
 /// fraction of the file read and may cancel.
 ///
 /// ```
@@ -99,21 +99,21 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
     let found = detect::format(&source.peek(detect::LOOK)?, source.size());
     let mut notes = Vec::new();
     if source.packing() != named_packing {
-        notes.push(format!("{}, unlike its name says", packed(source.packing())));
+        notes.push(format!("{}, although its name says otherwise", packed(source.packing())));
     }
     let format = match (named, found) {
         (Some(named), Some(detected)) if named.title() != detected.title() => {
             let (named, found) = (named.title(), detected.title());
-            notes.push(format!("read as {found}, for its content is not the {named} of its name"));
+            notes.push(format!("read as {found}, the format of its content, and not as {named}"));
             detected
         }
         (Some(named), _) => named,
         (None, Some(found)) => {
-            notes.push(format!("read as {}, by its content", found.title()));
+            notes.push(format!("read as {}, the format of its content", found.title()));
             found
         }
         (None, None) => {
-            let what = "unknown kind of mesh: neither the name nor the content is that of OBJ, PLY, OFF, STL or glTF";
+            let what = "unknown kind of mesh: name and content are not OBJ, PLY, OFF, STL or glTF";
             return Err(Error::file(path, what));
         }
     };
@@ -130,7 +130,7 @@ fn packed(packing: Packing) -> &'static str {
     }
 }
 
-/// Reads the mesh in these bytes, not packed, as if they were a file.
+/// Reads the mesh in `bytes`, which are not packed, like a file.
 ///
 /// ```
 /// use catamaran::mesh::io::{MeshFormat, read_bytes};
@@ -169,8 +169,9 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
     })
 }
 
-/// Writes `file` into `output` in the format that its name says; the file appears when it is
-/// complete. What the format has no place for is left out; [`MeshFormat::left_out`] names it.
+/// Writes `file` into `output` in the format that its name implies; the file appears when it is
+/// complete. Attributes that the format can't store are left out; [`MeshFormat::left_out`] names
+/// them.
 ///
 /// ```
 /// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
@@ -183,15 +184,15 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; nothing is left behind
+/// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; no file is left behind
 /// then.
 pub fn write(output: Output, file: &MeshFile) -> Result<()> {
     let format = MeshFormat::of(output.path())?;
     write_as(output, file, format)
 }
 
-/// Writes as [`write()`] does, in another format or encoding than that of the name; a name that
-/// ends in `.gz` is packed all the same.
+/// Writes as [`write()`] does, in the format or encoding `format`, whatever the name; a file whose
+/// name ends in `.gz` is packed.
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};
@@ -223,8 +224,8 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
 /// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces,
 /// its pictures as PNG in the same file. The names of the materials of `file` are left out.
 ///
-/// Viewers that light a mesh as a smooth one take its normals from [`MeshFile::normals`]; tangents
-/// are left to them, as glTF recommends, for they follow from normals and texture coordinates
+/// Viewers that light a mesh smoothly use its normals from [`MeshFile::normals`]. Tangents are not
+/// written; glTF recommends that viewers compute them from normals and texture coordinates
 /// (MikkTSpace).
 ///
 /// ```
@@ -245,12 +246,12 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when the name is not that of glTF, and as [`write()`]; [`Error::Argument`] for a
-/// material with pictures on a mesh of which a face has no texture coordinates, and numbers of it
-/// out of their range.
+/// [`Error::Io`] when the name does not end in `.glb` or `.gltf`, and as [`write()`];
+/// [`Error::Argument`] for a material with pictures when a face of the mesh has no texture
+/// coordinates, and for numbers of the material out of their range.
 pub fn write_with_material(output: Output, file: &MeshFile, material: &Material) -> Result<()> {
     let MeshFormat::Gltf(encoding) = MeshFormat::of(output.path())? else {
-        return Err(Error::file(output.path(), "materials are for .glb and .gltf"));
+        return Err(Error::file(output.path(), "only .glb and .gltf store a material"));
     };
     file.check()?;
     material.check(file)?;
@@ -270,13 +271,13 @@ fn write_packed(
                 flate2::write::GzEncoder::new(&mut output, flate2::Compression::default());
             body(&mut encoder).and_then(|()| encoder.finish().map(|_| ()))
         }
-        Packing::Xz => Err(std::io::Error::other("files .xz can only be read; .gz can be written")),
+        Packing::Xz => Err(std::io::Error::other(".xz files can only be read; write .gz instead")),
     };
     written.map_err(|e| output.error(e))?;
     output.commit()
 }
 
-/// Returns an error unless [`write()`] knows the format that the name of this file says.
+/// Returns an error unless [`write()`] knows the format that the name of the file implies.
 ///
 /// ```
 /// use catamaran::mesh::io::check_name;
@@ -286,13 +287,11 @@ fn write_packed(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when it doesn't.
+/// [`Error::Io`] when it does not.
 pub fn check_name(path: &Path) -> Result<()> {
     MeshFormat::of(path)?;
     match MeshFormat::named(path) {
-        (_, Packing::Xz) => {
-            Err(Error::file(path, "files .xz can only be read; .gz can be written"))
-        }
+        (_, Packing::Xz) => Err(Error::file(path, ".xz files can only be read; write .gz instead")),
         _ => Ok(()),
     }
 }

@@ -1,6 +1,7 @@
-//! What a reader leaves out.
+//! Notes about what a reader left out or replaced.
 
-/// Kinds of things that a reader leaves out or replaces, each with a count and the first place.
+/// Kinds of things that a reader left out or replaced, each with a count and the position of the
+/// first.
 #[derive(Default)]
 pub(super) struct Notes(Vec<Kind>);
 
@@ -16,7 +17,7 @@ impl Notes {
         self.add_many(what, 1, place);
     }
 
-    /// Counts some more notes of a kind, which may be none.
+    /// Adds `count` notes of a kind, possibly none.
     pub fn add_many(&mut self, what: &'static str, count: usize, place: impl FnOnce() -> String) {
         if count == 0 {
             return;

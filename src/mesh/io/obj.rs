@@ -1,5 +1,5 @@
-//! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1), of which
-//! polygons are read; colours after positions as MeshLab and Blender write them.
+//! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1). Only polygons
+//! are read. Colours follow the positions, as MeshLab and Blender write them.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -17,7 +17,7 @@ use crate::io::Source;
 /// A corner without texture coordinates or normal.
 const ABSENT: u32 = u32::MAX;
 
-/// Statements about how triangles look, which are skipped.
+/// Statements about the appearance of triangles, which are skipped.
 const LOOKS: [&[u8]; 13] = [
     b"s",
     b"mg",
@@ -34,7 +34,7 @@ const LOOKS: [&[u8]; 13] = [
     b"csh",
 ];
 
-/// Statements about other things than polygons, which are skipped and counted.
+/// Statements that do not describe polygons, which are skipped and counted.
 #[rustfmt::skip]
 const NOT_POLYGONS: [&[u8]; 19] = [
     b"l", b"p", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm", b"trim",
@@ -47,15 +47,15 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     loop {
         let number = source.line() + 1;
         let Some(line) = source.next_bytes()? else { break };
-        // A line that ends in a backslash goes on.
+        // A line that ends in a backslash continues on the next line.
         let read = match (line.split_last(), joined.is_empty()) {
             (Some((b'\\', start)), _) => {
                 let room = joined.try_reserve(start.len() + 1);
                 joined.extend_from_slice(start);
                 joined.push(b' ');
-                // One statement is as long as one line may be.
+                // A statement may be as long as a single line may be.
                 if room.is_err() || joined.len() > 1 << 24 {
-                    Err(Fault::from("a statement that never ends"))
+                    Err(Fault::from("a statement over several lines of more than 16 MiB"))
                 } else {
                     Ok(())
                 }
@@ -81,7 +81,7 @@ struct Reader {
     uv: Values<2>,
     normals: Values<3>,
     vertex_refs: Furthest,
-    /// Corners of the face at hand: vertices, and the numbers of their attributes.
+    /// Corners of the current face: vertices, and the indices of their attributes.
     corners: Vec<u32>,
     uv_corners: Vec<u32>,
     normal_corners: Vec<u32>,
@@ -89,7 +89,7 @@ struct Reader {
     groups: Names,
     objects: Names,
     material_files: Vec<String>,
-    /// Whether a statement was one of OBJ, and the line of the first that was not.
+    /// Whether any statement was one of OBJ, and the line of the first that was not.
     is_obj: bool,
     unknown: Option<(String, usize)>,
 }
@@ -100,7 +100,7 @@ impl Reader {
         let mut words = words(bare);
         let Some(keyword) = words.next() else { return Ok(()) };
         let faces = self.draft.faces.len();
-        // A name may have a # in it.
+        // A name may contain a #, so names keep what other statements take for a comment.
         let rest = || line.trim_ascii_start().get(keyword.len()..).unwrap_or_default();
         match keyword {
             b"v" => self.vertex(words, number)?,
@@ -146,15 +146,15 @@ impl Reader {
         let mut given = 0;
         for word in words {
             if given == 4 {
-                return Err("more than 7 numbers of a vertex".into());
+                return Err("a vertex has at most 7 numbers".into());
             }
             color[given] = number(word)?;
             given += 1;
         }
         match given {
-            // A fourth number is a weight, of which only curves know.
+            // A fourth number is a weight, which only curves use.
             0 | 1 => {}
-            2 => return Err("5 numbers of a vertex".into()),
+            2 => return Err("a vertex with a colour has 6 or 7 numbers, not 5".into()),
             _ => {
                 self.has_opacity |= given == 4;
                 let color = self.draft.finite(color, || format!("line {line}"));
@@ -232,24 +232,24 @@ impl Reader {
     }
 }
 
-/// The name after a keyword; bytes that are not text are replaced.
+/// Returns the name after a keyword; bytes that are not UTF-8 are replaced.
 fn name_of(rest: &[u8]) -> String {
     clean_name(&String::from_utf8_lossy(rest))
 }
 
-/// Names that hold for the faces after them.
+/// Names of which each holds for the faces after it.
 #[derive(Default)]
 struct Names {
     names: Vec<String>,
     numbers: HashMap<String, u32>,
-    /// The number of the name that holds.
+    /// The index of the current name.
     current: Option<u32>,
-    /// Of the faces before the current name.
+    /// The name of each face before the current name.
     of_faces: Vec<u32>,
 }
 
 impl Names {
-    /// A name that holds from face `faces` on; an empty one ends the one before.
+    /// Begins a name that holds from face `faces` on; an empty name ends the previous one.
     fn begin(&mut self, rest: &[u8], faces: usize) -> Checked<()> {
         self.label(faces)?;
         let name = name_of(rest);
@@ -284,7 +284,7 @@ impl Names {
     }
 }
 
-/// Numbers may be used before what they number: the furthest such use.
+/// The largest index used so far, and its line: OBJ allows an index before the item that it names.
 #[derive(Default)]
 struct Furthest {
     end: usize,
@@ -292,8 +292,8 @@ struct Furthest {
 }
 
 impl Furthest {
-    /// The number from 0 that a word means after `count` items: from 1, or from the last one
-    /// backwards.
+    /// Returns the index from 0 of a number in a face: positive numbers count from 1, negative ones
+    /// backwards from the last of the `count` items so far.
     fn resolve(&mut self, what: &str, word: &[u8], count: usize, line: usize) -> Checked<u32> {
         let number = integer(word)?;
         let index = match number {
@@ -301,7 +301,8 @@ impl Furthest {
             1.. => u32::try_from(number - 1).ok().filter(|&index| index != ABSENT),
             _ => u32::try_from(number.saturating_add_unsigned(count as u64)).ok(),
         };
-        let index = index.ok_or_else(|| format!("{what} {number} of {count}"))?;
+        let wrong = || format!("{what} {number} is out of range: {count} so far");
+        let index = index.ok_or_else(wrong)?;
         if index as usize >= self.end {
             *self = Self { end: index as usize + 1, line };
         }
@@ -312,14 +313,15 @@ impl Furthest {
         if self.end <= count {
             return Ok(());
         }
-        Err(source.fail_at(self.line, format!("{what} {} of {count}", self.end)))
+        let why = format!("{what} {} is out of range: the file has {count}", self.end);
+        Err(source.fail_at(self.line, why))
     }
 }
 
-/// Texture coordinates, or normals.
+/// The texture coordinates, or the normals.
 struct Values<const N: usize> {
     values: Vec<[f64; N]>,
-    /// One for each face once a face had any.
+    /// The indices of each face, empty until a face has any.
     corners: Vec<[u32; 3]>,
     refs: Furthest,
 }
@@ -357,8 +359,8 @@ impl<const N: usize> Values<N> {
         }
     }
 
-    /// As [`Draft::push_polygon`]; `faces` came before. Returns whether some corners have values
-    /// and others have none, which makes none.
+    /// Adds the values of a polygon, as [`Draft::push_polygon`] does, after `faces` faces. Returns
+    /// whether some corners have values and others have none; then the polygon gets none.
     fn push_polygon(&mut self, corners: &[u32], faces: usize) -> Result<bool> {
         let absent = corners.iter().filter(|&&corner| corner == ABSENT).count();
         if absent == corners.len() && self.corners.is_empty() {
@@ -417,7 +419,7 @@ pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
         let normals = of(normals.map(|n| n.corners.as_deref().unwrap_or(file.mesh.faces())));
         write!(sink, "f")?;
         for i in 0..3 {
-            // From 1, as u64: the highest number plus one would not fit.
+            // As u64, because the largest index plus one would not fit u32.
             let [v, t, n] = [face[i], uv[i], normals[i]].map(|number| u64::from(number) + 1);
             match (uv[i], normals[i]) {
                 (ABSENT, ABSENT) => write!(sink, " {v}")?,

@@ -1,4 +1,4 @@
-//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII, of three dimensions.
+//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII, three-dimensional.
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use super::text::{count, integer, number, quoted, words};
 use crate::base::Result;
 use crate::io::Source;
 
-/// What a vertex has besides its position.
+/// The attributes of a vertex besides its position.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kind {
     normals: bool,
@@ -18,10 +18,10 @@ pub(super) struct Kind {
     uv: bool,
 }
 
-/// The words of a file, wherever its lines end.
+/// The words of a file, regardless of line breaks.
 struct Tokens<'s, 'a> {
     source: &'s mut Source<'a>,
-    /// The last line without its comment, and how much of it is taken.
+    /// The last line without its comment, and how many of its bytes are consumed.
     line: Vec<u8>,
     taken: usize,
 }
@@ -35,12 +35,12 @@ impl<'s, 'a> Tokens<'s, 'a> {
         self.line.get(self.taken..).unwrap_or_default()
     }
 
-    /// The words that are left on the line, as far as their number matters.
+    /// Returns the number of words left on the line, at most `COLOR + 3`.
     fn left(&self) -> usize {
         words(self.rest()).take(COLOR + 3).count()
     }
 
-    /// The next line that says something, from its start; false at the end of the file.
+    /// Moves to the next line that has words; returns false at the end of the file.
     fn next_line(&mut self) -> Result<bool> {
         while self.left() == 0 {
             let Some(line) = self.source.next_bytes()? else { return Ok(false) };
@@ -51,10 +51,10 @@ impl<'s, 'a> Tokens<'s, 'a> {
         Ok(true)
     }
 
-    /// The next word; `what` is missing at the end of the file.
+    /// Returns the next word; an error at the end of the file names `what`.
     fn next(&mut self, what: impl Display) -> Checked<&[u8]> {
         if !self.next_line()? {
-            return Err(format!("truncated: no {what}").into());
+            return Err(format!("truncated: the file ends before {what}").into());
         }
         let rest = self.rest();
         let start = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
@@ -64,7 +64,7 @@ impl<'s, 'a> Tokens<'s, 'a> {
         Ok(self.line.get(start..self.taken).unwrap_or_default())
     }
 
-    /// The next `N` numbers, of `what`.
+    /// Returns the next `N` numbers, of `what`.
     fn numbers<const N: usize>(&mut self, what: impl Display) -> Checked<[f64; N]> {
         let mut values = [0.0; N];
         for (i, value) in values.iter_mut().enumerate() {
@@ -82,13 +82,13 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     }
 }
 
-/// The word OFF with its prefixes.
+/// Parses the word OFF with its prefixes.
 fn header(word: &[u8]) -> Checked<Kind> {
     let not_ours = || Fault::from(format!("{} is not OFF with prefixes ST, C, N", quoted(word)));
     kind_of(word).ok_or_else(not_ours)
 }
 
-/// Returns what the first word of a file announces, if the file is OFF.
+/// Returns the attributes that the first word of a file announces, if the file is OFF.
 pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
     let mut prefix = word.strip_suffix(b"OFF")?;
     let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {
@@ -102,8 +102,8 @@ pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
     prefix.is_empty().then_some(kind)
 }
 
-/// Numbers of vertices and faces. That of edges says nothing, and may be missing where those are
-/// on one line.
+/// Reads the numbers of vertices and faces. The number of edges is ignored, and may be missing
+/// where the other two are on one line.
 fn counts(tokens: &mut Tokens<'_, '_>) -> Checked<[usize; 2]> {
     let what = "counts of vertices and faces";
     let vertices = count(tokens.next(what)?)?;
@@ -115,7 +115,7 @@ fn counts(tokens: &mut Tokens<'_, '_>) -> Checked<[usize; 2]> {
     Ok([vertices, faces])
 }
 
-/// Numbers of a colour, at most.
+/// Largest number of components of a colour.
 const COLOR: usize = 4;
 
 #[derive(Default)]
@@ -127,8 +127,8 @@ struct Reader {
     has_opacity: bool,
     uv: Vec<[f64; 2]>,
     polygon: Vec<u32>,
-    /// Whether some line has more than one vertex, or face: then no number is there that was not
-    /// announced.
+    /// Whether some line holds more than one vertex, or face: then all numbers are those that the
+    /// header announces.
     packed: bool,
 }
 
@@ -136,7 +136,7 @@ impl Reader {
     fn read(tokens: &mut Tokens<'_, '_>) -> Checked<Self> {
         let mut reader = Self { kind: header(tokens.next("header")?)?, ..Self::default() };
         if words(tokens.rest()).next() == Some(b"BINARY") {
-            return Err("binary OFF files are not read".into());
+            return Err("binary OFF files are not supported".into());
         }
         let [vertices, faces] = counts(tokens)?;
         reader.draft.vertices = roomy(vertices);
@@ -149,7 +149,7 @@ impl Reader {
             reader.face(tokens, &format_args!("face {f} of {faces}"))?;
         }
         if tokens.next_line()? {
-            return Err("text after the faces announced".into());
+            return Err("text after the last face".into());
         }
         Ok(reader)
     }
@@ -165,8 +165,8 @@ impl Reader {
         let uv = if self.kind.uv { 2 } else { 0 };
         self.packed |= tokens.left() > COLOR + uv;
         let least = uv + if self.kind.colors { 3 } else { 0 };
-        // Texture coordinates come last, so the opacity is there when one more number is. Some
-        // write colours without saying so.
+        // Texture coordinates come last, so one more number is the opacity. Some programs write
+        // colours without the prefix.
         let given = if self.packed { least } else { tokens.left().max(least) };
         let mut rest = [0.0; COLOR + 2];
         for value in rest.iter_mut().take(given) {
@@ -181,7 +181,7 @@ impl Reader {
                 self.has_opacity = true;
                 push(&mut self.colors, [r, g, b, a])?;
             }
-            _ => return Err(format!("{} numbers of a colour", color.len()).into()),
+            _ => return Err(format!("a colour has 3 or 4 numbers, not {}", color.len()).into()),
         }
         if let [u, v] = *uv {
             push(&mut self.uv, [u, v])?;
@@ -197,11 +197,12 @@ impl Reader {
             let vertex = integer(word)?;
             let count = self.draft.vertices.len();
             let known = u32::try_from(vertex).ok().filter(|&v| (v as usize) < count);
-            push(&mut self.polygon, known.ok_or_else(|| format!("vertex {vertex} of {count}"))?)?;
+            let wrong = || format!("vertex {vertex} is out of range: {count}, numbered from 0");
+            push(&mut self.polygon, known.ok_or_else(wrong)?)?;
         }
         let line = tokens.source.line();
         let place = || format!("line {line}");
-        // What is left on the line is a colour, unless the next face begins there.
+        // The rest of the line is a colour, unless it is the next face.
         let left = tokens.left();
         self.packed |= left > COLOR;
         if left > 0 && !self.packed {

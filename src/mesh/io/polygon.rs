@@ -1,13 +1,14 @@
-//! Polygons as triangles.
+//! Cuts polygons into triangles.
 
 use earcut::Earcut;
 
 use super::super::vector::{Vector, cross, dot, sub};
 
-/// Polygons of more corners stay fans: crate earcut counts bytes of its nodes in 32 bits.
+/// Polygons of more corners stay fans: the crate earcut stores byte counts of its nodes in 32 bits.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// A triangle of a fan is turned over if its area is below minus this part of that of the polygon.
+/// A triangle of a fan is turned over if its signed area is below minus this fraction of the area
+/// of the polygon.
 const TOLERANCE: f64 = 1e-9;
 
 /// Returns the triangles between the first corner of a polygon and each of its other edges.
@@ -17,16 +18,16 @@ pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
     edges.filter_map(move |edge| Some([first?, edge[0], edge[1]]))
 }
 
-/// Returns the corners of the polygon that became this fan; none where there is no triangle.
+/// Returns the corners of the polygon that became this fan; empty where there is no triangle.
 pub(super) fn corners_of<T: Copy>(fan: &[[T; 3]]) -> Vec<T> {
     let start = fan.first().map(|triangle| triangle[0]);
     let end = fan.last().map(|triangle| triangle[2]);
     start.into_iter().chain(fan.iter().map(|triangle| triangle[1])).chain(end).collect()
 }
 
-/// Returns the triangles of a polygon of these corners where its fan is not right: numbers of
-/// corners, in two triangles less than there are corners. `None` where the fan is right, as it is
-/// for a convex polygon, or where the polygon crosses itself so that no triangulation is.
+/// Returns the triangles of a polygon whose fan does not cover it, as indices of corners: two
+/// triangles fewer than corners. Returns `None` where the fan is right, as for a convex polygon, or
+/// where the polygon crosses itself and has no triangulation.
 ///
 /// The polygon is cut in the plane of Newell's normal (Sutherland, Sproull and Schumacker 1974).
 pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {
@@ -34,13 +35,13 @@ pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {
     if !(3..MOST_CORNERS).contains(&rest.len()) {
         return None;
     }
-    // Of size about 1, so that no product overflows.
+    // Scaled to a size of about 1, so that no product overflows.
     let scale = corners.iter().flat_map(|&p| sub(p, first)).fold(0.0, |most, x| x.abs().max(most));
     let local: Vec<Vector> = corners.iter().map(|&p| sub(p, first).map(|x| x / scale)).collect();
     let areas: Vec<Vector> = local[1..].windows(2).map(|edge| cross(edge[0], edge[1])).collect();
     let normal: Vector = std::array::from_fn(|k| areas.iter().map(|area| area[k]).sum());
     let square = dot(normal, normal);
-    // Without area, the normal is zero; where numbers overflow, it is none.
+    // The normal is zero for a polygon without area, and not finite where numbers overflow.
     if square.is_nan() || square <= 0.0 {
         return None;
     }
@@ -60,7 +61,7 @@ pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {
     if triangles.len() != corners.len() - 2 {
         return None;
     }
-    // In the order of the polygon, three corners have its orientation.
+    // Three corners in the order of the polygon have its orientation.
     let ordered = |triangle: &[u32; 3]| {
         let mut triangle = triangle.map(|corner| corner as usize);
         triangle.sort_unstable();
@@ -95,7 +96,7 @@ mod tests {
 
     #[test]
     fn concave_polygons_are_covered_once() {
-        // A comb in a plane that is askew.
+        // A comb in an oblique plane.
         let comb = [[0, 0], [7, 0], [7, 3], [6, 3], [5, 1], [4, 3], [3, 1], [2, 3], [1, 1], [0, 3]];
         let place = |[x, y]: [i32; 2]| [f64::from(x), f64::from(y), f64::from(x - 2 * y)];
         for start in 0..comb.len() {

@@ -1,4 +1,4 @@
-//! Attributes on meshes that were cut finer.
+//! Attributes on refined meshes.
 
 use std::collections::HashMap;
 
@@ -8,9 +8,9 @@ use crate::base::{Error, Result};
 use crate::mesh::Refined;
 
 impl MeshFile {
-    /// Returns the file of a finer mesh: colours, texture coordinates and normals of new vertices
-    /// are interpolated between those of the vertices around them, and a piece of a face has its
-    /// material, group and object.
+    /// Returns the file of a finer mesh. Colours, texture coordinates and normals of new vertices
+    /// are interpolated between those of the vertices around them, and each piece of a face has the
+    /// material, group and object of the face.
     ///
     /// ```
     /// use catamaran::mesh::{Refined, families, io::MeshFile};
@@ -25,7 +25,7 @@ impl MeshFile {
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh,
-    /// [`Error::Argument`] when `refined` was made of another mesh.
+    /// [`Error::Argument`] when `refined` refines another mesh.
     pub fn refined(&self, refined: &Refined) -> Result<MeshFile> {
         self.check()?;
         let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());
@@ -33,7 +33,7 @@ impl MeshFile {
             refined.vertices.iter().flat_map(|o| o.vertices).any(|v| v as usize >= vertices)
                 || refined.faces.iter().any(|&f| f as usize >= faces);
         if beyond {
-            let why = format!("not of a mesh of {vertices} vertices and {faces} faces");
+            let why = format!("does not refine this mesh of {vertices} vertices and {faces} faces");
             return Err(Error::Argument { what: "refined", why });
         }
         let labels = |labels: &Option<Labels>| {
@@ -61,7 +61,8 @@ impl MeshFile {
             return Attribute { values: of_vertices(&old.values, refined), corners: None };
         };
         let mut values = old.values.clone();
-        // New values by the values that they lie between, so that pieces of a face share them.
+        // New values are keyed by the values that they lie between, so that pieces of a face share
+        // them.
         let mut known: HashMap<Vec<(u32, u64)>, u32> = HashMap::new();
         let absent = [Attribute::<N>::ABSENT; 3];
         let mut of_corners = Vec::with_capacity(refined.faces.len());
@@ -115,7 +116,8 @@ mod tests {
     use super::*;
     use crate::mesh::{Origin, TriMesh};
 
-    /// Two triangles, the edge between them cut at a quarter of its length.
+    /// Returns two triangles, and the refinement that cuts the edge between them at a quarter of
+    /// its length.
     fn quarter() -> (TriMesh, Refined) {
         let vertices = vec![[0.0; 3], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
         let mesh = TriMesh::new(vertices.clone(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
@@ -150,10 +152,11 @@ mod tests {
             [groups.of_face(0), groups.of_face(1), groups.of_face(3)],
             [Some("b"), Some("b"), None]
         );
-        // Itself, it stays the same.
+        // The trivial refinement leaves it unchanged.
         assert_eq!(file.refined(&Refined::new(file.mesh.clone())).unwrap(), file);
         let other = MeshFile::from(TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap());
-        assert!(other.refined(&refined).unwrap_err().to_string().contains("not of a mesh of 3"));
+        let wrong = other.refined(&refined).unwrap_err().to_string();
+        assert!(wrong.contains("does not refine this mesh of 3"), "{wrong}");
     }
 
     #[test]

@@ -11,25 +11,25 @@ use super::text::{number, quoted, words};
 use crate::base::Result;
 use crate::io::Source;
 
-/// How an STL file is written.
+/// The encoding of an STL file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StlEncoding {
     /// Text, with every digit of double precision.
     Ascii,
-    /// Binary, of single precision: coordinates are rounded.
+    /// Binary, in single precision: coordinates are rounded.
     Binary,
 }
 
-/// Bytes of the header of a binary file, and of a facet.
+/// Sizes of the header and of a facet of a binary file, in bytes.
 const HEADER: usize = 80;
 const FACET: usize = 50;
 
-/// How much of a file is looked at to tell text from binary.
+/// Number of bytes of a file that are read to tell text from binary.
 const LOOK: usize = 512;
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let start = source.fill_buf().map(|start| &start[..start.len().min(LOOK)]);
-    // Binary files too may begin with the word solid.
+    // Binary files may begin with the word solid, too.
     let is_text = start.map(|start| {
         let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | b' '..=b'~' | 0x80..);
         start.trim_ascii_start().starts_with(b"solid") && start.iter().all(text)
@@ -43,7 +43,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     soup.draft.finish(&mut [], &mut [])
 }
 
-/// Triangles that find out which of their corners are the same.
+/// Triangles whose corners become one vertex where their positions are equal.
 #[derive(Default)]
 struct Soup {
     draft: Draft,
@@ -54,7 +54,7 @@ impl Soup {
     fn push(&mut self, corners: [[f64; 3]; 3], place: impl Fn() -> String) -> Checked<()> {
         let mut face = [0; 3];
         for (number, position) in face.iter_mut().zip(corners) {
-            // Adding zero makes -0 the same as 0.
+            // Adding zero turns -0 into 0.
             let key = position.map(|x| (x + 0.0).to_bits());
             self.numbers.try_reserve(1).map_err(|_| crate::base::Error::OutOfMemory {
                 bytes: 2 * self.numbers.len() * size_of::<([u64; 3], u32)>(),
@@ -75,7 +75,7 @@ impl Soup {
 
 fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
     let truncated = |what: &str, e: io::Error, source: &Source<'_>| match e.kind() {
-        io::ErrorKind::UnexpectedEof => Fault::from(format!("truncated: {what} is not whole")),
+        io::ErrorKind::UnexpectedEof => Fault::from(format!("truncated: {what} is incomplete")),
         _ => Fault::Error(source.io_error(e)),
     };
     let mut header = [0; HEADER + 4];
@@ -85,7 +85,7 @@ fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
     for f in 0..count {
         let what = || format!("facet {f} of {count}");
         source.read_exact(&mut facet).map_err(|e| truncated(&what(), e, source))?;
-        // The normal comes first, two bytes of attributes last.
+        // A facet is its normal, its corners, and two bytes of attributes.
         let x = |i: usize| {
             let at = 12 + 4 * i;
             let bytes = [facet[at], facet[at + 1], facet[at + 2], facet[at + 3]];
@@ -96,14 +96,14 @@ fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
     }
     match source.fill_buf().map(<[u8]>::is_empty) {
         Ok(true) => Ok(()),
-        Ok(false) => Err(format!("bytes after the {count} facets announced").into()),
+        Ok(false) => Err(format!("bytes after the last of {count} facets").into()),
         Err(e) => Err(Fault::Error(source.io_error(e))),
     }
 }
 
 fn text(source: &mut Source<'_>, soup: &mut Soup) -> Result<()> {
     let mut corners = Vec::with_capacity(3);
-    // Whether a solid has begun and not ended.
+    // Whether a solid has begun and not yet ended.
     let mut open = false;
     loop {
         let number = source.line() + 1;
@@ -131,22 +131,22 @@ fn statement(
         b"facet" | b"outer" | b"endloop" if *open => {}
         b"vertex" if *open => {
             if corners.len() == 3 {
-                return Err("a facet of more than three vertices".into());
+                return Err("a facet has more than three vertices".into());
             }
             corners.push(super::text::numbers(&mut words)?);
             if let Some(word) = words.next() {
                 number(word)?;
-                return Err("more than three numbers of a vertex".into());
+                return Err("a vertex has more than three numbers".into());
             }
         }
         b"endfacet" if *open => {
             let &[a, b, c] = corners.as_slice() else {
-                return Err(format!("a facet of {} vertices", corners.len()).into());
+                return Err(format!("a facet has {} vertices, not 3", corners.len()).into());
             };
             soup.push([a, b, c], || format!("line {line_number}"))?;
             corners.clear();
         }
-        _ => return Err(format!("{} out of place", quoted(keyword)).into()),
+        _ => return Err(format!("{} is out of place", quoted(keyword)).into()),
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Words and numbers of a line of bytes.
+//! Words and numbers in a line of bytes.
 
 use super::draft::Checked;
 
@@ -7,8 +7,8 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
-/// Parses a floating-point number; what C libraries print for those that are none is one too, such
-/// as `-nan(ind)` and `1.#QNAN`.
+/// Parses a floating-point number, including the forms in which C libraries print numbers that are
+/// not finite, such as `-nan(ind)` and `1.#QNAN`.
 pub(super) fn number(word: &[u8]) -> Checked<f64> {
     let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
     parsed
@@ -43,7 +43,7 @@ pub(super) fn integer(word: &[u8]) -> Checked<i64> {
 /// Parses a count, from 0.
 pub(super) fn count(word: &[u8]) -> Checked<usize> {
     let value = integer(word)?;
-    usize::try_from(value).map_err(|_| format!("a count of {value}").into())
+    usize::try_from(value).map_err(|_| format!("{value} is not a count").into())
 }
 
 /// Parses the next `N` numbers.
@@ -58,7 +58,7 @@ pub(super) fn numbers<'a, const N: usize>(
     Ok(values)
 }
 
-/// Returns the beginning of a word, for a message.
+/// Returns the beginning of a word in quotes, for a message.
 pub(super) fn quoted(word: &[u8]) -> String {
     const SHOWN: usize = 30;
     let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);

@@ -1,10 +1,10 @@
-//! Points in rows, columns and layers.
+//! Regular lattices of points in rows, columns and layers.
 
 use crate::base::{Error, Result};
 
-/// Points in rows, columns and layers. Point (i, j, k) is `origin` + (i `step[0]`, j `step[1]`, k
-/// `step[2]`) and has the number i + `counts[0]` (j + `counts[1]` k). Each point stands for the box
-/// of one step around it.
+/// A regular lattice of points in rows, columns and layers. Point (i, j, k) is `origin` + (i
+/// `step[0]`, j `step[1]`, k `step[2]`) and has the index i + `counts[0]` (j + `counts[1]` k). Each
+/// point stands for the box of one step around it.
 ///
 /// ```
 /// use catamaran::mesh::Lattice;
@@ -19,15 +19,15 @@ pub struct Lattice {
     pub counts: [usize; 3],
     /// Point (0, 0, 0).
     pub origin: [f64; 3],
-    /// From a point to the next one along x, y and z; positive.
+    /// Distance from a point to the next one along x, y and z; positive.
     pub step: [f64; 3],
 }
 
-/// What happens to a region at the border of its lattice.
+/// The treatment of a region at the border of its lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rim {
-    /// It ends half a step outside of the outermost points, where the boxes of these points end:
-    /// surfaces are closed.
+    /// The region ends half a step outside of the outermost points, where the boxes of these points
+    /// end: surfaces are closed.
     #[default]
     Closed,
     /// The surface is cut at the outermost points and has a boundary there.
@@ -35,7 +35,7 @@ pub enum Rim {
 }
 
 impl Lattice {
-    /// Returns all points, in the order of their numbers.
+    /// Returns all points, in the order of their indices.
     pub fn points(&self) -> Vec<[f64; 3]> {
         let [nx, ny, nz] = self.counts;
         let at = |i: usize, j: usize, k: usize| self.at([i as f64, j as f64, k as f64]);
@@ -54,12 +54,12 @@ impl Lattice {
             return refused(format!("steps must be positive, are {:?}", self.step));
         }
         if !self.origin.iter().all(|x| x.is_finite()) {
-            return refused(format!("the origin is {:?}", self.origin));
+            return refused(format!("the origin must be finite, is {:?}", self.origin));
         }
         let [nx, ny, nz] = self.counts;
         match nx.checked_mul(ny).and_then(|n| n.checked_mul(nz)) {
             Some(points) => Error::check_shape(what, (points, 1), (given, 1)),
-            None => refused(format!("{:?} points, more than memory has", self.counts)),
+            None => refused(format!("{:?} points exceed the memory", self.counts)),
         }
     }
 }

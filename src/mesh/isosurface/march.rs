@@ -1,5 +1,6 @@
-//! The walk through the tetrahedra. Points, edges and cells are visited in the order of their
-//! numbers; layers are independent of each other, so that threads change nothing.
+//! Marching through the tetrahedra. Points, edges and cells are visited in the order of their
+//! numbers; layers are independent of each other, so that the number of threads does not change the
+//! result.
 
 use super::lattice::{Lattice, Rim};
 use crate::base::{Error, Par, Progress, Result, Tracker, reserved};
@@ -10,39 +11,40 @@ use crate::mesh::vector::{square, sub};
 /// z (4); each positively oriented.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 5, 1, 7], [0, 6, 4, 7]];
-/// An order of the corners of a tetrahedron, beginning with the one named by the index, that keeps
-/// its orientation.
+/// For each corner of a tetrahedron, an order of the corners that begins with it and keeps the
+/// orientation.
 const FROM_ONE: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 0, 1, 3], [3, 0, 2, 1]];
-/// The same for the pairs that the first two are.
+/// For each pair of corners, an order of the corners that begins with the pair and keeps the
+/// orientation.
 const FROM_TWO: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
 
 /// An edge of the lattice with one end inside.
 #[derive(Debug, Clone, Copy)]
 pub struct Crossing {
-    /// The numbers of its ends in the lattice; meaningless where one is not in it.
+    /// The indices of the ends in the lattice; meaningless for an end outside of the lattice.
     pub points: [usize; 2],
     /// Whether one end is outside of the lattice.
     pub capped: bool,
-    /// The first end, in steps, and the way to the other.
+    /// The first end, in steps, and the vector to the other end.
     place: [f64; 3],
     way: [f64; 3],
 }
 
-/// A lattice, with a layer of points outside around it when its rim is closed, and the edges that
-/// the surface crosses.
+/// A lattice, with a layer of points around it when its rim is closed, and the edges that the
+/// surface crosses.
 pub struct March<'a> {
     lattice: &'a Lattice,
     par: Par,
-    /// Points around the lattice on each side: 0 or 1.
+    /// Number of layers of points around the lattice on each side: 0 or 1.
     margin: usize,
-    /// Points with the margin.
+    /// Number of points along x, y and z, with the margin.
     counts: [usize; 3],
-    /// For each point whether it is inside.
+    /// For each point, whether it is inside.
     inside: Vec<bool>,
-    /// For each point bit d is set if the edge towards corner d of its cell crosses the surface.
+    /// For each point, bit d is set if the edge towards corner d of its cell crosses the surface.
     edges: Vec<u8>,
-    /// For each point the vertices before its own.
+    /// For each point, the number of vertices before its own.
     first: Vec<u32>,
     vertices: usize,
 }
@@ -60,11 +62,11 @@ impl<'a> March<'a> {
         let counts = lattice.counts.map(|n| n.saturating_add(2 * margin));
         let refused = |why: String| Err(Error::Argument { what: "lattice", why });
         if lattice.counts.contains(&0) || counts.iter().any(|n| *n < 2) {
-            return refused(format!("{:?} points make no cell", lattice.counts));
+            return refused(format!("needs 2 points in each direction, has {:?}", lattice.counts));
         }
         let all = counts.iter().try_fold(1_usize, |n, side| n.checked_mul(*side));
         let Some(all) = all.filter(|n| u32::try_from(*n).is_ok()) else {
-            return refused(format!("{:?} points, where 2^32 - 1 at most", lattice.counts));
+            return refused(format!("at most 2^32 - 1 points are possible, got {counts:?}"));
         };
         let mut march = Self {
             lattice,
@@ -85,12 +87,12 @@ impl<'a> March<'a> {
         Ok(march)
     }
 
-    /// Points of a layer.
+    /// Returns the number of points of a layer.
     fn layer(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
 
-    /// Finds out which points are inside.
+    /// Finds the points that are inside.
     fn mark(
         &mut self,
         is_inside: &(dyn Fn(usize) -> bool + Sync),
@@ -110,13 +112,13 @@ impl<'a> March<'a> {
                     *flag = is_inside(i + nx * (j + ny * k));
                 }
             }
-            // The layers that are left look at the tracker's state.
+            // The remaining layers check the state of the tracker.
             let _ = tracker.add(1.0);
         });
         tracker.finish()
     }
 
-    /// Finds the edges that are crossed.
+    /// Finds the edges that the surface crosses.
     fn cross(&mut self, progress: &Progress<'_>) -> Result<()> {
         let ([nx, ny, nz], layer) = (self.counts, self.layer());
         let tracker = Tracker::new(progress.part(0.5..1.0), nz as f64);
@@ -149,14 +151,14 @@ impl<'a> March<'a> {
             next += u64::from(edges.count_ones());
         }
         if u32::try_from(next).is_err() {
-            let why = format!("its surface has {next} vertices, where at most 2^32 - 1");
+            let why = format!("at most 2^32 - 1 vertices are possible, the surface has {next}");
             return Err(Error::Argument { what: "lattice", why });
         }
         self.vertices = next as usize;
         Ok(())
     }
 
-    /// Returns the edges that are crossed, each of which is a vertex, in their order.
+    /// Returns the edges that the surface crosses, each of which is a vertex, in their order.
     pub fn crossings(&self) -> Crossings<'_> {
         Crossings { march: self, point: 0, left: self.edges[0], rest: self.vertices }
     }
@@ -169,7 +171,7 @@ impl<'a> March<'a> {
         let points = [0, 1].map(|end| {
             let mut at = [0; 3];
             for c in 0..3 {
-                // Below the margin this wraps around, and is too large.
+                // Below the margin the subtraction wraps around to a number that is too large.
                 at[c] = (place[c] + end * way[c]).wrapping_sub(self.margin);
                 capped |= at[c] >= self.lattice.counts[c];
             }
@@ -180,13 +182,13 @@ impl<'a> March<'a> {
         Crossing { points, capped, place, way: way.map(|x| x as f64) }
     }
 
-    /// Returns the point of an edge at this share of the way along it.
+    /// Returns the point at this share of the way along a crossed edge.
     pub fn between(&self, crossing: &Crossing, share: f64) -> [f64; 3] {
         let place = std::array::from_fn(|c| crossing.place[c] + share * crossing.way[c]);
         self.lattice.at(place)
     }
 
-    /// Returns the surface whose vertices are at these shares of their edges.
+    /// Returns the surface whose vertices are at these shares of the crossed edges.
     pub fn mesh(&self, shares: &[f64], progress: Progress<'_>) -> Result<TriMesh> {
         let mut vertices = reserved(self.vertices)?;
         let places = self.crossings().zip(shares);
@@ -207,7 +209,7 @@ impl<'a> March<'a> {
         TriMesh::new(vertices, faces)
     }
 
-    /// The faces in a layer of cells.
+    /// Returns the faces in a layer of cells.
     fn faces(&self, k: usize, vertices: &[[f64; 3]]) -> Vec<[u32; 3]> {
         let ([nx, ny, _], layer) = (self.counts, self.layer());
         let offsets: [usize; 8] =
@@ -221,7 +223,7 @@ impl<'a> March<'a> {
                 if corners == 0 || corners == 255 {
                     continue;
                 }
-                // Of two corners of a tetrahedron one has all steps of the other.
+                // For two corners of a tetrahedron, the steps of one include those of the other.
                 let vertex = |u: usize, v: usize| {
                     let (point, d) = (cell + offsets[u & v], u ^ v);
                     let before = self.edges[point] & ((1 << d) - 1) as u8;
@@ -237,7 +239,8 @@ impl<'a> March<'a> {
     }
 }
 
-/// Adds the faces of the surface in a tetrahedron with these corners inside, seen from outside.
+/// Adds the faces of the surface in a tetrahedron with these corners inside, counter-clockwise as
+/// seen from outside.
 fn cut(
     tetrahedron: [usize; 4],
     inside: usize,
@@ -259,7 +262,7 @@ fn cut(
             let pair = FROM_TWO.into_iter().find(|p| 1 << p[0] | 1 << p[1] == inside);
             let [a, b, c, d] = pair.unwrap_or_default().map(|t| tetrahedron[t]);
             let [p, q, r, s] = [vertex(a, c), vertex(a, d), vertex(b, d), vertex(b, c)];
-            // Along the shorter diagonal.
+            // The quadrilateral is cut along its shorter diagonal.
             let length = |u: u32, v: u32| square(sub(vertices[u as usize], vertices[v as usize]));
             if length(p, r) <= length(q, s) {
                 faces.extend([[p, q, r], [p, r, s]]);
@@ -271,11 +274,11 @@ fn cut(
     }
 }
 
-/// Goes through the edges that are crossed.
+/// An iterator over the edges that the surface crosses.
 pub struct Crossings<'a> {
     march: &'a March<'a>,
     point: usize,
-    /// Edges of the point that are still to come.
+    /// The edges of the current point that are not yet visited, one bit each.
     left: u8,
     rest: usize,
 }

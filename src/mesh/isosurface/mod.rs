@@ -1,4 +1,4 @@
-//! Surfaces of regions of space that are given by values on a lattice, by marching tetrahedra.
+//! Extracts surfaces of regions in space from values on a lattice, by marching tetrahedra.
 //!
 //! Each cell of the lattice is cut into six tetrahedra along its diagonal from the lowest to the
 //! highest corner (Kuhn's triangulation, whose tetrahedra fit together across cells). A tetrahedron
@@ -61,7 +61,7 @@ pub fn isosurface(
     let march = March::new(lattice, rim, &inside, par, progress.part(0.0..0.9))?;
     let share = |crossing: &Crossing| {
         let [from, to] = crossing.points.map(|i| f64::from(values[i]));
-        // Infinite values have their border halfway.
+        // An infinite value has its border halfway.
         let share = (f64::from(level) - from) / (to - from);
         if share.is_finite() { share.clamp(1.0 / 1024.0, 1023.0 / 1024.0) } else { 0.5 }
     };
@@ -71,7 +71,8 @@ pub fn isosurface(
 }
 
 /// Returns the surface of the region of the points whose label is `label`; vertices are halfway
-/// between points with and without it. [`label_surface_by`] finds borders between points.
+/// between points with the label and points without it. [`label_surface_by`] locates the border
+/// between points more precisely.
 ///
 /// ```
 /// use catamaran::mesh::{Lattice, Rim, label_surface};
@@ -86,7 +87,7 @@ pub fn isosurface(
 /// ```
 ///
 /// # Errors
-/// As [`isosurface`]; labels can't be wrong.
+/// As [`isosurface`], except that labels have no invalid values.
 pub fn label_surface(
     lattice: &Lattice,
     labels: &[u16],
@@ -102,12 +103,12 @@ pub fn label_surface(
     march.mesh(&shares, progress.part(0.9..1.0))
 }
 
-/// Halvings of an edge: its crossing is known to 1/512 of it.
+/// Number of bisections of an edge: its crossing is known to 1/512 of its length.
 const HALVINGS: u32 = 8;
 
 /// Returns the same surface as [`label_surface`], with vertices on the border itself, to 1/512 of
-/// the distance of points: `label_at` is called for the labels of points in space, many at a time,
-/// and edges of the lattice are halved eight times.
+/// the distance of points. The function calls `label_at` for the labels of many points in space at
+/// a time, and bisects edges of the lattice eight times.
 ///
 /// ```
 /// use catamaran::mesh::{Lattice, Rim, label_surface_by};
@@ -126,8 +127,8 @@ const HALVINGS: u32 = 8;
 /// ```
 ///
 /// # Errors
-/// As [`label_surface`], those of `label_at`, and [`Error::Shape`] when it returns fewer labels, or
-/// more, than it was asked for.
+/// As [`label_surface`], those of `label_at`, and [`Error::Shape`] when it returns a wrong number
+/// of labels.
 pub fn label_surface_by(
     lattice: &Lattice,
     labels: &[u16],
@@ -145,7 +146,7 @@ pub fn label_surface_by(
     march.mesh(&shares, progress.part(0.9..1.0))
 }
 
-/// Where along its edge each crossing is.
+/// Returns the position of each crossing along its edge.
 fn halved(
     march: &March<'_>,
     inside: impl Fn(usize) -> bool,
@@ -164,7 +165,7 @@ fn halved(
         let found = label_at(&points)?;
         Error::check_shape("labels of points", (points.len(), 1), (found.len(), 1))?;
         for ((i, crossing), found) in free().zip(found) {
-            // The border is beyond a point that is as the start of the edge.
+            // A point with the label of the start of the edge lies before the border.
             let same = (found == label) == inside(crossing.points[0]);
             shares[i] += if same { width } else { -width };
         }

@@ -4,7 +4,7 @@ use super::*;
 use crate::base::Rng;
 use crate::mesh::Edges;
 
-/// A cube of side 2 `half` around the origin.
+/// Returns a lattice of n^3 points on a cube of side 2 `half` around the origin.
 fn cube(n: usize, half: f64) -> Lattice {
     let step = 2.0 * half / n as f64;
     Lattice { counts: [n; 3], origin: [step / 2.0 - half; 3], step: [step; 3] }
@@ -23,7 +23,7 @@ fn euler(mesh: &TriMesh) -> i64 {
     mesh.euler_characteristic(&Edges::new(mesh))
 }
 
-/// Closed, a manifold at edges and at vertices, oriented.
+/// Asserts that the mesh is a closed, oriented manifold.
 fn assert_closed(mesh: &TriMesh) {
     let edges = Edges::new(mesh);
     assert!((0..edges.len()).all(|e| edges.faces(e).len() == 2));
@@ -37,9 +37,10 @@ fn balls_and_tori_have_their_volume_shape_and_outside() {
     assert_closed(&ball);
     assert_eq!(euler(&ball), 2);
     let volume = 4.0 / 3.0 * std::f64::consts::PI;
-    // Faces cut the ball: some (h / r)^2 / 2 is missing.
+    // The faces cut through the ball: the volume is too small by a share of some (h / r)^2 / 2.
     assert!((ball.volume() / volume - 1.0).abs() < 3e-3, "{}", ball.volume());
-    // Linear interpolation along edges of up to sqrt(3) h: off by their square / 8 r.
+    // Linear interpolation along edges of length up to sqrt(3) h has an error of their square / 8
+    // r.
     let bound = 3.0 * 0.075_f64.powi(2) / 8.0 * 1.1;
     assert!(ball.vertices().iter().all(|&p| (length(p) - 1.0).abs() < bound));
 
@@ -61,7 +62,7 @@ fn a_full_lattice_is_its_box_with_bevelled_edges() {
     assert_closed(&mesh);
     assert_eq!(euler(&mesh), 2);
     assert_eq!(mesh.bounding_box(), Some([[0.0; 3], [3.0, 2.0, 10.0]]));
-    // Edges of the box are bevelled where no diagonal of a cell leads to them.
+    // Edges of the box are bevelled where no diagonal of a cell meets them.
     assert!((55.0..60.0).contains(&mesh.volume()), "{}", mesh.volume());
     assert!(of(&lattice, |_| -1.0, Rim::Closed).faces().is_empty());
     assert!(of(&lattice, |_| 1.0, Rim::Open).faces().is_empty());
@@ -72,7 +73,7 @@ fn any_values_give_a_closed_manifold() {
     for seed in 0..6 {
         let mut rng = Rng::new(seed);
         let lattice = Lattice { counts: [9, 7, 8], origin: [0.0; 3], step: [1.0, 2.0, 0.5] };
-        // Some equal the level, which is where vertices would meet.
+        // Some values equal the level, where vertices could coincide.
         let values: Vec<f32> =
             (0..9 * 7 * 8).map(|_| (3.0 * rng.uniform()).floor() as f32 - 1.0).collect();
         let mesh =
@@ -87,7 +88,7 @@ fn any_values_give_a_closed_manifold() {
             assert_closed(&mesh);
             volume += mesh.volume();
         }
-        // They do not overlap.
+        // The faces do not overlap.
         assert!(volume < 9.0 * 14.0 * 4.0, "{volume}");
     }
 }

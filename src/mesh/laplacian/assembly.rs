@@ -4,28 +4,28 @@ use super::{Element, MassKind};
 use crate::base::Par;
 use crate::sparse::Mass;
 
-/// Rows a thread takes at a time.
+/// Number of rows that a thread takes at a time.
 const BLOCK: usize = 1 << 13;
 
-/// Some rows of the matrices.
+/// A block of rows of the matrices.
 #[derive(Default)]
 struct Rows {
-    /// Entries of each row.
+    /// Number of entries of each row.
     counts: Vec<usize>,
     columns: Vec<usize>,
     stiffness: Vec<f64>,
-    /// Entries of the full mass matrix, if it is wanted.
+    /// Entries of the full mass matrix; empty if the mass is lumped.
     full: Vec<f64>,
-    /// One mass for each row, if not.
+    /// One mass for each row; empty if the mass is full.
     lumped: Vec<f64>,
 }
 
 /// Sums the elements into matrices of n rows. A face may have a vertex twice (see
 /// [`super::Complex`]). Weights that are negative by less than `rounding`, relative to 1 and to the
-/// sizes of what they are summed from, are set to zero.
+/// sizes of their summands, are set to zero.
 ///
-/// Every row is summed on its own in the order of faces: the result is symmetric bit for bit and
-/// the same for any number of threads.
+/// Every row is summed separately in the order of faces, so that the result is symmetric bit for
+/// bit and the same for any number of threads.
 pub(crate) fn assemble(
     n: usize,
     faces: &[[u32; 3]],
@@ -72,7 +72,7 @@ pub(crate) fn assemble(
 }
 
 impl Rows {
-    /// The row of a vertex from its corners; `edges` is a buffer.
+    /// Appends the row of a vertex from its corners; `edges` is a buffer.
     fn push(
         &mut self,
         vertex: usize,
@@ -83,8 +83,8 @@ impl Rows {
         kind: MassKind,
         edges: &mut Vec<(u32, u32)>,
     ) {
-        // Neighbours with the edge that leads there, 3 face + edge: ascending, so that both ends of
-        // an edge of several faces sum them in the same order.
+        // Neighbours with the edge that joins them, 3 face + edge, ascending, so that both ends of
+        // an edge of several faces sum its weights in the same order.
         edges.clear();
         let (mut own, mut lumped) = (0.0, 0.0);
         for &corner in corners {
@@ -115,7 +115,7 @@ impl Rows {
                 mass += element.area / 12.0;
             }
             if neighbour == vertex {
-                // An edge from a vertex to itself: its differences are zero.
+                // An edge from a vertex to itself has no weight: its differences are zero.
                 own += mass;
                 continue;
             }
@@ -141,7 +141,7 @@ impl Rows {
         self.counts.push(self.columns.len() - before);
     }
 
-    /// A place for an entry of this column.
+    /// Appends an empty entry of this column.
     fn reserve(&mut self, column: usize, kind: MassKind) -> usize {
         self.columns.push(column);
         self.stiffness.push(0.0);
@@ -152,8 +152,8 @@ impl Rows {
     }
 }
 
-/// The corners (3 face + corner) at each vertex, ascending: those at v are
-/// `corners[starts[v]..starts[v + 1]]`.
+/// Returns the corners (3 face + corner) at each vertex, ascending. Those at v are
+/// `corners[starts[v]..starts[v + 1]]` for the result `(starts, corners)`.
 fn corners_of_vertices(n: usize, faces: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
     let mut starts = vec![0; n + 1];
     for &v in faces.as_flattened() {

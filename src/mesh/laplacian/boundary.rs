@@ -6,7 +6,7 @@ use super::options::Boundary;
 use crate::base::{Error, Result};
 use crate::sparse::{Mass, select};
 
-/// Returns which vertices have no row: those set to zero, and those in no face.
+/// Returns which vertices have no row: those held at zero, and those in no face.
 pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
     let n = mesh.vertices().len();
     let mut removed = vec![false; n];
@@ -24,7 +24,7 @@ pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> 
         Boundary::Mixed(vertices) => {
             for &v in vertices {
                 *removed.get_mut(v as usize).ok_or_else(|| Error::Mesh {
-                    what: format!("set to zero, but there are {n} vertices (numbered from 0)"),
+                    what: format!("is out of range: {n} vertices, numbered from 0"),
                     element: format!("vertex {v}"),
                 })? = true;
             }
@@ -54,7 +54,8 @@ pub(super) fn restrict(stiffness: CsMat<f64>, mass: Mass, removed: &[bool]) -> R
     Ok(Laplacian { stiffness, mass, kept, vertices })
 }
 
-/// Sums of finite numbers can overflow, and products of tiny ones vanish.
+/// Returns an error unless all entries are finite: sums of finite numbers can overflow, and
+/// products of tiny ones can vanish.
 fn check(stiffness: &CsMat<f64>, mass: &Mass, kept: &[usize]) -> Result<()> {
     let culprit = |row: usize, what: &str| {
         Err(Error::Mesh { what: what.into(), element: format!("vertex {}", kept[row]) })

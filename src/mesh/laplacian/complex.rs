@@ -3,25 +3,25 @@ use super::super::{Edges, TriMesh};
 use super::{Element, LaplacianKind, element};
 use crate::base::{Error, Result};
 
-/// No triangle is glued to that edge.
+/// Marks an edge to which no triangle is glued.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Least slack in the triangle inequality, relative to the mean length of edges (Sharp and Crane
 /// 2020, section 4.5).
 const MOLLIFICATION: f64 = 1e-5;
 
-/// Triangles known by the lengths of their edges and glued along them: all that the intrinsic
-/// geometry of a surface needs. A triangle may have a vertex twice and be glued to itself. Slot 3
-/// f + k is the edge of triangle f from its corner k to corner k + 1 (mod 3).
+/// Triangles given by the lengths of their edges and glued along them, which determines the
+/// intrinsic geometry of a surface. A triangle may have a vertex twice and be glued to itself. Slot
+/// 3 f + k is the edge of triangle f from its corner k to corner k + 1 (mod 3).
 #[derive(Debug, Clone)]
 pub(crate) struct Complex {
     /// Vertices of the triangles.
     pub faces: Vec<[u32; 3]>,
     /// Lengths of the edges, by slot; both sides of an edge agree.
     pub lengths: Vec<[f64; 3]>,
-    /// The slot on the other side of each, which runs the other way, or [`NONE`].
+    /// For each slot, the slot on the other side, which runs the other way, or [`NONE`].
     pub(super) twins: Vec<u32>,
-    /// How many times the surface is covered: areas and weights are divided by it.
+    /// The number of sheets that cover the surface: areas and weights are divided by it.
     sheets: u8,
 }
 
@@ -29,7 +29,7 @@ impl Complex {
     /// Creates the complex of the triangles of a mesh as they are, not glued.
     ///
     /// # Errors
-    /// [`Error::Mesh`] when its edges are longer than `f64` can say.
+    /// [`Error::Mesh`] when an edge is longer than `f64` can represent.
     pub fn of_mesh(mesh: &TriMesh) -> Result<Self> {
         let p = |v: u32| mesh.vertices()[v as usize];
         let faces = mesh.faces().to_vec();
@@ -60,13 +60,13 @@ impl Complex {
         Ok(complex)
     }
 
-    /// Glues neighbours of a surface.
+    /// Glues the triangles of a manifold along their common edges.
     fn glue(&mut self, mesh: &TriMesh) -> Result<()> {
         self.twins = vec![NONE; 3 * self.faces.len()];
         let edges = Edges::new(mesh);
         for (e, slots) in edges.corners().rows().enumerate() {
             let refused = |what: &str| {
-                let what = format!("{what}; the tufted Laplacian bears that");
+                let what = format!("{what}; the tufted Laplacian allows this");
                 Err(Error::Mesh { what, element: edges.name(e) })
             };
             match *slots {
@@ -75,7 +75,7 @@ impl Complex {
                     self.twins[s as usize] = t;
                     self.twins[t as usize] = s;
                 }
-                [_, _] => return refused("its faces disagree on the outside"),
+                [_, _] => return refused("its faces disagree about which side is outside"),
                 _ => return refused("has three faces or more"),
             }
         }
@@ -100,7 +100,8 @@ impl Complex {
             sort_around(mesh, *ends, slots, &mut around);
             for (i, &slot) in around.iter().enumerate() {
                 let next = around[(i + 1) % around.len()];
-                // The side that looks ahead runs from the lower end of the edge to the upper one.
+                // The side that faces forwards runs from the lower end of the edge to the upper
+                // one.
                 let up = |s: u32| originals[s as usize / 3][s as usize % 3] == ends[0];
                 let ahead = if up(slot) { front(slot) } else { back(slot) };
                 let behind = if up(next) { back(next) } else { front(next) };
@@ -110,8 +111,8 @@ impl Complex {
         }
     }
 
-    /// Adds to all lengths what makes every triangle keep the triangle inequality with some slack
-    /// (Sharp and Crane 2020, equation 6).
+    /// Adds the same length to all edges so that every triangle satisfies the triangle inequality
+    /// with some slack (Sharp and Crane 2020, equation 6).
     fn mollify(&mut self) {
         let all = self.lengths.as_flattened();
         if all.is_empty() {
@@ -130,7 +131,7 @@ impl Complex {
     /// Returns the contribution of each triangle to the matrices.
     ///
     /// # Errors
-    /// [`Error::Mesh`] when a triangle has no area even now.
+    /// [`Error::Mesh`] when a triangle has no area even after this.
     pub fn elements(&self) -> Result<Vec<Element>> {
         let mut elements = Vec::with_capacity(self.faces.len());
         for (f, &lengths) in self.lengths.iter().enumerate() {
@@ -157,13 +158,13 @@ impl Complex {
     }
 }
 
-/// The slots of an edge in the order in which its faces lie around it, counter-clockwise as seen
-/// from its upper end.
+/// Sorts the slots of an edge in the order in which its faces lie around it, counter-clockwise as
+/// seen from its upper end.
 fn sort_around(mesh: &TriMesh, ends: [u32; 2], slots: &[u32], around: &mut Vec<u32>) {
     around.clear();
     around.extend_from_slice(slots);
     if around.len() < 3 {
-        return; // there is one cyclic order
+        return; // two slots have only one cyclic order
     }
     let position = |v: u32| mesh.vertices()[v as usize];
     let base = position(ends[0]);

@@ -2,22 +2,23 @@ use super::complex::{Complex, NONE};
 use super::element::{Element, area};
 use crate::base::{Error, Result};
 
-/// Weights of an edge with a sum that is negative by less than this, relative to 1 and to their
-/// sizes, cancel but for rounding.
+/// A sum of two weights that is negative by less than this, relative to 1 and to their sizes, is
+/// zero up to rounding.
 pub(crate) const ROUNDING: f64 = 1e-10;
 
-/// Flips for each edge, on average, after which the algorithm is taken not to end. It ends in exact
-/// arithmetic.
+/// Number of flips for each edge, on average, after which the algorithm stops with an error. In
+/// exact arithmetic it terminates.
 const MOST_FLIPS: usize = 1000;
 
-/// Whether an edge with these weights from its two sides has a negative weight, beyond rounding.
+/// Returns whether an edge with these weights from its two sides has a negative weight, beyond
+/// rounding.
 fn is_negative(v: f64, w: f64) -> bool {
     v + w < -ROUNDING * (1.0 + v.abs() + w.abs())
 }
 
 impl Complex {
-    /// Replaces edges with a negative weight by the other diagonal of their two triangles, laid
-    /// flat, until none is left (Bobenko and Springborn 2007, section 2.3).
+    /// Replaces edges with a negative weight by the other diagonal of their two triangles, unfolded
+    /// into a plane, until none is left (Bobenko and Springborn 2007, section 2.3).
     pub(super) fn flip_to_delaunay(&mut self) -> Result<()> {
         let slots = self.twins.len() as u32;
         let most = MOST_FLIPS.saturating_mul(self.twins.len());
@@ -34,7 +35,7 @@ impl Complex {
                     let residual = self.element(slot).weights[slot as usize % 3];
                     return Err(Error::NotConverged { iterations: flips, residual });
                 }
-                // Now the sides of the quadrilateral have other triangles.
+                // The flip gave the other sides of the quadrilateral new triangles.
                 let f = slot / 3;
                 let g = self.twins[3 * f as usize] / 3;
                 waiting.extend([3 * f + 1, 3 * f + 2, 3 * g + 1, 3 * g + 2]);
@@ -49,8 +50,8 @@ impl Complex {
 
     fn must_flip(&self, slot: u32) -> bool {
         let twin = self.twins[slot as usize];
-        // An edge with the same triangle on both sides faces two of its angles, together less than
-        // pi.
+        // An edge with the same triangle on both sides is opposite to two of its angles, whose sum
+        // is less than pi.
         if twin == NONE || twin / 3 == slot / 3 {
             return false;
         }
@@ -58,8 +59,8 @@ impl Complex {
         is_negative(weight(slot), weight(twin))
     }
 
-    /// Flips an edge inside; afterwards it is slot 0 of the same two triangles. Where rounding
-    /// would leave a triangle without area it stays, and the answer is no.
+    /// Flips an interior edge; afterwards it is slot 0 of the same two triangles. Returns false,
+    /// without a change, where rounding would leave a triangle without area.
     fn flip(&mut self, slot: u32) -> bool {
         let twin = self.twins[slot as usize];
         let (f, g) = (slot / 3, twin / 3);
@@ -70,7 +71,7 @@ impl Complex {
         let (k, l) = (self.origin(ki), self.origin(lj));
         let common = self.length(slot);
         let [a_jk, a_ki, a_il, a_lj] = [jk, ki, il, lj].map(|s| self.length(s));
-        // i at the origin, j on the positive axis, k above, l below.
+        // i is at the origin, j on the positive axis, k above it, l below.
         let along = |to_i: f64, to_j: f64| {
             (common * common + (to_i - to_j) * (to_i + to_j)) / (2.0 * common)
         };
@@ -101,7 +102,7 @@ impl Complex {
     }
 }
 
-/// The next slot of the same triangle.
+/// Returns the next slot of the same triangle.
 fn next(slot: u32) -> u32 {
     slot / 3 * 3 + (slot % 3 + 1) % 3
 }

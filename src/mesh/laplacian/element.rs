@@ -2,31 +2,32 @@ use super::super::TriMesh;
 use super::super::vector::{cross, dot, norm, sub};
 use crate::base::{Error, Par, Result};
 
-/// Faces a thread takes at a time.
+/// Number of faces that a thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
-/// What a triangle gives to the matrices. Edge k joins corners k and k + 1 (mod 3) and faces corner
-/// k + 2.
+/// The contribution of a triangle to the matrices. Edge k joins corners k and k + 1 (mod 3) and is
+/// opposite to corner k + 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Element {
-    /// Half the cotangent of the angle that each edge faces.
+    /// Half the cotangent of the angle opposite to each edge.
     pub weights: [f64; 3],
-    /// Its area.
+    /// The area of the triangle.
     pub area: f64,
 }
 
 impl Element {
-    /// Of the corners' positions; `None` when its area is zero to within rounding.
+    /// Computes the element of a triangle from its corners; `None` when its area is zero to within
+    /// rounding.
     fn of_positions(p: [[f64; 3]; 3]) -> Option<Self> {
         let edges = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
         let longest = edges.iter().map(|&e| dot(e, e)).fold(0.0, f64::max);
         let double = norm(cross(edges[0], edges[1]));
-        // The cross product of vectors with relative errors of eps is wrong by about eps times
-        // their lengths.
+        // The cross product of vectors with relative errors of eps has an error of about eps times
+        // the product of their lengths.
         if double <= 16.0 * f64::EPSILON * longest {
             return None;
         }
-        // At corner k + 2 meet the edges k + 1, which ends there, and k + 2, which starts there.
+        // Edge k + 1 ends at corner k + 2, and edge k + 2 starts there.
         let weights =
             std::array::from_fn(|k| -dot(edges[(k + 1) % 3], edges[(k + 2) % 3]) / (2.0 * double));
         Some(Self { weights, area: 0.5 * double })
@@ -42,20 +43,20 @@ impl Element {
         Self { weights, area }
     }
 
-    /// Returns whether the area is positive and everything is finite.
+    /// Returns whether the area is positive and all numbers are finite.
     pub fn is_sound(&self) -> bool {
         self.area > 0.0 && self.area.is_finite() && self.weights.iter().all(|w| w.is_finite())
     }
 
-    /// Returns the element times a share.
+    /// Returns the element scaled by a share.
     pub fn scaled(self, share: f64) -> Self {
         Self { weights: self.weights.map(|w| w * share), area: self.area * share }
     }
 
-    /// Returns the area nearest to corner k, or in obtuse triangles the share that Meyer et al.
-    /// give instead.
+    /// Returns the area of the part of the triangle that is nearest to corner k; in obtuse
+    /// triangles, the share that Meyer et al. define instead.
     pub fn mixed_voronoi(&self, k: usize) -> f64 {
-        // The angle at corner k faces edge k + 1.
+        // Edge k + 1 is opposite to corner k.
         let obtuse = |k: usize| self.weights[(k + 1) % 3] < 0.0;
         if obtuse(k) {
             return self.area / 2.0;
@@ -64,9 +65,9 @@ impl Element {
             return self.area / 4.0;
         }
         let w = self.weights;
-        // The square of an edge is twice the area times the two cotangents at its ends; cotangents
-        // of a triangle have products in pairs that sum to 1, whatever share of them this element
-        // is.
+        // The square of an edge is twice the area times the sum of the cotangents at its ends. The
+        // pairwise products of the cotangents of a triangle sum to 1; the division by `all` is
+        // needed for an element that is a share of a triangle.
         let share = |e: usize| (w[(e + 1) % 3] + w[(e + 2) % 3]) * w[e];
         let all = 4.0 * (w[0] * w[1] + w[1] * w[2] + w[2] * w[0]);
         self.area * (share(k) + share((k + 2) % 3)) / all
@@ -99,10 +100,10 @@ pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
     Ok(elements)
 }
 
-/// Returns the error for a face that has no area, or none that `f64` can hold.
+/// Returns the error for a face that has no area, or an area out of the range of `f64`.
 pub(super) fn no_area(face: usize) -> Error {
     Error::Mesh {
-        what: "no area, or lengths out of range (the tufted Laplacian bears faces without area)"
+        what: "no area, or lengths out of range (the tufted Laplacian allows faces without area)"
             .into(),
         element: format!("face {face}"),
     }

@@ -1,4 +1,4 @@
-//! The matrices of a Laplacian, and the rows of them that are kept.
+//! The matrices of a Laplacian, and the vertices to which their rows belong.
 
 use faer::{Mat, MatRef};
 use sprs::CsMat;
@@ -6,18 +6,18 @@ use sprs::CsMat;
 use crate::base::{Error, Result};
 use crate::sparse::{Mass, select};
 
-/// The matrices of the eigenproblem `W phi = lambda M phi`: the stiffness W and the mass M. Rows
-/// stand for the vertices in [`Laplacian::kept`].
+/// The matrices of the eigenproblem `W phi = lambda M phi`: the stiffness W and the mass M. The
+/// rows belong to the vertices in [`Laplacian::kept`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laplacian {
     /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every
-    /// row. Off the diagonal, minus the weights: halves of the cotangents that face an edge.
-    /// `W 1 = 0` but for rounding (Neumann).
+    /// row. An entry off the diagonal is minus the weight of its edge: half the sum of the opposite
+    /// cotangents. `W 1 = 0` up to rounding (Neumann).
     pub stiffness: CsMat<f64>,
     /// M: positive definite; its entries sum to the area (Neumann).
     pub mass: Mass,
-    /// The vertices that the rows stand for, ascending. Left out are those that the boundary
-    /// conditions set to zero, and those in no face, which have no area, whatever the kind.
+    /// The vertices to which the rows belong, ascending: all vertices except those that the
+    /// boundary conditions hold at zero, and those in no face, which have no area.
     pub kept: Vec<usize>,
     /// The number of vertices of the mesh.
     pub vertices: usize,
@@ -25,7 +25,7 @@ pub struct Laplacian {
 
 impl Laplacian {
     /// Returns functions on the mesh (one row a vertex, one column a function) from functions on
-    /// the rows of the matrices: zero at vertices without a row.
+    /// the rows of the matrices; they are zero at vertices without a row.
     ///
     /// ```
     /// use catamaran::mesh::{Boundary, LaplacianOptions, families, laplacian};
@@ -41,7 +41,7 @@ impl Laplacian {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] unless it has one row for each vertex kept.
+    /// [`Error::Shape`] unless `functions` has one row for each vertex kept.
     pub fn extend(&self, functions: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let columns = functions.ncols();
         let expected = (self.kept.len(), columns);
@@ -55,8 +55,8 @@ impl Laplacian {
         Ok(extended)
     }
 
-    /// Returns the Laplacian with Dirichlet conditions at all vertices outside the mask: only the
-    /// rows and columns of vertices in the mask are kept, as far as they were there.
+    /// Returns the Laplacian with Dirichlet conditions at all vertices outside the mask: only rows
+    /// and columns of vertices in the mask are kept.
     ///
     /// ```
     /// use catamaran::{mesh::families, prelude::*};
@@ -66,7 +66,7 @@ impl Laplacian {
     /// let half = laplacian(&mesh, &LaplacianOptions::new())?.restricted(&north)?;
     /// let pairs = eigs(half.stiffness.view(), &half.mass, &EigenOptions::new().k(1))?;
     /// assert!((pairs.values[0] - 2.0).abs() < 0.05); // of the function z
-    /// // Zero on the other half.
+    /// // The function is zero on the other half.
     /// let functions = half.extend(pairs.vectors.as_ref())?;
     /// assert!(north.iter().enumerate().all(|(v, &kept)| kept || functions[(v, 0)] == 0.0));
     /// # Ok::<(), catamaran::Error>(())
@@ -94,11 +94,11 @@ impl Laplacian {
         })
     }
 
-    /// Returns the rows that belong to kept vertices, from functions on the mesh (one row a
-    /// vertex). The inverse of [`Laplacian::extend`], whose example shows both.
+    /// Returns the rows of functions on the mesh (one row a vertex) that belong to kept vertices.
+    /// The inverse of [`Laplacian::extend`], whose example shows both.
     ///
     /// # Errors
-    /// [`Error::Shape`] unless it has one row for each vertex of the mesh.
+    /// [`Error::Shape`] unless `functions` has one row for each vertex of the mesh.
     pub fn restrict(&self, functions: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let columns = functions.ncols();
         let expected = (self.vertices, columns);

@@ -29,7 +29,7 @@ pub(crate) use element::{Element, of_mesh};
 pub use matrices::Laplacian;
 pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 
-/// Computes the Laplacian of a mesh, with nothing but finite numbers.
+/// Computes the Laplacian of a mesh; all entries are finite.
 ///
 /// With V vertices and F faces this takes O(V + F) time and memory, and for the kinds other than
 /// [`LaplacianKind::Cotangent`] also O(1) for each flip of an edge.
@@ -40,7 +40,7 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// let mesh = families::icosphere(2)?;
 /// let found = laplacian(&mesh, &LaplacianOptions::new().kind(LaplacianKind::IntrinsicDelaunay))?;
 /// assert_eq!(found.stiffness.rows(), mesh.vertices().len());
-/// // Constants have no gradient.
+/// // The gradient of a constant is zero.
 /// let sums = found.stiffness.outer_iterator().map(|row| row.data().iter().sum::<f64>());
 /// assert!(sums.into_iter().all(|sum| sum.abs() < 1e-12));
 /// # Ok::<(), catamaran::Error>(())
@@ -49,12 +49,12 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// # Errors
 /// [`Error::Mesh`] names a face without area (to within rounding: an angle of a few 1e-16), where
 /// the kind is [`LaplacianKind::Cotangent`] or all vertices of the face coincide; an edge that an
-/// intrinsic Delaunay triangulation can't have; a vertex of [`Boundary::Mixed`] that is not there;
-/// whatever has a weight or mass out of the range of `f64`. [`Error::Argument`] for 7e8 faces or
-/// more; [`Error::NotConverged`] when flips do not end.
+/// intrinsic Delaunay triangulation does not allow; a vertex of [`Boundary::Mixed`] that does not
+/// exist; an element with a weight or mass out of the range of `f64`. [`Error::Argument`] for 7e8
+/// faces or more; [`Error::NotConverged`] when flips do not end.
 pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian> {
     if u32::try_from(mesh.faces().len().saturating_mul(6)).is_err() {
-        let why = format!("{} of them, where at most 7e8 can be numbered", mesh.faces().len());
+        let why = format!("at most 7e8 are possible, got {}", mesh.faces().len());
         return Err(Error::Argument { what: "faces", why });
     }
     let removed = boundary::removed(mesh, &options.boundary)?;

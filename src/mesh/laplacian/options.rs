@@ -1,35 +1,35 @@
-//! Which Laplacian is asked for.
+//! The options of a Laplacian.
 
 use crate::base::{Par, builder};
 
-/// The triangles on which the functions are linear.
+/// The triangulation on which the functions are linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LaplacianKind {
-    /// Those of the mesh: the cotangent Laplacian. Any set of triangles, as long as each has an
+    /// The triangles of the mesh: the cotangent Laplacian. Allows any set of triangles that have an
     /// area.
     #[default]
     Cotangent,
-    /// Those of the intrinsic Delaunay triangulation of the same surface and vertices: no edge
-    /// inside has a negative weight. For surfaces: no edge of three faces, neighbours that agree on
-    /// the outside. Lengths are mollified first.
+    /// The intrinsic Delaunay triangulation of the same surface and vertices, in which no interior
+    /// edge has a negative weight. Allows surfaces whose edges have at most two faces, which agree
+    /// about which side is outside. Lengths are mollified first.
     IntrinsicDelaunay,
-    /// Those of the intrinsic Delaunay triangulation of the tufted cover, which has each face
-    /// twice, front and back; both matrices are halved. No edge has a negative weight. Any mesh
-    /// whatever; lengths are mollified first.
+    /// The intrinsic Delaunay triangulation of the tufted cover, which has each face twice, front
+    /// and back; both matrices are halved. No edge has a negative weight. Allows any mesh; lengths
+    /// are mollified first.
     Tufted,
 }
 
 /// How the mass of a triangle is distributed to its vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MassKind {
-    /// A third to each, a diagonal.
+    /// A third of the area for each corner; diagonal.
     #[default]
     Barycentric,
-    /// What is nearest to each, a diagonal; of an obtuse triangle half to the obtuse corner and a
-    /// quarter to the others (Meyer et al. 2003, section 3.3).
+    /// The area nearest to each corner; diagonal. In an obtuse triangle, half the area for the
+    /// obtuse corner and a quarter for the others (Meyer et al. 2003, section 3.3).
     MixedVoronoi,
-    /// The inner product of linear functions, a full matrix: of the area a 6th on the diagonal, a
-    /// 12th beside it.
+    /// The inner product of linear functions, a full matrix: a sixth of the area on the diagonal, a
+    /// twelfth for each pair of corners.
     Consistent,
 }
 
@@ -58,7 +58,7 @@ pub enum Boundary {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LaplacianOptions {
-    /// Triangles; default [`LaplacianKind::Cotangent`].
+    /// Triangulation; default [`LaplacianKind::Cotangent`].
     pub kind: LaplacianKind,
     /// Mass; default [`MassKind::Barycentric`].
     pub mass: MassKind,

@@ -44,8 +44,8 @@ fn largest_difference(a: &CsMat<f64>, b: &CsMat<f64>) -> f64 {
     (dense(a) - dense(b)).norm_max()
 }
 
-/// Symmetry bit for bit, zero row sums, no negative eigenvalue; mass positive with the area as its
-/// sum.
+/// Asserts symmetry bit for bit, zero row sums, no negative eigenvalue, and a positive mass whose
+/// sum is the area.
 fn check(l: &Laplacian, area: f64, tolerance: f64, name: &str) {
     let w = dense(&l.stiffness);
     assert!(w == w.transpose().to_owned(), "{name}: not symmetric");
@@ -124,7 +124,7 @@ fn every_kind_is_symmetric_semi_definite_and_knows_constants_and_area() {
                 let l = laplacian(&mesh, &options(kind, mass)).unwrap();
                 let name = format!("{name} {kind:?} {mass:?}");
                 assert_eq!(l.kept, (0..mesh.vertices().len()).collect::<Vec<_>>());
-                // The mass of another triangulation of the same triangles is that of the same area.
+                // The mass of another triangulation of the same surface has the same sum, the area.
                 check(&l, area(&mesh), 1e-12, &name);
                 if kind == LaplacianKind::Tufted
                     || (kind != LaplacianKind::Cotangent && name.contains("sphere"))
@@ -149,7 +149,7 @@ fn robust_kinds_are_the_cotangent_one_where_it_is_delaunay() {
 
 #[test]
 fn flips_in_the_plane_give_the_delaunay_triangulation() {
-    // A flat kite; its short diagonal is the Delaunay one.
+    // In a flat kite, the short diagonal is the Delaunay edge.
     let vertices = vec![[-3.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
     let long = TriMesh::new(vertices.clone(), vec![[0, 1, 2], [1, 0, 3]]).unwrap();
     let short = TriMesh::new(vertices, vec![[0, 3, 2], [3, 1, 2]]).unwrap();
@@ -157,7 +157,7 @@ fn flips_in_the_plane_give_the_delaunay_triangulation() {
     let plain = options(LaplacianKind::Cotangent, MassKind::Barycentric);
     let (flipped, plain) =
         (laplacian(&long, &flipped).unwrap(), laplacian(&short, &plain).unwrap());
-    // Off the common pattern there are no entries.
+    // Outside of the common pattern there are no entries.
     assert!(largest_difference(&flipped.stiffness, &plain.stiffness) < 1e-14);
     let (Mass::Lumped(a), Mass::Lumped(b)) = (flipped.mass, plain.mass) else { panic!() };
     assert!(a.iter().zip(&b).all(|(x, y)| (x - y).abs() < 1e-14));
@@ -172,7 +172,8 @@ fn flips_of_a_sheared_grid_restore_the_square_one() {
     let sheared = TriMesh::new(sheared, square.faces().to_vec()).unwrap();
     let l = laplacian(&sheared, &options(LaplacianKind::IntrinsicDelaunay, MassKind::Barycentric))
         .unwrap();
-    // (4, 4) of the grid lies 16 along x; its neighbours in the lattice, as grid indices.
+    // Vertex (4, 4) of the grid lies at x = 16; these are its neighbours in the lattice, as grid
+    // indices.
     let index = |x: i32, y: i32| (y * 9 + x - 3 * y) as usize;
     let row = l.stiffness.outer_view(index(16, 4)).unwrap();
     let entries: Vec<_> =
@@ -216,7 +217,7 @@ fn spherical_harmonics_have_eigenvalues_l_times_l_plus_one() {
 #[test]
 fn a_face_without_area_is_named_by_the_plain_kind_and_borne_by_the_others() {
     let mut vertices = shapes::grid(3, 3).into_parts().0;
-    vertices[5] = vertices[4]; // two vertices in one place: two faces collapse, others change
+    vertices[5] = vertices[4]; // equal positions: two faces collapse, others change
     let mesh = TriMesh::new(vertices, shapes::grid(3, 3).into_parts().1).unwrap();
     let error = laplacian(&mesh, &options(KINDS[0], MASSES[0])).unwrap_err();
     assert!(error.to_string().starts_with("face 1: no area"), "{error}");
@@ -226,7 +227,7 @@ fn a_face_without_area_is_named_by_the_plain_kind_and_borne_by_the_others() {
             check(&l, area(&mesh), 1e-3, &format!("{kind:?} {mass:?}"));
         }
     }
-    // All in one place: nothing is left to go by.
+    // All vertices have the same position, so no length is positive.
     let point = TriMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
     for kind in KINDS {
         assert!(laplacian(&point, &options(kind, MASSES[0])).is_err());
@@ -255,7 +256,7 @@ fn an_edge_of_three_faces_needs_the_tufted_kind() {
     let tufted = laplacian(&mesh, &options(LaplacianKind::Tufted, MASSES[2])).unwrap();
     check(&plain, area(&mesh), 1e-14, "plain");
     check(&tufted, area(&mesh), 1e-14, "tufted");
-    // No angle is obtuse, so the cover is Delaunay as it is.
+    // No angle is obtuse, so the cover is Delaunay already.
     assert!(largest_difference(&plain.stiffness, &tufted.stiffness) < 1e-14);
 }
 
@@ -266,7 +267,7 @@ fn neighbours_that_disagree_on_the_outside_need_the_tufted_kind() {
     let mesh = TriMesh::new(shapes::sphere(1).into_parts().0, faces).unwrap();
     let error =
         laplacian(&mesh, &options(LaplacianKind::IntrinsicDelaunay, MASSES[0])).unwrap_err();
-    assert!(error.to_string().contains("disagree on the outside"), "{error}");
+    assert!(error.to_string().contains("disagree about which side"), "{error}");
     let tufted = laplacian(&mesh, &options(LaplacianKind::Tufted, MASSES[0])).unwrap();
     let plain = laplacian(&mesh, &options(LaplacianKind::Cotangent, MASSES[0])).unwrap();
     assert!(largest_difference(&plain.stiffness, &tufted.stiffness) < 1e-12);
@@ -343,7 +344,7 @@ fn dirichlet_removes_the_boundary_and_mixed_what_it_is_told() {
 
 #[test]
 fn the_number_of_threads_changes_no_bit() {
-    // More vertices than one block has.
+    // The mesh has more vertices than one block.
     let mesh = shapes::shaken(&shapes::grid(130, 131), 0.45, 3);
     for kind in KINDS {
         let at = |threads| {

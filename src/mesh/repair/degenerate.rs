@@ -1,5 +1,5 @@
-//! Faces without area removed so that the surface stays closed: those with two corners in one place
-//! by joining these, those with a corner on the opposite edge by flipping this edge.
+//! Removes faces without area so that the surface stays closed: a face with two corners in one
+//! place by joining these corners, a face with a corner on the opposite edge by flipping this edge.
 
 use std::collections::VecDeque;
 
@@ -9,12 +9,12 @@ use super::super::vector::{Vector, distance, dot, sub};
 use super::rebuild::{Insertion, Rebuild, corners_of};
 use super::report::RepairStep;
 
-/// Two corners are in one place when they are at most this times the longest edge of their face
-/// apart: then it has no area, whatever the third one is.
+/// Two corners are in one place when their distance is at most this times the longest edge of their
+/// face: then the face has no area, wherever the third corner is.
 const ONE_PLACE: f64 = 16.0 * f64::EPSILON;
 
 /// Returns the mesh without faces that have no area; `None` when there are none. Faces that can be
-/// neither joined nor flipped away are left out, or, unless `may_open`, stay.
+/// removed neither by joining nor by flipping are left out if `may_open`, and stay otherwise.
 pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, RepairStep) {
     let flat = mesh.faces_without_area();
     let first = flat.first().copied();
@@ -30,7 +30,7 @@ pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, Repai
     }
     let Faces { faces, corners, insertions, mut to, joined, flipped, dropped, .. } = faces;
     for v in 0..to.len() {
-        // Vertices join lower ones, for which this is done.
+        // Vertices join vertices of lower number, whose entries are final.
         to[v] = to[to[v] as usize];
     }
     let (faces, corners) =
@@ -39,16 +39,16 @@ pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, Repai
     (step.changed().then(|| Rebuild::joined(faces, corners, insertions, to)), step)
 }
 
-/// Faces that change.
+/// Faces under change.
 struct Faces<'m> {
     points: &'m [Vector],
-    /// `None` once it is gone.
+    /// `None` for a removed face.
     faces: Vec<Option<[u32; 3]>>,
     /// As [`Rebuild::corners`].
     corners: Vec<[u32; 3]>,
     insertions: Vec<Insertion>,
     of_vertex: Vec<Vec<u32>>,
-    /// For each vertex the one that it joined.
+    /// For each vertex the vertex that it joined.
     to: Vec<u32>,
     joined: usize,
     flipped: usize,
@@ -71,8 +71,9 @@ impl<'m> Faces<'m> {
         }
     }
 
-    /// Removes these, and those that lose their area by that, and gives those for which there is no
-    /// way. Ends, as each step leaves fewer faces, or fewer without area, or shorter edges.
+    /// Removes these faces, and those that lose their area thereby, and returns the faces that
+    /// could not be removed. Terminates, because each step leaves fewer faces, or fewer without
+    /// area, or shorter edges.
     fn remove(&mut self, mut open: VecDeque<u32>) -> VecDeque<u32> {
         let mut stuck = VecDeque::new();
         let mut changed = false;
@@ -92,7 +93,7 @@ impl<'m> Faces<'m> {
             if !std::mem::take(&mut changed) {
                 return stuck;
             }
-            // What could not be done before may be possible now.
+            // Other changes may have made these faces removable.
             std::mem::swap(&mut open, &mut stuck);
         }
     }
@@ -121,12 +122,12 @@ impl<'m> Faces<'m> {
         face.iter().for_each(|&v| self.of_vertex[v as usize].push(f));
     }
 
-    /// The faces of a vertex.
+    /// Returns the faces of a vertex.
     fn around(&self, v: u32) -> impl Iterator<Item = (u32, [u32; 3])> + '_ {
         self.of_vertex[v as usize].iter().filter_map(|&f| Some((f, self.faces[f as usize]?)))
     }
 
-    /// The faces of an edge, ascending.
+    /// Returns the faces of an edge, ascending.
     fn at_edge(&self, a: u32, b: u32) -> Vec<u32> {
         let both = self.around(a).filter(|(_, face)| face.contains(&b));
         let mut found: Vec<u32> = both.map(|(f, _)| f).collect();
@@ -134,7 +135,7 @@ impl<'m> Faces<'m> {
         found
     }
 
-    /// The vertices that an edge joins to v, each as often as there are faces at the edge,
+    /// Returns the vertices that an edge joins to v, each as often as there are faces at the edge,
     /// ascending.
     fn neighbors(&self, v: u32) -> Vec<u32> {
         let mut found: Vec<u32> =
@@ -143,9 +144,9 @@ impl<'m> Faces<'m> {
         found
     }
 
-    /// Joins the ends of the shortest edge of a face when they are in one place, and the surface
-    /// stays what it is (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, 1999). Gives the
-    /// faces at the joined vertex.
+    /// Joins the ends of the shortest edge of a face when they are in one place, and the topology
+    /// of the surface does not change (the link condition: Dey, Edelsbrunner, Guha and Nekhayev,
+    /// 1999). Returns the faces at the joined vertex.
     fn join(&mut self, face: [u32; 3]) -> Option<Vec<u32>> {
         let [a, b, c] = face;
         let edges = [[a, b], [b, c], [c, a]].map(|[u, v]| (self.length(u, v), u.min(v), u.max(v)));
@@ -201,8 +202,8 @@ impl<'m> Faces<'m> {
             && !ours.iter().any(|edge| theirs.binary_search(edge).is_ok())
     }
 
-    /// Flips the longest edge of a face, on which its third corner is: the face beyond it is cut in
-    /// two at that corner. Gives the two new faces.
+    /// Flips the longest edge of a face, on which its third corner lies: the face on the other side
+    /// is cut in two at that corner. Returns the two new faces.
     fn flip(&mut self, f: u32, face: [u32; 3]) -> Option<Vec<u32>> {
         let length = |i: usize| self.length(face[i], face[(i + 1) % 3]);
         let i = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j)).then(j.cmp(&i)))?;
@@ -217,7 +218,7 @@ impl<'m> Faces<'m> {
         let other = self.faces[beyond as usize]?;
         let y = other.iter().position(|&v| v != a && v != b)?;
         let d = other[y];
-        // From x to z the face beyond runs along the edge.
+        // The other face runs along the edge from x to z.
         let [x, z] = [other[(y + 1) % 3], other[(y + 2) % 3]];
         if d == c || !self.at_edge(c, d).is_empty() {
             return None;
@@ -233,7 +234,7 @@ impl<'m> Faces<'m> {
         let own = |v: u32| if v == a { ours[i] } else { ours[j] };
         let on = [theirs[(y + 1) % 3], theirs[(y + 2) % 3]];
         let insertion = Insertion { from: [own(x), own(z), ours[k]], on, at: self.along(x, z, c) };
-        // Old corners come first; the last number means that there is none.
+        // Old corners come first; the last number means that there is no corner.
         let number = u32::try_from(3 * self.faces.len() + self.insertions.len()).ok();
         let middle = number.filter(|&number| number < u32::MAX)?;
         self.insertions.push(insertion);
@@ -246,7 +247,7 @@ impl<'m> Faces<'m> {
         Some(vec![f, beyond])
     }
 
-    /// Where between x (0) and z (1) the vertex c is.
+    /// Returns the position of vertex c on the way from x (0) to z (1).
     fn along(&self, x: u32, z: u32, c: u32) -> f64 {
         let [p, q, r] = self.points_of([x, z, c]);
         let edge = sub(q, p);

@@ -1,4 +1,4 @@
-//! Holes filled with triangles of least area.
+//! Fills holes with triangles of least area.
 
 use std::collections::HashSet;
 
@@ -10,19 +10,21 @@ use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 use crate::base::Result;
 
-/// Longer loops are cut in two by a short diagonal first: time grows with the cube of the length.
+/// A longer loop is first cut in two by a short diagonal, because time grows with the cube of the
+/// length.
 const BATCH: usize = 256;
 
-/// What the square of a diagonal adds to the areas: a flat hole has many triangulations of least
-/// area, of which those with short diagonals have better faces.
+/// Weight of the square of a diagonal, which is added to the areas. Of the many triangulations of a
+/// flat hole with least area, those with short diagonals have better faces.
 const DIAGONAL: f64 = 1e-3;
 
-/// What a face without area adds, times the square of its edge: more than diagonals do, and less
-/// than the area that would span a slit.
+/// Cost of a face without area, relative to the square of its longest edge: more than the cost of
+/// diagonals, and less than the area that would span a slit.
 const FLAT: f64 = 1e-2;
 
 /// Returns the mesh with its boundary loops of at most `most` edges filled; `None` when there are
-/// none. New faces agree with their neighbours, and have the values of the neighbouring corners.
+/// no such loops. New faces have the orientation of their neighbours, and the values of the
+/// neighbouring corners.
 ///
 /// # Errors
 /// [`Error::Mesh`](crate::Error::Mesh) that names an edge of more than two faces.
@@ -73,14 +75,15 @@ pub(super) fn filled(mesh: &TriMesh, most: usize) -> Result<(Option<Rebuild>, Re
     Ok((Some(rebuild), step))
 }
 
-/// A vertex of a hole, and a corner there of a face beside the hole.
+/// A vertex of a hole, and its corner in a face beside the hole.
 #[derive(Clone, Copy)]
 struct Rim {
     vertex: u32,
     corner: u32,
 }
 
-/// The rings, each vertex once, of which a boundary loop consists, with the hole on the left.
+/// Returns the rings, with each vertex once, of which a boundary loop consists, with the hole on
+/// the left.
 fn simple_loops(mesh: &TriMesh, edges: &Edges, walk: &[u32]) -> Vec<Vec<Rim>> {
     let corner_at = |u: u32, v: u32| -> Option<(u32, bool)> {
         let e = edges.ends().binary_search(&key(u, v)).ok()?;
@@ -101,7 +104,8 @@ fn simple_loops(mesh: &TriMesh, edges: &Edges, walk: &[u32]) -> Vec<Vec<Rim>> {
         open.push(Rim { vertex, corner });
     }
     rings.push(open);
-    // Faces run along their boundary edges one way, and new ones have to run the other way.
+    // New faces must run along the boundary edges in the direction opposite to that of the old
+    // faces.
     if agrees >= 0 {
         rings.iter_mut().for_each(|ring| ring.reverse());
     }
@@ -114,16 +118,16 @@ fn key(a: u32, b: u32) -> [u32; 2] {
 
 struct Filling<'a> {
     mesh: &'a TriMesh,
-    /// The edges that there are: no new one may be one of these.
+    /// The existing edges: a new edge may not be one of these.
     known: &'a mut HashSet<[u32; 2]>,
-    /// New faces, by places in the ring.
+    /// The new faces, as indices in the ring.
     faces: Vec<[usize; 3]>,
 }
 
 impl Filling<'_> {
-    /// Whether it could be done.
+    /// Fills the hole; returns whether that was possible.
     fn fill(&mut self, ring: &[Rim]) -> bool {
-        // The boundary of a face alone is not a hole.
+        // The boundary of a single face is not a hole.
         let alone = |first: &Rim| ring.iter().all(|rim| rim.corner / 3 == first.corner / 3);
         if ring.first().is_none_or(alone) {
             return false;
@@ -147,7 +151,7 @@ impl Filling<'_> {
         self.mesh.vertices()[rim.vertex as usize]
     }
 
-    /// The shortest diagonal with at least a quarter of the ring on each side.
+    /// Returns the shortest diagonal with at least a quarter of the ring on each side.
     fn shortest_diagonal(&self, ring: &[Rim], part: &[usize]) -> Option<[usize; 2]> {
         let n = part.len();
         let mut best: Option<(f64, [usize; 2])> = None;
@@ -164,7 +168,8 @@ impl Filling<'_> {
         best.map(|(_, ends)| ends)
     }
 
-    /// Dynamic programming over the sub-polygons i..=j (Barequet and Sharir 1995).
+    /// Finds the triangulation of least area by dynamic programming over the sub-polygons i..=j
+    /// (Barequet and Sharir 1995); returns whether there is one.
     fn least_area(&mut self, ring: &[Rim], part: &[usize]) -> bool {
         let n = part.len();
         if n < 3 {
@@ -185,7 +190,7 @@ impl Filling<'_> {
                     for k in i + 1..j {
                         let [a, b, c] = [points[i], points[k], points[j]];
                         let area = match is_flat([a, b, c]) {
-                            // Faces without area only where there is no other way.
+                            // A face without area is used only where there is no alternative.
                             true => FLAT * square,
                             false => norm(cross(sub(b, a), sub(c, a))) / 2.0,
                         };

@@ -1,4 +1,4 @@
-//! Meshes cut where they are not manifolds.
+//! Cuts meshes where they are not manifolds.
 
 use std::fmt;
 
@@ -7,20 +7,20 @@ use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 use crate::base::Result;
 
-/// The changes that made the input a manifold whose faces agree on what is outside.
+/// The changes that made the input a manifold whose faces agree about which side is outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Repairs {
-    /// Faces left out because another one has the same vertices.
+    /// Number of faces left out because an earlier face has the same vertices.
     pub repeated_faces: usize,
-    /// Edges of more than two faces, along which the mesh was cut: each of the faces has a boundary
-    /// there now.
+    /// Number of edges of more than two faces, along which the mesh was cut: each of their faces
+    /// has a boundary there now.
     pub cut_edges: usize,
-    /// Vertices at which the surface met itself, which are several now.
+    /// Number of vertices at which the surface met itself, and which were split into several.
     pub split_vertices: usize,
     /// Whether faces were flipped to agree with their neighbours.
     pub oriented: bool,
-    /// Vertices that no face has, left out.
+    /// Number of vertices without a face, which were left out.
     pub unreferenced_vertices: usize,
 }
 
@@ -45,9 +45,9 @@ impl fmt::Display for Repairs {
 }
 
 /// Returns the mesh as a manifold: repeated faces and vertices without a face are left out, then
-/// every fan of faces at a vertex becomes a vertex of its own, where fans do not go over edges of
-/// more than two faces (Gueziec et al., 2001). Vertices of the part may come from one of the mesh.
-/// Faces are not flipped.
+/// every fan of faces at a vertex becomes a vertex of its own, where fans end at edges of more than
+/// two faces (Gueziec et al., 2001). Several vertices of the part may come from one vertex of the
+/// mesh. Faces are not flipped.
 pub(crate) fn manifold(mesh: &TriMesh) -> Result<(Part, Repairs)> {
     let mut repeated = vec![false; mesh.faces().len()];
     for [face, _] in mesh.repeated_faces() {
@@ -79,10 +79,10 @@ pub(super) fn cut(mesh: &TriMesh) -> (Option<Rebuild>, RepairStep) {
     (step.changed().then_some(rebuild), step)
 }
 
-/// A mesh whose fans of faces have a vertex each.
+/// A mesh with a vertex for each fan of faces.
 struct Fans {
     faces: Vec<[u32; 3]>,
-    /// For each fan its vertex.
+    /// For each fan, its vertex in the original mesh.
     origins: Vec<u32>,
     cut_edges: usize,
     split_vertices: usize,
@@ -103,8 +103,8 @@ impl Fans {
     }
 }
 
-/// For each corner the number of its fan, by the vertex of the fans, and for each fan its vertex. A
-/// vertex without a face is a fan without one.
+/// Returns for each corner the index of its fan, and for each fan its vertex. Fans are ordered by
+/// vertex; a vertex without a face has one fan without a face.
 fn fans(mesh: &TriMesh, edges: &Edges) -> (Vec<u32>, Vec<u32>) {
     let faces = mesh.faces();
     let mut of_corners = vec![u32::MAX; 3 * faces.len()];
@@ -132,7 +132,7 @@ fn fans(mesh: &TriMesh, edges: &Edges) -> (Vec<u32>, Vec<u32>) {
                     continue;
                 }
                 of_corners[corner as usize] = fan;
-                // The two edges of this face at v: they start at this corner and at the one before.
+                // The two edges of this face at v start at this corner and at the previous one.
                 let before = if corner % 3 == 0 { corner + 2 } else { corner - 1 };
                 for edge in [corner, before].map(|c| edges.of_corners()[c as usize]) {
                     if let &[a, b] = edges.corners().row(edge as usize) {

@@ -1,5 +1,5 @@
-//! Repairs meshes as programs export them: soups, surfaces split along texture seams, repeated
-//! faces, faces without area, holes, edges of many faces, faces that disagree on what is outside.
+//! Repairs defects of exported meshes: soups, surfaces split along texture seams, repeated faces,
+//! faces without area, holes, edges of many faces, faces that disagree about which side is outside.
 //!
 //! Sources: edges cut apart as in Gueziec, Taubin, Lazarus and Horn, Cutting and Stitching (2001);
 //! holes filled as in Barequet and Sharir, Filling Gaps in the Boundary of a Polyhedron (1995).
@@ -30,7 +30,7 @@ use weld::Seams;
 pub struct Repaired {
     /// The mesh with its attributes.
     pub file: MeshFile,
-    /// For each vertex of the input the lowest vertex of the result that comes from it, or
+    /// For each vertex of the input the lowest vertex of the result that comes from that vertex, or
     /// [`Repaired::NONE`]; `None` when the vertices are those of the input.
     pub vertices: Option<Vec<u32>>,
     /// What each step did.
@@ -38,22 +38,22 @@ pub struct Repaired {
 }
 
 impl Repaired {
-    /// The number of a vertex that was left out.
+    /// Marks a vertex that was left out.
     pub const NONE: u32 = rebuild::NONE;
 }
 
-/// Repairs a mesh by the steps that `options` name, in this order whatever the order of the
-/// options: weld, drop repeated faces, drop faces without area, drop vertices without a face, cut
-/// edges of more than two faces, keep the largest components, drop specks, fill holes, orient.
+/// Repairs a mesh by the steps that `options` select, always in this order: weld, drop repeated
+/// faces, drop faces without area, drop vertices without a face, cut edges of more than two faces,
+/// keep the largest components, drop specks, fill holes, orient.
 ///
 /// Attributes follow their vertices and corners. Where vertices with different texture coordinates
-/// or normals become one, these become attributes of corners; of different colours the first stays.
-/// Steps that only leave out faces do not renumber vertices.
+/// or normals become one, the values become attributes of corners; where colours differ, the first
+/// stays. Steps that only leave out faces do not renumber vertices.
 ///
 /// ```
 /// use catamaran::mesh::{RepairOptions, TriMesh, families, io::MeshFile, repair};
 ///
-/// // A square of two triangles that have no vertex in common.
+/// // A square of two triangles that share no vertex.
 /// let square = families::grid(1, 1)?;
 /// let corners = square.faces().as_flattened().iter();
 /// let points = corners.map(|&v| square.vertices()[v as usize]).collect();
@@ -64,9 +64,9 @@ impl Repaired {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for a tolerance that is negative or not finite, a share that is not from 0
-/// to 1, and for attributes that do not fit the mesh ([`Error::Shape`] too); [`Error::Mesh`] when
-/// holes are to be filled and an edge has more than two faces, which is named.
+/// [`Error::Argument`] for a tolerance that is negative or not finite, a share outside of 0 to 1,
+/// and for attributes that do not fit the mesh ([`Error::Shape`], too); [`Error::Mesh`] names an
+/// edge of more than two faces when holes are to be filled.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     file.check()?;
     let mut state = State { file, vertices: None, steps: Vec::new() };
@@ -102,7 +102,7 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     if let Some(most) = options.fill_holes {
         let (rebuild, step) = holes::filled(&state.file.mesh, most)?;
         state.take(rebuild, step)?;
-        // A hole without area is a vertex on an edge: its faces go by flipping this edge.
+        // A hole without area is a vertex on an edge: flipping this edge removes its faces.
         if options.drop_degenerate && step.changed() {
             let (rebuild, step) = degenerate::without(&state.file.mesh, false);
             if step.changed() {
@@ -126,7 +126,7 @@ struct State {
 }
 
 impl State {
-    /// Applies what a step makes of the mesh; `None`: it stays.
+    /// Applies the change of a step; `None` leaves the mesh unchanged.
     fn take(&mut self, rebuild: Option<Rebuild>, step: RepairStep) -> Result<()> {
         if let Some(rebuild) = rebuild {
             if let Some(new) = rebuild.renumbering(self.file.mesh.vertices().len()) {
@@ -163,8 +163,8 @@ impl State {
         })
     }
 
-    /// Joins each vertex with `to[v]`; `step` is that of the numbers of vertices and faces that are
-    /// gone by that, and of colours.
+    /// Joins each vertex with `to[v]`. `step` makes the report from the numbers of vertices and
+    /// faces that are removed thereby, and of lost colours.
     fn join(&mut self, to: Vec<u32>, step: impl Fn([usize; 3]) -> RepairStep) -> Result<()> {
         let mesh = &self.file.mesh;
         let vertices = joining(&to).count();
@@ -191,7 +191,7 @@ impl State {
         let mesh = &self.file.mesh;
         let found = Components::new(mesh);
         let mut by_size: Vec<usize> = (0..found.len()).collect();
-        // Stable: of components of one size the lower number comes first.
+        // The sort is stable: among components of the same size, the lower index comes first.
         by_size.sort_by_key(|&c| std::cmp::Reverse(found.face_counts()[c]));
         let mut kept = vec![false; found.len()];
         by_size.iter().take(count).for_each(|&c| kept[c] = true);
@@ -200,7 +200,7 @@ impl State {
 
     fn drop_specks(&mut self, share: f64) -> Result<()> {
         if !(0.0..=1.0).contains(&share) {
-            let why = format!("{share}, where it is a share of the area, from 0 to 1");
+            let why = format!("must be a share of the area, from 0 to 1, is {share}");
             return Err(Error::Argument { what: "drop_specks", why });
         }
         let found = Components::new(&self.file.mesh);
@@ -217,8 +217,8 @@ impl State {
         })
     }
 
-    /// Leaves out the components that are not kept; `step` is that of their number and of that of
-    /// their faces.
+    /// Leaves out the components that are not kept. `step` makes the report from the numbers of
+    /// removed components and faces.
     fn keep(
         &mut self,
         found: &Components,
@@ -238,8 +238,8 @@ impl State {
     }
 }
 
-/// Returns what of a mesh [`RepairOptions::unambiguous`] would repair, as text that names the first
-/// element concerned; `None` when there is nothing.
+/// Returns a description of the first defect that [`RepairOptions::unambiguous`] would repair;
+/// `None` when there is none.
 ///
 /// ```
 /// use catamaran::mesh::{TriMesh, families, needs_repair};
@@ -255,7 +255,7 @@ pub fn needs_repair(mesh: &TriMesh) -> Option<String> {
     let Seams { to, .. } = Seams::of(mesh);
     if let Some(v) = joining(&to).next() {
         return Some(format!(
-            "{} vertices are where others are, along seams: vertex {v} is where vertex {} is",
+            "{} vertices coincide with others along seams: vertex {v} with vertex {}",
             joining(&to).count(),
             to[v as usize]
         ));
@@ -271,7 +271,7 @@ pub fn needs_repair(mesh: &TriMesh) -> Option<String> {
     flat.first().map(|face| format!("{} faces without area: face {face}", flat.len()))
 }
 
-/// The vertices that become another one.
+/// Returns the vertices that join another vertex.
 fn joining(to: &[u32]) -> impl Iterator<Item = u32> + '_ {
     (0..).zip(to).filter(|(v, to)| v != *to).map(|(v, _)| v)
 }

@@ -1,6 +1,6 @@
 use crate::base::builder;
 
-/// Which vertices [`repair`](super::repair()) makes one.
+/// The vertices that [`repair`](super::repair()) joins.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Weld {
     /// None.
@@ -8,42 +8,42 @@ pub enum Weld {
     Never,
     /// Those with equal positions (-0 equals 0).
     Exact,
-    /// Those at most so far, in units of length, from a vertex of lower number that stays: the
-    /// lowest one. Joined vertices are never farther than that from where they were.
+    /// Vertices at most this far, in units of length, from a vertex of lower index that stays; each
+    /// joins the lowest such vertex. A joined vertex moves by at most this distance.
     Within(f64),
-    /// Those at the ends of boundary edges in one place, where these are two: seams are closed, and
-    /// what only touches stays apart.
+    /// Vertices at the ends of boundary edges that coincide, where exactly two edges do. Seams are
+    /// closed, and surfaces that merely touch stay apart.
     Seams,
 }
 
-/// Options of [`repair`](super::repair()): its steps. By default there are none.
+/// Options of [`repair`](super::repair()): the steps to take. By default there are none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct RepairOptions {
-    /// Which vertices become one; faces that lose a corner by that are left out.
+    /// The vertices to join; faces that lose a corner thereby are left out.
     pub weld: Weld,
-    /// Whether faces with the vertices of an earlier one, in any order, are left out.
+    /// Whether faces with the vertices of an earlier face, in any order, are left out.
     pub drop_duplicates: bool,
     /// Whether faces without area
     /// ([`faces_without_area`](crate::mesh::TriMesh::faces_without_area)) are removed: by joining
     /// two corners in one place, by flipping the longest edge, or, where the result of both would
     /// not be a manifold, by leaving them out.
     pub drop_degenerate: bool,
-    /// Whether vertices that no face has are left out.
+    /// Whether vertices without a face are left out.
     pub compact: bool,
-    /// Whether the mesh is cut along edges of more than two faces, and at vertices at which the
+    /// Whether the mesh is cut along edges of more than two faces, and at vertices where the
     /// surface meets itself.
     pub cut: bool,
-    /// How many components are kept: those with the most faces. All by default.
+    /// Number of components to keep: those with the most faces. All by default.
     pub keep_largest: Option<usize>,
-    /// Components with less than this share of the area of the mesh are left out, from 0 to 1. None
-    /// by default.
+    /// Components with less than this share of the area of the mesh, from 0 to 1, are left out.
+    /// None by default.
     pub drop_specks: Option<f64>,
-    /// Fills holes of at most this many edges. Default: no holes.
+    /// Holes of at most this many edges are filled. None by default.
     pub fill_holes: Option<usize>,
     /// Whether faces are flipped to agree with their neighbours, and in closed components so that
-    /// they are counter-clockwise as seen from outside. A closed component that is inside an odd
-    /// number of others bounds a cavity, and its outside is within.
+    /// they are counter-clockwise as seen from outside. A closed component inside of an odd number
+    /// of others bounds a cavity, and its outside is the side of the cavity.
     pub orient: bool,
 }
 
@@ -60,8 +60,8 @@ builder! { RepairOptions {
 }}
 
 impl RepairOptions {
-    /// Returns options with all steps that need no number: [`Weld::Seams`], and neither components
-    /// left out nor holes filled.
+    /// Returns options with all steps that need no number: [`Weld::Seams`], no components left out
+    /// and no holes filled.
     pub fn everything() -> Self {
         Self::new()
             .weld(Weld::Seams)
@@ -72,7 +72,7 @@ impl RepairOptions {
             .orient(true)
     }
 
-    /// Returns options with the steps that have one sensible outcome: [`Weld::Seams`], repeated
+    /// Returns options with the steps that have a single sensible result: [`Weld::Seams`], repeated
     /// faces and faces without area.
     pub fn unambiguous() -> Self {
         Self::new().weld(Weld::Seams).drop_duplicates(true).drop_degenerate(true)

@@ -1,4 +1,4 @@
-//! Faces turned to agree, and to bound a volume.
+//! Flips faces so that they agree, and so that closed surfaces bound a volume.
 
 use super::super::TriMesh;
 use super::super::topology::Edges;
@@ -6,10 +6,10 @@ use super::super::vector::{Vector, cross, dot, sub};
 use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 
-/// Flips faces so that those of each group, which hang together over edges of two faces, agree.
-/// Closed groups bound a volume: counter-clockwise as seen from outside, or from inside where they
-/// lie in an odd number of other closed groups. Of open ones, as few faces as possible are flipped.
-/// `None` when there is nothing to flip.
+/// Flips faces so that the faces of each group, which is connected over edges of two faces, agree.
+/// Closed groups bound a volume: they are counter-clockwise as seen from outside, or from inside
+/// where they lie in an odd number of other closed groups. In open groups, as few faces as possible
+/// are flipped. Returns `None` when there is nothing to flip.
 pub(super) fn outward(mesh: &TriMesh) -> (Option<Rebuild>, RepairStep) {
     let edges = Edges::new(mesh);
     let mut sides = mesh.sides(&edges);
@@ -30,7 +30,7 @@ pub(super) fn outward(mesh: &TriMesh) -> (Option<Rebuild>, RepairStep) {
     for g in 0..count {
         let flipped = members[g].iter().filter(|&&f| sides.flip[f as usize]).count();
         let turn = if sides.conflicts[g].is_some() {
-            // Nothing to agree on: all stay.
+            // A group that is not orientable stays as it is.
             members[g].iter().for_each(|&f| sides.flip[f as usize] = false);
             false
         } else if closed[g] {
@@ -64,7 +64,7 @@ fn flipped(mesh: &TriMesh, flip: &[bool]) -> Rebuild {
     Rebuild { vertices, faces, corners, insertions: Vec::new(), joined: None }
 }
 
-/// Six times the volume inside of these faces, some of them flipped.
+/// Returns six times the volume inside of these faces, some of them flipped.
 fn volume(mesh: &TriMesh, faces: &[u32], flip: &[bool]) -> f64 {
     let tip = faces.first().map_or([0.0; 3], |&f| points(mesh, f)[0]);
     let cone = |&f: &u32| {
@@ -97,8 +97,8 @@ impl<'a> Shell<'a> {
         Self { faces, low, high }
     }
 
-    /// Whether another shell is inside: its first corner is, by the number of faces that a ray from
-    /// it along x crosses.
+    /// Returns whether another shell is inside: whether the ray from its first corner along x
+    /// crosses an odd number of faces.
     fn holds(&self, mesh: &TriMesh, other: &Shell<'_>) -> bool {
         let inside = (0..3).all(|k| self.low[k] <= other.low[k] && other.high[k] <= self.high[k]);
         let Some(&first) = other.faces.first().filter(|_| inside) else { return false };
@@ -107,8 +107,9 @@ impl<'a> Shell<'a> {
     }
 }
 
-/// Whether the ray from p along x crosses a triangle. Edges are looked at from their lower end, so
-/// that both faces of an edge see it alike and no crossing is lost or counted twice.
+/// Returns whether the ray from p along x crosses a triangle. Edges are tested from their lower
+/// end, so that both faces of an edge give the same result and no crossing is lost or counted
+/// twice.
 fn crosses(triangle: [Vector; 3], p: Vector) -> bool {
     let [a, b, c] = triangle;
     let mut odd = false;
@@ -123,7 +124,7 @@ fn crosses(triangle: [Vector; 3], p: Vector) -> bool {
         return false;
     }
     let normal = cross(sub(b, a), sub(c, a));
-    // Where the plane of the triangle is at the y and z of p.
+    // The position of the plane of the triangle at the y and z of p.
     let rest = normal[1] * (p[1] - a[1]) + normal[2] * (p[2] - a[2]);
     let x = a[0] - rest / normal[0];
     x > p[0]

@@ -1,4 +1,4 @@
-//! A mesh with other faces and vertices, and its attributes carried over.
+//! Replaces the faces and vertices of a mesh, and carries over its attributes.
 
 use std::collections::HashMap;
 
@@ -6,30 +6,30 @@ use super::super::io::{Attribute, Labels, MeshFile};
 use super::super::{Part, TriMesh};
 use crate::base::{Result, Sets};
 
-/// The number of a vertex that was left out.
+/// Marks a vertex that was left out.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What a step makes of a mesh: where each vertex and corner of the new one comes from.
+/// The result of a step: the origin of each vertex and corner of the new mesh.
 pub(super) struct Rebuild {
-    /// For each new vertex the old one whose position and colour it has.
+    /// For each new vertex, the old one whose position and colour it has.
     pub vertices: Vec<u32>,
     pub faces: Vec<[u32; 3]>,
-    /// For each new face the corners whose values its corners have: old ones (3 f + i), or, from
-    /// the number of these on, the insertions in their order.
+    /// For each new face, the corners whose values its corners have: old corners (3 f + i), or,
+    /// from their number on, the insertions in their order.
     pub corners: Vec<[u32; 3]>,
     pub insertions: Vec<Insertion>,
-    /// For each old vertex the new one that it joined; `None`: no vertices were joined.
+    /// For each old vertex, the new one that it joined; `None` when no vertices were joined.
     pub joined: Option<Vec<u32>>,
 }
 
-/// A corner that comes to lie on an edge of another face. Its corners are numbered as those of
+/// A corner that is inserted on an edge of another face. The corners below are numbered as in
 /// [`Rebuild::corners`], and are old ones or earlier insertions.
 pub(super) struct Insertion {
-    /// The corners at the ends of the edge and at the vertex, in the face that the vertex was in.
+    /// The corners at the ends of the edge and at the vertex, in the face that had the vertex.
     pub from: [u32; 3],
-    /// The corners at the ends of the edge, in the face on its other side.
+    /// The corners at the ends of the edge, in the face on the other side.
     pub on: [u32; 2],
-    /// Where on the edge: 0 at its first end, 1 at its second one.
+    /// The position on the edge: 0 at its first end, 1 at its second one.
     pub at: f64,
 }
 
@@ -54,14 +54,14 @@ impl Rebuild {
         Self { vertices: part.vertices, faces, corners, insertions: Vec::new(), joined: None }
     }
 
-    /// Returns a rebuild to the mesh whose vertex v becomes `to[v]`, which stays where it is; faces
-    /// that lose a corner are left out.
+    /// Returns a rebuild that moves each vertex v to vertex `to[v]`, which stays; faces that lose a
+    /// corner are left out.
     pub fn joining(mesh: &TriMesh, to: Vec<u32>) -> Self {
         let all = (0..mesh.faces().len() as u32).map(corners_of).collect();
         Self::joined(mesh.faces().to_vec(), all, Vec::new(), to)
     }
 
-    /// Returns the same rebuild for these faces, which have these corners.
+    /// Returns a rebuild that joins vertices, with the given faces and their corners.
     pub fn joined(
         faces: Vec<[u32; 3]>,
         corners: Vec<[u32; 3]>,
@@ -87,8 +87,8 @@ impl Rebuild {
         new
     }
 
-    /// Returns the new vertex of each of `count` old vertices; `None` when the numbers are the
-    /// same.
+    /// Returns the new vertex of each of `count` old vertices; `None` when the numbering does not
+    /// change.
     pub fn renumbering(&self, count: usize) -> Option<Vec<u32>> {
         if self.vertices.len() == count && self.vertices.iter().zip(0..).all(|(&v, new)| v == new) {
             return None;
@@ -98,25 +98,25 @@ impl Rebuild {
         }
         let mut numbers = vec![NONE; count];
         for (&v, new) in self.vertices.iter().zip(0..) {
-            // Of several vertices that come from one, the lowest.
+            // The lowest of several vertices that come from one.
             let number = &mut numbers[v as usize];
             *number = new.min(*number);
         }
         Some(numbers)
     }
 
-    /// Returns how many vertices that joined another one have another colour.
+    /// Returns the number of vertices that joined a vertex of another colour.
     pub fn lost_colors(&self, file: &MeshFile) -> usize {
         let (Some(colors), Some(joined)) = (&file.colors, &self.joined) else { return 0 };
         let stays = |new: u32| colors[self.vertices[new as usize] as usize];
         joined.iter().zip(colors).filter(|&(&new, color)| *color != stays(new)).count()
     }
 
-    /// Makes `file` the new mesh, with the attributes of the old one.
+    /// Turns `file` into the new mesh, with the attributes of the old one.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) for more vertices or corners than can be
-    /// numbered.
+    /// [`Error::Argument`](crate::Error::Argument) for more vertices or corners than indices can
+    /// number.
     pub fn apply(self, file: &mut MeshFile) -> Result<()> {
         let points = file.mesh.vertices();
         let positions = self.vertices.iter().map(|&v| points[v as usize]).collect();
@@ -136,7 +136,7 @@ impl Rebuild {
         Ok(())
     }
 
-    /// The old face that a corner is of, or was put into.
+    /// Returns the old face to which a corner belongs, or into which it was inserted.
     fn face_of(&self, corner: u32, old_corners: usize) -> usize {
         let mut corner = corner as usize;
         while corner >= old_corners {
@@ -160,7 +160,7 @@ impl Rebuild {
             let there = |i: u32| values.get(i as usize).copied();
             let continuous = same(there(a), there(on[0])) && same(there(b), there(on[1]));
             numbers.push(match on.map(there) {
-                // No seam is crossed.
+                // The edge is no seam of the attribute.
                 _ if continuous => c,
                 [Some(p), Some(q)] => {
                     let t = insertion.at;
@@ -190,17 +190,18 @@ impl Rebuild {
     }
 }
 
-/// Whether two values are the same; those that are not there are, too.
+/// Returns whether two values are equal; two absent values are equal.
 fn same<const N: usize>(a: Option<[f64; N]>, b: Option<[f64; N]>) -> bool {
     a.map(bits) == b.map(bits)
 }
 
 fn bits<const N: usize>(value: [f64; N]) -> [u64; N] {
-    // -0 becomes 0.
+    // Adding zero turns -0 into 0.
     value.map(|x| (x + 0.0).to_bits())
 }
 
-/// Makes equal values at one vertex one value: the faces there are on one side of a seam.
+/// Gives corners with equal values at one vertex the same index: their faces are on the same side
+/// of a seam.
 fn unify<const N: usize>(values: &[[f64; N]], corners: &mut [[u32; 3]], mesh: &TriMesh) {
     let mut sets = Sets::new(values.len());
     let mut first: HashMap<(u32, [u64; N]), u32> = HashMap::new();
@@ -214,7 +215,7 @@ fn unify<const N: usize>(values: &[[f64; N]], corners: &mut [[u32; 3]], mesh: &T
     }
 }
 
-/// The values that corners have, in their order.
+/// Returns an attribute with only the values that the corners use, in their order.
 fn used<const N: usize>(
     values: &[[f64; N]],
     mut corners: Vec<[u32; 3]>,

@@ -1,91 +1,91 @@
 use std::fmt;
 
-/// What one step of [`repair`](super::repair()) did.
+/// The result of one step of [`repair`](super::repair()).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum RepairStep {
-    /// Vertices became one.
+    /// Vertices were joined.
     Welded {
-        /// The distance, in units of length; 0: equal positions.
+        /// The distance, in units of length; 0 for equal positions.
         tolerance: f64,
-        /// How many joined another one.
+        /// Number of vertices that joined another one.
         vertices: usize,
-        /// How many faces lost a corner by that, and are left out.
+        /// Number of faces that lost a corner thereby, and are left out.
         faces: usize,
-        /// How many of the vertices had another colour than the one they joined.
+        /// Number of vertices that joined a vertex of another colour.
         colors: usize,
     },
-    /// Seams are closed ([`Weld::Seams`](super::Weld)).
+    /// Seams were closed ([`Weld::Seams`](super::Weld)).
     ClosedSeams {
-        /// How many vertices joined another one.
+        /// Number of vertices that joined another one.
         vertices: usize,
-        /// How many of the vertices had another colour than the one they joined.
+        /// Number of vertices that joined a vertex of another colour.
         colors: usize,
-        /// Boundary edges that stay, as more than two are in one place.
+        /// Number of boundary edges that stay, because more than two coincide.
         ambiguous: usize,
     },
-    /// Repeated faces are left out.
+    /// Repeated faces were left out.
     DroppedDuplicates {
-        /// How many.
+        /// Number of faces.
         faces: usize,
-        /// The first, and the face whose vertices it has.
+        /// The first repeated face, and the face whose vertices it has.
         first: Option<[u32; 2]>,
     },
-    /// Faces without area are gone.
+    /// Faces without area were removed.
     DroppedDegenerate {
-        /// Vertices that joined another one in the same place.
+        /// Number of vertices that joined another one in the same place.
         joined: usize,
-        /// Edges that were flipped.
+        /// Number of edges that were flipped.
         flipped: usize,
-        /// Faces that were left out.
+        /// Number of faces that were left out.
         faces: usize,
         /// The first face without area.
         first: Option<u32>,
     },
-    /// Vertices without a face are left out.
+    /// Vertices without a face were left out.
     Compacted {
-        /// How many.
+        /// Number of vertices.
         vertices: usize,
     },
     /// The mesh was cut where it was not a manifold.
     Cut {
-        /// Edges of more than two faces.
+        /// Number of edges of more than two faces.
         edges: usize,
-        /// Vertices that are several now.
+        /// Number of vertices that were split.
         vertices: usize,
     },
-    /// Components are left out.
+    /// Components were left out; those with the most faces stay.
     KeptLargest {
-        /// How many.
+        /// Number of components left out.
         components: usize,
-        /// Their faces.
+        /// Number of their faces.
         faces: usize,
     },
-    /// Small components are left out.
+    /// Small components were left out.
     DroppedSpecks {
-        /// The share of the area of the mesh that each of them is below.
+        /// The share of the area of the mesh below which a component is left out.
         share: f64,
-        /// How many.
+        /// Number of components left out.
         components: usize,
-        /// Their faces.
+        /// Number of their faces.
         faces: usize,
     },
-    /// Holes are filled.
+    /// Holes were filled.
     FilledHoles {
-        /// How many.
+        /// Number of holes.
         holes: usize,
-        /// New faces.
+        /// Number of new faces.
         faces: usize,
-        /// Boundary loops that stay, because they are longer or can't be filled.
+        /// Number of boundary loops that stay, because they are longer or can't be filled.
         left: usize,
     },
     /// Faces were flipped.
     Oriented {
-        /// How many.
+        /// Number of faces.
         faces: usize,
-        /// Parts of the surface that are not orientable, and stay as they were.
+        /// Number of parts of the surface that are not orientable, and stay as they were.
         not_orientable: usize,
-        /// The lowest edge, by its ends, over which the first of these does not agree.
+        /// The lowest edge, by its ends, whose faces disagree in the first of these parts.
         edge: Option<[u32; 2]>,
     },
 }
@@ -110,7 +110,8 @@ impl RepairStep {
 }
 
 impl fmt::Display for RepairStep {
-    /// A line without an end: the name of the step, padded to 12 characters, and its counts.
+    /// Writes a line without a newline: the name of the step, padded to 12 characters, and its
+    /// counts.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Welded { tolerance, vertices, faces, colors } => {
@@ -175,11 +176,11 @@ fn lost(f: &mut fmt::Formatter<'_>, colors: usize) -> fmt::Result {
     }
 }
 
-/// What [`repair`](super::repair()) did.
+/// The results of the steps of [`repair`](super::repair()).
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct RepairReport {
-    /// The steps, in the order in which they were done.
+    /// The steps, in the order of their execution.
     pub steps: Vec<RepairStep>,
 }
 
@@ -191,7 +192,7 @@ impl RepairReport {
 }
 
 impl fmt::Display for RepairReport {
-    /// A line for each step, the last one without an end.
+    /// Writes a line for each step, without a newline at the end.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, step) in self.steps.iter().enumerate() {
             let end = if i == 0 { "" } else { "\n" };

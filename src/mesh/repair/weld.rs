@@ -1,4 +1,4 @@
-//! Vertices in one place found.
+//! Finds vertices in the same place.
 
 use std::collections::HashMap;
 
@@ -6,14 +6,14 @@ use super::super::vector::{Vector, distance};
 use super::super::{Edges, TriMesh};
 use crate::base::{Error, Result, Sets};
 
-/// Returns for each point the lowest one, itself or an earlier one, that is at most `tolerance`
+/// Returns for each point the lowest point, itself or an earlier one, that is at most `tolerance`
 /// away and is its own representative. O(n) for points that are spread out.
 ///
 /// # Errors
 /// [`Error::Argument`] for a tolerance that is negative or not finite.
 pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
     if !(tolerance >= 0.0 && tolerance.is_finite()) {
-        let why = format!("{tolerance}, where a length of at least 0 is needed");
+        let why = format!("must be finite and at least 0, is {tolerance}");
         return Err(Error::Argument { what: "tolerance", why });
     }
     Ok(if tolerance > 0.0 { near(points, tolerance) } else { equal(points) })
@@ -21,16 +21,17 @@ pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u
 
 fn equal(points: &[Vector]) -> Vec<u32> {
     let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
-    // Adding 0 makes -0 to 0.
+    // Adding zero turns -0 into 0.
     let key = |p: &Vector| p.map(|x| (x + 0.0).to_bits());
     points.iter().zip(0..).map(|(p, v)| *first.entry(key(p)).or_insert(v)).collect()
 }
 
-/// A grid of boxes twice as wide as the tolerance, with the representatives in each. They are
-/// farther from each other than the tolerance, so that a box has few.
+/// Returns the representatives by a grid of boxes twice as wide as the tolerance. The distance
+/// between representatives exceeds the tolerance, so that a box has few of them.
 fn near(points: &[Vector], tolerance: f64) -> Vec<u32> {
     let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    // Beyond the range of integers all are in the outermost box, where distances tell them apart.
+    // Points beyond the range of integers share the outermost boxes, where distances tell them
+    // apart.
     let place = |p: &Vector| p.map(|x| (x / tolerance / 2.0).floor() as i64);
     let mut found = Vec::with_capacity(points.len());
     for (v, p) in (0..).zip(points) {
@@ -50,17 +51,17 @@ fn near(points: &[Vector], tolerance: f64) -> Vec<u32> {
     found
 }
 
-/// Seams of a mesh: boundary edges in one place.
+/// The seams of a mesh: boundary edges that coincide.
 pub(super) struct Seams {
-    /// For each vertex the lowest one that it joins along seams; itself elsewhere.
+    /// For each vertex, the lowest vertex that it joins along seams; itself elsewhere.
     pub to: Vec<u32>,
-    /// Boundary edges that stay, as more than two are in one place.
+    /// Number of boundary edges that stay, because more than two coincide.
     pub ambiguous: usize,
 }
 
 impl Seams {
     /// Finds the seams: places where exactly two boundary edges coincide. Vertices in one place
-    /// that no chain of such edges joins stay apart.
+    /// that are not connected by such edges stay apart.
     pub fn of(mesh: &TriMesh) -> Self {
         let place = equal(mesh.vertices());
         let apart = || (0..place.len() as u32).collect();
@@ -84,7 +85,7 @@ impl Seams {
                 [_] => {}
                 [(_, e), (_, other)] => {
                     let face = |e: &u32| edges.faces(*e as usize).next();
-                    // The two long edges of a face without area are none.
+                    // The two long edges of a face without area are no seam.
                     if face(e) != face(other) {
                         let [a, b] = edges.ends()[*e as usize];
                         let [c, d] = edges.ends()[*other as usize];

@@ -8,8 +8,8 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// Creates the rows from the `(row, item)` of `pairs`, which is walked twice, in its order.
-    /// Fewer than 2^32 of them.
+    /// Creates the rows from the pairs `(row, item)` of `pairs`, which is iterated twice, and whose
+    /// order the items keep. The number of pairs must be less than 2^32.
     pub(in super::super) fn from_pairs<I: Iterator<Item = (u32, u32)>>(
         rows: usize,
         pairs: impl Fn() -> I,
@@ -31,7 +31,7 @@ impl Adjacency {
         Self { starts, items }
     }
 
-    /// Creates the lists from rows that are already together.
+    /// Creates the lists from rows in compressed form.
     pub(super) fn from_parts(starts: Vec<u32>, items: Vec<u32>) -> Self {
         Self { starts, items }
     }
@@ -46,7 +46,7 @@ impl Adjacency {
         self.len() == 0
     }
 
-    /// Returns row i; empty when there is none.
+    /// Returns row i; empty if the row does not exist.
     pub fn row(&self, i: usize) -> &[u32] {
         match self.starts.get(i..i + 2) {
             Some(&[start, end]) => &self.items[start as usize..end as usize],
@@ -59,7 +59,7 @@ impl Adjacency {
         self.starts.windows(2).map(|w| &self.items[w[0] as usize..w[1] as usize])
     }
 
-    /// Returns where each row starts, and where the last one ends: one more than there are rows.
+    /// Returns the start of each row, and the end of the last one: one more than there are rows.
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
@@ -69,7 +69,7 @@ impl Adjacency {
         &self.items
     }
 
-    /// The items of each row in ascending order, each once.
+    /// Returns the rows with their items in ascending order, each once.
     fn sorted(mut self) -> Self {
         let mut kept = 0;
         let mut start = 0;

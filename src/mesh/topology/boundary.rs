@@ -3,10 +3,9 @@ use super::Edges;
 use crate::base::Result;
 
 impl TriMesh {
-    /// Returns the boundary loops: the vertices of each in the order in which one walks along them,
-    /// the first not repeated, the mesh on the left where it is oriented. Where the boundary meets
-    /// itself at a vertex, the walk stays with its fan of faces. Loops are ordered by their lowest
-    /// boundary edge.
+    /// Returns the boundary loops: the vertices of each in order, the first not repeated, with the
+    /// mesh on the left where it is oriented. Where the boundary meets itself at a vertex, a loop
+    /// stays with its fan of faces. Loops are ordered by their lowest boundary edge.
     ///
     /// ```
     /// use catamaran::mesh::{Edges, families};
@@ -18,7 +17,7 @@ impl TriMesh {
     ///
     /// # Errors
     /// [`Error::Mesh`](crate::Error::Mesh) when there is a boundary and an edge with three faces or
-    /// more: such a boundary need not be loops.
+    /// more: such a boundary need not consist of loops.
     pub fn boundary_loops(&self, edges: &Edges) -> Result<Vec<Vec<u32>>> {
         let edges = &*edges.of(self);
         if edges.boundary().next().is_none() {
@@ -51,21 +50,21 @@ impl TriMesh {
         Ok(loops)
     }
 
-    /// The vertices of the edge that starts at a corner.
+    /// Returns the vertices of the edge that starts at a corner.
     fn ends(&self, corner: u32) -> [u32; 2] {
         let [f, i] = [corner as usize / 3, corner as usize % 3];
         [self.faces()[f][i], self.faces()[f][(i + 1) % 3]]
     }
 
-    /// From a boundary edge around one of its vertices, through the fan of faces, to the boundary
-    /// edge at its other end.
+    /// Returns the boundary edge that follows a boundary edge at one of its vertices, by walking
+    /// through the fan of faces there.
     fn next_on_boundary(&self, edges: &Edges, mut corner: u32, vertex: u32) -> (u32, u32) {
         loop {
-            // The other edge of this face at the vertex; there is no orientation to rely on.
+            // The other edge of this face at the vertex; the orientation of faces may differ.
             let face = corner / 3;
             let others = (3 * face..3 * face + 3).filter(|&c| c != corner);
             let other = others.into_iter().find(|&c| self.ends(c).contains(&vertex));
-            // There always is one, as a corner's edges are two.
+            // There always is one, because two edges of a face meet at a corner.
             let other = other.unwrap_or(corner);
             let edge = edges.of_corners()[other as usize];
             match edges.corners().row(edge as usize) {

@@ -1,8 +1,8 @@
 use super::super::TriMesh;
 use crate::base::Sets;
 
-/// The connected components of a mesh: two faces with a common vertex are in the same one. Numbered
-/// by their lowest vertex; vertices without a face are in none.
+/// The connected components of a mesh: two faces with a common vertex are in the same component.
+/// Components are numbered by their lowest vertex; vertices without a face are in no component.
 ///
 /// ```
 /// use catamaran::mesh::{Components, families};
@@ -21,7 +21,7 @@ pub struct Components {
 }
 
 impl Components {
-    /// The component of a vertex without a face.
+    /// Marks a vertex without a face, which is in no component.
     pub const NONE: u32 = u32::MAX;
 
     /// Finds the components of `mesh`.
@@ -38,7 +38,8 @@ impl Components {
             if !used[v] {
                 continue;
             }
-            // The root is the lowest vertex, so it was numbered before all others.
+            // The root is the lowest vertex, so its component is numbered before that of all
+            // others.
             let root = sets.find(v as u32) as usize;
             if root == v {
                 of_vertex[v] = vertices.len() as u32;
@@ -85,8 +86,8 @@ impl Components {
         &self.vertices
     }
 
-    /// Returns the component with the most faces, the first of them where several have as many;
-    /// `None` when there is none.
+    /// Returns the component with the most faces, the first of several with the same number; `None`
+    /// when there are no components.
     pub fn largest(&self) -> Option<usize> {
         (0..self.len()).rev().max_by_key(|&c| self.faces[c])
     }
@@ -94,8 +95,8 @@ impl Components {
 
 impl TriMesh {
     /// Returns the number of fans of each vertex: groups of its faces that are connected over edges
-    /// at this vertex. A vertex of more than one fan is non-manifold (a bow tie); a vertex of none
-    /// is in no face.
+    /// at this vertex. A vertex of more than one fan is non-manifold (a bow tie); a vertex of no
+    /// fan is in no face.
     ///
     /// ```
     /// use catamaran::mesh::{Edges, families};

@@ -4,7 +4,7 @@ use super::super::TriMesh;
 use super::adjacency::Adjacency;
 use crate::base::{Error, Result};
 
-/// The edges of a mesh: sorted by their lower vertex, then by the other one, and numbered from 0 in
+/// The edges of a mesh, sorted by their lower vertex, then by the other one, and numbered from 0 in
 /// this order.
 ///
 /// ```
@@ -20,7 +20,7 @@ pub struct Edges {
     ends: Vec<[u32; 2]>,
     corners: Adjacency,
     of_corner: Vec<u32>,
-    /// The faces of the mesh, by which it is known again.
+    /// The faces of the mesh, which identify it.
     mesh_faces: Vec<[u32; 3]>,
 }
 
@@ -32,7 +32,7 @@ impl Edges {
             let [f, i] = [corner as usize / 3, corner as usize % 3];
             [faces[f][i], faces[f][(i + 1) % 3]]
         };
-        // Corners by the lower end of their edge, then sorted by the other end within.
+        // Corners are grouped by the lower end of their edge, then sorted by the other end.
         let count = 3 * faces.len() as u32;
         let by_lower = Adjacency::from_pairs(mesh.vertices().len(), || {
             (0..count).map(|corner| (end(corner).into_iter().min().unwrap_or(0), corner))
@@ -68,7 +68,7 @@ impl Edges {
         }
     }
 
-    /// Returns these edges when they are those of `mesh`; else finds the edges of `mesh`.
+    /// Returns `self` if these are the edges of `mesh`; otherwise finds the edges of `mesh`.
     pub(super) fn of<'a>(&'a self, mesh: &TriMesh) -> Cow<'a, Self> {
         if self.mesh_faces == mesh.faces() {
             Cow::Borrowed(self)
@@ -143,7 +143,7 @@ impl Edges {
     /// Returns an error unless every edge has one or two faces.
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names the first other edge and its faces.
+    /// [`Error::Mesh`] names the first edge with another number of faces, and the faces.
     pub fn require_manifold(&self) -> Result<()> {
         match self.non_manifold().next() {
             None => Ok(()),
@@ -155,7 +155,7 @@ impl Edges {
     }
 }
 
-/// Returns a text such as "3 faces (1, 5, 7)", cut when long.
+/// Returns a text such as "3 faces (1, 5, 7)", shortened for many faces.
 pub(in super::super) fn face_list(faces: impl ExactSizeIterator<Item = u32>) -> String {
     const SHOWN: usize = 6;
     let count = faces.len();

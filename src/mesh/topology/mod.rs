@@ -1,10 +1,10 @@
 //! How the faces of a mesh are connected: adjacency, edges, components, boundary, genus,
 //! orientation.
 //!
-//! A corner of a mesh is the number 3 f + i of corner i of face f; as an edge of that face it goes
-//! from its vertex to the next one of the face. Everything here takes time and memory linear in the
-//! size of the mesh, but for sorting the edges at each vertex. A function of a mesh that takes
-//! [`Edges`] does so to save time: those of another mesh are not used.
+//! Corner i of face f has the number 3 f + i, which also stands for the edge of the face from this
+//! corner to the next one. Everything here takes time and memory linear in the size of the mesh,
+//! except for sorting the edges at each vertex. A function of a mesh that takes [`Edges`] does so
+//! to save time; if they belong to another mesh, it finds the edges itself.
 
 mod adjacency;
 mod boundary;

@@ -3,9 +3,8 @@ use super::Edges;
 use crate::base::{Error, Result};
 
 impl TriMesh {
-    /// Returns the edges over which two faces do not agree on what is outside: their faces run
-    /// along them in the same direction. Edges with one face, or with more than two, are not among
-    /// them.
+    /// Returns the edges whose two faces disagree about which side is outside: both run along the
+    /// edge in the same direction. Edges with one face, or with more than two, are not included.
     ///
     /// ```
     /// use catamaran::mesh::{Edges, TriMesh};
@@ -24,14 +23,14 @@ impl TriMesh {
         (0..).zip(edges.corners().rows()).filter(|(_, row)| both(row)).map(|(e, _)| e).collect()
     }
 
-    /// Whether two faces run along their common edge in the same direction, where it starts at
-    /// these corners.
+    /// Returns whether two faces run along their common edge in the same direction; the edge starts
+    /// at these corners.
     fn same_direction(&self, a: u32, b: u32) -> bool {
         self.faces()[a as usize / 3][a as usize % 3] == self.faces()[b as usize / 3][b as usize % 3]
     }
 
-    /// Returns which faces must be flipped so that all agree over every edge of two faces; of each
-    /// group of faces that are connected over such edges, the lowest stays.
+    /// Returns which faces must be flipped so that all agree over every edge of two faces; the
+    /// lowest face of each group of faces that are connected over such edges stays.
     ///
     /// ```
     /// use catamaran::mesh::{Edges, TriMesh};
@@ -43,8 +42,8 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names an edge over which no flipping makes its faces agree: the mesh is
-    /// not orientable.
+    /// [`Error::Mesh`] names an edge whose faces can't be flipped to agree: the mesh is not
+    /// orientable.
     pub fn flips(&self, edges: &Edges) -> Result<Vec<bool>> {
         let edges = &*edges.of(self);
         let sides = self.sides(edges);
@@ -53,15 +52,15 @@ impl TriMesh {
             Some(&e) => {
                 let faces: Vec<u32> = edges.faces(e as usize).collect();
                 Err(Error::Mesh {
-                    what: format!("{} can't be turned to agree: not orientable", pair(&faces)),
+                    what: format!("{} can't be flipped to agree: not orientable", pair(&faces)),
                     element: edges.name(e as usize),
                 })
             }
         }
     }
 
-    /// Returns the groups of faces that hang together over edges of two faces, and which of them
-    /// must be flipped so that the faces of each agree with its lowest one.
+    /// Returns the groups of faces that are connected over edges of two faces, and which faces must
+    /// be flipped so that the faces of each group agree with its lowest one.
     pub(in super::super) fn sides(&self, edges: &Edges) -> Sides {
         let mut group = vec![u32::MAX; self.faces().len()];
         let mut flip = vec![false; self.faces().len()];
@@ -96,8 +95,8 @@ impl TriMesh {
         Sides { group, flip, conflicts }
     }
 
-    /// Returns the mesh with faces flipped so that all agree; of each group of faces that hang
-    /// together over edges of two faces, the lowest stays as it is.
+    /// Returns the mesh with faces flipped so that all agree; the lowest face of each group of
+    /// faces that are connected over edges of two faces stays as it is.
     ///
     /// ```
     /// use catamaran::mesh::TriMesh;
@@ -109,8 +108,8 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names an edge with more than two faces, or one over which the mesh is
-    /// not orientable.
+    /// [`Error::Mesh`] names an edge with more than two faces, or one over which the mesh is not
+    /// orientable.
     pub fn oriented(&self) -> Result<TriMesh> {
         let edges = Edges::new(self);
         edges.require_manifold()?;
@@ -123,13 +122,14 @@ impl TriMesh {
     }
 }
 
-/// The sides of the faces of a mesh.
+/// Which faces of a mesh must be flipped so that connected faces agree.
 pub(in super::super) struct Sides {
     /// For each face its group; groups are numbered by their lowest face.
     pub group: Vec<u32>,
     /// Whether each face must be flipped.
     pub flip: Vec<bool>,
-    /// For each group that is not orientable an edge over which its faces don't agree.
+    /// For each group that is not orientable, an edge whose faces disagree; `None` for the other
+    /// groups.
     pub conflicts: Vec<Option<u32>>,
 }
 

@@ -7,10 +7,10 @@ use crate::base::{Error, Result};
 /// The genus of a surface with its boundary loops closed by disks, summed over its components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Genus {
-    /// Of an orientable surface: its handles.
+    /// The genus of an orientable surface: the number of its handles.
     Orientable(usize),
-    /// Of a surface with a component that is not orientable: its cross-caps, a handle counted as
-    /// two.
+    /// The genus of a surface with a component that is not orientable: the number of its
+    /// cross-caps, where a handle counts as two.
     NonOrientable(usize),
 }
 
@@ -24,7 +24,7 @@ impl fmt::Display for Genus {
 }
 
 impl TriMesh {
-    /// Returns the Euler characteristic V - E + F, V without vertices that no face has.
+    /// Returns the Euler characteristic V - E + F, where V does not count vertices without a face.
     ///
     /// ```
     /// use catamaran::mesh::{Edges, families};
@@ -39,7 +39,7 @@ impl TriMesh {
         used as i64 - edges.len() as i64 + self.faces().len() as i64
     }
 
-    /// Returns the genus g, from the Euler characteristic: V - E + F = sum over components of 2 - 2
+    /// Returns the genus g, from the Euler characteristic V - E + F = sum over components of 2 - 2
     /// g - (boundary loops), or of 2 - g - (boundary loops) when not orientable.
     ///
     /// ```
@@ -53,8 +53,8 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names an edge of more than two faces, or a vertex at which the surface
-    /// meets itself.
+    /// [`Error::Mesh`] names an edge of more than two faces, or a vertex at which the surface meets
+    /// itself.
     pub fn genus(&self, edges: &Edges) -> Result<Genus> {
         let edges = &*edges.of(self);
         edges.require_manifold()?;
@@ -79,7 +79,7 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names the first edge or vertex that is not so.
+    /// [`Error::Mesh`] names the first edge or vertex at which the mesh is not a manifold.
     pub fn require_manifold(&self) -> Result<()> {
         let edges = Edges::new(self);
         edges.require_manifold()?;
@@ -100,7 +100,7 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names the first other edge.
+    /// [`Error::Mesh`] names the first edge that does not have two faces.
     pub fn require_closed(&self) -> Result<()> {
         let edges = Edges::new(self);
         edges.require_manifold()?;
@@ -108,7 +108,7 @@ impl TriMesh {
             None => Ok(()),
             Some(e) => Err(Error::Mesh {
                 what: format!(
-                    "is on the boundary, of face {} only",
+                    "is on the boundary: its only face is {}",
                     edges.corners().row(e as usize)[0] / 3
                 ),
                 element: edges.name(e as usize),
@@ -119,7 +119,7 @@ impl TriMesh {
 
 fn meets_itself(vertex: usize) -> Error {
     Error::Mesh {
-        what: "the surface meets itself there in a single point".into(),
+        what: "the surface meets itself in this vertex".into(),
         element: format!("vertex {vertex}"),
     }
 }
@@ -131,7 +131,7 @@ pub(in super::super) fn genus_of(
     loops: usize,
     orientable: bool,
 ) -> Genus {
-    // Never negative: every component has at most characteristic 2 with its loops closed.
+    // Never negative: with its loops closed, the characteristic of a component is at most 2.
     let caps = (2 * components as i64 - loops as i64 - euler).max(0) as usize;
     if orientable { Genus::Orientable(caps / 2) } else { Genus::NonOrientable(caps) }
 }

@@ -1,6 +1,8 @@
-// Newton's fractals (thesis, chapter 7): the same as src/texture/newton/iterate.rs, operation by operation; change both.
+// Newton's fractals (thesis, chapter 7): the same operations in the same order as
+// src/texture/newton/iterate.rs; change both.
 //
-// A work-item computes LANES points at a time: on processors the width of a register, on graphics cards 1.
+// A work-item computes LANES points at a time: the width of a register on processors, 1 on graphics
+// cards.
 
 #pragma OPENCL FP_CONTRACT OFF
 
@@ -174,7 +176,7 @@ inline real root_of(number z, uint degree, __global const float2 *roots, int has
     return SELECT(k < 0.0f, k + n, k);
 }
 
-// What all points have in common; Parameters in src/texture/newton/mod.rs.
+// The arguments that all points have in common; see Parameters in src/texture/newton/options.rs.
 #define COMMON                                                                                     \
     __global const float2 *roots, int has_roots, uint degree, uint steps, int squared, float gain,  \
         float factor, float shift, float scale, float4 offset, float nearest
@@ -217,7 +219,7 @@ inline void iterate(real x, real y, real z, size_t at, __global ushort *numbers,
     STORE(sum * factor + shift, at, convergence);
 }
 
-// Points `first` and following of a grid; `items` work-items have something to do.
+// Computes points `first` and following of a grid; `items` work-items have points to compute.
 __kernel void newton_grid(uint items, uint first, uint columns, uint rows, float4 origin, float4 right,
                           float4 down, float4 back, __global ushort *numbers,
                           __global float *convergence, COMMON) {
@@ -243,7 +245,7 @@ __kernel void newton_grid(uint items, uint first, uint columns, uint rows, float
     iterate(x, y, z, at, numbers, convergence, COMMON_NAMES);
 }
 
-// Points of a list, coordinate by coordinate.
+// Computes points of a list, whose coordinates are in separate arrays.
 __kernel void newton_list(uint items, __global const float *xs, __global const float *ys,
                           __global const float *zs, __global ushort *numbers,
                           __global float *convergence, COMMON) {

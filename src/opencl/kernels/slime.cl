@@ -1,5 +1,6 @@
-// Slime moulds (thesis, chapter 3): the same as src/texture/slime/{agents,walk,random,diffuse}.rs, operation by operation;
-// change both. What the buffers hold is said in src/texture/slime/mod.rs.
+// Slime moulds (thesis, chapter 3): the same operations in the same order as
+// src/texture/slime/{agents,walk,random,diffuse}.rs; change both. src/texture/slime/mod.rs
+// describes the contents of the buffers.
 
 #pragma OPENCL FP_CONTRACT OFF
 
@@ -15,7 +16,8 @@
 #define OBSTACLE 1
 #define GOAL 2
 
-// PoCL leaves large functions as they are: walkers would go through memory at each call, for a third of the time.
+// PoCL does not inline large functions: without this, walkers would go through memory at each call,
+// which takes a third of the time.
 #define INLINE inline __attribute__((always_inline))
 
 typedef struct {
@@ -37,7 +39,8 @@ INLINE float stretch(const surface *s, const walker *w) {
     return sqrt(u * u + v * v);
 }
 
-// The edge by which a walker leaves its triangle within `reach`, 3 for none, and how far it goes in the triangle.
+// Returns the edge by which a walker leaves its triangle within `reach`, 3 for none; `way` gets the
+// distance to it in the triangle.
 INLINE int first_exit(const surface *s, const walker *w, float reach, int entered, float *way) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     int exit_edge = 3;
@@ -57,7 +60,7 @@ INLINE int first_exit(const surface *s, const walker *w, float reach, int entere
     return exit_edge;
 }
 
-// Over edge k; the number of the edge in the triangle beyond.
+// Moves a walker across edge k; returns the index of the edge in the new triangle.
 INLINE int cross_edge(const surface *s, walker *w, int k) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     uint across = s->across[(size_t)3 * w->triangle + k];
@@ -177,7 +180,7 @@ INLINE void project_across(const surface *s, walker *w, float ahead_x, float ahe
     w->y = along(relative, frame + 6);
 }
 
-// How many of `most` sub-steps stay in the triangle for sure.
+// Returns how many of `most` sub-steps certainly stay in the triangle.
 INLINE uint steps_inside(const surface *s, const walker *w, float length_of, uint most) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     float steps = (float)min(most, 1u << 24);
@@ -256,7 +259,7 @@ INLINE walker rotated(walker w, float dx, float dy, float cosine, float sine) {
     return w;
 }
 
-// The texel of the sensor of a walker.
+// Returns the texel of the sensor of a walker.
 INLINE uint sensed(const surface *s, walker w, float sense, uint substeps, uint size) {
     walker end = walk(s, w, sense, substeps);
     return texel_of(s, size, &end);
@@ -289,7 +292,7 @@ INLINE float smell(__global const float *texture, __global const uchar *ground, 
     return sum;
 }
 
-// A step of each agent, and the mark of the texel that it comes to.
+// Computes a step of each agent, and marks the texel where it ends.
 __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint species_count, uint substeps,
                            int rescale, float sense, float advance, float2 vision,
                            __global const float2 *turns, float attraction,
@@ -313,7 +316,7 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
     uint t_left = sensed(&s, turned, sense, substeps, size);
     turned = rotated(here, here.dx, here.dy, vision.x, -vision.y);
     uint t_right = sensed(&s, turned, sense, substeps, size);
-    // All three at once, so that one waits for memory once.
+    // All three at once, so that their memory accesses overlap.
     float ahead =
         smell(texture, ground, has_ground, attraction, plane, species_count, species, t_ahead);
     float left =
@@ -356,13 +359,13 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
     headings[i] = (float2)(next.dx * factor, next.dy * factor);
     uint entry = species * plane + reached;
     uint bit = 1u << (entry & 31u);
-    // Most texels that an agent comes to are marked already, and reading is cheaper.
+    // Most texels are marked already, and reading is cheaper than an atomic write.
     if ((marks[entry >> 5] & bit) == 0u) {
         atomic_or(&marks[entry >> 5], bit);
     }
 }
 
-// The tile of TILE x TILE texels that an agent is in.
+// Returns the tile of TILE x TILE texels of an agent.
 INLINE uint tile_of(__global const float *records, uint size, uint triangle, float2 position) {
     surface s = {records, 0, 0, 1};
     walker w = {triangle, position.x, position.y, 0.0f, 0.0f};
@@ -370,7 +373,7 @@ INLINE uint tile_of(__global const float *records, uint size, uint triangle, flo
     return texel / size / TILE * (size / TILE) + texel % size / TILE;
 }
 
-// How many agents there are in each tile.
+// Counts the agents in each tile.
 __kernel void slime_count(uint count, uint size, __global const float *records,
                           __global const uint *triangles, __global const float2 *positions,
                           volatile __global uint *tiles) {
@@ -380,7 +383,7 @@ __kernel void slime_count(uint count, uint size, __global const float *records,
     }
 }
 
-// Each agent to the next place of its tile; `tiles` has the first ones.
+// Moves each agent to the next position of its tile; `tiles` holds the first positions.
 __kernel void slime_place(uint count, uint size, __global const float *records,
                           __global const uint *ids, __global const uint *triangles,
                           __global const float2 *positions, __global const float2 *headings,
@@ -400,7 +403,7 @@ __kernel void slime_place(uint count, uint size, __global const float *records,
     new_headings[to] = headings[i];
 }
 
-// 1 where a texel is marked, and no marks any more; a word of marks a work-item.
+// Writes 1 where a texel is marked, and clears the marks; each work-item takes a word of marks.
 __kernel void slime_deposit(uint words, __global uint *marks, __global float *texture) {
     size_t i = get_global_id(0);
     if (i >= words) {
@@ -432,7 +435,8 @@ typedef JOIN(float, LANES) real;
     select(x, (real)(0.0f), JOIN(convert_int, LANES)(JOIN(vload, LANES)(0, kinds)) == OUTSIDE)
 #endif
 
-// (1 2 1) along a row, LANES texels from `first` on; beyond the ends the last texel is repeated.
+// Returns (1 2 1) along a row for LANES texels from `first` on; the texels at the ends are repeated
+// beyond them.
 INLINE real sum_along(__global const float *row, uint first, uint size) {
     real middle = LOAD(row + first);
     real before, after;
@@ -475,7 +479,7 @@ __kernel void slime_diffuse(uint size, uint lines, float blend, float evaporatio
     STORE(result, next + (size_t)line * size + first);
 }
 
-// The texels at seams, which exchange pheromone with those that they are linked to.
+// Computes the texels at seams, which exchange pheromone with the texels to which they are linked.
 __kernel void slime_border(uint count, uint plane, uint species_count, float blend, float evaporation,
                            __global const uint *border, __global const uint *starts,
                            __global const uint *links, __global const float *weights,
@@ -495,8 +499,8 @@ __kernel void slime_border(uint count, uint plane, uint species_count, float ble
     next[offset + border[number]] = fmax((p + blend * flow) - evaporation, 0.0f);
 }
 
-// Coverage and presence of species, summed by columns or rows of `size` texels: work-item i sums those at `across` i and following,
-// `along` apart.
+// Sums coverage and presence of species by columns or rows of `size` texels: work-item i sums the
+// texels at `across` i and following, `along` apart.
 __kernel void slime_cover(uint size, uint species_count, uint across, uint along,
                           __global const float *areas, __global const float *texture,
                           __global ulong2 *sums) {

@@ -5,8 +5,8 @@ use super::*;
 use crate::base::{Par, Progress, Rng};
 use crate::texture::newton::{Gradient, Grid, NewtonOptions, Polynomial};
 
-/// Points that may differ: 1 of 4,000, as fractals are chaotic and devices may round divisions
-/// their own way.
+/// Inverse share of points that may differ: fractals are chaotic, and devices may round divisions
+/// in other ways.
 const BUDGET: usize = 4_000;
 
 fn compare(device: &Device, options: &NewtonOptions, points: Points<'_>, group: Option<usize>) {

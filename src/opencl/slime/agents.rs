@@ -1,4 +1,4 @@
-//! Agents on a device, and their order there.
+//! Agents on a device, and their ordering.
 
 use std::mem::swap;
 
@@ -9,7 +9,7 @@ use crate::base::{Error, Result, reserved};
 use crate::opencl::session::{Device, Launcher};
 use crate::texture::slime::{State, TILE, Walker, starts_of};
 
-/// What [`State`] has of agents.
+/// The agents of a [`State`].
 #[derive(Debug)]
 pub(super) struct Agents {
     len: usize,
@@ -31,7 +31,7 @@ impl Agents {
         })
     }
 
-    /// Memory for that many.
+    /// Allocates memory for `len` agents.
     fn room(device: &Device, len: usize) -> Result<Self> {
         Ok(Self {
             len,
@@ -59,7 +59,7 @@ impl Agents {
         }
     }
 
-    /// Returns a state of the agents, each in the place of its number, without a texture.
+    /// Returns a state of the agents, each at the index of its number, without a texture.
     pub(super) fn read(&self, device: &Device) -> Result<State> {
         let ids = device.values(&self.ids, self.len)?;
         let triangles = device.values(&self.triangles, self.len)?;
@@ -70,7 +70,7 @@ impl Agents {
         for ((&id, &triangle), (&position, &heading)) in ids.iter().zip(&triangles).zip(pairs) {
             if id as usize >= self.len {
                 let name = device.info().name.clone();
-                let why = format!("there is no agent {id}");
+                let why = format!("agent {id} is out of range");
                 return Err(Error::Backend { name, why, cause: None });
             }
             state.put(id as usize, id, Walker { triangle, position, heading });
@@ -79,7 +79,8 @@ impl Agents {
     }
 }
 
-/// Puts agents in the order of tiles of the texture, as the twin does, but those of a tile in any.
+/// Orders agents by tiles of the texture, like its counterpart on the CPU, except that the order
+/// within a tile is arbitrary.
 #[derive(Debug)]
 pub(super) struct Ordering {
     count: Kernel,
@@ -91,7 +92,7 @@ pub(super) struct Ordering {
 }
 
 impl Ordering {
-    /// Creates the sorter with kernels by their names, for a texture of `size` x `size` texels.
+    /// Creates the ordering with kernels by name, for a texture of `size` x `size` texels.
     pub(super) fn new(
         device: &Device,
         kernel: impl Fn(&'static str) -> Result<Kernel>,
@@ -111,7 +112,7 @@ impl Ordering {
         })
     }
 
-    /// Orders the agents; the few numbers of tiles are summed here.
+    /// Orders the agents; the counts of the tiles are summed on the host.
     pub(super) fn order(
         &mut self,
         launcher: &Launcher,
@@ -122,8 +123,8 @@ impl Ordering {
         self.counts.fill(0);
         launcher.device.write(&mut self.tiles, &self.counts)?;
         let mut call = ExecuteKernel::new(&self.count);
-        // SAFETY: numbers and types are those that the kernel declares; texels are in tiles, of
-        // which there are that many.
+        // SAFETY: numbers and types are those that the kernel declares; texels are in tiles, whose
+        // number is that of the buffer.
         unsafe {
             call.set_arg(&count).set_arg(&self.size).set_arg(records);
             call.set_arg(&agents.triangles).set_arg(&agents.positions).set_arg(&self.tiles);
@@ -133,8 +134,8 @@ impl Ordering {
         starts_of(&mut self.counts);
         launcher.device.write(&mut self.tiles, &self.counts)?;
         let mut call = ExecuteKernel::new(&self.place);
-        // SAFETY: as above, and places are below the number of agents, as the counts of the same
-        // tiles sum to it.
+        // SAFETY: as above, and positions are below the number of agents, because the counts of the
+        // same tiles sum to it.
         unsafe {
             call.set_arg(&count).set_arg(&self.size).set_arg(records);
             agents.set_args(&mut call);

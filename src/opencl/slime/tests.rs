@@ -11,8 +11,8 @@ use crate::texture::slime::{
 
 const SIZE: usize = 128;
 
-/// What a device may make of it otherwise: 1 of 4,000 agents and entries of the texture. Devices
-/// that round correctly, as processors do, have none.
+/// Inverse share of agents and entries of the texture that may differ. On devices that round
+/// correctly, as processors do, none differs.
 const BUDGET: usize = 4_000;
 
 fn options() -> Options {
@@ -29,14 +29,14 @@ fn in_atlas(mesh: &TriMesh) -> Surface {
     Surface::of_faces(mesh, atlas(mesh, SIZE).unwrap()).unwrap()
 }
 
-/// A square that is its own texture, with a boundary.
+/// Returns a square that is its own texture, with a boundary.
 fn square() -> Surface {
     let mesh = families::grid(12, 12).unwrap();
     let values = mesh.vertices().iter().map(|p| [p[0] / 12.0, p[1] / 12.0]).collect();
     Surface::new(&mesh, &Attribute { values, corners: None }).unwrap()
 }
 
-/// Agents by their numbers.
+/// Returns the agents in the order of their numbers.
 fn agents(state: &State) -> Vec<(u32, [f32; 2], [f32; 2])> {
     let mut all = vec![(0, [0.0; 2], [0.0; 2]); state.ids.len()];
     for (i, &id) in state.ids.iter().enumerate() {
@@ -54,7 +54,7 @@ fn compare(
 ) {
     let mut twin = Simulation::new(surface.clone(), options, mask).unwrap();
     let mut kernels = SlimeOnDevice::in_groups(device, &twin, group).unwrap();
-    // Agents are put in order twice.
+    // The agents are ordered twice.
     let steps = EVERY + 2;
     twin.run(steps, Par::Threads(2), Progress::none()).unwrap();
     kernels.run(steps, Progress::none()).unwrap();
@@ -68,7 +68,7 @@ fn compare(
     let (all, entries) = (expected.ids.len(), expected.texture.len());
     println!("{options:?} {group:?}: {moved} of {all} agents, {texels} of {entries} texels differ");
     assert!(moved <= all / BUDGET && texels <= entries / BUDGET, "{options:?}");
-    assert!(expected.texture.iter().any(|&x| x > 0.1), "nothing is there to compare");
+    assert!(expected.texture.iter().any(|&x| x > 0.1), "there is nothing to compare");
     if texels == 0 {
         assert_eq!(kernels.coverage().unwrap(), twin.coverage(Par::Seq));
     }

@@ -11,7 +11,7 @@ use crate::base::{Progress, Result};
 pub(super) struct Bending<'a> {
     pub plant: &'a Plant,
     pub measured: &'a Measurements,
-    /// Water at each time, and when cells are full, in kg.
+    /// The water at each time, and the water of full cells, in kg.
     pub curve: &'a [Vec<f64>],
     pub full: Vec<f64>,
     pub options: &'a FitOptions<'a>,
@@ -40,7 +40,7 @@ impl Bending<'_> {
         Ok(found)
     }
 
-    /// Returns the number of heights that were measured.
+    /// Returns the number of measured heights.
     pub fn count(&self) -> usize {
         let Measurements { heights, marks, .. } = self.measured;
         heights.len() + marks.iter().map(|mark| mark.heights.len()).sum::<usize>()
@@ -71,8 +71,8 @@ impl Bending<'_> {
     }
 }
 
-/// Steepnesses to begin with: those that are given, all of them smaller and larger, and of several
-/// classes each one smaller than the others, as where one class makes up for another.
+/// Returns start values of the steepness: the given ones, all of them smaller and larger, and, for
+/// several classes, each one smaller than the others, because one class may compensate for another.
 fn starts(given: &[f64]) -> Vec<Vec<f64>> {
     const SMALLER: f64 = 0.4;
     const LARGER: f64 = 2.5;

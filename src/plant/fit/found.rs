@@ -5,7 +5,7 @@ use super::super::levenberg::Minimum;
 pub struct Estimate {
     /// Its value.
     pub value: f64,
-    /// Its standard error; infinite where the measurements don't tell it, NaN where it is at a
+    /// Its standard error; infinite where the measurements do not determine the value, NaN at a
     /// bound.
     pub error: f64,
 }
@@ -14,27 +14,28 @@ pub struct Estimate {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Fit {
-    /// delta, in kg / (s m^2).
+    /// The loss delta, in kg / (s m^2).
     pub loss: Estimate,
-    /// chi, of [`Conductivity::Pipe`](super::super::Conductivity::Pipe).
+    /// The scale chi of [`Conductivity::Pipe`](super::super::Conductivity::Pipe).
     pub scale: Estimate,
     /// The weight at time 0, in kg.
     pub weight: Estimate,
-    /// kappa of each class of the [`Tissue`](super::super::Tissue), if heights were measured.
+    /// The steepness kappa of each class of the [`Tissue`](super::super::Tissue), if heights were
+    /// measured.
     pub steepness: Vec<Estimate>,
-    /// Other minima that fit the weights as well, the best one first.
+    /// Other minima that fit the weights equally well, the best one first.
     pub other_water: Vec<OtherWater>,
-    /// Other minima that fit the heights as well, the best one first.
+    /// Other minima that fit the heights equally well, the best one first.
     pub other_steepness: Vec<OtherSteepness>,
     /// The weights of the model, in kg.
     pub weights: Vec<f64>,
     /// The heights of the model, in metres, if they were measured.
     pub heights: Vec<f64>,
-    /// Those of each mark.
+    /// The heights of each mark in the model, in metres.
     pub marks: Vec<Vec<f64>>,
     /// The standard deviation of a weight from the model, in kg.
     pub weight_deviation: f64,
-    /// That of a height, in metres; 0 without.
+    /// The standard deviation of a height from the model, in metres; 0 without heights.
     pub height_deviation: f64,
 }
 
@@ -42,9 +43,9 @@ pub struct Fit {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct OtherWater {
-    /// delta, in kg / (s m^2).
+    /// The loss delta, in kg / (s m^2).
     pub loss: f64,
-    /// chi.
+    /// The scale chi.
     pub scale: f64,
     /// The weight at time 0, in kg.
     pub weight: f64,
@@ -56,13 +57,13 @@ pub struct OtherWater {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct OtherSteepness {
-    /// kappa of each class.
+    /// The steepness kappa of each class.
     pub steepness: Vec<f64>,
     /// The standard deviation of a height from the model, in metres.
     pub deviation: f64,
 }
 
-/// Returns a constant that was fitted by its logarithm.
+/// Returns the estimate of a constant that was fitted by its logarithm.
 pub(super) fn logarithmic(minimum: &Minimum, i: usize) -> Estimate {
     let value = minimum.parameters[i].exp();
     Estimate { value, error: value * minimum.errors[i] }

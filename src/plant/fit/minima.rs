@@ -1,16 +1,18 @@
-//! Which of several minima is the best, and which the measurements don't tell from it.
+//! Selects the best of several minima, and those that the measurements do not distinguish from it.
 
 use super::super::levenberg::{Minimum, minimize};
 use crate::base::{Error, Progress, Result};
 
-/// Of a sum of squares above the least, as a multiple of the variance of a residual: what a
-/// likelihood ratio of two parameters exceeds in one of twenty cases (chi^2 with 2 degrees).
+/// Difference of a sum of squares from the least one, relative to the variance of a residual, that
+/// a likelihood ratio of two parameters exceeds in one of twenty cases (chi^2 with 2 degrees of
+/// freedom).
 const AS_GOOD: f64 = 5.99;
 
-/// Minima are the same if each parameter differs by no more than this, or by three standard errors.
+/// Minima are equal if each parameter differs by no more than this, or by three standard errors.
 const SAME: f64 = 1e-3;
 
-/// Returns the minima that descents from several starts reach; an error only if none reaches one.
+/// Returns the minima that descents from several starts reach; returns an error only if none
+/// reaches one.
 pub(super) fn from_starts<S: AsRef<[f64]>>(
     starts: impl ExactSizeIterator<Item = Result<S>>,
     residuals: &dyn Fn(&[f64]) -> Result<Vec<f64>>,
@@ -33,8 +35,9 @@ pub(super) fn from_starts<S: AsRef<[f64]>>(
     }
 }
 
-/// Returns the best of some minima, and those away from it that fit as well, the better ones first,
-/// each once; the first `compared` parameters tell minima apart. `None` without minima.
+/// Returns the best of some minima, and other minima that fit equally well, the better ones first,
+/// each once. Minima are compared by their first `compared` parameters. Returns `None` without
+/// minima.
 pub(super) fn told_apart(
     mut minima: Vec<Minimum>,
     residuals: usize,
@@ -47,7 +50,8 @@ pub(super) fn told_apart(
     let limit = best.sum * (1.0 + AS_GOOD / freedom);
     let mut others: Vec<Minimum> = Vec::new();
     for minimum in minima.take_while(|m| m.sum <= limit) {
-        // What the best one's errors cover is no news; of two others the vaguer one decides.
+        // A minimum within the errors of the best one is not another minimum; of two others, the
+        // larger errors decide.
         let is_known = |other: &Minimum| {
             is_near(other, &minimum, compared) || is_near(&minimum, other, compared)
         };
@@ -58,10 +62,10 @@ pub(super) fn told_apart(
     Some((best, others))
 }
 
-/// Whether a minimum is within the errors of another one.
+/// Returns whether a minimum is within the errors of another one.
 fn is_near(of: &Minimum, minimum: &Minimum, compared: usize) -> bool {
     (0..compared).all(|i| {
-        // NaN: at a bound.
+        // NaN marks a parameter at a bound.
         let error = if of.errors[i].is_nan() { 0.0 } else { of.errors[i] };
         (of.parameters[i] - minimum.parameters[i]).abs() <= SAME.max(3.0 * error)
     })
@@ -87,17 +91,17 @@ mod tests {
             minimum([0.2, 0.1], 0.1, 1.01), // within three errors of the best
             minimum([0.0, 0.0], 0.1, 1.0),
             minimum([3.0, 0.0], 0.1, 1.1),
-            minimum([3.1, 0.0], 0.1, 1.12), // the same as the one before
+            minimum([3.1, 0.0], 0.1, 1.12), // the same as the previous one
             minimum([9.0, 0.0], 0.1, 2.0),  // fits worse
         ];
         let (best, others) = told_apart(minima.clone(), 12, 2).unwrap();
         assert_eq!(best.parameters, [0.0, 0.0]);
         let found: Vec<f64> = others.iter().map(|m| m.parameters[0]).collect();
         assert_eq!(found, [3.0, 5.0]);
-        // Of many residuals the same differences tell more.
+        // With many residuals, the same differences distinguish minima better.
         assert!(told_apart(minima, 1000, 2).unwrap().1.is_empty());
         assert!(told_apart(vec![], 12, 2).is_none());
-        // A vague one is not counted again where another one is within its errors.
+        // A minimum with large errors is not counted again if another one is within its errors.
         let vague = vec![
             minimum([0.0, 0.0], 0.1, 1.0),
             minimum([3.0, 0.0], 0.1, 1.1),

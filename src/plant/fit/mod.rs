@@ -1,4 +1,4 @@
-//! The constants of a plant from what was weighed (thesis, sections 4.5.1 and 4.5.2).
+//! Fits the constants of a plant to measurements (thesis, sections 4.5.1 and 4.5.2).
 
 mod bending;
 mod found;
@@ -18,28 +18,28 @@ use super::levenberg::Minimum;
 use super::{Conductivity, Tissue};
 use crate::base::{Error, Result};
 
-/// The share of the time that goes into water where there are heights too.
+/// Share of the progress that the water takes if there are heights, too.
 const WATER_SHARE: f64 = 0.3;
 
 /// Finds the constants of a plant from measurements, by nonlinear least squares with bounds. From
 /// weights: the loss delta, the scale chi of the conductance and the weight at time 0. Weights do
-/// not depend on the stiffness; its steepness kappa follows from heights, if there are any, with
-/// delta and chi held where the weights have them: a steepness for each class of the [`Tissue`].
-/// Standard errors are those of the linearised model, `s^2 (J^T J)^-1`.
+/// not depend on the stiffness. Its steepness kappa, one for each class of the [`Tissue`], is
+/// fitted to the heights, if there are any, with delta and chi fixed. Standard errors are those of
+/// the linearised model, `s^2 (J^T J)^-1`.
 ///
-/// They hold for one minimum only. Descents begin at several places; minima away from the best one
-/// that the measurements do not tell from it (95 %, of a likelihood ratio) are in
+/// Standard errors apply to one minimum. Descents begin at several points; other minima that the
+/// measurements do not distinguish from the best one (by a likelihood ratio at 95 %) are in
 /// [`Fit::other_water`] and [`Fit::other_steepness`].
 ///
-/// delta shows in how fast the plant first loses weight, chi in how soon that slows down; delta,
-/// chi and kappa are fitted by their logarithms.
+/// The initial rate of the loss of weight determines delta, and the time after which it slows down
+/// determines chi; delta, chi and kappa are fitted by their logarithms.
 ///
 /// ```
 /// use catamaran::plant::families::{GrowthOptions, grow};
 /// use catamaran::plant::{CurveOptions, FitOptions, Measurements, WaterModel, WaterOptions};
 /// use catamaran::plant::{fit, grams_per_hour, water_curve};
 ///
-/// // A plant in a pot of 200 g that loses 90 g / (h m^2).
+/// // A plant in a pot of 200 g, which loses 90 g / (h m^2).
 /// let plant = grow(&GrowthOptions::new().nodes(60))?;
 /// let model = WaterModel::new(&plant, &WaterOptions::new().loss(grams_per_hour(90.0)))?;
 /// let seconds: Vec<f64> = (0..20).map(|i| 7200.0 * f64::from(i)).collect();
@@ -54,15 +54,15 @@ const WATER_SHARE: f64 = 0.3;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault, also
-/// fewer than four measurements; [`Error::NotConverged`], [`Error::OutOfMemory`],
+/// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault, such
+/// as fewer than four measurements; [`Error::NotConverged`], [`Error::OutOfMemory`],
 /// [`Error::Cancelled`].
 pub fn fit(plant: &Plant, measured: &Measurements, options: &FitOptions<'_>) -> Result<Fit> {
     options::check(plant, measured, options)?;
     let whole = if measured.has_heights() { WATER_SHARE } else { 1.0 };
     let weighing = Weighing::new(plant, measured, options)?;
     let minima = weighing.minima(options.progress.part(0.0..whole))?;
-    // The weight at time 0 tells no minima apart.
+    // The weight at time 0 does not distinguish minima.
     let (water, others) = told_apart(minima, measured.seconds.len(), 2).ok_or_else(no_minimum)?;
     let [loss, scale] = [0, 1].map(|i| logarithmic(&water, i));
     let other = |minimum: &Minimum| OtherWater {

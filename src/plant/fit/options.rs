@@ -5,16 +5,16 @@ use super::super::tissue::Tissue;
 use super::super::water::{WaterOptions, grams_per_hour};
 use crate::base::{Error, Par, Progress, Result, builder};
 
-/// The measurements of a plant that dries, from full cells on.
+/// The measurements of a plant that dries, beginning with full cells.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measurements {
-    /// When, in seconds, ascending from 0 on.
+    /// Times, in seconds, ascending from 0.
     pub seconds: Vec<f64>,
-    /// What the plant weighs, in kg; with its pot, if that does not lose weight.
+    /// Weights of the plant, in kg; with its pot, if the pot does not lose weight.
     pub weights: Vec<f64>,
-    /// How high its highest point is above the base, in metres; empty if not measured.
+    /// Heights of the highest point above the base, in metres; empty if not measured.
     pub heights: Vec<f64>,
-    /// How high some nodes are: marks on leaves and stem, which tell classes of segments apart.
+    /// Heights of some nodes: marks on leaves and stem, which distinguish classes of segments.
     pub marks: Vec<Mark>,
 }
 
@@ -23,12 +23,12 @@ pub struct Measurements {
 pub struct Mark {
     /// The node.
     pub node: usize,
-    /// How high its tail is above the base, at each of the times, in metres.
+    /// Heights of its tail above the base at each of the times, in metres.
     pub heights: Vec<f64>,
 }
 
 impl Measurements {
-    /// Returns whether there are heights, which depend on stiffness.
+    /// Returns whether there are heights, which depend on the stiffness.
     pub(super) fn has_heights(&self) -> bool {
         !self.heights.is_empty() || !self.marks.is_empty()
     }
@@ -38,24 +38,24 @@ impl Measurements {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct FitOptions<'a> {
-    /// Between what the loss delta is sought, in kg / (s m^2). Default 0.1 to 5000 g / (h m^2).
+    /// Bounds of the loss delta, in kg / (s m^2). Default 0.1 to 5000 g / (h m^2).
     pub loss: [f64; 2],
-    /// Between what the scale chi of the conductance is sought. Default 1e-13 to 1e-4.
+    /// Bounds of the scale chi of the conductance. Default 1e-13 to 1e-4.
     pub scale: [f64; 2],
-    /// Between what the steepness kappa is sought. Default 0.5 to 100.
+    /// Bounds of the steepness kappa. Default 0.5 to 100.
     pub steepness: [f64; 2],
     /// The other constants of the water.
     pub water: WaterOptions,
-    /// The other constants of stiffness, [`Elasticity::Relative`], and the steepness to begin with.
-    /// Each class has a steepness of its own.
+    /// The other constants of the stiffness, [`Elasticity::Relative`], and the start value of the
+    /// steepness. Each class has its own steepness.
     pub elasticity: Tissue,
-    /// Of the rods that heights follow from.
+    /// The options of the rods that the heights are computed with.
     pub rods: RodOptions,
     /// Whether there were nights ([`Interval::day_and_night`](super::super::Interval)). Default no.
     pub nights: bool,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -87,7 +87,7 @@ builder! { FitOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Returns an error that names what is out of range.
+/// Returns an error that names a value out of its range.
 pub(super) fn check(
     plant: &Plant,
     measured: &Measurements,
@@ -101,7 +101,7 @@ pub(super) fn check(
     for Mark { node, heights } in &measured.marks {
         Error::check_shape("heights of a mark", (count, 1), (heights.len(), 1))?;
         if *node >= plant.len() {
-            let why = format!("node {node} of {} (numbered from 0)", plant.len());
+            let why = format!("node {node} is out of range: {}, numbered from 0", plant.len());
             return Err(Error::Argument { what: "mark", why });
         }
     }
@@ -113,12 +113,12 @@ pub(super) fn check(
         }
     }
     if count < 4 {
-        let why = format!("{count} of them, where at least 4 are needed");
+        let why = format!("must be at least 4, are {count}");
         return Err(Error::Argument { what: "measurements", why });
     }
     let is_literal = |e: &Elasticity| matches!(e, Elasticity::Literal { .. });
     if options.elasticity.classes().iter().any(is_literal) {
-        let why = "literal, where a function of the relative water content is fitted".into();
+        let why = "must be Elasticity::Relative in every class".into();
         return Err(Error::Argument { what: "elasticity", why });
     }
     let bounds = [
@@ -128,7 +128,7 @@ pub(super) fn check(
     ];
     for (what, [low, high]) in bounds {
         if !(low > 0.0 && low < high && high.is_finite()) {
-            let why = format!("from {low} to {high}, where two ascending positive numbers bound");
+            let why = format!("bounds must be positive and ascend, are {low} and {high}");
             return Err(Error::Argument { what, why });
         }
     }

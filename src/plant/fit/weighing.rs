@@ -7,18 +7,18 @@ use super::minima::from_starts;
 use super::options::{FitOptions, Measurements};
 use crate::base::{Error, Progress, Result};
 
-/// Weights as a function of ln delta, ln chi, and of the weight at time 0.
+/// Weights as a function of ln delta, ln chi, and the weight at time 0.
 pub(super) struct Weighing<'a> {
     plant: &'a Plant,
     measured: &'a Measurements,
     options: &'a FitOptions<'a>,
-    /// The unit of weights: the difference of the largest and the smallest, in kg.
+    /// The unit of weights: the difference between the largest and the smallest, in kg.
     pub span: f64,
 }
 
 impl<'a> Weighing<'a> {
-    /// Creates the problem of the weights; weights that are all the same, and plants that lose
-    /// nothing, are errors.
+    /// Creates the problem of fitting the weights. Constant weights, and plants that lose nothing,
+    /// are errors.
     pub fn new(
         plant: &'a Plant,
         measured: &'a Measurements,
@@ -28,12 +28,12 @@ impl<'a> Weighing<'a> {
         let lightest = measured.weights.iter().copied().fold(f64::INFINITY, f64::min);
         let span = heaviest - lightest;
         if span <= 0.0 {
-            let why = "all the same: nothing was lost".into();
+            let why = "must not all be equal: the plant lost no water".into();
             return Err(Error::Argument { what: "weights", why });
         }
         let area: f64 = (0..plant.len()).map(|v| plant.leaf_area(v)).sum();
         if area <= 0.0 {
-            let why = "no leaves, so that nothing is lost".into();
+            let why = "has no leaves, so that it loses no water".into();
             return Err(Error::Argument { what: "plant", why });
         }
         Ok(Self { plant, measured, options, span })
@@ -41,7 +41,7 @@ impl<'a> Weighing<'a> {
 
     /// Returns the minima that descents from several values of chi reach.
     pub fn minima(&self, progress: Progress<'_>) -> Result<Vec<Minimum>> {
-        /// Values of chi to begin with; far from the right one, weights hardly depend on it.
+        /// Number of start values of chi; far from the right one, weights hardly depend on it.
         const STARTS: usize = 12;
         let Self { measured, options, span, .. } = *self;
         let area: f64 = (0..self.plant.len()).map(|v| self.plant.leaf_area(v)).sum();
@@ -49,11 +49,11 @@ impl<'a> Weighing<'a> {
         let [low, high] = options.scale.map(f64::ln);
         let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
         let bounds = [options.loss.map(f64::ln), [low, high], unbounded];
-        // As if leaves lost as much all the time; they lose more in the beginning.
+        // Estimated as if the loss were constant; it is larger in the beginning.
         let mean = span / (area * seconds.max(f64::MIN_POSITIVE));
         let mean = mean.clamp(options.loss[0], options.loss[1]);
-        // There are several minima: one bucket that loses little is like leaves that dry before the
-        // stem.
+        // There are several minima: a single reservoir with a small loss resembles leaves that dry
+        // before the stem.
         let starts = (0..STARTS).map(|i| {
             let scale = low + (high - low) * (i as f64 + 0.5) / STARTS as f64;
             let mut start = (f64::INFINITY, [0.0; 3]);
@@ -69,7 +69,7 @@ impl<'a> Weighing<'a> {
         from_starts(starts, &|x| self.residuals(x), &bounds, progress)
     }
 
-    /// Creates the model with this loss and this scale of the conductance.
+    /// Creates the model with this loss and scale of the conductance.
     pub fn model(&self, loss: f64, scale: f64) -> Result<WaterModel> {
         let conductivity = Conductivity::Pipe { scale };
         WaterModel::new(self.plant, &self.options.water.loss(loss).conductivity(conductivity))

@@ -1,7 +1,7 @@
 use crate::base::{Error, Result};
 use crate::io::Source;
 
-/// The lines of a file of text; every error names the last one.
+/// Reads the lines of a text file; every error names the last line read.
 pub(super) struct Lines<'a>(Source<'a>);
 
 impl<'a> Lines<'a> {
@@ -18,18 +18,18 @@ impl<'a> Lines<'a> {
             match text {
                 Ok(line) if line.is_empty() => {}
                 Ok(line) => return Ok(Some(line)),
-                Err(_) => return Err(self.fail("not text (UTF-8)")),
+                Err(_) => return Err(self.fail("is not text (UTF-8)")),
             }
         }
     }
 
-    /// Returns the next line that has more than a comment, with the tabs it begins with, without
-    /// what follows a `#`.
+    /// Returns the next line that is not only a comment, with its leading tabs, and without the
+    /// comment after a `#`.
     pub fn next_row(&mut self) -> Result<Option<String>> {
         loop {
             let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };
             let text = std::str::from_utf8(bytes).map(str::to_owned);
-            let Ok(text) = text else { return Err(self.fail("not text (UTF-8)")) };
+            let Ok(text) = text else { return Err(self.fail("is not text (UTF-8)")) };
             let row = text.split('#').next().unwrap_or_default();
             if !row.trim().is_empty() {
                 return Ok(Some(row.to_owned()));
@@ -37,11 +37,11 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Returns the next line, which must be there.
+    /// Returns the next line, or an error at the end of the file.
     pub fn expect(&mut self, what: &str) -> Result<String> {
         match self.next()? {
             Some(line) => Ok(line),
-            None => Err(self.fail(format!("the file ends where {what} must follow"))),
+            None => Err(self.fail(format!("the file ends before {what}"))),
         }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Lines<'a> {
         number.ok_or_else(|| self.fail(format!("{what}: {word:?} is not a finite number")))
     }
 
-    /// Parses a whole number from 0, which may be written as 3.0 too.
+    /// Parses a whole number from 0, which may have the form 3.0.
     pub fn count(&self, what: &str, word: Option<&str>) -> Result<usize> {
         let value = self.number(what, word)?;
         if value >= 0.0 && value < f64::from(u32::MAX) && value.fract() == 0.0 {

@@ -1,4 +1,4 @@
-//! Files of plants: the reference text format, SWC, MTG and polylines in OBJ.
+//! Reads files of plants: the reference text format, SWC, MTG and polylines in OBJ.
 
 mod lines;
 mod mtg;
@@ -13,28 +13,28 @@ use super::Plant;
 use crate::base::{Error, Result};
 use crate::io::{Packing, Source, SourceOptions};
 
-/// The format of a file of a plant.
+/// The format of a plant file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlantFormat {
-    /// `verts N`, N lines `id,x,y,z,radius,on_leaf[,fixed]`, `edges M`, M lines `id,id`: that of
-    /// the reference implementation of the thesis, in metres. The root is the node nearest to the
-    /// origin, where its segment begins.
+    /// `verts N`, N lines `id,x,y,z,radius,on_leaf[,fixed]`, `edges M`, M lines `id,id`: the format
+    /// of the reference implementation of the thesis, in metres. The root is the node nearest to
+    /// the origin, where its segment begins.
     Reference,
     /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent
-    /// -1 for the root, taken as metres. Type 7 ("custom") marks veins of leaves.
+    /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves.
     Swc,
     /// Multiscale tree graphs (Godin and Caraglio 1998) with coordinates: the columns `XX`, `YY`,
-    /// `ZZ` and `Radius` or `Diameter` (taken as metres), `/`, `<` and `+` between components.
-    /// Class `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
+    /// `ZZ` and `Radius` or `Diameter` (in metres), `/`, `<` and `+` between components. Class
+    /// `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
     Mtg,
-    /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it
-    /// is 1 mm. The root is the first vertex of the first line. End points of lines from
-    /// which no line continues are on leaves.
+    /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: in metres; the default radius is 1
+    /// mm. The root is the first vertex of the first line. End points at which no line continues
+    /// are on leaves.
     Obj,
 }
 
 impl PlantFormat {
-    /// What the name of a file says: `.txt`, `.swc`, `.mtg`, `.obj`.
+    /// Returns the format that the name of a file implies: `.txt`, `.swc`, `.mtg`, `.obj`.
     fn of(path: &Path) -> Result<(Self, Packing)> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let (stem, packing) = Packing::of(&name);
@@ -53,8 +53,8 @@ impl PlantFormat {
     }
 }
 
-/// Reads the plant in the file at `path`, in the format that its name says; packed files (`.gz`,
-/// `.xz`) too.
+/// Reads the plant in the file at `path`, in the format that its name implies; the file may be
+/// packed (`.gz`, `.xz`).
 ///
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
@@ -65,13 +65,13 @@ impl PlantFormat {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant
-/// ([`Plant::new`]).
+/// [`Error::Io`] with the file and the line; [`Error::Mesh`], with the file, for nodes that make no
+/// plant ([`Plant::new`]).
 pub fn read(path: &Path) -> Result<Plant> {
     read_with(path, &SourceOptions::new())
 }
 
-/// Reads as [`read()`] does, within a limit of memory, and with a callback that is told the
+/// Reads as [`read()`] does, within a limit of memory, and with a callback that receives the
 /// fraction of the file read and may cancel.
 ///
 /// ```
@@ -85,13 +85,13 @@ pub fn read(path: &Path) -> Result<Plant> {
 /// ```
 ///
 /// # Errors
-/// As those of [`read()`], and [`Error::Cancelled`].
+/// As [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<Plant> {
     let (format, packing) = PlantFormat::of(path)?;
     read_source(Source::open(path, packing, options)?, format, path)
 }
 
-/// Reads the plant in these bytes as if they were a file.
+/// Reads the plant in `bytes`, which are not packed, like a file.
 ///
 /// ```
 /// use catamaran::plant::{PlantFormat, read_bytes};
@@ -102,7 +102,7 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<Plant> {
 /// ```
 ///
 /// # Errors
-/// As those of [`read()`]; the path is that of the format's usual name.
+/// As [`read()`]; the path in errors is the usual name of the format.
 pub fn read_bytes(bytes: &[u8], format: PlantFormat) -> Result<Plant> {
     let path = Path::new(match format {
         PlantFormat::Reference => "plant.txt",

@@ -1,26 +1,26 @@
-//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998): the finest
-//! scale with coordinates.
+//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998); reads the
+//! finest scale with coordinates.
 
 use super::super::{Plant, Segment};
 use super::lines::Lines;
 use crate::base::Result;
 
-/// Columns of features by their names.
+/// The columns of features, by name.
 struct Columns {
-    /// How many columns the code has before the first feature.
+    /// Number of columns of the code before the first feature.
     code: usize,
     position: [usize; 3],
     radius: usize,
-    /// What a number of that column is multiplied by to give a radius.
+    /// Factor from a number of that column to a radius.
     scale: f64,
 }
 
 pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
     let columns = header(lines)?;
     let (mut segments, mut parents) = (Vec::new(), Vec::<Option<u32>>::new());
-    // The last node of the axis that each column of the code is on.
+    // The last node of the axis in each column of the code.
     let mut last: Vec<Option<u32>> = vec![None; columns.code];
-    // Comments and blank lines are gone, tabs at the beginning of a line are not.
+    // `lines` removes comments and blank lines, but not tabs at the beginning of a line.
     while let Some(line) = lines.next_row()? {
         let cells: Vec<&str> = line.split('\t').map(str::trim).collect();
         let Some(place) = cells.iter().take(columns.code).position(|cell| !cell.is_empty()) else {
@@ -29,10 +29,10 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         let code = cells[place];
         let cell = |column: usize| cells.get(column).copied().filter(|cell| !cell.is_empty());
         if columns.position.iter().any(|&column| cell(column).is_none()) {
-            continue; // of a coarser scale: a plant or an axis, which has no place
+            continue; // a coarser scale, such as a plant or an axis, has no coordinates
         }
-        // "^<I3" goes on from the last node of its column, "+I3" branches off from it, "/I3"
-        // begins.
+        // "^<I3" continues from the last node of its column, "+I3" branches off from it, "/I3"
+        // begins an axis.
         let code = code.trim_start_matches('^');
         let link = code.rfind(['/', '<', '+']).map(|i| (code.as_bytes()[i], &code[i + 1..]));
         let Some((link, name)) = link else {
@@ -56,11 +56,11 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
     Plant::new(segments, &parents, None)
 }
 
-/// Everything up to the line of column names after `MTG:`.
+/// Reads up to the line of column names after `MTG:`.
 fn header(lines: &mut Lines<'_>) -> Result<Columns> {
     while !lines.expect("`MTG:`")?.starts_with("MTG") {}
     let Some(line) = lines.next_row()? else {
-        return Err(lines.fail("no names of columns after `MTG:`"));
+        return Err(lines.fail("no line of column names after `MTG:`"));
     };
     let names: Vec<String> =
         line.split('\t').map(|name| name.trim().to_ascii_lowercase()).collect();
@@ -74,7 +74,7 @@ fn header(lines: &mut Lines<'_>) -> Result<Columns> {
         (None, Some(diameter)) => (diameter, 0.5),
         (None, None) => return Err(lines.fail("no column Radius or Diameter")),
     };
-    // The code has the columns up to the first name after ENTITY-CODE.
+    // The code takes the columns up to the first name after ENTITY-CODE.
     let code = (1..names.len()).find(|&i| !names[i].is_empty()).unwrap_or(1);
     Ok(Columns { code, position: [x, y, z], radius, scale })
 }

@@ -4,7 +4,7 @@ use super::super::{Plant, Segment};
 use super::lines::Lines;
 use crate::base::Result;
 
-/// The radius of a vertex that has none, in metres.
+/// The default radius of a vertex, in metres.
 const RADIUS: f64 = 1e-3;
 
 pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
@@ -31,12 +31,12 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
                     }
                 }
             }
-            Some("f") => return Err(lines.fail("a face: a plant is made of lines (`l`)")),
+            Some("f") => return Err(lines.fail("a face (`f`): a plant has lines (`l`) only")),
             _ => {}
         }
     }
     let Some(&[root, _]) = edges.first() else {
-        return Err(lines.fail("no lines (`l`) of at least two vertices"));
+        return Err(lines.fail("no line (`l`) of at least two vertices"));
     };
     let mut degrees = vec![0; segments.len()];
     for v in edges.iter().flatten() {
@@ -49,7 +49,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
     Plant::from_edges(segments, &edges, Some(base))
 }
 
-/// A vertex by its number from 1, or from the end if it is negative; of `v/vt` the first.
+/// Parses the number of a vertex, from 1, or negative from the end; of `v/vt` the first part.
 fn vertex(lines: &Lines<'_>, word: &str, count: usize) -> Result<u32> {
     let number = word.split('/').next().and_then(|w| w.parse::<i64>().ok());
     let index = number.and_then(|i| {

@@ -12,7 +12,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         let mut words = line.split(',');
         let id = lines.count("id", words.next())?;
         if id != expected {
-            return Err(lines.fail(format!("id {id}, where {expected} must follow")));
+            return Err(lines.fail(format!("the next id must be {expected}, is {id}")));
         }
         let mut number = |what| lines.number(what, words.next());
         let tail = [number("x")?, number("y")?, number("z")?];
@@ -33,7 +33,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         edges.push([node()?, node()?]);
     }
     if lines.next()?.is_some() {
-        return Err(lines.fail(format!("more than the {count} edges that are announced")));
+        return Err(lines.fail(format!("more than the announced {count} edges")));
     }
     Plant::from_edges(segments, &edges, None)
 }
@@ -42,6 +42,6 @@ fn header(lines: &mut Lines<'_>, keyword: &str) -> Result<usize> {
     let line = lines.expect(&format!("`{keyword} COUNT`"))?;
     match line.split_once(char::is_whitespace) {
         Some((word, count)) if word == keyword => lines.count(keyword, Some(count)),
-        _ => Err(lines.fail(format!("{line:?}, where `{keyword} COUNT` must be"))),
+        _ => Err(lines.fail(format!("must be `{keyword} COUNT`, is {line:?}"))),
     }
 }

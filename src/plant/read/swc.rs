@@ -6,7 +6,7 @@ use super::super::{Plant, Segment};
 use super::lines::Lines;
 use crate::base::Result;
 
-/// The type of nodes that are on leaves here: "custom" in the format.
+/// The type of nodes on leaves: "custom" in the format.
 const LEAF: usize = 7;
 
 pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
@@ -28,7 +28,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
             word => Some(lines.count("parent", word)?),
         };
         if numbers.insert(id, segments.len() as u32).is_some() {
-            return Err(lines.fail(format!("a second node {id}")));
+            return Err(lines.fail(format!("node {id} occurs twice")));
         }
         segments.push(segment);
         parents.push(parent);
@@ -39,7 +39,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
             None => None,
             Some(id) => match numbers.get(&id) {
                 Some(&v) => Some(v),
-                None => return Err(lines.fail(format!("no node {id}, which is a parent"))),
+                None => return Err(lines.fail(format!("node {id}, a parent, does not exist"))),
             },
         });
     }

@@ -5,7 +5,7 @@ fn refusal(bytes: &str, format: PlantFormat, part: &str) {
     assert!(error.contains(part), "{error}");
 }
 
-/// A stem of two segments along z, and a leaf on the first.
+/// Asserts that the plant is a stem of two segments along z, with a leaf on the first.
 fn is_the_little_plant(plant: &Plant) {
     assert_eq!(plant.len(), 3);
     assert_eq!([0, 1, 2].map(|v| plant.parent(v)), [None, Some(0), Some(0)]);
@@ -21,22 +21,22 @@ fn the_reference_format_is_read() {
     is_the_little_plant(&plant);
     assert_eq!(plant.segments().iter().map(|s| s.pinned).collect::<Vec<_>>(), [false, true, false]);
     let at = PlantFormat::Reference;
-    refusal("verts 2\n0,0,0,.1,.002,0\n", at, "plant.txt:3: the file ends where a line of a node");
+    refusal("verts 2\n0,0,0,.1,.002,0\n", at, "plant.txt:3: the file ends before a line of a node");
     refusal("verts 1\n0,0,0,x,.002,0\nedges 0\n", at, "plant.txt:2: z: \"x\"");
-    refusal("verts 1\n3,0,0,1,.002,0\nedges 0\n", at, "id 3, where 0 must follow");
+    refusal("verts 1\n3,0,0,1,.002,0\nedges 0\n", at, "the next id must be 0, is 3");
     refusal("vertices 1\n", at, "`verts COUNT`");
-    refusal("verts 1\n0,0,0,1,-1,0\nedges 0\n", at, "plant.txt: node 0: radius -1");
-    refusal("verts 0\nedges 0\n", at, "0 nodes");
-    refusal("verts 1\n0,0,0,1,1,0\nedges 0\n0,0\n", at, "more than the 0 edges");
+    refusal("verts 1\n0,0,0,1,-1,0\nedges 0\n", at, "plant.txt: node 0: radius must be");
+    refusal("verts 0\nedges 0\n", at, "nodes, has 0");
+    refusal("verts 1\n0,0,0,1,1,0\nedges 0\n0,0\n", at, "more than the announced 0 edges");
 }
 
 #[test]
 fn swc_is_read() {
     let text = "# a plant\n5 3 0 0 .1 .002 -1\n9 3 0 0 .2 .002 5\n7 7 .1 0 .2 .002 5\n";
     is_the_little_plant(&read_bytes(text.as_bytes(), PlantFormat::Swc).unwrap());
-    refusal("1 3 0 0 0 1 2\n", PlantFormat::Swc, "no node 2");
-    refusal("1 3 0 0 0 1 -1\n1 3 0 0 1 1 1\n", PlantFormat::Swc, "plant.swc:2: a second node 1");
-    refusal("1 3 0 0 0 1 -1\n2 3 0 0 1 1 -1\n", PlantFormat::Swc, "node 1: isolated");
+    refusal("1 3 0 0 0 1 2\n", PlantFormat::Swc, "node 2, a parent");
+    refusal("1 3 0 0 0 1 -1\n1 3 0 0 1 1 1\n", PlantFormat::Swc, "swc:2: node 1 occurs twice");
+    refusal("1 3 0 0 0 1 -1\n2 3 0 0 1 1 -1\n", PlantFormat::Swc, "node 1: is isolated");
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn mtg_is_read() {
     let plant = read_bytes(text.as_bytes(), PlantFormat::Mtg).unwrap();
     assert!(plant.segments()[1].petiole && !plant.segments()[1].leaf);
     refusal("MTG:\nENTITY-CODE\tLength\n", PlantFormat::Mtg, "no columns XX");
-    refusal("CODE:\n", PlantFormat::Mtg, "`MTG:` must follow");
+    refusal("CODE:\n", PlantFormat::Mtg, "the file ends before `MTG:`");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn polylines_of_obj_are_read() {
     assert_eq!([0, 1, 2].map(|v| plant.parent(v)), [None, Some(0), Some(0)]);
     assert_eq!(plant.segments().iter().map(|s| s.leaf).collect::<Vec<_>>(), [false, true, true]);
     refusal("v 0 0 0\nv 0 0 1\nl 1 3\n", PlantFormat::Obj, "plant.obj:3: \"3\" is none of the 2");
-    refusal("v 0 0 0\n", PlantFormat::Obj, "no lines");
+    refusal("v 0 0 0\n", PlantFormat::Obj, "no line");
     refusal("v 0 0 0\nf 1 1 1\n", PlantFormat::Obj, "a face");
 }
 

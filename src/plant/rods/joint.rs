@@ -1,7 +1,7 @@
 //! The joint between a segment and its parent: it does not stretch, and resists bending and
 //! twisting.
 //!
-//! Rotations are those from the rest pose, so that at rest all are the identity. The strain of a
+//! Rotations are relative to the rest pose, so that all are the identity at rest. The strain of a
 //! joint is twice the vector part of `d = conj(q_parent) q_child`, the discrete Darboux vector of
 //! Kugelstadt and Schoemer (2016) and of Deul et al. (2018), in the coordinates of the rest pose;
 //! its energy is `strain^T K strain / 2`.
@@ -12,7 +12,7 @@ use super::small::{
 };
 use crate::mesh::vector::{Vector, dot, scale};
 
-/// Returns `K = bend (I - t t^T) + twist t t^T` of the direction t of the child, in N m.
+/// Returns `K = bend (I - t t^T) + twist t t^T` for the direction t of the child, in N m.
 pub(super) fn stiffness(bend: f64, twist: f64, direction: Vector) -> Matrix<3> {
     let mut k = identity();
     for i in 0..3 {
@@ -34,8 +34,8 @@ pub(super) fn strain(d: Quaternion) -> Vector {
     [2.0 * d[1], 2.0 * d[2], 2.0 * d[3]]
 }
 
-/// Returns the derivative of the strain of d by a small rotation of the child, in the coordinates
-/// of the parent.
+/// Returns the derivative of the strain of d with respect to a small rotation of the child, in the
+/// coordinates of the parent.
 pub(super) fn strain_derivative(d: Quaternion) -> Matrix<3> {
     let mut j = identity();
     (0..3).for_each(|i| j[i][i] = d[0]);
@@ -48,14 +48,16 @@ pub(super) fn energy(k: &Matrix<3>, parent: Quaternion, child: Quaternion) -> f6
     0.5 * dot(strain, image(k, &strain))
 }
 
-/// The derivatives of the energy by small rotations (in the coordinates of the world) of the two
-/// segments.
+/// The derivatives of the energy with respect to small rotations of the two segments, in the
+/// coordinates of the world.
 pub(super) struct Derivatives {
-    /// By that of the child; that by the parent is the opposite.
+    /// The derivative with respect to the child; the derivative with respect to the parent is its
+    /// negative.
     pub gradient: Vector,
-    /// Twice by the child, and twice by the parent: the same.
+    /// The second derivative with respect to the child, which equals that with respect to the
+    /// parent.
     pub own: Matrix<3>,
-    /// By the child (rows) and by the parent (columns).
+    /// The mixed derivative with respect to the child (rows) and the parent (columns).
     pub mixed: Matrix<3>,
 }
 
@@ -64,7 +66,7 @@ pub(super) fn derivatives(k: &Matrix<3>, parent: Quaternion, child: Quaternion) 
     let (strain, j) = (strain(d), strain_derivative(d));
     let moment = image(k, &strain);
     let gradient = image(&transposed(&j), &moment);
-    // The strain of a rotation by x is, to second order, strain + J x - strain |x|^2 / 8.
+    // To second order, the strain of a rotation by x is strain + J x - strain |x|^2 / 8.
     let mut own = times(&transposed(&j), &times(k, &j));
     add(&mut own, -0.25 * dot(strain, moment), &identity());
     // exp(-a) exp(b) = exp(b - a - a x b / 2 + ...): the product of small rotations has a

@@ -1,4 +1,4 @@
-//! The plant as rods: rigid segments, joints that bend and twist but do not stretch.
+//! The plant as rods: rigid segments, with joints that bend and twist but do not stretch.
 
 mod joint;
 mod motion;
@@ -22,11 +22,11 @@ use crate::mesh::vector::{Vector, scale, sub};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RodOptions {
-    /// Default (0, 0, -9.81), in m / s^2.
+    /// Acceleration of gravity, in m / s^2. Default (0, 0, -9.81).
     pub gravity: [f64; 3],
     /// Poisson's ratio nu, in (-1, 0.5]: the shear modulus is `E / (2 (1 + nu))`. Default 0.3.
     pub poisson: f64,
-    /// What a cubic metre of tissue weighs without its water, in kg. Default 100.
+    /// Mass of a cubic metre of tissue without its water, in kg. Default 100.
     pub dry_density: f64,
 }
 
@@ -45,16 +45,16 @@ builder! { RodOptions {
 /// The positions and rotations of the segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// Where each segment begins, in metres.
+    /// The start of each segment, in metres.
     pub heads: Vec<[f64; 3]>,
-    /// Where each segment ends, in metres.
+    /// The end of each segment, in metres.
     pub tails: Vec<[f64; 3]>,
-    /// How each has turned from the plant as it was given: unit quaternions (w, x, y, z).
+    /// The rotation of each segment from the rest pose: unit quaternions (w, x, y, z).
     pub rotations: Vec<[f64; 4]>,
 }
 
 /// A plant whose segments have weight and joints stiffness. The joint of the root segment holds it
-/// to the ground; pinned segments stay where they are and carry what hangs on them.
+/// to the ground; pinned segments do not move, and carry the segments that hang on them.
 ///
 /// ```
 /// use catamaran::plant::{Elasticity, RelaxOptions, RodOptions, Rods};
@@ -71,23 +71,23 @@ pub struct Pose {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Rods {
-    /// Every parent before its children.
+    /// The segments, every parent before its children.
     order: Vec<u32>,
     parents: Vec<u32>,
     pinned: Vec<bool>,
     base: Vector,
-    /// Where each begins, as the plant was given.
+    /// The start of each segment in the rest pose.
     rest_heads: Vec<Vector>,
-    /// From head to tail, as the plant was given.
+    /// The vector from head to tail in the rest pose.
     rest: Vec<Vector>,
     lengths: Vec<f64>,
     radii: Vec<f64>,
     volumes: Vec<f64>,
     leaf_areas: Vec<f64>,
     options: RodOptions,
-    /// In kg.
+    /// Mass of each segment, in kg.
     masses: Vec<f64>,
-    /// K of the joint to the parent, in N m.
+    /// The stiffness K of the joint to the parent, in N m.
     stiffness: Vec<Matrix<3>>,
 }
 
@@ -96,16 +96,15 @@ impl Rods {
     /// [`Rods::set_state`].
     ///
     /// # Errors
-    /// [`Error::Argument`] names the option that is out of its range.
+    /// [`Error::Argument`] names an option out of its range.
     pub fn new(plant: &Plant, options: &RodOptions) -> Result<Self> {
         at_least_zero("dry density", options.dry_density)?;
         if !(options.poisson > -1.0 && options.poisson <= 0.5) {
-            let why =
-                format!("{}, where more than -1 and at most 0.5 is possible", options.poisson);
+            let why = format!("must be above -1 and at most 0.5, is {}", options.poisson);
             return Err(Error::Argument { what: "poisson", why });
         }
         if options.gravity.iter().any(|x| !x.is_finite()) {
-            let why = format!("{:?} is not finite", options.gravity);
+            let why = format!("must be finite, is {:?}", options.gravity);
             return Err(Error::Argument { what: "gravity", why });
         }
         let n = plant.len();
@@ -137,8 +136,8 @@ impl Rods {
     /// Sets the modulus of elasticity of every segment, in Pa, and its water, in kg.
     ///
     /// # Errors
-    /// [`Error::Shape`] and [`Error::Argument`] name the argument at fault; water below 0 by
-    /// rounding counts as 0.
+    /// [`Error::Shape`] and [`Error::Argument`] name the argument at fault; water that is negative
+    /// by rounding counts as 0.
     pub fn set_state(&mut self, moduli: &[f64], water: &[f64]) -> Result<()> {
         Error::check_shape("water", (self.len(), 1), (water.len(), 1))?;
         if let Some(v) = water.iter().position(|x| !x.is_finite()) {
@@ -151,8 +150,8 @@ impl Rods {
         Ok(())
     }
 
-    /// Half of the compliance of a joint is that of half the parent, the rest that of half the
-    /// child.
+    /// Sets the stiffness of joints. Half of the compliance of a joint is that of half the parent,
+    /// the rest that of half the child.
     fn set_moduli(&mut self, moduli: &[f64]) -> Result<()> {
         Error::check_shape("moduli", (self.len(), 1), (moduli.len(), 1))?;
         if let Some(&e) = moduli.iter().find(|e| positive("moduli", **e).is_err()) {
@@ -177,7 +176,7 @@ impl Rods {
         Ok(())
     }
 
-    /// Returns the pose in which the plant was given.
+    /// Returns the rest pose, in which the plant was given.
     pub fn rest_pose(&self) -> Pose {
         let mut pose = Pose {
             heads: vec![[0.0; 3]; self.len()],
@@ -188,8 +187,8 @@ impl Rods {
         pose
     }
 
-    /// Returns the pose in which each segment has turned by its rotation, a quaternion (w, x, y, z)
-    /// of any length but 0.
+    /// Returns the pose in which each segment has its rotation, a quaternion (w, x, y, z) of any
+    /// length but 0.
     ///
     /// ```
     /// use catamaran::plant::{RodOptions, Rods, families};
@@ -203,7 +202,7 @@ impl Rods {
     ///
     /// # Errors
     /// [`Error::Shape`] for rotations of another plant, [`Error::NonFinite`], [`Error::Argument`]
-    /// for one of length 0.
+    /// for a rotation of length 0.
     pub fn pose(&self, rotations: &[[f64; 4]]) -> Result<Pose> {
         Error::check_shape("rotations", (self.len(), 4), (rotations.len(), 4))?;
         let mut pose = self.rest_pose();
@@ -213,7 +212,7 @@ impl Rods {
             }
             let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
             if !(length > 0.0 && length.is_finite()) {
-                let why = format!("that of segment {v} is of length {length}");
+                let why = format!("that of segment {v} must have a length above 0, has {length}");
                 return Err(Error::Argument { what: "rotations", why });
             }
             *unit = q.map(|x| x / length);
@@ -226,12 +225,13 @@ impl Rods {
         Some(self.parents[v]).filter(|&p| p != NONE).map(|p| p as usize)
     }
 
-    /// The rotation of the parent of v; the ground has none.
+    /// Returns the rotation of the parent of v; that of the ground is the identity.
     fn parent_rotation(&self, rotations: &[Quaternion], v: usize) -> Quaternion {
         self.parent(v).map_or(NO_ROTATION, |p| rotations[p])
     }
 
-    /// Heads and tails from rotations, from the ground up; pinned segments are at rest.
+    /// Computes heads and tails from rotations, from the ground upwards; pinned segments are at
+    /// rest.
     fn place(&self, pose: &mut Pose) {
         for &v in &self.order {
             let v = v as usize;

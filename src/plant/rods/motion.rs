@@ -1,10 +1,10 @@
-//! Rods that move: implicit Euler, with the direct solver for stiff rods of Deul, Kugelstadt,
+//! Rods in motion: implicit Euler, with the direct solver for stiff rods of Deul, Kugelstadt,
 //! Weiler and Bender (2018).
 //!
-//! A body per segment, of six unknowns, and a joint per segment, of six equations: three for zero
-//! stretch, three for bending and twisting with the compliance K^-1. In the tree of bodies and
-//! joints the matrix of a Newton step is eliminated from the leaves by blocks, `L D L^T` without
-//! fill-in.
+//! There is a body with six unknowns for each segment, and a joint with six equations for each
+//! segment: three for zero stretch, three for bending and twisting with the compliance K^-1. In the
+//! tree of bodies and joints, the matrix of a Newton step is eliminated from the leaves by blocks,
+//! `L D L^T` without fill-in.
 
 use super::joint::{difference, strain, strain_derivative};
 use super::small::{
@@ -20,11 +20,11 @@ use crate::plant::water::{at_least_zero, positive};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct MotionOptions {
-    /// Seconds of a step. Default 1 / 60.
+    /// Duration of a step, in seconds. Default 1 / 60.
     pub step: f64,
-    /// Newton iterations of a step, at most. Default 3.
+    /// Largest number of Newton iterations of a step. Default 3.
     pub iterations: usize,
-    /// The rate at which velocities wear off, in 1 / s. Default 1.
+    /// The rate of decay of velocities, in 1 / s. Default 1.
     pub damping: f64,
     /// The drag coefficient of segments and leaves in the air of [`Motion::set_wind`]. Default 1.2,
     /// that of a cylinder across the wind at Reynolds numbers of 10^2 to 10^5.
@@ -40,17 +40,17 @@ impl Default for MotionOptions {
 /// The density of air, in kg / m^3.
 const AIR: f64 = 1.2;
 
-/// The largest turn of a Newton step after which the next one would change nothing that is seen, in
-/// radians.
+/// Largest rotation of a Newton step at which the iteration stops: the next step would be
+/// invisible, in radians.
 const CONVERGED: f64 = 0.03;
 
-/// The largest turn of a Newton step, in radians.
+/// Bound of the rotation of a Newton step, in radians.
 const LARGEST_TURN: f64 = 0.7;
 
-/// Newton iterations beyond [`MotionOptions::iterations`] before a step is halved.
+/// Number of Newton iterations beyond [`MotionOptions::iterations`] before a step is halved.
 const MORE_ITERATIONS: usize = 4;
 
-/// Halvings of a step: at most 256 parts.
+/// Largest number of halvings of a step: at most 256 parts.
 const MOST_HALVINGS: usize = 8;
 
 builder! { MotionOptions {
@@ -75,7 +75,7 @@ builder! { MotionOptions {
 /// for _ in 0..10 {
 ///     motion.step()?;
 /// }
-/// // It sinks, and its segments stay together.
+/// // The tip sinks, and the segments stay together.
 /// let height = |tails: &[[f64; 3]]| tails.iter().map(|p| p[2]).sum::<f64>();
 /// assert!(height(&motion.pose().tails) < height(&start.tails));
 /// assert!(motion.largest_gap() < 1e-4);
@@ -86,18 +86,18 @@ pub struct Motion {
     rods: Rods,
     options: MotionOptions,
     moving: Moving,
-    /// The velocity of the air, in m / s; none: no air.
+    /// The velocity of the air, in m / s; `None` without air.
     wind: Option<Vector>,
 }
 
 /// The mechanical energy of rods, in J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
-    /// Of velocities and spins.
+    /// Energy of velocities and spins.
     pub kinetic: f64,
-    /// Of bent and twisted joints; 0 as the plant was given.
+    /// Energy of bent and twisted joints; 0 in the rest pose.
     pub elastic: f64,
-    /// Of weight, in the coordinates of the plant.
+    /// Energy of weight, in the coordinates of the plant.
     pub weight: f64,
 }
 
@@ -108,31 +108,31 @@ impl Energy {
     }
 }
 
-/// What changes in a step.
+/// The state that a step changes.
 #[derive(Debug, Clone)]
 struct Moving {
     /// The middle of every segment.
     centres: Vec<Vector>,
     rotations: Vec<Quaternion>,
     velocities: Vec<Vector>,
-    /// Angular.
+    /// Angular velocities.
     spins: Vec<Vector>,
-    /// Forces and torques of joints.
+    /// Forces and torques of the joints.
     multipliers: Vec<[f64; 6]>,
 }
 
-/// Where a step begins, and where its bodies would go without joints.
+/// The start of a step, and the positions of its bodies without joints.
 struct Step {
     seconds: f64,
     start: Vec<Vector>,
     centres: Vec<Vector>,
     rotations: Vec<Quaternion>,
-    /// Of every body, the force of the air by its velocity against the air, in N s / m; none: no
-    /// air.
+    /// For each body, the derivative of the drag with respect to its velocity, in N s / m; empty
+    /// without air.
     drag: Vec<Matrix<3>>,
 }
 
-/// The equations of bodies: their blocks on the diagonal, and right-hand sides.
+/// The equations of the bodies: the blocks on the diagonal, and the right-hand sides.
 struct Bodies {
     blocks: Vec<Matrix<6>>,
     right: Vec<[f64; 6]>,
@@ -151,7 +151,7 @@ impl Motion {
     ///
     /// # Errors
     /// [`Error::Shape`] for a pose of another plant; [`Error::Argument`] names an option out of its
-    /// range, or a segment without weight.
+    /// range, or a segment without mass.
     pub fn new(rods: &Rods, pose: &Pose, options: &MotionOptions) -> Result<Self> {
         Error::check_shape("pose", (rods.len(), 4), (pose.rotations.len(), 4))?;
         positive("step", options.step)?;
@@ -177,16 +177,15 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Continues with other weights and stiffnesses of the same plant.
+    /// Continues with other masses and stiffnesses of the same plant.
     ///
     /// # Errors
     /// [`Error::Shape`] for rods of another plant; [`Error::Argument`] names a segment without
-    /// weight.
+    /// mass.
     pub fn set_rods(&mut self, rods: &Rods) -> Result<()> {
         Error::check_shape("rods", (self.rods.len(), 1), (rods.len(), 1))?;
         if let Some(v) = rods.masses.iter().position(|&m| m <= 0.0) {
-            let why =
-                format!("segment {v} weighs {} kg: what moves must have weight", rods.masses[v]);
+            let why = format!("segment {v} must have a positive mass, has {} kg", rods.masses[v]);
             return Err(Error::Argument { what: "masses", why });
         }
         self.rods = rods.clone();
@@ -194,10 +193,10 @@ impl Motion {
     }
 
     /// Sets the velocity of the air, in m / s. The air drags a segment of radius r, length l and
-    /// leaf area A by `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air past
-    /// the segment, u_n its part across the segment (cross-flow principle, Hoerner 1965), C
-    /// [`MotionOptions::drag`]. The factors |u| are those at the beginning of a step, the rest is
-    /// implicit, so that air only takes energy from what moves faster.
+    /// leaf area A by `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air
+    /// relative to the segment, u_n its component across the segment (cross-flow principle, Hoerner
+    /// 1965), C is [`MotionOptions::drag`]. The factors |u| are those at the beginning of a step,
+    /// and the rest is implicit, so that still air only removes energy.
     ///
     /// ```
     /// use catamaran::plant::{Elasticity, Motion, MotionOptions, RodOptions, Rods};
@@ -218,14 +217,14 @@ impl Motion {
     /// [`Error::Argument`] for a velocity that is not finite.
     pub fn set_wind(&mut self, velocity: [f64; 3]) -> Result<()> {
         if velocity.iter().any(|x| !x.is_finite()) {
-            let why = format!("{velocity:?} is not finite");
+            let why = format!("the velocity must be finite, is {velocity:?}");
             return Err(Error::Argument { what: "wind", why });
         }
         self.wind = Some(velocity);
         Ok(())
     }
 
-    /// Returns the present pose.
+    /// Returns the current pose.
     pub fn pose(&self) -> Pose {
         let half = |v: usize| scale(self.along(v), 0.5);
         let n = self.rods.len();
@@ -242,7 +241,7 @@ impl Motion {
         (0..self.rods.len()).map(|v| norm(self.gap(v))).fold(0.0, f64::max)
     }
 
-    /// Returns the energy of the present pose and velocities.
+    /// Returns the energy of the current pose and velocities.
     pub fn energy(&self) -> Energy {
         let mut energy = Energy::default();
         for v in 0..self.rods.len() {
@@ -261,9 +260,9 @@ impl Motion {
         energy
     }
 
-    /// Advances by one step. Where Newton's method does not converge, as when a gust turns twigs by
-    /// more than a radian, the step is divided into two half steps, and so on: steps of any length
-    /// stay stable.
+    /// Advances by one step. If Newton's method does not converge, as when a gust rotates twigs by
+    /// more than a radian, the step is divided into two half steps, recursively: steps of any
+    /// length are stable.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the equations are singular to rounding.
@@ -287,7 +286,8 @@ impl Motion {
         self.advance(0.5 * seconds, halvings - 1)
     }
 
-    /// A step of implicit Euler. Returns the largest turn of its last Newton step, in radians.
+    /// Computes a step of implicit Euler. Returns the largest rotation of its last Newton step, in
+    /// radians.
     fn implicit_step(&mut self, h: f64) -> Result<f64> {
         let n = self.rods.len();
         let (centres, rotations) = (self.moving.centres.clone(), self.moving.rotations.clone());
@@ -328,8 +328,8 @@ impl Motion {
     /// Advances by `count` steps.
     ///
     /// # Errors
-    /// As those of [`Motion::step`]; [`Error::Cancelled`]: the steps before are done then, and it
-    /// can go on.
+    /// As [`Motion::step`]; [`Error::Cancelled`]: earlier steps are complete, and a later call can
+    /// continue.
     pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
         for done in 1..=count {
             self.step()?;
@@ -338,8 +338,8 @@ impl Motion {
         Ok(())
     }
 
-    /// Does one Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the largest
-    /// turn, in radians.
+    /// Computes one Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the
+    /// largest rotation, in radians.
     fn newton(&mut self, step: &Step) -> Result<f64> {
         let joints: Vec<Joint> = (0..self.rods.len()).map(|v| self.joint(v)).collect();
         let system = self.system(&joints, step);
@@ -359,7 +359,7 @@ impl Motion {
         Ok(turn)
     }
 
-    /// The equations of bodies, without those of joints.
+    /// Returns the equations of the bodies, without those of the joints.
     fn system(&self, joints: &[Joint], step: &Step) -> Bodies {
         let n = self.rods.len();
         let mut blocks: Vec<Matrix<6>> = (0..n).map(|v| self.inertia(v, step.seconds)).collect();
@@ -405,7 +405,7 @@ impl Motion {
         let parent = |v: usize| self.rods.parent(v).filter(|&p| free(p));
         let order = || self.rods.order.iter().map(|&v| v as usize);
         let moves = |&v: &usize| free(v) || parent(v).is_some();
-        // Of every joint: the factor of its block, and its right-hand side.
+        // For every joint, the factor of its block, and its right-hand side.
         let mut joint_factors = vec![[[0.0; 6]; 6]; n];
         let mut joint_right = vec![[0.0; 6]; n];
         for v in order().rev().filter(moves) {
@@ -421,7 +421,8 @@ impl Motion {
                 (0..6).for_each(|i| b[i] -= moved[i]);
                 blocks[v] = body;
             } else {
-                // A body that nothing moves: a trace of compliance instead of its own.
+                // A body that nothing moves has no compliance of its own; a trace of compliance
+                // replaces it.
                 let trace = 1e-9 * seconds.powi(2) / self.rods.masses[v];
                 (0..3).for_each(|i| block[i][i] += trace);
             }
@@ -452,7 +453,7 @@ impl Motion {
         Some([steps, changes])
     }
 
-    /// `M / h^2` of a cylinder.
+    /// Returns `M / h^2` of a cylinder.
     fn inertia(&self, v: usize, seconds: f64) -> Matrix<6> {
         let rods = &self.rods;
         let unit = rods.masses[v] / seconds.powi(2);
@@ -470,7 +471,7 @@ impl Motion {
         m
     }
 
-    /// `-M/h^2 (X - aim)`.
+    /// Returns `-M/h^2 (X - aim)`.
     fn pull(&self, v: usize, inertia: &Matrix<6>, step: &Step) -> [f64; 6] {
         let d = sub(step.centres[v], self.moving.centres[v]);
         let turn = product(step.rotations[v], inverse(self.moving.rotations[v]));
@@ -478,7 +479,7 @@ impl Motion {
         image(inertia, &[d[0], d[1], d[2], a[0], a[1], a[2]])
     }
 
-    /// The drag of all bodies at their present velocities.
+    /// Returns the drag of all bodies at their current velocities.
     fn drag(&self) -> Vec<Matrix<3>> {
         let Some(wind) = self.wind else { return vec![] };
         let of = |v: usize| {
@@ -500,7 +501,7 @@ impl Motion {
         (0..self.rods.len()).map(of).collect()
     }
 
-    /// The force of the air at the end of the step.
+    /// Returns the force of the air at the end of the step.
     fn drag_force(&self, v: usize, drag: &Matrix<3>, step: &Step) -> Vector {
         let wind = self.wind.unwrap_or_default();
         let moved = sub(self.moving.centres[v], step.start[v]);
@@ -511,7 +512,7 @@ impl Motion {
         image(&rotation_matrix(self.moving.rotations[v]), &self.rods.rest[v])
     }
 
-    /// From the end of the parent to the beginning of v.
+    /// Returns the vector from the end of the parent to the beginning of v.
     fn gap(&self, v: usize) -> Vector {
         let head = sub(self.moving.centres[v], scale(self.along(v), 0.5));
         match self.rods.parent(v) {
@@ -551,14 +552,14 @@ impl Motion {
     }
 }
 
-/// The error of equations that have no solution.
+/// Returns the error of equations without a solution.
 fn singular() -> Error {
     Error::NotConverged { iterations: 0, residual: f64::NAN }
 }
 
-/// Adds the stiffness against turning of a force at an arm, as far as it is one: what pulls a body
-/// straight holds it (Tournier, Nesme, Gilles and Faure 2015). It changes no equation, but how
-/// Newton's method gets to its solution: in a storm what pulls at twigs is more than `M/h^2`.
+/// Adds the rotational stiffness of a force at an arm where it is positive: tension stabilises the
+/// orientation of a body (Tournier, Nesme, Gilles and Faure 2015). The term changes no equation,
+/// but the convergence of Newton's method: in a storm, the tension of twigs exceeds `M/h^2`.
 fn add_tension(body: &mut Matrix<6>, force: Vector, arm: Vector) {
     let length = norm(arm);
     let held = 0.5 * (norm(force) * length + dot(force, arm));

@@ -1,4 +1,4 @@
-//! Pinned segments that free ones lead to: where a free path ends must stay where it was at rest.
+//! Pinned segments at the end of free paths: the end of such a path must stay where it was at rest.
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -8,19 +8,20 @@ use crate::base::Result;
 use crate::dense;
 use crate::mesh::vector::{Vector, norm, sub};
 
-/// One end that is held: the free segments from the one that ends there back to what is fixed.
+/// A free path with a fixed end: the free segments from the one that ends at the pin back to a
+/// fixed one.
 #[derive(Debug, Clone)]
 pub(super) struct Pin {
     /// The segment that ends at the pin.
     pub last: usize,
-    /// Where it must end.
+    /// The required position of the end.
     target: Vector,
-    /// The free segments that lead there.
+    /// The free segments of the path.
     pub path: Vec<usize>,
 }
 
 impl Pin {
-    /// Returns the vector from where the end must be to where it is.
+    /// Returns the vector from the required to the actual position of the end.
     pub fn gap(&self, tails: &[Vector]) -> Vector {
         sub(tails[self.last], self.target)
     }
@@ -44,19 +45,19 @@ pub(super) fn pins(rods: &Rods) -> Vec<Pin> {
         .collect()
 }
 
-/// Free segments that hang together, and the pins that they end at: no other pin moves them.
+/// Connected free segments, and the pins at their ends: no other pin moves them.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
-    /// Numbers of pins.
+    /// Indices of the pins.
     pub pins: Vec<usize>,
     /// The segments, every parent before its children.
     pub nodes: Vec<u32>,
 }
 
-/// Returns the pins in groups that depend on each other.
+/// Returns the pins in groups of pins that depend on each other.
 pub(super) fn groups(rods: &Rods, pins: &[Pin]) -> Vec<Group> {
     let n = rods.len();
-    // The group of the first segment of each free part, and then of all.
+    // The group of the first segment of each free part, and then of all segments.
     let mut group = vec![usize::MAX; n];
     let mut groups: Vec<Group> = Vec::new();
     for (i, pin) in pins.iter().enumerate() {
@@ -87,10 +88,10 @@ pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
     pins.iter().map(|pin| norm(pin.gap(tails))).sum()
 }
 
-/// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they
-/// shall be positive definite, else by elimination. Where paths do not determine a force (one
-/// segment can't change its length) a small part of the diagonal decides. Returns whether the
-/// solution succeeded.
+/// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they are
+/// to be positive definite, otherwise by elimination. Where paths do not determine a force, as for
+/// a single segment, which can't change its length, a small multiple of the diagonal regularises
+/// the equations. Returns whether the solution succeeded.
 pub(super) fn solve_forces(
     mut matrix: Mat<f64>,
     right: &mut Mat<f64>,

@@ -48,8 +48,8 @@ pub(super) fn add<const N: usize>(a: &mut Matrix<N>, s: f64, b: &Matrix<N>) {
     }
 }
 
-/// Returns L of a positive definite matrix, of which the lower triangle is read; `None` if the
-/// matrix is not positive definite.
+/// Returns L of a positive definite matrix, whose lower triangle is read; `None` if the matrix is
+/// not positive definite.
 pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
     let mut l = [[0.0; N]; N];
     for i in 0..N {
@@ -122,7 +122,7 @@ pub(super) fn inverse(q: Quaternion) -> Quaternion {
     [q[0], -q[1], -q[2], -q[3]]
 }
 
-/// Returns the rotation by the vector `a`: its length is the angle.
+/// Returns the rotation by the vector `a`, whose length is the angle.
 pub(super) fn exponential(a: Vector) -> Quaternion {
     let angle = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
     // sin(x / 2) / x, whose limit is 1 / 2.
@@ -138,7 +138,7 @@ pub(super) fn logarithm(q: Quaternion) -> Vector {
     [1, 2, 3].map(|i| sign * scale * q[i])
 }
 
-/// Returns `q` turned by the vector `a`, of length 1 again.
+/// Returns `q` rotated by the vector `a`, normalised.
 pub(super) fn turned(q: Quaternion, a: Vector) -> Quaternion {
     let p = product(exponential(a), q);
     let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();

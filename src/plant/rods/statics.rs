@@ -1,10 +1,10 @@
-//! The pose in which elastic and gravitational energy are least, by Newton's method on the
-//! rotations of segments.
+//! Computes the pose of least elastic and gravitational energy, by Newton's method on the rotations
+//! of segments.
 //!
-//! Positions are sums of rotated segments along the way from the root, so zero stretch needs no
-//! equation, and the energy of weight is a sum over segments of what hangs beyond them: with
-//! rotations in space as unknowns its Hessian has one 3 x 3 block per segment and one per joint, a
-//! tree, which is eliminated from the leaves in O(n).
+//! Positions are sums of rotated segments along the path from the root, so zero stretch needs no
+//! equation. The energy of weight is a sum over segments of the weight beyond them. With rotations
+//! in space as unknowns, its Hessian has a 3 x 3 block for each segment and one for each joint: the
+//! matrix of a tree, which is eliminated from the leaves in O(n).
 
 use faer::Mat;
 
@@ -22,13 +22,13 @@ use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct RelaxOptions<'a> {
-    /// The largest torque out of balance, as a part of the largest torque of a weight, and the
-    /// largest rotation (in radians) of a last step that count as converged, between 1e-12 and
+    /// The largest torque out of balance, relative to the largest torque of a weight, and the
+    /// largest rotation of the last step, in radians, that count as converged, between 1e-12 and
     /// 1e-2. Default 1e-8.
     pub tolerance: f64,
-    /// Iterations after which [`Error::NotConverged`] is returned. Default 200.
+    /// Number of iterations after which [`Error::NotConverged`] is returned. Default 200.
     pub max_iterations: usize,
-    /// Told of the fraction of the iterations; may cancel.
+    /// Callback for the fraction of the iterations, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -47,49 +47,48 @@ builder! { RelaxOptions<'a> {
 /// The report of [`Rods::relax`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relaxation {
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: usize,
-    /// The largest torque out of balance, as a part of the largest torque of a weight.
+    /// The largest torque out of balance, relative to the largest torque of a weight.
     pub residual: f64,
 }
 
 /// The largest rotation of a step, in radians.
 const LARGEST_TURN: f64 = 0.7;
 
-/// Halvings of a step.
+/// Largest number of halvings of a step.
 const HALVINGS: usize = 12;
 
 /// The quadratic model of the energy at a pose.
 struct Quadratic {
     gradient: Vec<Vector>,
     diagonal: Vec<Matrix<3>>,
-    /// By the segment (rows) and its parent (columns).
+    /// The blocks with respect to the segment (rows) and its parent (columns).
     coupling: Vec<Matrix<3>>,
-    /// What a shift of the diagonal is measured by.
+    /// The scale of the shift of each diagonal block.
     scales: Vec<f64>,
 }
 
-/// The factors of its matrix.
+/// The factors of the matrix of the quadratic model.
 struct Factors {
-    /// L of every pivot; of a matrix that is not positive definite, its inverse.
+    /// L of every pivot; for a matrix that is not positive definite, the inverse of the pivot.
     pivots: Vec<Matrix<3>>,
-    /// Pivot^-1 coupling.
+    /// Pivot^-1 times coupling.
     couplings: Vec<Matrix<3>>,
     is_definite: bool,
 }
 
 impl Factors {
-    /// Pivot^-1 b.
+    /// Returns pivot^-1 b.
     fn divide(&self, v: usize, b: &Vector) -> Vector {
         if self.is_definite { solve(&self.pivots[v], b) } else { image(&self.pivots[v], b) }
     }
 }
 
-/// A part of the largest torque out of balance from which on Newton's method needs no shift between
-/// pins.
+/// Residual below which Newton's method between pins needs no shift.
 const NEAR: f64 = 1e-3;
 
-/// What holds a pose.
+/// The equilibrium of forces of a pose.
 struct Held<'a> {
     pins: &'a [Pin],
     groups: &'a [Group],
@@ -97,21 +96,21 @@ struct Held<'a> {
     residual: f64,
 }
 
-/// What a step without a shift came to.
+/// The result of a step without a shift.
 struct Nearer {
     residual: f64,
     /// The sum of gaps at pins, in metres.
     gap: f64,
-    /// The largest turn, in radians.
+    /// The largest rotation, in radians.
     largest: f64,
 }
 
 impl Rods {
-    /// Turns `pose` into one of equilibrium near it: the energy decreases in every step.
+    /// Moves `pose` to an equilibrium near it; the energy decreases in every step.
     ///
     /// # Errors
-    /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`] with the pose as far
-    /// as it came; [`Error::Cancelled`], [`Error::OutOfMemory`].
+    /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`], in which case `pose`
+    /// is the last iterate; [`Error::Cancelled`], [`Error::OutOfMemory`].
     pub fn relax(&self, pose: &mut Pose, options: &RelaxOptions<'_>) -> Result<Relaxation> {
         Error::check_shape("pose", (self.len(), 4), (pose.rotations.len(), 4))?;
         let pins = pins(self);
@@ -166,10 +165,10 @@ impl Rods {
         Err(Error::NotConverged { iterations: options.max_iterations, residual })
     }
 
-    /// A whole step of Newton's method without a shift. Between pins a path may be compressed by
-    /// the forces that hold it: the matrix is not positive definite then, though it is where the
-    /// ends stay, and a shift would make convergence linear. `None`, and nothing changes, unless it
-    /// comes much nearer to balance.
+    /// Takes a whole step of Newton's method without a shift. The forces of pins may compress the
+    /// path between them. The matrix is then not positive definite, although it is so on the
+    /// subspace where the ends stay, and a shift would make convergence linear. Returns `None`,
+    /// without a change, unless the step comes much nearer to balance.
     fn unshifted(
         &self,
         pose: &mut Pose,
@@ -206,8 +205,8 @@ impl Rods {
         Ok(Some(Nearer { residual: after, gap, largest }))
     }
 
-    /// The force at the tail of each free segment: the weight beyond it, half of its own, and those
-    /// of pins.
+    /// Returns the force at the tail of each free segment: the weight beyond it, half of its own,
+    /// and the forces of pins.
     fn loads(&self, pins: &[Pin], forces: &[Vector]) -> Vec<Vector> {
         let gravity = self.options.gravity;
         let mut beyond = vec![0.0; self.len()];
@@ -252,8 +251,8 @@ impl Rods {
                 scales[p] += size;
                 gradient[p] = sub(gradient[p], d.gradient);
             }
-            // The energy of a weight is -F . y; turned by a small a, y becomes y + a x y + a x (a x
-            // y) / 2.
+            // The energy of a weight is -F . y; rotated by a small a, y becomes y + a x y + a x (a
+            // x y) / 2.
             let (y, f) = (self.along(pose, v), loads[v]);
             gradient[v] = sub(gradient[v], cross(y, f));
             for i in 0..3 {
@@ -266,7 +265,7 @@ impl Rods {
         Quadratic { gradient, diagonal, coupling, scales }
     }
 
-    /// The largest torque out of balance, as a part of the largest of a weight.
+    /// Returns the largest torque out of balance, relative to the largest torque of a weight.
     fn residual(&self, pose: &Pose, loads: &[Vector]) -> f64 {
         let gradient = self.quadratic(pose, loads).gradient;
         let free = || (0..self.len()).filter(|&v| !self.pinned[v]);
@@ -275,8 +274,8 @@ impl Rods {
         if torque > 0.0 { largest / torque } else { largest }
     }
 
-    /// The factors of the matrix, with the least of the tried shifts of the diagonal that makes it
-    /// positive definite.
+    /// Returns the factors of the matrix, with the least of the tried shifts of the diagonal that
+    /// makes it positive definite.
     fn positive_factors(&self, quadratic: &Quadratic, first: f64) -> Result<(Factors, f64)> {
         let mut shift: f64 = first;
         for _ in 0..40 {
@@ -288,7 +287,8 @@ impl Rods {
         Err(Error::NotConverged { iterations: 0, residual: shift })
     }
 
-    /// `None` for a matrix that is singular, or, if it must be, not positive definite.
+    /// Returns the factors of the matrix with a shift; `None` for a singular matrix, or, if
+    /// `is_definite`, for one that is not positive definite.
     fn factors(&self, quadratic: &Quadratic, shift: f64, is_definite: bool) -> Option<Factors> {
         let mut pivots = quadratic.diagonal.clone();
         let mut couplings = quadratic.coupling.clone();
@@ -316,7 +316,7 @@ impl Rods {
         Some(Factors { pivots, couplings, is_definite })
     }
 
-    /// `H^-1 b` in place, for segments that hang together with no other free ones, parents first.
+    /// Computes `H^-1 b` in place, for connected free segments, parents first.
     fn solve(&self, factors: &Factors, b: &mut [Vector], nodes: &[u32]) {
         for &v in nodes.iter().rev() {
             let v = v as usize;
@@ -339,7 +339,8 @@ impl Rods {
         }
     }
 
-    /// The step of rotations, and that of the forces of pins: `H a + C^T f = -g`, `C a = -gaps`.
+    /// Returns the step of rotations, and that of the forces of pins: `H a + C^T f = -g`,
+    /// `C a = -gaps`.
     fn newton_step(
         &self,
         pose: &Pose,
@@ -393,7 +394,7 @@ impl Rods {
         Ok((step, changes))
     }
 
-    /// How a step moves the end of a path.
+    /// Returns the displacement of the end of a path by a step.
     fn moved(&self, pose: &Pose, pin: &Pin, step: &[Vector]) -> Vector {
         let mut sum = [0.0; 3];
         for &u in &pin.path {
@@ -403,8 +404,8 @@ impl Rods {
         sum
     }
 
-    /// Moves along the step as far as the energy, with a price on gaps at pins, falls; the fraction
-    /// taken, or `None`.
+    /// Moves along the step as far as the energy plus a penalty on gaps at pins decreases; returns
+    /// the fraction of the step, or `None`.
     fn line_search(
         &self,
         pose: &mut Pose,
@@ -427,7 +428,7 @@ impl Rods {
         let slope: f64 = if pins.is_empty() {
             step.iter().zip(gradient).map(|(a, g)| dot(*a, *g)).sum()
         } else {
-            // Of the Lagrangian and the price; any decrease will do.
+            // The derivative of the Lagrangian and the penalty; any decrease is accepted.
             0.0
         };
         let mut fraction = (LARGEST_TURN / largest).min(1.0);
@@ -438,7 +439,7 @@ impl Rods {
             }
             self.place(&mut moved);
             let (after, _) = merit(&moved);
-            // What is lost in rounding is no increase.
+            // An increase within rounding does not count.
             if after <= before + 1e-4 * fraction * slope + 1e-13 * size {
                 std::mem::swap(pose, &mut moved);
                 return Some(fraction);
@@ -448,13 +449,13 @@ impl Rods {
         None
     }
 
-    /// Elastic and gravitational energy, in J, and the sum of the sizes of their terms.
+    /// Returns the elastic and gravitational energy, in J, and the sum of the sizes of their terms.
     fn energy(&self, pose: &Pose, weights: &[Vector]) -> (f64, f64) {
         let (mut sum, mut size) = (0.0, 0.0);
         for v in 0..self.len() {
             let parent = self.parent_rotation(&pose.rotations, v);
             let bent = joint::energy(&self.stiffness[v], parent, pose.rotations[v]);
-            // Against the rest pose, so that little is lost where little has moved.
+            // Relative to the rest pose, so that small displacements lose few digits.
             let fallen = match self.pinned[v] {
                 true => 0.0,
                 false => -dot(weights[v], sub(self.along(pose, v), self.rest[v])),

@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorisations: faer's, with memory that may be refused, and our own solutions.
+//! Sparse Cholesky factorisations by faer, with errors when memory is refused, and our own solves.
 
 mod parts;
 mod supernode;
@@ -19,7 +19,7 @@ use crate::base::{Error, Par, Result, zeros};
 use crate::dense::buffer;
 use sweeps::Sweeps;
 
-/// The order of elimination and the places of the factor. All matrices with the same places share
+/// The order of elimination and the pattern of the factor. All matrices with the same pattern share
 /// it.
 ///
 /// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
@@ -28,12 +28,12 @@ use sweeps::Sweeps;
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);
 
 impl Symbolic {
-    /// Analyses matrices with these places in the lower triangle; places above the diagonal are
+    /// Analyses matrices with this pattern in the lower triangle; entries above the diagonal are
     /// ignored.
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
         let parameters = CholeskySymbolicParams {
             // Supernodes solve for blocks of right-hand sides, and allow for pivots. The threshold
-            // of faer's that should always give them does not for diagonal matrices.
+            // of faer that should always select them does not do so for diagonal matrices.
             supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
             ..Default::default()
         };
@@ -42,7 +42,7 @@ impl Symbolic {
             .map_err(|_| Error::OutOfMemory { bytes: size_of_val(places.row_idx()) })
     }
 
-    /// Bytes that a factor takes, about, with the rows of right-hand sides that it keeps.
+    /// Returns about how many bytes a factor takes, with the rows of right-hand sides it keeps.
     pub fn bytes(&self) -> usize {
         let places = self.supernodal().map_or(0, |symbolic| symbolic.row_idx().len());
         let targets = size_of::<u32>() * places;
@@ -102,7 +102,7 @@ impl Symbolic {
         Ok(Factor { values, subdiagonal: Some(subdiagonal), below_zero, sweeps })
     }
 
-    /// The supernodes; nothing without rows.
+    /// Returns the supernodes, or `None` without rows.
     fn supernodal(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
         match self.0.raw() {
             SymbolicCholeskyRaw::Supernodal(raw) => Some(raw),
@@ -115,7 +115,7 @@ impl Symbolic {
             .map_or_else(Sweeps::default, |symbolic| Sweeps::new(symbolic, order, place))
     }
 
-    /// The row of the matrix for each row of the factor.
+    /// Returns the row of the matrix for each row of the factor.
     fn order(&self) -> &[usize] {
         self.0.perm().expect("an order was asked for").arrays().0
     }
@@ -125,7 +125,7 @@ impl Symbolic {
 #[derive(Debug)]
 pub(crate) struct Factor {
     values: Vec<f64>,
-    /// Of an indefinite one: what B has below its diagonal.
+    /// For an indefinite matrix: the entries of B below its diagonal.
     subdiagonal: Option<Vec<f64>>,
     below_zero: usize,
     sweeps: Sweeps,
@@ -136,7 +136,7 @@ impl Inverse for Factor {
         self.sweeps.solve(&self.values, self.subdiagonal.as_deref(), x, par)
     }
 
-    /// Those of B.
+    /// Returns the number of negative eigenvalues of B.
     fn below_zero(&self) -> usize {
         self.below_zero
     }
@@ -182,8 +182,8 @@ mod tests {
         }
     }
 
-    /// Symmetric matrices (n x n, entries), with eigenvalues on both sides of zero where they say
-    /// so.
+    /// Returns symmetric matrices (n x n) with their names, some of them with eigenvalues on both
+    /// sides of zero.
     fn matrices() -> Vec<(&'static str, CsMat<f64>)> {
         let of = |n: usize, entry: &dyn Fn(usize, usize) -> f64| {
             let mut entries = TriMat::new((n, n));

@@ -1,13 +1,13 @@
-/// Nodes of a forest in subtrees that do not need each other, of about equal work, and the nodes
-/// above all of them, each in ascending order. Children come before their parents; nodes of other
+/// Splits the nodes of a forest into independent subtrees of about equal work, and the nodes above
+/// all of them, each in ascending order. Children come before their parents; nodes of other
 /// subtrees may be between them.
 pub(super) fn split(
     parents: &[Option<usize>],
     work: impl Fn(usize) -> usize,
 ) -> (Vec<Vec<usize>>, Vec<usize>) {
-    /// A subtree has at most one in so many parts of all work.
+    /// A subtree has at most one in so many parts of the whole work.
     const LARGEST: usize = 16;
-    /// Small ones that follow each other are put together until they have one in so many.
+    /// Small subtrees that follow each other are joined until they have one in so many parts.
     const TOGETHER: usize = 64;
     let mut below: Vec<usize> = (0..parents.len()).map(&work).collect();
     let total = below.iter().sum::<usize>();
@@ -18,7 +18,7 @@ pub(super) fn split(
     }
     let is_above = |s: usize| below[s] * LARGEST > total;
     let mut above = vec![];
-    // Of each other node the root of its subtree, and the nodes of each root.
+    // For each other node the root of its subtree, and the nodes of each root.
     let mut root: Vec<usize> = (0..parents.len()).collect();
     for (s, parent) in parents.iter().enumerate().rev() {
         if let Some(parent) = parent.filter(|&parent| !is_above(parent)) {
@@ -49,7 +49,7 @@ pub(super) fn split(
 mod tests {
     use super::*;
 
-    /// The complete binary tree of this many nodes, children before parents.
+    /// Returns the complete binary tree of this many levels, children before parents.
     fn binary(levels: u32) -> Vec<Option<usize>> {
         let n = (1 << levels) - 1;
         let mut parents = vec![None; n];
@@ -66,7 +66,7 @@ mod tests {
         parents
     }
 
-    /// A random tree, in which the nodes of other subtrees are between those of each.
+    /// Returns a random tree, in which the nodes of other subtrees are between those of each.
     fn mixed(n: usize) -> Vec<Option<usize>> {
         let mut rng = crate::base::Rng::new(9);
         let parent = |i: usize| Some(i + 1 + rng.bits() as usize % (n - 1 - i).max(1));

@@ -3,10 +3,10 @@
 /// Right-hand sides that are solved for together.
 pub(super) const WIDTH: usize = 8;
 
-/// One row of them.
+/// One row of [`WIDTH`] right-hand sides.
 pub(super) type Row = [f64; WIDTH];
 
-/// Columns of L with the same places below a dense triangle. Their values are stored by columns,
+/// Columns of L with the same pattern below a dense triangle. Their values are stored by columns,
 /// with `columns + below` rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Supernode {
@@ -24,7 +24,7 @@ impl Supernode {
         self.columns + self.below
     }
 
-    /// Its values.
+    /// Returns its part of the values of the factor.
     fn of<'v>(&self, values: &'v [f64]) -> &'v [f64] {
         &values[self.values..][..self.rows() * self.columns]
     }
@@ -120,7 +120,7 @@ pub(super) enum Block {
 }
 
 impl Block {
-    /// Its negative eigenvalues.
+    /// Returns the number of its negative eigenvalues.
     pub fn negative(self) -> usize {
         match self {
             Self::One(d) => usize::from(d < 0.0),
@@ -153,7 +153,7 @@ struct Panel<'v, const FUSED: bool> {
 }
 
 impl<const FUSED: bool> Panel<'_, FUSED> {
-    /// `a b + c`.
+    /// Returns `a b + c`.
     #[inline(always)]
     fn add(a: f64, b: &Row, c: Row) -> Row {
         std::array::from_fn(|j| if FUSED { a.mul_add(b[j], c[j]) } else { a * b[j] + c[j] })
@@ -192,7 +192,7 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
         N
     }
 
-    /// Rows from i on, N of them, of L times x.
+    /// Returns rows from i on, N of them, of L times x.
     #[inline(always)]
     fn product<const N: usize>(&self, i: usize, x: &[Row]) -> [Row; N] {
         let mut sums = [[0.0; WIDTH]; N];
@@ -228,7 +228,7 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
         N
     }
 
-    /// `(x - sum) / d`, or `x - sum` with a unit diagonal.
+    /// Returns `(x - sum) / d`, or `x - sum` with a unit diagonal.
     #[inline(always)]
     fn divided<const UNIT: bool>(x: &Row, sum: &Row, d: f64) -> Row {
         std::array::from_fn(|j| if UNIT { x[j] - sum[j] } else { (x[j] - sum[j]) / d })

@@ -1,8 +1,8 @@
 //! Solutions with a supernodal factor: sweeps down and up the elimination tree.
 //!
 //! Eight right-hand sides lie side by side, so that an entry of L is read once for all of them and
-//! a row of them is one register. Parts of the tree that do not need each other are swept by
-//! different threads; the parts are the same for any number of threads.
+//! a row of them is one register. Different threads sweep independent parts of the tree; the parts
+//! are the same for any number of threads.
 
 use std::ops::Range;
 use std::sync::Mutex;
@@ -21,9 +21,9 @@ pub(super) struct Sweeps {
     nodes: Vec<Node>,
     /// For each row below the triangle of a supernode, the row of its part.
     targets: Vec<u32>,
-    /// Subtrees that do not need each other.
+    /// Independent subtrees.
     subtrees: Vec<Part>,
-    /// What is above them.
+    /// The nodes above all subtrees.
     top: Part,
     /// Rows of right-hand sides, kept from one solution to the next.
     kept: Mutex<Vec<Row>>,
@@ -34,9 +34,9 @@ pub(super) struct Sweeps {
 #[derive(Debug)]
 struct Node {
     supernode: Supernode,
-    /// The first of its rows in its part.
+    /// The first of the supernode's rows in its part.
     first: usize,
-    /// Its targets.
+    /// The supernode's range of [`Sweeps::targets`].
     targets: Range<usize>,
 }
 
@@ -44,13 +44,13 @@ struct Node {
 #[derive(Debug, Default)]
 struct Part {
     nodes: Range<usize>,
-    /// Of each of its own rows, the row of the right-hand side.
+    /// For each of its own rows, the row of the right-hand side.
     own: Vec<u32>,
-    /// Of the rows that come after these, which it changes, the row of the top.
+    /// For each row of the top that it changes, that row. These rows follow its own.
     above: Vec<u32>,
 }
 
-/// The values of a factor, and what B has below its diagonal, if it has a B.
+/// The values of a factor, and the entries of B below its diagonal, if there is a B.
 #[derive(Debug, Clone, Copy)]
 struct Factor<'a> {
     values: &'a [f64],
@@ -137,7 +137,7 @@ impl Sweeps {
         self.nodes.iter().map(blocks).sum()
     }
 
-    /// Rows of right-hand sides in all parts.
+    /// Returns the number of rows of right-hand sides in all parts.
     fn rows(&self) -> usize {
         self.subtrees.iter().chain([&self.top]).map(Part::rows).sum()
     }
@@ -172,8 +172,8 @@ impl Sweeps {
         Ok(())
     }
 
-    /// [`Sweeps::solve`] for at most [`WIDTH`] columns, with memory for all rows of all parts. With
-    /// `UNIT` the factor is that of `L B L^T`; for `FUSED` see [`Supernode::down`].
+    /// Computes [`Sweeps::solve`] for at most [`WIDTH`] columns, with memory for all rows of all
+    /// parts. With `UNIT` the factor is that of `L B L^T`; for `FUSED` see [`Supernode::down`].
     fn solve_block<const UNIT: bool, const FUSED: bool>(
         &self,
         factor: Factor<'_>,
@@ -190,11 +190,11 @@ impl Sweeps {
             rest = others;
         }
         par.for_each(subtrees.iter_mut(), |_, (part, rows)| {
-            // SAFETY: each row is one part's own.
+            // SAFETY: each row belongs to one part only.
             unsafe { part.gather(&x, rows) };
             self.down::<UNIT, FUSED>(part, factor, rows);
         });
-        // SAFETY: as above, and no other part is at work.
+        // SAFETY: as above, and no other part is being computed.
         unsafe { self.top.gather(&x, top) };
         for (part, rows) in &subtrees {
             for (&row, change) in part.above.iter().zip(&rows[part.own.len()..]) {
@@ -217,7 +217,7 @@ impl Sweeps {
         });
     }
 
-    /// `x := L^-1 x`, of the part's own rows, with what follows for those above.
+    /// Computes `x := L^-1 x` of the part's own rows, and the updates of the rows above.
     fn down<const UNIT: bool, const FUSED: bool>(
         &self,
         part: &Part,
@@ -235,7 +235,7 @@ impl Sweeps {
         );
     }
 
-    /// `x := B^-1 x` and `x := L^-T x`, of the part's own rows; those above are known.
+    /// Computes `x := B^-1 x` and `x := L^-T x` of the part's own rows; the rows above are known.
     fn up<const UNIT: bool, const FUSED: bool>(
         &self,
         part: &Part,
@@ -275,14 +275,14 @@ impl Part {
     /// Copies its own rows from X, and clears those above.
     ///
     /// # Safety
-    /// Nobody writes its own rows of X meanwhile.
+    /// No thread writes its own rows of X meanwhile.
     unsafe fn gather(&self, x: &Disjoint<'_, f64>, rows: &mut [Row]) {
         let (own, above) = rows.split_at_mut(self.own.len());
         above.fill([0.0; WIDTH]);
         for j in 0..x.ncols() {
             let column = x.pointer(&(0..x.nrows()), &(j..j + 1));
             for (row, &i) in own.iter_mut().zip(&self.own) {
-                // SAFETY: rows of the factor are rows of X; nobody writes this one.
+                // SAFETY: rows of the factor are rows of X; no thread writes this one.
                 row[j] = unsafe { *column.at(i as isize * x.row_stride()) };
             }
         }
@@ -291,7 +291,7 @@ impl Part {
     /// Copies its own rows to X.
     ///
     /// # Safety
-    /// Nobody reads or writes its own rows of X meanwhile.
+    /// No other thread reads or writes its own rows of X meanwhile.
     unsafe fn scatter(&self, x: &Disjoint<'_, f64>, rows: &[Row]) {
         for j in 0..x.ncols() {
             let column = x.pointer(&(0..x.nrows()), &(j..j + 1));
@@ -303,7 +303,7 @@ impl Part {
     }
 }
 
-/// The supernodes of a factor, in its order.
+/// Returns the supernodes of a factor, in its order.
 fn supernodes(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Supernode> {
     let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
     let supernode = |s: usize| Supernode {
@@ -315,8 +315,8 @@ fn supernodes(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Supernode> {
     (0..symbolic.n_supernodes()).map(supernode).collect()
 }
 
-/// Whether the registers that [`widest`] takes multiply and add at once; elsewhere that would be a
-/// call of a function.
+/// Returns whether the registers that [`widest`] takes multiply and add at once; elsewhere a fused
+/// operation would be a call of a function.
 fn has_fused() -> bool {
     #[cfg(target_arch = "x86_64")]
     return pulp::x86::V3::is_available();

@@ -1,14 +1,14 @@
 use crate::mesh::vector::{Vector, distance};
 
-/// Cells along each axis at most, so that the number of a cell fits 63 bits.
+/// Largest number of cells along an axis, so that the number of a cell fits 63 bits.
 const MOST: f64 = (1_u64 << 20) as f64;
 
-/// Points sorted into the cells of a cubic grid, to find those near a place.
+/// Points sorted into the cells of a cubic grid, to find those near a position.
 pub(super) struct Cells<'p> {
     points: &'p [Vector],
     origin: Vector,
     side: f64,
-    /// Number of the cell and of the point, sorted.
+    /// The numbers of the cell and of the point, sorted.
     entries: Vec<(u64, u32)>,
 }
 

@@ -1,9 +1,9 @@
-//! Functions that tell the points of a shape apart, many for each vertex (rows), for
+//! Functions that distinguish the points of a shape, many for each vertex (rows), for
 //! correspondences and as test signals.
 //!
-//! From eigenpairs of the Laplacian: heat and wave kernel signatures and their relatives, the same
-//! for isometric shapes. From the mesh: [`shot()`], the same for rigid motions, and
-//! [`geodesic_rings`], intrinsic and local, which replaces the anisotropic windowed Fourier
+//! From eigenpairs of the Laplacian: heat and wave kernel signatures and related ones, which are
+//! invariant under isometries. From the mesh: [`shot()`], which is invariant under rigid motions,
+//! and [`geodesic_rings`], intrinsic and local, which replaces the anisotropic windowed Fourier
 //! transform of the thesis.
 
 mod cells;
@@ -27,8 +27,8 @@ use faer::Mat;
 
 use crate::base::{Error, Par, Progress, Result, Tracker};
 
-/// An n x columns matrix from blocks of rows, each written by `rows` one after the other
-/// (row-major) on some thread.
+/// Returns an n x columns matrix from blocks of rows, each of which a thread writes by `rows` in
+/// row-major order.
 fn by_rows(
     n: usize,
     columns: usize,

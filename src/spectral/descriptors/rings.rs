@@ -7,20 +7,20 @@ use super::shot::nearest_two;
 use crate::base::{Error, Par, Progress, Result, builder};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
-/// Vertices a thread takes at a time.
+/// Number of vertices that a thread takes at a time.
 const BLOCK: usize = 128;
 
-/// Options of [`geodesic_rings`]. There is no radius that suits all meshes, hence no default.
+/// Options of [`geodesic_rings`]. There is no default, because no radius suits all meshes.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct RingOptions<'a> {
     /// Radius of the patch, along edges, in units of length; positive.
     pub radius: f64,
-    /// Rings it is divided into; at least 1.
+    /// Number of rings that divide the patch; at least 1.
     pub rings: usize,
     /// Threads. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -38,18 +38,20 @@ builder! { setters only RingOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Computes means of functions over rings around every vertex: an intrinsic local descriptor of our
-/// own, in place of the anisotropic windowed Fourier transform (Melzi, Rodola, Castellani and
-/// Bronstein 2018) that the thesis uses. Like that transform, it looks at functions (heat kernel
-/// signatures, say) through windows on the surface.
+/// Computes means of functions over rings around every vertex: an intrinsic local descriptor of
+/// this crate, in place of the anisotropic windowed Fourier transform (Melzi, Rodola, Castellani
+/// and Bronstein 2018) that the thesis uses. Like that transform, it samples functions, such as
+/// heat kernel signatures, in windows on the surface.
 ///
-/// `functions` are c values for each vertex (n x c). The patch of a vertex are the vertices at most
-/// the radius away along edges; each belongs to the two rings whose middles are next to it, by how
-/// near they are, with a third of the area of its faces. Returned are `rings * (1 + c)` columns,
-/// ring after ring from the middle: its share of the area of the patch, then the means of the
-/// functions; a ring without area has those of the vertex itself.
+/// `functions` are c values for each vertex (n x c). The patch of a vertex consists of the vertices
+/// at most the radius away along edges. Each of them has the weight of a third of the area of its
+/// faces, and divides it between the two rings whose middles are nearest, by distance. The result
+/// has `rings * (1 + c)` columns, ring after ring from the middle: the share of the ring in the
+/// area of the patch, then the means of the functions. A ring without area has the values of the
+/// vertex itself.
 ///
-/// The same for meshes with the same connections and lengths of edges, if the functions are.
+/// The result is the same for meshes with the same connectivity and edge lengths, if the functions
+/// are the same.
 ///
 /// ```
 /// use catamaran::{faer::Mat, mesh::families};
@@ -83,15 +85,15 @@ pub fn geodesic_rings(
         }
     }
     if !(radius > 0.0 && radius.is_finite()) {
-        let why = format!("{radius}, where it is positive and finite");
+        let why = format!("must be positive and finite, is {radius}");
         return Err(Error::Argument { what: "radius", why });
     }
     if rings == 0 {
-        return Err(Error::Argument { what: "rings", why: "0, where at least 1 is needed".into() });
+        return Err(Error::Argument { what: "rings", why: "must be at least 1, is 0".into() });
     }
     let areas = vertex_areas(mesh);
     let graph = Graph::of_mesh(mesh);
-    // One solver for each thread, made when it first needs one.
+    // One solver for each thread, created on first use.
     let solvers: Mutex<Vec<Dijkstra<'_>>> = Mutex::default();
     let lock = || solvers.lock().unwrap_or_else(PoisonError::into_inner);
     let width = rings * (1 + c);

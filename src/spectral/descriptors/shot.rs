@@ -6,27 +6,27 @@ use crate::base::{Error, Par, Progress, Result, builder};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, cross, dot, scale, sub};
 
-/// Sectors around the axis, halves along it, shells, and cosines of normals.
+/// Numbers of sectors around the axis, halves along it, shells, and cosines of normals.
 const PARTS: [usize; 4] = [8, 2, 2, 11];
 
-/// Entries of a descriptor: 8 sectors x 2 halves x 2 shells x 11 cosines.
+/// Number of entries of a descriptor: 8 sectors x 2 halves x 2 shells x 11 cosines.
 pub const SHOT_BINS: usize = PARTS[0] * PARTS[1] * PARTS[2] * PARTS[3];
 
-/// Neighbours below which there is no frame.
+/// Least number of neighbours for a frame.
 const FEWEST: usize = 5;
 
-/// Vertices a thread takes at a time.
+/// Number of vertices that a thread takes at a time.
 const BLOCK: usize = 128;
 
-/// Options of [`shot()`]. There is no radius that suits all meshes, hence no default.
+/// Options of [`shot()`]. There is no default, because no radius suits all meshes.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct ShotOptions<'a> {
-    /// Radius of the ball that a vertex sees, in units of length; positive.
+    /// Radius of the ball around each vertex, in units of length; positive.
     pub radius: f64,
     /// Threads. Does not change the result.
     pub par: Par,
-    /// Told of progress; may cancel.
+    /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
 }
 
@@ -43,7 +43,7 @@ builder! { setters only ShotOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// A neighbour: where it is seen from the vertex, how far, and its normal.
+/// A neighbour: its offset from the vertex, its distance and its normal.
 struct Neighbour {
     offset: Vector,
     distance: f64,
@@ -51,16 +51,17 @@ struct Neighbour {
 }
 
 /// Computes the signatures of histograms of orientations of Tombari, Salti and Di Stefano, Unique
-/// Signatures of Histograms for Local Surface Description (2010): for every vertex (row) the
-/// normals of the vertices within a ball, as cosines to the axis of a local frame, in a histogram
-/// for each of 32 parts of the ball; [`SHOT_BINS`] columns, of norm 1. Column
+/// Signatures of Histograms for Local Surface Description (2010): for every vertex (row), a
+/// histogram of the cosines between the axis of a local frame and the normals of the vertices in
+/// each of 32 parts of a ball. A row has [`SHOT_BINS`] columns and norm 1; the index of a column is
 /// `((sector * 2 + half) * 2 + shell) * 11 + cosine`.
 ///
-/// Follows rigid motions and scale (with the radius), not mirrors. A vertex with fewer than five
-/// others in its ball has no frame, and zeros.
+/// The descriptor is invariant under rigid motions and scale (with the radius), not under
+/// reflections. A vertex with fewer than five others in its ball has no frame, and its row is zero.
 ///
-/// The axis points to the side of the vertex normal, where the paper counts points above and below:
-/// in a flat neighbourhood that count is chance. Ties of the other axis go by the weighted sum.
+/// The axis points to the side of the vertex normal. The paper counts points above and below
+/// instead, which is arbitrary in a flat neighbourhood. The weighted sum decides ties of the other
+/// axes.
 ///
 /// ```
 /// use catamaran::{mesh::families, spectral::descriptors::{SHOT_BINS, ShotOptions, shot}};
@@ -76,7 +77,7 @@ struct Neighbour {
 pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
     let &ShotOptions { radius, par, progress } = options;
     if !(radius > 0.0 && radius.is_finite()) {
-        let why = format!("{radius}, where it is positive and finite");
+        let why = format!("must be positive and finite, is {radius}");
         return Err(Error::Argument { what: "radius", why });
     }
     let points = mesh.vertices();
@@ -108,14 +109,14 @@ pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
     })
 }
 
-/// The axes x, y, z: eigenvectors of the covariance of the offsets, the nearer the heavier (Tombari
-/// et al., equation 2).
+/// Returns the axes x, y, z: eigenvectors of the covariance of the offsets, weighted by nearness
+/// (Tombari et al., equation 2).
 fn frame(ball: &[Neighbour], radius: f64, normal: Vector) -> Option<[Vector; 3]> {
     let mut covariance = Mat::<f64>::zeros(3, 3);
     for Neighbour { offset, distance, .. } in ball {
         for i in 0..3 {
             for j in 0..3 {
-                // Relative to the radius, so that no scale is out of range.
+                // Relative to the radius, so that no scale overflows or vanishes.
                 covariance[(i, j)] +=
                     (1.0 - distance / radius) * (offset[i] / radius) * (offset[j] / radius);
             }
@@ -137,8 +138,8 @@ fn frame(ball: &[Neighbour], radius: f64, normal: Vector) -> Option<[Vector; 3]>
     Some([x, cross(z, x), z])
 }
 
-/// Adds a neighbour to the bins nearest to it, in each of the four directions in proportion to how
-/// near they are.
+/// Adds a neighbour to the bins nearest to it, in each of the four directions in proportion to
+/// nearness.
 fn count(neighbour: &Neighbour, [x, y, z]: &[Vector; 3], radius: f64, bins: &mut [f64]) {
     let Neighbour { offset, distance, normal } = *neighbour;
     let turn = dot(offset, *y).atan2(dot(offset, *x)) / std::f64::consts::TAU;
@@ -165,8 +166,8 @@ fn count(neighbour: &Neighbour, [x, y, z]: &[Vector; 3], radius: f64, bins: &mut
     }
 }
 
-/// Returns the two of `parts` equal bins of [0, 1] whose middles are next to `fraction`, and their
-/// shares of it. At the ends there is one bin, unless the last is followed by the first.
+/// Returns the two of `parts` equal bins of [0, 1] whose middles are nearest to `fraction`, and
+/// their weights. At the ends there is one bin, unless the bins are cyclic.
 pub(super) fn nearest_two(fraction: f64, parts: usize, cyclic: bool) -> [(usize, f64); 2] {
     let place = fraction * parts as f64 - 0.5;
     let below = place.floor();

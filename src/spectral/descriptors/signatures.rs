@@ -4,10 +4,11 @@ use faer::{Accum, Mat, MatRef};
 use super::by_rows;
 use crate::base::{Error, Par, Progress, Result};
 
-/// Rows that are worked on together.
+/// Number of rows that are processed together.
 const BLOCK: usize = 1 << 10;
 
-/// Eigenvalues up to this share of the largest are those of constants, and rounding.
+/// Eigenvalues up to this share of the largest count as zero, which are those of constants, up to
+/// rounding.
 const ZERO: f64 = 1e-9;
 
 /// Computes the heat kernel signature of Sun, Ovsjanikov and Guibas, A Concise and Provably
@@ -15,9 +16,9 @@ const ZERO: f64 = 1e-9;
 /// `sum_i exp(-lambda_i t) phi_i(x)^2`, one row for each vertex x and one column for each time t.
 ///
 /// `values` are k eigenvalues (1 / length^2) and `vectors` (n x k) their M-orthonormal
-/// eigenfunctions, constants included; times (length^2) are at least 0. Its unit is 1 / area.
-/// Divide column t by [`heat_trace`] for the scaled signature of that paper, whose columns all have
-/// a weighted sum of 1.
+/// eigenfunctions, constants included; times (length^2) are at least 0. The unit of the signature
+/// is 1 / area. Divide column t by [`heat_trace`] for the scaled signature of that paper, in which
+/// the weighted sum of each column is 1.
 ///
 /// ```
 /// use catamaran::{Par, faer::Mat, spectral::descriptors::heat_kernel_signature};
@@ -55,8 +56,9 @@ pub fn heat_trace(values: &[f64], time: f64) -> f64 {
     values.iter().map(|lambda| (-lambda * time).exp()).sum()
 }
 
-/// Returns times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, with the
-/// largest and the smallest eigenvalue that is not zero: those of Sun et al. (2009), section 5.
+/// Returns times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, where lambda_k
+/// is the largest and lambda_1 the smallest eigenvalue that is not zero, as in Sun et al. (2009),
+/// section 5.
 ///
 /// ```
 /// use catamaran::spectral::descriptors::heat_times;
@@ -80,7 +82,7 @@ pub fn heat_times(values: &[f64], count: usize) -> Result<Vec<f64>> {
 /// ```
 /// use catamaran::{faer::mat, spectral::descriptors::heat_kernel};
 ///
-/// // Two vertices of mass 1: all heat is at the source at first, half of it at last.
+/// // Two vertices of mass 1: all heat is at the source at first, and half of it in the end.
 /// let h = 0.5_f64.sqrt();
 /// let vectors = mat![[h, h], [h, -h]];
 /// let at = |time| heat_kernel(&[0.0, 1.0], vectors.as_ref(), 0, time);
@@ -89,7 +91,7 @@ pub fn heat_times(values: &[f64], count: usize) -> Result<Vec<f64>> {
 /// ```
 ///
 /// # Errors
-/// As [`heat_kernel_signature`], and [`Error::Argument`] for a source that is not there.
+/// As [`heat_kernel_signature`], and [`Error::Argument`] for a source that does not exist.
 pub fn heat_kernel(
     values: &[f64],
     vectors: MatRef<'_, f64>,
@@ -100,7 +102,7 @@ pub fn heat_kernel(
     check_times(&[time])?;
     let n = vectors.nrows();
     if source >= n {
-        let why = format!("vertex {source} of {n} (numbered from 0)");
+        let why = format!("vertex {source} is out of range: {n} vertices, numbered from 0");
         return Err(Error::Argument { what: "source", why });
     }
     let mut heat = vec![0.0; n];
@@ -113,8 +115,8 @@ pub fn heat_kernel(
     Ok(heat)
 }
 
-/// Energies of a wave kernel signature, logarithms of eigenvalues (1 / length^2), and the width
-/// sigma of each.
+/// Energies of a wave kernel signature, as logarithms of eigenvalues (1 / length^2), and their
+/// common width sigma.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveScales {
     /// Logarithms of energies, ascending.
@@ -124,9 +126,9 @@ pub struct WaveScales {
 }
 
 /// Returns equally spaced logarithms of energies as in Aubry, Schlickewei and Cremers, The Wave
-/// Kernel Signature (2011), section 5: sigma is seven times their distance, and both ends lie 2
-/// sigma within the logarithms of the smallest and largest eigenvalue that are not zero. With D the
-/// distance of these, sigma is thus `7 D / (count + 27)`.
+/// Kernel Signature (2011), section 5: sigma is seven times their spacing, and both ends lie 2
+/// sigma inside of the logarithms of the smallest and largest eigenvalue that are not zero. Where
+/// these are D apart, sigma is `7 D / (count + 27)`.
 ///
 /// ```
 /// use catamaran::spectral::descriptors::wave_scales;
@@ -138,13 +140,13 @@ pub struct WaveScales {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when the eigenvalues that are not zero do not differ, [`Error::NonFinite`].
+/// [`Error::Argument`] unless two different eigenvalues are not zero, [`Error::NonFinite`].
 pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
     let (low, high) = positive_range(values)?;
     let (low, high) = (low.ln(), high.ln());
     let sigma = 7.0 * (high - low) / (count as f64 + 27.0);
     if sigma <= 0.0 {
-        let why = "one positive value, where at least two different ones make a scale".into();
+        let why = "must have at least two different positive values, has one".into();
         return Err(Error::Argument { what: "eigenvalues", why });
     }
     Ok(WaveScales { energies: between(low + 2.0 * sigma, high - 2.0 * sigma, count), sigma })
@@ -152,7 +154,7 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
 
 /// Computes the wave kernel signature of Aubry et al. (2011): the mean of `phi_i(x)^2` with weights
 /// `exp(-(e - ln lambda_i)^2 / 2 sigma^2)`, one row for each vertex x and one column for each
-/// energy e. Eigenvalues that are zero take no part. Arguments and unit as in
+/// energy e. Eigenvalues that are zero are left out. Arguments and unit are those of
 /// [`heat_kernel_signature`].
 ///
 /// ```
@@ -162,7 +164,7 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
 /// let (values, vectors) = ([0.0, 1.0, 10.0, 100.0], Mat::<f64>::identity(4, 4));
 /// let scales = wave_scales(&values, 8)?;
 /// let found = wave_kernel_signature(&values, vectors.as_ref(), &scales, Par::Seq)?;
-/// // Weights of a sum of 1; the constant has none.
+/// // The weights sum to 1; the constant has weight zero.
 /// for column in found.col_iter() {
 ///     assert!(column[0] == 0.0 && (column.iter().sum::<f64>() - 1.0).abs() < 1e-12);
 /// }
@@ -181,7 +183,7 @@ pub fn wave_kernel_signature(
     check(values, vectors)?;
     let least = ZERO * positive_range(values)?.1;
     if !(scales.sigma > 0.0 && scales.sigma.is_finite()) {
-        let why = format!("{}, where it is positive and finite", scales.sigma);
+        let why = format!("must be positive and finite, is {}", scales.sigma);
         return Err(Error::Argument { what: "sigma", why });
     }
     if let Some(e) = scales.energies.iter().position(|e| !e.is_finite()) {
@@ -196,7 +198,7 @@ pub fn wave_kernel_signature(
                 false => f64::NEG_INFINITY,
             })
             .collect();
-        // So that an energy far from all eigenvalues still has weights: those of the nearest.
+        // An energy far from all eigenvalues still has weights, those of the nearest eigenvalue.
         let largest = exponents.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = exponents.iter().map(|x| (x - largest).exp()).sum();
         for (i, x) in exponents.iter().enumerate() {
@@ -208,7 +210,7 @@ pub fn wave_kernel_signature(
 
 /// Computes the global point signature of Rustamov, Laplace-Beltrami Eigenfunctions for Deformation
 /// Invariant Shape Representation (2007): `phi_i(x) / sqrt(lambda_i)`, one column for each
-/// eigenvalue that is not zero. Signs are those of the vectors.
+/// eigenvalue that is not zero. Signs follow those of the vectors.
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, spectral::descriptors::global_point_signature};
@@ -230,7 +232,7 @@ pub fn global_point_signature(values: &[f64], vectors: MatRef<'_, f64>) -> Resul
     }))
 }
 
-/// The squares of all entries, times a matrix.
+/// Computes the squares of all entries, times a matrix.
 fn squares_times(vectors: MatRef<'_, f64>, weights: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let (n, k, columns) = (vectors.nrows(), vectors.ncols(), weights.ncols());
     by_rows(n, columns, BLOCK, par, Progress::none(), |range, rows| {
@@ -241,7 +243,7 @@ fn squares_times(vectors: MatRef<'_, f64>, weights: MatRef<'_, f64>, par: Par) -
     })
 }
 
-/// `count` numbers at equal distances, the ends included; one alone is the middle.
+/// Returns `count` numbers at equal distances, the ends included; a single number is the middle.
 fn between(low: f64, high: f64, count: usize) -> Vec<f64> {
     match count {
         1 => vec![(low + high) / 2.0],
@@ -249,7 +251,7 @@ fn between(low: f64, high: f64, count: usize) -> Vec<f64> {
     }
 }
 
-/// The smallest and the largest eigenvalue that are not zero.
+/// Returns the smallest and the largest eigenvalue that are not zero.
 fn positive_range(values: &[f64]) -> Result<(f64, f64)> {
     check_values(values)?;
     let high = values.iter().copied().fold(0.0, f64::max);
@@ -257,7 +259,7 @@ fn positive_range(values: &[f64]) -> Result<(f64, f64)> {
     if high > 0.0 {
         return Ok((low, high));
     }
-    let why = format!("none of {} is positive", values.len());
+    let why = format!("must have a positive value, but none of {} is positive", values.len());
     Err(Error::Argument { what: "eigenvalues", why })
 }
 
@@ -283,7 +285,7 @@ fn check_values(values: &[f64]) -> Result<()> {
 fn check_times(times: &[f64]) -> Result<()> {
     match times.iter().find(|t| !(**t >= 0.0 && t.is_finite())) {
         Some(time) => {
-            let why = format!("{time}, where they are finite and at least 0");
+            let why = format!("must be finite and at least 0, but one is {time}");
             Err(Error::Argument { what: "times", why })
         }
         None => Ok(()),

@@ -5,7 +5,7 @@ use crate::base::Rng;
 use crate::mesh::vector::Vector;
 use crate::mesh::{TriMesh, shapes};
 
-/// Two points of mass 1/2 with eigenvalues 0 and 2: constants, and a change of sign.
+/// Returns two points of mass 1/2 with eigenvalues 0 and 2: the constant, and a change of sign.
 fn two_points() -> (Vec<f64>, Mat<f64>) {
     (vec![0.0, 2.0], Mat::from_fn(2, 2, |i, j| if (i, j) == (1, 1) { -1.0 } else { 1.0 }))
 }
@@ -24,7 +24,7 @@ fn difference(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
     (a - b).norm_max()
 }
 
-/// A rotation with a translation.
+/// Returns the mesh after a rotation and a translation.
 fn moved(mesh: &TriMesh) -> TriMesh {
     let (s, c) = 0.7_f64.sin_cos();
     let (t, d) = 1.9_f64.sin_cos();
@@ -85,7 +85,7 @@ fn wave_signatures_are_weighted_means_of_squares() {
     let scales = WaveScales { energies: vec![values[3].ln(), 500.0, -500.0], sigma: 1e-3 };
     let wks = wave_kernel_signature(&values, vectors.as_ref(), &scales, Par::Seq).unwrap();
     for x in 0..7 {
-        // So narrow that one eigenvalue has all the weight: the nearest, however far.
+        // Sigma is so small that the nearest eigenvalue has all the weight.
         for (e, i) in [(0, 3), (1, 5), (2, 1)] {
             let square = vectors[(x, i)].powi(2);
             assert!((wks[(x, e)] - square).abs() < 1e-12 * square.max(1.0));
@@ -179,8 +179,7 @@ fn shot_follows_rigid_motions_and_scale() {
 
 #[test]
 fn shot_tells_a_bump_from_a_plane_and_agrees_on_equal_places() {
-    // Two bumps of the same shape on a plane, turned against each other by nothing but a
-    // translation.
+    // Two bumps of the same shape on a plane, which differ by a translation only.
     let mesh = shapes::grid(40, 20);
     let height = |p: &Vector, at: f64| {
         let (x, y) = (p[0] - at, p[1] - 10.0);
@@ -247,7 +246,7 @@ fn rings_are_intrinsic_and_have_means_and_shares() {
         }
     }
     assert!(difference(&rings, &rings_of(&moved(&mesh), &functions, Par::Seq)) < 1e-9);
-    // A sheet rolled up along its lines is isometric to the flat one.
+    // A sheet rolled up along its lines is isometric to a flat sheet.
     let flat = shapes::grid(12, 7);
     let rolled = flat.vertices().iter().map(|p| {
         let (s, c) = (p[0] * 0.2).sin_cos();

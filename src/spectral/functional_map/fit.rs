@@ -1,4 +1,4 @@
-//! A functional map from functions that correspond (Ovsjanikov et al. 2012).
+//! Fits a functional map to functions that correspond (Ovsjanikov et al. 2012).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,26 +12,26 @@ use crate::spectral::dense;
 use crate::spectral::descriptors::heat_times;
 use crate::spectral::eigenbasis::Eigenbasis;
 
-/// Heat kernels per landmark, from narrow to wide.
+/// Number of heat kernels per landmark, from narrow to wide.
 const SCALES: usize = 8;
 
-/// Part of the mean diagonal entry that is added to the diagonal of the equations: with fewer
-/// functions than unknowns, and no commutativity, they have many solutions, of which this takes the
-/// least one.
+/// Share of the mean diagonal entry that is added to the diagonal of the equations. With fewer
+/// functions than unknowns, and no commutativity, there are many solutions, of which this selects
+/// the least one.
 const RIDGE: f64 = 1e-12;
 
-/// Part of the progress of a fit with operators that the rows alone take.
+/// Share of the progress of a fit with operators that the solution of the rows takes.
 const ROWS_SHARE: f64 = 0.1;
 
-/// Least-squares fit of a functional map C between two eigenbases, from functions known on both
+/// A least-squares fit of a functional map C between two eigenbases, from functions known on both
 /// meshes.
 ///
 /// Minimises `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the
-/// coefficients of the corresponding functions and L, L' the eigenvalues, as a part of the largest
+/// coefficients of the corresponding functions and L, L' the eigenvalues, divided by the largest
 /// one: isometries commute with Laplacians. Rows of C are independent of each other and solved for
 /// one by one. Where both bases have the constant, it is mapped to itself exactly.
-/// [`MapFit::operators`] adds a term that couples the rows, and then conjugate gradients solve for
-/// all of them.
+/// [`MapFit::operators`] adds a term that couples the rows; conjugate gradients then solve for all
+/// of them.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::MapFit, test_functions::coordinates};
@@ -41,7 +41,7 @@ const ROWS_SHARE: f64 = 0.1;
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
-/// // From a sphere to itself, by functions and landmarks that are the same on both.
+/// // From a sphere to itself, with the same functions and landmarks on both sides.
 /// let f = coordinates(&mesh);
 /// let mut fit = MapFit::new(&basis, &basis, Par::Seq);
 /// fit.functions(f.as_ref(), f.as_ref())?;
@@ -58,10 +58,10 @@ pub struct MapFit<'a> {
     known: Correspondences,
 }
 
-/// What a fit was told of a map.
+/// The correspondences that were added to a fit.
 #[derive(Default)]
 pub(crate) struct Correspondences {
-    /// Coefficients of the functions, one after the other.
+    /// Coefficients of the functions, one function after the other.
     a: Vec<f64>,
     b: Vec<f64>,
     operators: Vec<Operators>,
@@ -96,7 +96,7 @@ impl<'a> MapFit<'a> {
         self.known
     }
 
-    /// Sets a callback that is told of the progress of [`MapFit::solve`] and may cancel.
+    /// Sets a callback for the progress of [`MapFit::solve`], which may cancel.
     pub fn progress(self, progress: impl Into<Progress<'a>>) -> Self {
         Self { progress: progress.into(), ..self }
     }
@@ -105,7 +105,7 @@ impl<'a> MapFit<'a> {
     /// Each pair is scaled to norm 1, so that all count the same.
     ///
     /// # Errors
-    /// [`Error::Shape`] when they have other rows than vertices or not as many columns,
+    /// [`Error::Shape`] when the numbers of rows and vertices, or of columns, differ,
     /// [`Error::NonFinite`].
     pub fn functions(&mut self, f: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<()> {
         let expected = (self.target.basis().vertices(), f.ncols());
@@ -118,9 +118,9 @@ impl<'a> MapFit<'a> {
 
     /// Adds the condition that C commutes with multiplications by corresponding functions, as
     /// [`MapFit::functions`] takes them (Nogneng and Ovsjanikov 2017): `weight` times the mean of
-    /// `|C D - D' C|^2`, D and D' multiplication by a pair of functions, scaled to mean square 1. A
-    /// function determines the map far better that way than by its coefficients alone, so that a
-    /// few functions suffice for a large map.
+    /// `|C D - D' C|^2`, where D and D' multiply by a pair of functions, scaled to mean square 1.
+    /// This way, a function determines the map far better than by its coefficients alone: few
+    /// functions suffice for a large map.
     ///
     /// # Errors
     /// As [`MapFit::functions`]; [`Error::Argument`] for a weight that is not finite or below 0, or
@@ -155,11 +155,11 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds pairs of vertices (source, target) that correspond: heat kernels around them, at times
-    /// that suit the eigenvalues.
+    /// Adds pairs of vertices (source, target) that correspond, as heat kernels around them at
+    /// times derived from the eigenvalues.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the first pair that is not one of vertices, or says that no
+    /// [`Error::Argument`] names the first pair that is not a pair of vertices, or says that no
     /// eigenvalue is positive.
     pub fn landmarks(&mut self, pairs: &[(u32, u32)]) -> Result<()> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
@@ -173,7 +173,7 @@ impl<'a> MapFit<'a> {
         if pairs.is_empty() {
             return Ok(());
         }
-        // In units of the area, the same for both.
+        // Times in units of the area, the same on both meshes.
         let area = self.source.basis().area()?;
         let values: Vec<f64> = self.source.values().iter().map(|value| value * area).collect();
         let times = heat_times(&values, SCALES)?;
@@ -182,7 +182,7 @@ impl<'a> MapFit<'a> {
             Ok(Mat::from_fn(basis.len(), pairs.len() * times.len(), |i, column| {
                 let x = vertex(column / times.len()) as usize;
                 let time = times[column % times.len()] * area;
-                // Times the area: as a function that stays the same when the mesh grows.
+                // Times the area, so that the function does not depend on the size of the mesh.
                 area * (-basis.values()[i].max(0.0) * time).exp() * basis.functions()[(x, i)]
             }))
         };
@@ -192,8 +192,8 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds segments that correspond: vertices of the same label on both meshes. Every label
-    /// counts, 0 too.
+    /// Adds segments that correspond: vertices of the same label on both meshes. Label 0 is a label
+    /// like any other.
     ///
     /// ```
     /// use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
@@ -214,7 +214,7 @@ impl<'a> MapFit<'a> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the
+    /// [`Error::Shape`] unless there is a label for each vertex, [`Error::Argument`] names the
     /// first label that only one of the meshes has.
     pub fn segments(&mut self, source: &[u32], target: &[u32]) -> Result<()> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
@@ -253,9 +253,9 @@ impl<'a> MapFit<'a> {
     /// least 0.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the weight, or when no function on the source is other than zero;
-    /// [`Error::OutOfMemory`]; [`Error::Cancelled`]; [`Error::NotConverged`] when operators are too
-    /// many or too different for conjugate gradients.
+    /// [`Error::Argument`] for an invalid weight, or when all functions on the source are zero;
+    /// [`Error::OutOfMemory`]; [`Error::Cancelled`]; [`Error::NotConverged`] when conjugate
+    /// gradients do not converge, for too many or too different operators.
     pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
         if !(commutativity.is_finite() && commutativity >= 0.0) {
             let why = format!("must be finite and at least 0, is {commutativity}");
@@ -267,12 +267,12 @@ impl<'a> MapFit<'a> {
         let b = MatRef::from_column_major_slice(&self.known.b, l, known_functions);
         let size = a.squared_norm_l2();
         if size == 0.0 {
-            let why = "there are none on the source that are not zero".into();
+            let why = "must not all be zero on the source".into();
             return Err(Error::Argument { what: "functions", why });
         }
         let gram = dense::transposed_product(a.transpose(), a.transpose(), self.par)?;
         let right = dense::transposed_product(a.transpose(), b.transpose(), self.par)?;
-        // The first column is known where both have the constant.
+        // The first column is known where both bases contain the constant.
         let first = match (self.source.constant(), self.target.constant()) {
             (Some(source), Some(target)) => Some(source / target),
             _ => None,
@@ -310,13 +310,13 @@ impl<'a> MapFit<'a> {
                 row[(0, 0)] = fixed;
             }
             row.subcols_mut(known, unknown).copy_from(solution.transpose());
-            // The rows that are left look at the tracker's state.
+            // The remaining rows check the state of the tracker.
             let _ = tracker.add(1.0);
         });
         tracker.finish()?;
         if singular.into_inner() {
             let why =
-                "they do not determine the map; more of them, or more commutativity, may".into();
+                "do not determine the map; add functions, or increase the commutativity".into();
             return Err(Error::Argument { what: "functions", why });
         }
         if alone {
@@ -334,7 +334,7 @@ impl<'a> MapFit<'a> {
     }
 }
 
-/// The eigenvalues of both, times the areas, as a part of the largest.
+/// Returns the eigenvalues of both bases, times the areas, divided by the largest.
 fn relative_values(source: &Eigenbasis, target: &Eigenbasis) -> Result<(Vec<f64>, Vec<f64>)> {
     let scaled = |basis: &Eigenbasis| -> Result<Vec<f64>> {
         let area = basis.basis().area()?;

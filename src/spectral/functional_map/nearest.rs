@@ -1,7 +1,7 @@
-//! Nearest neighbours among points in many dimensions.
+//! Finds nearest neighbours among points in many dimensions.
 //!
-//! Exhaustive, by matrix products: in the 20 to 200 dimensions of spectral embeddings a k-d tree
-//! visits most of its leaves, at a fraction of the speed of a product.
+//! The search is exhaustive, by matrix products: in the 20 to 200 dimensions of spectral
+//! embeddings, a k-d tree visits most of its leaves, and its visits are far slower than a product.
 
 use std::ops::Range;
 
@@ -11,19 +11,19 @@ use crate::base::{Error, Par, Progress, Result, Tracker};
 use crate::dense::zeros;
 use crate::spectral::dense;
 
-/// Queries and candidates of one product: their scores stay in the cache.
+/// Numbers of queries and candidates of one product, so that their scores stay in the cache.
 const QUERIES: usize = 64;
 const CANDIDATES: usize = 512;
 
-/// Candidates that may be nearest, of one query, before they are told apart exactly.
+/// Number of candidates of one query that may be nearest, after which they are compared exactly.
 const OPEN: usize = 32;
 
 /// Returns the row of `candidates` (m x d) that is nearest to each row of `queries` (n x d), in the
 /// Euclidean norm; the first one of equally near rows.
 ///
 /// The distances that decide are sums of squared differences from the first coordinate to the last,
-/// so the result is exactly that of a search by the definition, for every `par`. It takes `2 n m d`
-/// flops.
+/// so that the result is exactly that of a direct search, for every `par`. The search takes
+/// `2 n m d` flops.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress, faer::mat, spectral::functional_map::nearest_rows};
@@ -49,10 +49,10 @@ pub fn nearest_rows(
     dense::check_finite("queries", queries)?;
     dense::check_finite("candidates", candidates)?;
     if (candidates.nrows() == 0 && n > 0) || u32::try_from(candidates.nrows()).is_err() {
-        let why = format!("{} of them, where there must be 1 to 2^32 - 1", candidates.nrows());
+        let why = format!("must be 1 to 2^32 - 1 rows, are {}", candidates.nrows());
         return Err(Error::Argument { what: "candidates", why });
     }
-    // By columns of a point each, so that a point's coordinates are beside each other.
+    // One column for each point, so that the coordinates of a point are contiguous.
     let queries = transposed(queries)?;
     let candidates = transposed(candidates)?;
     let squares = |points: &Mat<f64>| -> Vec<f64> {
@@ -72,7 +72,7 @@ pub fn nearest_rows(
             return vec![];
         }
         let nearest = search.run(block);
-        // The blocks that are left look at the tracker's state.
+        // The remaining blocks check the state of the tracker.
         let _ = tracker.add(nearest.len() as f64);
         nearest
     });
@@ -96,23 +96,24 @@ struct Search<'a> {
     longest: f64,
 }
 
-/// What is known of one query.
+/// The state of the search for one query.
 struct Best {
     /// Least score so far, `|c|^2 / 2 - q . c`.
     score: f64,
-    /// How far rounding may take two scores apart.
+    /// Largest difference that rounding may add to two scores.
     slack: f64,
-    /// Candidates whose score was within the slack when it was found, ascending.
+    /// Candidates whose score was within the slack of the least score when they were found,
+    /// ascending.
     open: Vec<u32>,
 }
 
 impl Search<'_> {
-    /// The nearest candidates of these queries.
+    /// Returns the nearest candidates of these queries.
     fn run(&self, block: Range<usize>) -> Vec<u32> {
         let d = self.queries.nrows();
         let queries = self.queries.subcols(block.start, block.len());
-        // Twice the bound of a computed score, `(d + 2) u (|c|^2 + |q| |c|)`, and once more for the
-        // exact distance.
+        // Twice the error bound of a computed score, `(d + 2) u (|c|^2 + |q| |c|)`, plus one more
+        // for the exact distance.
         let unit = 4.0 * (d as f64 + 2.0) * f64::EPSILON;
         let mut best: Vec<Best> = block
             .map(|j| {
@@ -154,7 +155,7 @@ impl Search<'_> {
         best.iter().enumerate().map(winner).collect()
     }
 
-    /// The nearest of these, by the definition.
+    /// Returns the nearest of these candidates, by the definition.
     fn nearest_of(&self, query: RowRef<'_, f64>, open: &[u32]) -> u32 {
         let mut nearest = (f64::INFINITY, 0);
         for &candidate in open {
@@ -232,7 +233,8 @@ mod tests {
 
     #[test]
     fn neighbours_closer_than_the_rounding_of_products_are_told_apart() {
-        // Far from the origin products lose the difference; the definition does not.
+        // Far from the origin, products lose the difference of the distances; the definition does
+        // not.
         let candidates =
             Mat::from_fn(40, 2, |i, j| if j == 0 { 1e8 + i as f64 * 1e-7 } else { 0.0 });
         let found =

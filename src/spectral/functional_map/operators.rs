@@ -1,4 +1,4 @@
-//! Multiplications by functions as operators that a functional map commutes with (Nogneng and
+//! Multiplications by functions as operators with which a functional map commutes (Nogneng and
 //! Ovsjanikov 2017).
 
 use faer::{Mat, MatRef};
@@ -7,13 +7,12 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
 
-/// Residual of the equations at which they are solved, relative to the right-hand side, and
-/// iterations until then.
+/// Relative residual at which the equations count as solved, and the maximum number of iterations.
 const SOLVED: f64 = 1e-10;
 const ITERATIONS: usize = 4000;
 
-/// Multiplication by a function on the source, and by the one that corresponds to it on the target,
-/// and the weight of `|C D - D' C|^2`.
+/// Multiplication by a function on the source, and by the corresponding function on the target, and
+/// the weight of `|C D - D' C|^2`.
 pub(super) struct Operators {
     pub source: Mat<f64>,
     pub target: Mat<f64>,
@@ -28,9 +27,10 @@ pub(super) fn multiplication(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Res
     dense::transposed_product(phi, weighted.as_ref(), par)
 }
 
-/// The C that minimises `|C A - B|^2 + sum of weights_ij C_ij^2 + sum over operators`, of which the
-/// first `known` columns stay as they are in the first guess: by conjugate gradients,
-/// preconditioned by the diagonal.
+/// The equations of the C that minimises
+/// `|C A - B|^2 + sum of weights_ij C_ij^2 + sum over operators`. The first `known` columns keep
+/// their values of the first guess. The solver is the method of conjugate gradients, preconditioned
+/// by the diagonal.
 pub(super) struct Equations<'a> {
     /// `A A^T`.
     pub gram: Mat<f64>,
@@ -63,7 +63,7 @@ impl Equations<'_> {
                 progress.report(1.0)?;
                 return Ok(c);
             }
-            // The residual falls by about the same factor in each iteration, but not in all.
+            // The residual falls by about the same factor in most iterations, but not in all.
             reached = ((length / size).ln() / SOLVED.ln()).min(1.0).max(reached);
             progress.report(reached)?;
             let image = free(self.image(direction.as_ref())?);
@@ -78,7 +78,7 @@ impl Equations<'_> {
         Err(Error::NotConverged { iterations: ITERATIONS, residual })
     }
 
-    /// Half of the gradient of the quadratic part.
+    /// Returns half of the gradient of the quadratic part.
     fn image(&self, c: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let product = |a: MatRef<'_, f64>, b: MatRef<'_, f64>| dense::product(a, b, Par::Seq);
         let mut image = product(c, self.gram.as_ref())?;
@@ -96,7 +96,7 @@ impl Equations<'_> {
         Ok(image)
     }
 
-    /// The diagonal of the equations, as a matrix of the shape of C.
+    /// Returns the diagonal of the equations, as a matrix of the shape of C.
     fn diagonal(&self) -> Mat<f64> {
         let (l, k) = self.right.shape();
         let mut diagonal = Mat::from_fn(l, k, |i, j| self.gram[(j, j)] + self.weights[(i, j)]);

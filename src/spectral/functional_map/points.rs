@@ -1,4 +1,4 @@
-//! Functional maps and point-to-point maps.
+//! Conversions between functional maps and point-to-point maps.
 
 use faer::{Mat, MatRef, Scale};
 
@@ -8,18 +8,18 @@ use crate::dense::zeros;
 use crate::spectral::basis::Basis;
 use crate::spectral::dense;
 
-/// Functions whose pull-backs are computed at once, to save memory.
+/// Number of functions whose pull-backs are computed at once, to save memory.
 const PANEL: usize = 256;
 
 /// Computes the point-to-point map of a functional map `c` (r_target x r_source) of two bases: for
 /// each vertex of the target, the vertex of the source whose image under `c` is nearest in the
 /// basis (Ovsjanikov et al. 2012; thesis, section 1.3.4, step 1).
 ///
-/// With Phi and Psi the functions on source and target, row y of Psi is matched with the rows of
-/// `Phi C^T`: the coefficients of a point mass at y, and of those that `c` makes of point masses on
-/// the source. Those hold the mass of an area on the source, so they are divided by the ratio of
-/// the areas of target and source; without that, meshes of different sizes would not match. The
-/// first of equally near vertices is taken.
+/// With Phi and Psi the functions on source and target, row y of Psi, the coefficients of a point
+/// mass at y, is matched with the rows of `Phi C^T`, the coefficients of the images of point masses
+/// on the source. The images have the mass of an area on the source, so they are divided by the
+/// ratio of the areas of target and source; otherwise meshes of different sizes would not match.
+/// Among equally near vertices, the first one is taken.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::points_from_map};
@@ -37,8 +37,9 @@ const PANEL: usize = 256;
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` has another shape, [`Error::NonFinite`], [`Error::Argument`] when the
-/// source has no vertices, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when the shape of `c` does not fit the bases, [`Error::NonFinite`],
+/// [`Error::Argument`] when the source has no vertices, [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
 pub fn points_from_map(
     c: MatRef<'_, f64>,
     source: &Basis,
@@ -70,8 +71,8 @@ pub(super) fn nearest_images(
 /// the pulled-back functions `f o points`, nearest in the norm of the target's mass (thesis,
 /// section 1.3.4, step 2).
 ///
-/// `points` holds a vertex of the source for each vertex of the target. Any bases: eigenfunctions
-/// give the functional map C, orthogonalised products the matrix O.
+/// `points` holds a vertex of the source for each vertex of the target. Any bases are possible:
+/// eigenfunctions give the functional map C, orthogonalised products the matrix O.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass};
@@ -85,8 +86,8 @@ pub(super) fn nearest_images(
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when there are not as many points as target vertices, [`Error::Argument`] names
-/// the first one that is not a vertex of the source, [`Error::OutOfMemory`].
+/// [`Error::Shape`] when the numbers of points and target vertices differ, [`Error::Argument`]
+/// names the first point that is not a vertex of the source, [`Error::OutOfMemory`].
 pub fn map_from_points(
     points: &[u32],
     source: &Basis,
@@ -126,14 +127,14 @@ pub fn pull_back(points: &[u32], f: MatRef<'_, f64>) -> Result<Mat<f64>> {
     Ok(out)
 }
 
-/// Refuses what is not a map from `target` vertices to `source` ones.
+/// Returns an error unless `points` is a map from `target` vertices to `source` vertices.
 fn check_points(points: &[u32], source: usize, target: usize) -> Result<()> {
     Error::check_shape("points", (target, 1), (points.len(), 1))?;
     match points.iter().position(|&x| x as usize >= source) {
         None => Ok(()),
         Some(y) => Err(Error::Argument {
             what: "points",
-            why: format!("target vertex {y} is mapped to vertex {} of {source}", points[y]),
+            why: format!("target vertex {y} is mapped to {}, must be below {source}", points[y]),
         }),
     }
 }

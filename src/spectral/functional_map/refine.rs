@@ -1,4 +1,4 @@
-//! Refinement of functional maps by way of point-to-point maps.
+//! Refines functional maps by way of point-to-point maps.
 
 use faer::{Mat, MatRef, Scale};
 
@@ -12,18 +12,18 @@ use crate::spectral::dense;
 pub struct Refined {
     /// The functional map, r_target x r_source.
     pub map: Mat<f64>,
-    /// The point-to-point map that it was computed from: a vertex of the source for each of the
-    /// target.
+    /// The point-to-point map from which `map` was computed: a vertex of the source for each vertex
+    /// of the target.
     pub points: Vec<u32>,
 }
 
 /// Refines a map by iterative closest points in the spectral embedding (Ovsjanikov et al. 2012,
 /// section 6.2): alternates between the point-to-point map of `c` and the orthogonal matrix
-/// (Procrustes) that maps functions best along it, until the points stay the same or `iterations`
-/// (at least 1) are done.
+/// (Procrustes) that fits these points best, until the points stay the same or `iterations` (at
+/// least 1) are done.
 ///
-/// `c` is r_target x r_source, for orthonormal bases. The matrix is orthogonal up to the factor
-/// that meshes of different areas need.
+/// `c` is r_target x r_source, for orthonormal bases. The matrix is orthogonal up to a factor for
+/// meshes of different areas.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::icp};
@@ -43,9 +43,9 @@ pub struct Refined {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no
-/// iterations, a basis that is not orthonormal or a mesh without area, [`Error::OutOfMemory`],
-/// [`Error::Cancelled`].
+/// [`Error::Shape`] when the shape of `c` does not fit the bases, [`Error::NonFinite`],
+/// [`Error::Argument`] for zero iterations, a basis that is not orthonormal or a mesh without area,
+/// [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn icp(
     c: MatRef<'_, f64>,
     source: &Basis,
@@ -77,16 +77,16 @@ pub fn icp(
 }
 
 /// Refines a map by ZoomOut (Melzi et al. 2019): alternates between the point-to-point map of `c`
-/// and its functional map between `step` (at least 1) functions more on both sides, until all
-/// functions of the two bases are used.
+/// and the functional map of these points with `step` (at least 1) more functions on both sides,
+/// until all functions of the two bases are used.
 ///
-/// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one
-/// basis has all of its functions before the other, it waits.
+/// `c` is k_target x k_source, for the first functions of the bases, at most all of them. The basis
+/// whose functions are used up first stays complete while the other one grows.
 ///
-/// Any orthonormal bases will do (thesis, section 1.5): of eigenfunctions, or of orthogonalised
-/// eigenproducts ([`Reorthogonalized`](crate::spectral::Orthogonalization::Reorthogonalized)), the
-/// first of which are the eigenfunctions themselves, so that a map between these is where their
-/// products start from.
+/// Any orthonormal bases are possible (thesis, section 1.5): eigenfunctions, or orthogonalised
+/// eigenproducts ([`Reorthogonalized`](crate::spectral::Orthogonalization::Reorthogonalized)). The
+/// first products are the eigenfunctions themselves, so that a map between eigenfunctions can be
+/// the start.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::zoomout};
@@ -106,7 +106,7 @@ pub fn icp(
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` has more rows or columns than the bases functions,
+/// [`Error::Shape`] when `c` has more rows or columns than the bases have functions,
 /// [`Error::NonFinite`], [`Error::Argument`] for a step of 0, a map without rows or columns, a
 /// basis that is not orthonormal or a mesh without area, [`Error::OutOfMemory`],
 /// [`Error::Cancelled`].
@@ -125,8 +125,7 @@ pub fn zoomout(
     }
     dense::check_finite("functional map", c)?;
     if step == 0 || rows == 0 || columns == 0 {
-        let why =
-            format!("{step} functions per step, from a {rows} x {columns} map: none can be 0");
+        let why = format!("the step ({step}) and the map ({rows} x {columns}) must not be 0");
         return Err(Error::Argument { what: "step", why });
     }
     let pair = Pair::new(source, target, par)?;
@@ -141,7 +140,7 @@ pub fn zoomout(
         (rows, columns) = ((rows + step).min(full.0), (columns + step).min(full.1));
         map = pair.map(&points, (rows, columns))?;
     }
-    // What the last map says, so that map and points belong together.
+    // The map of the last step, so that map and points belong together.
     let points = pair.points(map.as_ref(), step_of(steps))?;
     let map = pair.map(&points, full)?;
     Ok(Refined { map, points })
@@ -151,9 +150,9 @@ pub fn zoomout(
 struct Pair<'a> {
     source: &'a Basis,
     target: &'a Basis,
-    /// The target's functions times its mass.
+    /// The mass of the target times its functions.
     weighted: Mat<f64>,
-    /// Area of the target by that of the source.
+    /// Area of the target divided by that of the source.
     ratio: f64,
     par: Par,
 }
@@ -162,7 +161,7 @@ impl<'a> Pair<'a> {
     fn new(source: &'a Basis, target: &'a Basis, par: Par) -> Result<Self> {
         for (what, basis) in [("source", source), ("target", target)] {
             if !basis.is_orthonormal() {
-                let why = "its functions are not orthonormal, as those of Gram-Schmidt in one pass";
+                let why = "its functions are not orthonormal, such as those of a single pass";
                 return Err(Error::Argument { what, why: why.into() });
             }
         }
@@ -171,14 +170,14 @@ impl<'a> Pair<'a> {
         Ok(Self { source, target, weighted, ratio, par })
     }
 
-    /// The point-to-point map of a map between the first functions.
+    /// Returns the point-to-point map of a map between the first functions.
     fn points(&self, map: MatRef<'_, f64>, progress: Progress<'_>) -> Result<Vec<u32>> {
         let source = self.source.functions().subcols(0, map.ncols());
         let target = self.target.functions().subcols(0, map.nrows());
         nearest_images(map, source, target, self.ratio, self.par, progress)
     }
 
-    /// The functional map of a point-to-point map, between the first functions.
+    /// Returns the functional map of a point-to-point map, between the first functions.
     fn map(&self, points: &[u32], (rows, columns): (usize, usize)) -> Result<Mat<f64>> {
         let pulled = pull_back(points, self.source.functions().subcols(0, columns))?;
         let weighted = self.weighted.subcols(0, rows);

@@ -1,4 +1,4 @@
-//! Surfaces of basins.
+//! Surfaces of the basins of attraction.
 
 use super::points::{Grid, Points};
 use super::{Fractal, Newton};
@@ -7,9 +7,9 @@ use crate::mesh::{Lattice, Rim, TriMesh, label_surface_by};
 
 impl Newton {
     /// Returns the surface of the basin of root number `root`: the region from which Newton's
-    /// method leads to this root, as far as the voxels of `grid`, on which `fractal` was computed,
-    /// tell. With [`Rim::Closed`] the surface is closed: the region ends where the outermost voxels
-    /// do.
+    /// method leads to this root, at the resolution of the voxels of `grid`, on which `fractal` was
+    /// computed. With [`Rim::Closed`] the surface is closed: the region ends at the border of the
+    /// outermost voxels.
     ///
     /// Vertices are on the border of the basin to 1/512 of a voxel (along edges between the centres
     /// of voxels, halved eight times); details smaller than a voxel are lost. The surface is a
@@ -46,13 +46,13 @@ impl Newton {
     ) -> Result<TriMesh> {
         let count = self.roots() * self.roots();
         if usize::from(root) >= count {
-            let why = format!("{root}, where they are numbered from 0 to {}", count - 1);
+            let why = format!("must be from 0 to {}, is {root}", count - 1);
             return Err(Error::Argument { what: "root", why });
         }
         let lattice = grid.lattice()?;
         let root_at = |points: &[[f64; 3]]| {
             let points: Vec<_> = points.iter().map(|p| p.map(|x| x as f32)).collect();
-            // The caller reports after each call, and stops there.
+            // The caller reports progress after each call, and stops there.
             Ok(self.evaluate(Points::List(&points), par, Progress::none())?.roots)
         };
         label_surface_by(&lattice, &fractal.roots, root, rim, root_at, par, progress)
@@ -60,11 +60,11 @@ impl Newton {
 }
 
 impl Grid {
-    /// The same points as a lattice.
+    /// Returns the same points as a lattice.
     fn lattice(&self) -> Result<Lattice> {
         let along = |c: usize| (0..3).all(|k| k == c || self.steps[c][k] == 0.0);
         if !(0..3).all(along) {
-            let why = format!("its steps, {:?}, are not along x, y and z", self.steps);
+            let why = format!("must have steps along x, y and z, has {:?}", self.steps);
             return Err(Error::Argument { what: "grid", why });
         }
         Ok(Lattice {
@@ -105,12 +105,12 @@ mod tests {
             assert!(problems.is_empty(), "root {root}: {problems:?}");
             let count = fractal.roots.iter().filter(|&&found| found == root).count() as f64;
             let ratio = mesh.volume() / (voxel * count);
-            // Crumbs of one voxel have half of its volume.
+            // Fragments of one voxel have half of its volume.
             assert!((0.8..1.02).contains(&ratio), "root {root}: {ratio}");
             whole += mesh.volume();
-            assert_eq!(basin(Par::Threads(3)), mesh, "threads decide nothing");
+            assert_eq!(basin(Par::Threads(3)), mesh, "the number of threads changes nothing");
         }
-        // What is missing is beside borders of three basins, and at bevelled edges.
+        // The missing volume is at borders of three basins, and at bevelled edges.
         assert!((0.9..1.0).contains(&(whole / 27.0)), "{whole}");
     }
 
@@ -127,7 +127,8 @@ mod tests {
         assert!(half.face_normals().iter().all(|n| n[0] < -0.9));
         for root in [1, 2] {
             let none = newton.basin(&grid, &fractal, root, Rim::Closed, Par::Seq, Progress::none());
-            // Points of the plane between them go nowhere: they are of any basin, or on its border.
+            // Points of the plane between the basins do not converge: they belong to either basin,
+            // or to its border.
             assert!(none.unwrap().volume() <= 9.0 * step * 1.01);
         }
     }
@@ -139,7 +140,7 @@ mod tests {
             newton.basin(grid, &fractal, root, Rim::Closed, Par::Seq, Progress::none())
         };
         let refused = run(&grid, 4).unwrap_err().to_string();
-        assert!(refused.contains("root: 4, where they are numbered from 0 to 3"), "{refused}");
+        assert!(refused.contains("root: must be from 0 to 3, is 4"), "{refused}");
         let turned = Grid { steps: [grid.steps[1], grid.steps[0], grid.steps[2]], ..grid };
         assert!(run(&turned, 0).unwrap_err().to_string().contains("along x, y and z"));
         assert!(matches!(run(&Grid::cube(5, 3.0), 0), Err(Error::Shape { .. })));

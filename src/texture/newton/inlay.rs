@@ -1,4 +1,4 @@
-//! What materials over a fractal are made of.
+//! Finishes for materials over a fractal.
 
 use super::palette::root_color;
 use crate::base::{Error, Result, builder};
@@ -8,21 +8,21 @@ use crate::texture::material::{Finish, within};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Inlay {
-    /// Of the roots, by number, again from the first when there are more.
+    /// The finishes of the roots, by number; they repeat when there are more roots.
     pub basins: Vec<Finish>,
-    /// Of the joints: where points converge slowly.
+    /// The finish of the joints, where points converge slowly.
     pub joint: Finish,
-    /// The shares of texels, by the speed of their convergence, where joints begin and from where
-    /// on they are all there is; from 0 to 1. Default 0.75, 0.95.
+    /// The shares of texels, ordered by the speed of convergence, at which joints begin and at
+    /// which they are complete; from 0 to 1. Default 0.75, 0.95.
     pub range: [f64; 2],
-    /// What a height of 1 is, in hundredths of the square root of the area of the surface, from 0
-    /// to
+    /// The height that a value of 1 stands for, in hundredths of the square root of the area of the
+    /// surface, from 0 to 100. Default 0.4.
     /// 100. Default 0.4.
     pub depth: f64,
 }
 
 impl Default for Inlay {
-    /// The stones of [`Inlay::stones`].
+    /// Returns the stones of [`Inlay::stones`].
     fn default() -> Self {
         Self::stones()
     }
@@ -82,7 +82,7 @@ impl Inlay {
             finish.check(0.0)?;
         }
         if self.basins.is_empty() {
-            let why = "no finish, where that of a root is needed".into();
+            let why = "must have at least one finish".into();
             return Err(Error::Argument { what: "basins", why });
         }
         within("depth", self.depth, 0.0, 100.0)?;

@@ -1,22 +1,22 @@
-//! The iteration. `src/opencl/kernels/newton.cl` does the same in the same order: change both.
+//! The iteration. `src/opencl/kernels/newton.cl` does the same in the same order; change both.
 //!
 //! A step of z^n - 1 is equation 7.2 of the thesis, z := ((n - 1) z + (1 / z)^(n - 1)) / n, the
 //! power by repeated squaring. A step of a polynomial with given roots is z := z - 1 / (1 / (z -
 //! r_1) + 1 / (z - r_2) + ...).
 
-// Everything is inlined by force: what is not, closures above all, is compiled for processors
-// without wide registers.
+// Everything is `inline(always)`: functions that are not inlined, closures above all, are compiled
+// without the wide registers.
 use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
 use super::options::Parameters;
 use super::points::Cursor;
 
-/// |z|^2 below which z is 0.
+/// Values with |z|^2 below this count as 0.
 const ZERO: f32 = 1e-30;
-/// |step|^2 of a step that has no length because it goes to infinity.
+/// |step|^2 that stands for a step to infinity.
 const ENDLESS: f32 = 1e30;
-/// |step|^2 below which a point has arrived: the next step would be rounding.
+/// A point has converged when |step|^2 is below this: the next step would be rounding error.
 const ARRIVED: f32 = 1e-10;
 /// A longer step counts as this long: 1 / (1 + exp(d + theta) - exp(theta)) is 0 for all theta.
 const LONG: f32 = 30.0;
@@ -47,13 +47,13 @@ impl<S: Simd> Complex<S> {
         Self { re: self.re * by, im: self.im * by }
     }
 
-    /// |z|^2.
+    /// Returns |z|^2.
     #[inline(always)]
     fn norm2(self) -> Lanes<S> {
         self.re * self.re + self.im * self.im
     }
 
-    /// 1 / z, where `norm2` is |z|^2.
+    /// Returns 1 / z; `norm2` is |z|^2.
     #[inline(always)]
     fn inverse(self, norm2: Lanes<S>) -> Self {
         let all = norm2.all(1.0) / norm2;
@@ -112,7 +112,7 @@ impl WithSimd for Block<'_> {
     }
 }
 
-/// Number of the root, and t.
+/// Returns the number of the root, and t.
 #[inline(always)]
 fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let scale = x.all(p.scale);
@@ -123,7 +123,7 @@ fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (L
     let mut alpha = Complex { re: x + w, im: y - z };
     let mut beta = Complex { re: x - w, im: y + z };
     let mut sum = x.all(0.0);
-    // Nobody has arrived.
+    // No lane has converged yet.
     let mut active = sum.is_below(x.all(1.0));
     for _ in 0..p.steps {
         let (next_alpha, step_alpha) = step(p, alpha);
@@ -143,7 +143,7 @@ fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (L
     (root, sum * x.all(p.factor) + x.all(p.shift))
 }
 
-/// Where Newton's method goes from z, and the square of how far.
+/// Returns the next iterate of Newton's method from z, and the square of the step.
 #[inline(always)]
 fn step<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S>) {
     if p.roots.is_empty() { step_of_power(p, z) } else { step_of_roots(p, z) }
@@ -158,7 +158,7 @@ fn step_of_power<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S
         let to = mean_with_power(p, z, z.inverse(norm2));
         return (to, to.minus(z).norm2());
     }
-    // The same direction, from a distance of which the power is a number.
+    // The same direction at a distance whose power is finite.
     let zero = norm2.is_below(norm2.all(ZERO));
     let away = (nearest / norm2.max(norm2.all(ZERO))).sqrt();
     let moved = Complex::select(near, z.scaled(away), z);
@@ -167,7 +167,7 @@ fn step_of_power<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S
     (to, zero.select(norm2.all(ENDLESS), to.minus(z).norm2()))
 }
 
-/// ((n - 1) z + inverse^(n - 1)) / n.
+/// Returns ((n - 1) z + inverse^(n - 1)) / n.
 #[inline(always)]
 fn mean_with_power<S: Simd>(p: &Parameters, z: Complex<S>, inverse: Complex<S>) -> Complex<S> {
     let n = z.re.all(p.degree as f32);
@@ -176,7 +176,7 @@ fn mean_with_power<S: Simd>(p: &Parameters, z: Complex<S>, inverse: Complex<S>) 
     Complex { re: z.re * ours + power.re * other, im: z.im * ours + power.im * other }
 }
 
-/// z^n, n >= 1.
+/// Returns z^n, n >= 1.
 #[inline(always)]
 fn power<S: Simd>(z: Complex<S>, n: u32) -> Complex<S> {
     let mut result = z;
@@ -210,14 +210,14 @@ fn step_of_roots<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S
     (to, at_root.select(nothing, step2))
 }
 
-/// exp(x) - 1 for x from 0 to [`LONG`], with a relative error of some 1e-7 also where x is small:
-/// x = n ln 2 + r, and exp(x) - 1 = 2^n (exp(r) - 1) + (2^n - 1), exp(r) - 1 by its Taylor series.
+/// Returns exp(x) - 1 for x from 0 to [`LONG`], with a relative error of about 1e-7, even for small
+/// x: x = n ln 2 + r, and exp(x) - 1 = 2^n (exp(r) - 1) + (2^n - 1), exp(r) - 1 by its Taylor
+/// series.
 #[inline(always)]
 fn exp_minus_one<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let shifted = to_nearest(x * x.all(std::f32::consts::LOG2_E));
     let n = shifted - x.all(TO_NEAREST);
-    // ln 2 in two parts, the first of which has no more bits than its products with n leave room
-    // for.
+    // ln 2 in two parts; the first has so few bits that its product with n is exact.
     let r = (x - n * x.all(0.693_359_4)) - n * x.all(-2.121_944_4e-4);
     let mut series = x.all(1.0 / 5040.0);
     for divisor in [720.0, 120.0, 24.0, 6.0, 2.0] {
@@ -228,13 +228,13 @@ fn exp_minus_one<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     power * small + (power - x.all(1.0))
 }
 
-/// The number, from 0, of the root that z is next to.
+/// Returns the number, from 0, of the root nearest to z.
 #[inline(always)]
 fn root_of<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
     if p.roots.is_empty() { root_by_angle(p, z) } else { root_by_distance(p, z) }
 }
 
-/// Root k of z^n - 1 has the angle 2 pi k / n.
+/// Returns the number of the root by angle: root k of z^n - 1 has the angle 2 pi k / n.
 #[inline(always)]
 fn root_by_angle<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
     let n = z.re.all(p.degree as f32);
@@ -242,8 +242,8 @@ fn root_by_angle<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
     k.is_below(n.all(0.0)).select(k + n, k)
 }
 
-/// The angle of z as a part of the full turn, from -1/2 to 1/2; 0 for 0. The error is some 1e-7:
-/// arcus tangens by Abramowitz and Stegun, equation 4.4.49.
+/// Returns the angle of z as a fraction of the full turn, from -1/2 to 1/2; 0 for 0. The error is
+/// about 1e-7: arctangent by Abramowitz and Stegun, equation 4.4.49.
 #[inline(always)]
 fn turn<S: Simd>(z: Complex<S>) -> Lanes<S> {
     const SERIES: [f32; 9] = [
@@ -259,7 +259,7 @@ fn turn<S: Simd>(z: Complex<S>) -> Lanes<S> {
     ];
     let (x, y) = (z.re.abs(), z.im.abs());
     let (low, high) = (x.min(y), x.max(y));
-    // Not 0 / 0.
+    // Avoids 0 / 0.
     let q = low / high.max(z.re.all(1e-30));
     let q2 = q * q;
     let mut series = z.re.all(0.0);

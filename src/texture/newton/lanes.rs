@@ -1,24 +1,24 @@
-//! Arithmetic on as many numbers at a time as the processor has room for, written as on one.
+//! Arithmetic on all lanes of a SIMD vector, with the notation of scalars.
 
 use std::ops::{Add, BitAnd, Div, Mul, Not, Sub};
 
 use pulp::Simd;
 
-/// Numbers, side by side.
+/// Numbers in the lanes of a vector.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<S: Simd> {
     simd: S,
     values: S::f32s,
 }
 
-/// Answers about numbers.
+/// A truth value in each lane.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<S: Simd> {
     simd: S,
     values: S::m32s,
 }
 
-/// Numbers side by side, at most.
+/// Largest number of lanes.
 pub(super) const MOST_LANES: usize = 16;
 
 impl<S: Simd> Lanes<S> {
@@ -70,7 +70,7 @@ impl<S: Simd> Lanes<S> {
         Self { values: self.simd.max_f32s(self.values, other.values), ..self }
     }
 
-    /// Returns where a lane is below the other.
+    /// Returns a mask of the lanes whose number is below that of `other`.
     #[inline(always)]
     pub fn is_below(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, values: self.simd.less_than_f32s(self.values, other.values) }
@@ -87,8 +87,8 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// Added to a number below 2^22, this leaves no fraction, and the integer in the lowest bits: 1.5
-/// 2^23.
+/// The number 1.5 2^23: its sum with a number below 2^22 has no fraction, and the integer in its
+/// lowest bits.
 pub(super) const TO_NEAREST: f32 = 12_582_912.0;
 
 /// Returns [`TO_NEAREST`] plus the integer nearest to x.

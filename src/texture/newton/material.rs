@@ -1,5 +1,5 @@
-//! Materials built over a fractal (thesis, figures 7.1c and 7.3): its root says which material a
-//! texel is of, the speed of its convergence where the joints between them are.
+//! Materials over a fractal (thesis, figures 7.1c and 7.3): the root of a texel selects its
+//! material, and slow convergence marks the joints between materials.
 
 use std::collections::VecDeque;
 
@@ -15,11 +15,11 @@ use crate::texture::slime;
 
 impl Newton {
     /// Returns the material that `inlay` makes of the texels of a mesh, at which `fractal` was
-    /// computed: colours, roughness and metalness, normals (their relief), and heights as an extra
+    /// computed: colours, roughness and metalness, normals of the relief, and heights as an extra
     /// picture.
     ///
-    /// `texels` are those of [`texels`](super::texels()) with `size` x `size` of them; texels
-    /// outside of the surface show the nearest one of it. Colours are mixed as light.
+    /// `texels` come from [`texels`](super::texels()) for `size` x `size` texels; texels outside of
+    /// the surface take the nearest one on it. Colours are mixed as linear light.
     ///
     /// ```
     /// use catamaran::{Par, base::Progress, mesh::{families, io::Attribute}};
@@ -38,10 +38,10 @@ impl Newton {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] names what of `inlay` is out of its range; [`Error::Shape`] when
-    /// `fractal` has other points than `texels`, or these more than the texture; [`Error::Mesh`]
-    /// for what has no relief: edges of three faces or more, faces without area or with coordinates
-    /// outside of `[0, 1]`; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names a number of `inlay` that is out of its range; [`Error::Shape`]
+    /// when the numbers of points of `fractal` and `texels` differ, or the texture has fewer
+    /// texels; [`Error::Mesh`] for a mesh without relief: edges of three faces or more, faces
+    /// without area or with coordinates outside of `[0, 1]`; [`Error::OutOfMemory`].
     pub fn material(
         &self,
         mesh: &TriMesh,
@@ -60,11 +60,11 @@ impl Newton {
         let surface = slime::Surface::new(mesh, uv)?;
         let shown = nearest(&texels.numbers, size)?;
         let looks = self.looks(fractal, inlay)?;
-        // A texture that shows nothing of the surface is black.
+        // A texture without a texel of the surface is black.
         let look = |t: &u32| looks.get(*t as usize).copied().unwrap_or_default();
         let looks = || shown.iter().map(look);
 
-        // Rows of the relief begin at v = 0.
+        // The relief has row 0 at v = 0.
         let mut heights: Vec<f32> = reserved(size * size)?;
         let row = |row: usize| &shown[row * size..(row + 1) * size];
         (0..size).rev().for_each(|r| heights.extend(row(r).iter().map(|t| look(t).height)));
@@ -88,7 +88,7 @@ impl Newton {
             .extra(vec![("height".to_owned(), Picture::gray16(size, &heights)?)]))
     }
 
-    /// What each point looks like.
+    /// Returns the look of each point.
     fn looks(&self, fractal: &Fractal, inlay: &Inlay) -> Result<Vec<Look>> {
         let mut sorted = reserved(fractal.convergence.len())?;
         sorted.extend_from_slice(&fractal.convergence);
@@ -117,7 +117,7 @@ impl Newton {
     }
 }
 
-/// What a point of a surface looks like.
+/// The look of a point of a surface.
 #[derive(Debug, Clone, Copy, Default)]
 struct Look {
     light: [f64; 3],
@@ -126,8 +126,8 @@ struct Look {
     height: f32,
 }
 
-/// For each texel of a square which of those with `numbers` is nearest, in steps to neighbours in
-/// the same row or column.
+/// Returns for each texel of a square the nearest of the texels in `numbers`, in steps to
+/// neighbours in the same row or column.
 fn nearest(numbers: &[u32], size: usize) -> Result<Vec<u32>> {
     let mut nearest: Vec<u32> = reserved(size * size)?;
     nearest.resize(size * size, u32::MAX);
@@ -168,7 +168,7 @@ mod tests {
     use crate::texture::Finish;
     use crate::texture::newton::{NewtonOptions, Points, root_color, texels};
 
-    /// The unit square, its texture and its fractal.
+    /// Returns the unit square, its texture and its fractal.
     fn square(size: u32) -> (TriMesh, Attribute<2>, Texels, Newton, Fractal) {
         let mesh = families::grid(6, 6).unwrap();
         let uv: Vec<_> = mesh.vertices().iter().map(|p| [p[0], p[1]]).collect();
@@ -181,7 +181,7 @@ mod tests {
         (mesh, uv, found, newton, fractal)
     }
 
-    /// The bytes of the pixels of a picture.
+    /// Returns the bytes of the pixels of a picture.
     fn pixels(picture: &Picture) -> Vec<u8> {
         let png = picture.to_png().unwrap();
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
@@ -197,7 +197,7 @@ mod tests {
         let inlay = Inlay::enamel(3);
         let run = |par| newton.material(&mesh, &uv, &found, 64, &fractal, &inlay, par).unwrap();
         let made = run(Par::Seq);
-        assert_eq!(run(Par::Threads(3)), made, "threads decide nothing");
+        assert_eq!(run(Par::Threads(3)), made, "the number of threads changes nothing");
         let colors = pixels(&made.base_color.unwrap());
         let finish = pixels(&made.roughness_metalness.unwrap());
         let mut sorted = fractal.convergence.clone();
@@ -236,7 +236,7 @@ mod tests {
         for row in 1..63 {
             for column in 1..63 {
                 let t = 64 * row + column;
-                // Rows go down, v goes up.
+                // Rows run downwards, v upwards.
                 let (right, up) = (height(t + 1) - height(t - 1), height(t - 64) - height(t + 64));
                 for (slope, lean) in [(right, normal[3 * t]), (up, normal[3 * t + 1])] {
                     if slope.abs() > 2000 {

@@ -3,8 +3,9 @@
 //! A point (x, y, z, w) is the bicomplex number x + y i + z j + w k with i^2 = j^2 = -1 and k = i
 //! j, k^2 = +1. In the idempotent basis e = (1 + k) / 2, e' = (1 - k) / 2 it is alpha e + beta e'
 //! with alpha = (x + w) + (y - z) i and beta = (x - w) + (y + z) i, and Newton's method for a
-//! polynomial runs in alpha and in beta, each by itself. A polynomial with n roots in C has n^2
-//! here, one for each pair; root a e + b e' has the number `a n + b`, where a and b count from 0.
+//! polynomial runs independently in alpha and in beta. A polynomial with n roots in C has n^2
+//! bicomplex roots, one for each pair; root a e + b e' has the number `a n + b`, where a and b
+//! count from 0.
 //!
 //! [`Newton`] computes, for each of many points, which root it converges to and how fast
 //! ([`Gradient`]), in single precision, by additions, multiplications, divisions and square roots
@@ -37,7 +38,7 @@ use crate::base::{Par, Progress, Result, Tracker, reserved};
 use options::Parameters;
 use points::Cursor;
 
-/// The guide, whose code is compiled.
+/// Compiles the code of the guide.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guide/newton.md")]
 struct Guide;
@@ -51,7 +52,7 @@ pub struct Fractal {
     pub convergence: Vec<f32>,
 }
 
-/// Newton's method for bicomplex polynomials (thesis, chapter 7), ready for points.
+/// Newton's method for a bicomplex polynomial (thesis, chapter 7), with its parameters prepared.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress};
@@ -69,33 +70,33 @@ pub struct Newton {
     pub(crate) parameters: Parameters,
 }
 
-/// Points that a thread computes before it looks for others.
+/// Number of points that a thread computes at a time.
 const BLOCK: usize = 4096;
 
 impl Newton {
     /// Creates Newton's method with these options.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) for what is out of the range that
-    /// [`NewtonOptions`] and [`Polynomial`] say.
+    /// [`Error::Argument`](crate::Error::Argument) for an option out of the range given in
+    /// [`NewtonOptions`] and [`Polynomial`].
     pub fn new(options: &NewtonOptions) -> Result<Self> {
         Ok(Self { parameters: options.parameters()? })
     }
 
-    /// Returns the number n of roots in C; the fractal has n^2.
+    /// Returns the number n of roots in C; the fractal has n^2 roots.
     pub fn roots(&self) -> usize {
         self.parameters.degree as usize
     }
 
-    /// Returns t as a part of its range: 0 for a point at its root, 1 for a point that never
+    /// Returns t as a fraction of its range: 0 for a point at its root, 1 for a point that never
     /// converges.
     pub fn share(&self, t: f32) -> f64 {
         let Parameters { factor, shift, steps, .. } = self.parameters;
         (f64::from((t - shift) / factor) / f64::from(steps)).clamp(0.0, 1.0)
     }
 
-    /// Computes the fractal at these points. Points at the null cone (alpha or beta is 0 to within
-    /// 1e-15), where a step has no length, stay where they are, and count as far from convergence.
+    /// Computes the fractal at these points. Points on the null cone (alpha or beta is 0 to within
+    /// 1e-15), where a step is undefined, do not move, and count as far from convergence.
     ///
     /// # Errors
     /// [`Error::NonFinite`](crate::Error::NonFinite) names a point that is not finite, or farther
@@ -118,7 +119,7 @@ impl Newton {
                 return;
             }
             iterate::evaluate(&self.parameters, Cursor::new(points, i * BLOCK), roots, convergence);
-            // The blocks that are left look at the tracker's state.
+            // The remaining blocks check the state of the tracker.
             let _ = tracker.add(1.0);
         });
         tracker.finish().map(|()| fractal)
@@ -126,7 +127,7 @@ impl Newton {
 }
 
 impl Fractal {
-    /// Allocates a fractal of `len` points, none of them computed.
+    /// Allocates a fractal of `len` points, which are not yet computed.
     pub(crate) fn with_len(len: usize) -> Result<Self> {
         let mut fractal = Self { roots: reserved(len)?, convergence: reserved(len)? };
         fractal.roots.resize(len, 0);

@@ -1,19 +1,19 @@
-//! What a fractal is of, and the numbers that its loops take from that.
+//! The options of a fractal, and the parameters that the loops derive from them.
 
 use super::polynomial::Polynomial;
 use crate::base::{Error, Result, builder};
 
-/// How the speed of convergence becomes a number t. With d_k the length of step k, P iterations and
-/// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a point that stays and 0 for one
-/// that goes far:
+/// The measure t of the speed of convergence. With d_k the length of step k, P iterations and
+/// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a step of length 0 and near 0 for a
+/// long step:
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Gradient {
     /// Equation 7.3: t = P - (f(d_0) + ... + f(d_P)), P + 1 terms: from -1 (at a root) to P. P + 1
     /// steps are taken.
     #[default]
     Thesis,
-    /// What the shader of the authors computes: t = (P - (f(e_0) + ... + f(e_{P-1}))) / P, from 0
-    /// to 1, with e_k = d_k^2, no square root taken.
+    /// The formula of the authors' shader: t = (P - (f(e_0) + ... + f(e_{P-1}))) / P, from 0 to 1,
+    /// with e_k = d_k^2, without the square root.
     Shader,
 }
 
@@ -25,16 +25,16 @@ pub struct NewtonOptions {
     pub polynomial: Polynomial,
     /// Iterations P, from 1 to 1,000; 32 by default.
     pub iterations: u32,
-    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger, the earlier a point
-    /// counts as not converged.
+    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger theta, the shorter the
+    /// steps that count as not converged.
     pub theta: f64,
-    /// How t is computed.
+    /// The formula of t.
     pub gradient: Gradient,
-    /// What points are multiplied by, after `offset` and `w` have been added; 1 by default.
+    /// Factor by which points are multiplied, after `offset` and `w` have been added; 1 by default.
     pub scale: f64,
-    /// What is added to x, y and z of each point; 0 by default.
+    /// Vector that is added to x, y and z of each point; 0 by default.
     pub offset: [f64; 3],
-    /// The fourth coordinate of each point: fixed, or a time; 0 by default.
+    /// The fourth coordinate of each point, a constant or a time; 0 by default.
     pub w: f64,
 }
 
@@ -62,16 +62,16 @@ builder! { NewtonOptions {
     w: f64,
 }}
 
-/// What the loops, here and on devices, need to know.
+/// The parameters of the loops, on the CPU and on devices.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Parameters {
     /// The roots, for [`Polynomial::Roots`]; empty for powers.
     pub roots: Vec<[f32; 2]>,
-    /// Roots in C.
+    /// Number of roots in C.
     pub degree: u32,
-    /// Steps taken.
+    /// Number of steps.
     pub steps: u32,
-    /// Whether steps are measured squared.
+    /// Whether the squares of step lengths are measured.
     pub squared: bool,
     /// exp(theta).
     pub gain: f32,
@@ -81,17 +81,17 @@ pub(crate) struct Parameters {
     pub scale: f32,
     /// Added before scaling: x, y, z, w.
     pub offset: [f32; 4],
-    /// Squared, the distance from the null cone below which z^(1 - n) would overflow.
+    /// The square of the distance from the null cone below which z^(1 - n) would overflow.
     pub nearest: f32,
 }
 
-/// Coordinates, scaled, are not beyond this: their squares and quotients then are numbers.
+/// Bound of scaled coordinates, within which their squares and quotients are finite.
 pub(super) const FARTHEST: f64 = 1e9;
-/// |z^(1 - n)| at most, for the square of it to be a number.
+/// Bound of |z^(1 - n)|, within which its square is finite.
 const LARGEST: f64 = 1e18;
 
 impl NewtonOptions {
-    /// Returns the numbers for the loops, or an error that names an option out of its range.
+    /// Returns the parameters of the loops, or an error that names an option out of its range.
     pub(super) fn parameters(&self) -> Result<Parameters> {
         let out = |what: &'static str, why: String| Err(Error::Argument { what, why });
         let n = self.polynomial.roots();
@@ -100,13 +100,13 @@ impl NewtonOptions {
             Polynomial::Roots(_) => (1, Polynomial::MOST_ROOTS),
         };
         if !(least..=most).contains(&n) {
-            return out("polynomial", format!("{n} roots, where {least} to {most} are possible"));
+            return out("polynomial", format!("must have {least} to {most} roots, has {n}"));
         }
         let roots = match &self.polynomial {
             Polynomial::Power(_) => Vec::new(),
             Polynomial::Roots(roots) => {
                 if let Some(i) = roots.iter().position(|r| !r.iter().all(|x| x.abs() <= 1e4)) {
-                    return out("polynomial", format!("root {i}, {:?}, is beyond 1e4", roots[i]));
+                    return out("polynomial", format!("root {i}, {:?}, exceeds 1e4", roots[i]));
                 }
                 roots.iter().map(|root| root.map(|x| x as f32)).collect()
             }
@@ -121,7 +121,7 @@ impl NewtonOptions {
         }
         let numbers = [self.scale, self.w, self.offset[0], self.offset[1]];
         if !numbers.iter().chain(&self.offset[2..]).all(|x| x.abs() <= FARTHEST) {
-            return out("scale, offset or w", format!("beyond {FARTHEST:e}, or not a number"));
+            return out("scale, offset or w", format!("must be within +-{FARTHEST:e}"));
         }
         let squared = self.gradient == Gradient::Shader;
         let [x, y, z] = self.offset;

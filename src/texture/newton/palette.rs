@@ -1,8 +1,8 @@
 //! Colours of roots.
 
 /// Returns the colour (red, green, blue on screens) of root `root` of a polynomial with `roots`
-/// roots in C: the hue shows the first number of the pair, hue and brightness the second.
-/// Neighbours among the `roots`^2 colours can be distinguished up to some 8 roots.
+/// roots in C: the hue represents the first number of the pair, a shift of hue and the brightness
+/// the second. Neighbours among the `roots`^2 colours can be distinguished up to some 8 roots.
 ///
 /// ```
 /// use catamaran::texture::newton::root_color;
@@ -14,11 +14,11 @@
 pub fn root_color(root: u16, roots: usize) -> [u8; 3] {
     let n = roots.max(1);
     let [a, b] = [usize::from(root) / n % n, usize::from(root) % n].map(|k| k as f64 / n as f64);
-    // A third of the way to the next hue at most.
+    // A shift of at most a third of the way to the next hue.
     let hue = 6.0 * (a + b / (3.0 * n as f64) + 0.58);
     let value = 0.98 - 0.45 * b;
     let saturation = 0.72 - 0.35 * b;
-    // The three trapezoids of the hue.
+    // The hue as three trapezoids.
     [5.0, 3.0, 1.0].map(|shift| {
         let k = (hue + shift) % 6.0;
         let share = k.min(4.0 - k).clamp(0.0, 1.0);
@@ -26,8 +26,8 @@ pub fn root_color(root: u16, roots: usize) -> [u8; 3] {
     })
 }
 
-/// Returns `color`, darker the larger `share` is: unchanged for 0, a fifth of it for 1. With t / P
-/// of [`Gradient`](super::Gradient) it shows how long a point has taken.
+/// Returns `color` darkened by `share`: unchanged for 0, a fifth of it for 1. With t / P of
+/// [`Gradient`](super::Gradient), it shows how slowly a point converges.
 ///
 /// ```
 /// use catamaran::texture::newton::darkened;

@@ -1,4 +1,4 @@
-//! Where fractals are computed.
+//! The points at which fractals are computed.
 
 use super::options::{FARTHEST, Parameters};
 use crate::base::{Error, Result};
@@ -17,9 +17,9 @@ use crate::base::{Error, Result};
 pub struct Grid {
     /// Point (0, 0, 0).
     pub origin: [f32; 3],
-    /// From a point to the next one in each of the three ways.
+    /// The steps from a point to the next one in each of the three directions.
     pub steps: [[f32; 3]; 3],
-    /// Points in each of the three ways, at most 65,536.
+    /// Number of points in each of the three directions, at most 65,536.
     pub counts: [u32; 3],
 }
 
@@ -49,7 +49,7 @@ impl Grid {
         }
     }
 
-    /// Rounded after each of its sums and products, in this order, here as on devices.
+    /// Computes a point. Each sum and product is rounded, in this order, as on devices.
     #[inline(always)]
     fn at(&self, i: u32, row: [f32; 3]) -> [f32; 3] {
         let i = i as f32;
@@ -66,15 +66,14 @@ impl Grid {
 /// The points at which a fractal is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Points<'a> {
-    /// On a lattice, never stored.
+    /// The points of a lattice, which are never stored.
     Grid(Grid),
-    /// Any, such as the vertices of a mesh or the texels of [`texels`](super::texels()).
+    /// Any points, such as the vertices of a mesh or the texels of [`texels`](super::texels()).
     List(&'a [[f32; 3]]),
 }
 
 impl Points<'_> {
-    /// Returns the number of points, or an error unless all of them are where a fractal can be
-    /// computed.
+    /// Returns the number of points, or an error unless the fractal can be computed at all of them.
     pub(crate) fn check(&self, parameters: &Parameters) -> Result<usize> {
         let near = |p: [f32; 3]| {
             let scaled = |c: usize| (p[c] + parameters.offset[c]) * parameters.scale;
@@ -85,7 +84,7 @@ impl Points<'_> {
             Self::Grid(grid) => {
                 let sides = grid.counts.map(u64::from);
                 if sides.iter().any(|&side| side > 1 << 16) {
-                    let why = format!("{:?} points, where at most 65,536 a way", grid.counts);
+                    let why = format!("at most 65,536 points a side, got {:?}", grid.counts);
                     return Err(Error::Argument { what: "grid", why });
                 }
                 for corner in 0..8_u32 {
@@ -106,25 +105,25 @@ impl Points<'_> {
             }
         };
         if count >= 1 << 31 {
-            let why = format!("{count}, where there may be less than 2^31");
+            let why = format!("must be fewer than 2^31, are {count}");
             return Err(Error::Argument { what: "points", why });
         }
         Ok(count as usize)
     }
 }
 
-/// Goes through points one by one.
+/// Iterates over points.
 pub(super) struct Cursor<'a> {
     points: Points<'a>,
-    /// The next one of a list.
+    /// The index of the next point of a list.
     next: usize,
-    /// The next one of a grid, and the point that its row begins at.
+    /// The next point of a grid, and the point at which its row begins.
     place: [u32; 3],
     row: [f32; 3],
 }
 
 impl<'a> Cursor<'a> {
-    /// Creates a cursor from point `first` on.
+    /// Creates a cursor that begins at point `first`.
     pub fn new(points: Points<'a>, first: usize) -> Self {
         let (mut place, mut row) = ([0; 3], [0.0; 3]);
         if let Points::Grid(grid) = points {
@@ -135,7 +134,7 @@ impl<'a> Cursor<'a> {
         Self { points, next: first, place, row }
     }
 
-    /// Returns the next point; the last one of a list again and again after its end.
+    /// Returns the next point; after the end of a list, returns its last point again and again.
     #[inline(always)]
     pub fn advance(&mut self) -> [f32; 3] {
         match &self.points {

@@ -2,14 +2,14 @@ use faer::{Mat, c64};
 
 use crate::base::{Error, Result};
 
-/// The polynomial whose roots are looked for.
+/// The polynomial of a fractal.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Polynomial {
     /// z^n - 1, n from 2 to [`Polynomial::MOST_ROOTS`]. Root a is exp(2 pi i a / n).
     Power(u32),
-    /// The product of all (z - root), each root a real and an imaginary part within 1e4 of zero;
-    /// from 1 to [`Polynomial::MOST_ROOTS`] of them. Root a is the a-th one. What is there twice is
-    /// approached slowly, and of several equal ones the first is found.
+    /// The product of all (z - root). A root is a real and an imaginary part within 1e4 of zero;
+    /// there are 1 to [`Polynomial::MOST_ROOTS`] roots. Root a is the a-th one. Convergence to a
+    /// multiple root is slow, and among equal roots the first one is reported.
     Roots(Vec<[f64; 2]>),
 }
 
@@ -17,7 +17,7 @@ impl Polynomial {
     /// The greatest number of roots in C.
     pub const MOST_ROOTS: usize = 64;
 
-    /// Returns the number n of roots in C; there are n^2 bicomplex ones.
+    /// Returns the number n of roots in C; there are n^2 bicomplex roots.
     pub fn roots(&self) -> usize {
         match self {
             Self::Power(n) => *n as usize,
@@ -25,11 +25,10 @@ impl Polynomial {
         }
     }
 
-    /// Creates the polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, each c a real and an
-    /// imaginary part, in the order of numpy: its roots, by real and then by imaginary part. They
-    /// are the eigenvalues of the companion matrix, improved by Newton's method, and have about the
-    /// precision of f64 where they are simple; of m equal ones each has about a part in m of its
-    /// digits.
+    /// Creates the polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, where each c is a real and
+    /// an imaginary part, in the order of numpy. Its roots are ordered by real, then by imaginary
+    /// part. They are the eigenvalues of the companion matrix, improved by Newton's method. Simple
+    /// roots have about the precision of f64; an m-fold root has about 1/m of its digits.
     ///
     /// ```
     /// use catamaran::texture::newton::Polynomial;
@@ -42,7 +41,7 @@ impl Polynomial {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] names "polynomial" when it is constant, has a degree above
+    /// [`Error::Argument`] names "polynomial" when the polynomial is constant, has a degree above
     /// [`Polynomial::MOST_ROOTS`], or has no finite roots; [`Error::NonFinite`] names a
     /// coefficient.
     pub fn from_coefficients(coefficients: &[[f64; 2]]) -> Result<Self> {
@@ -56,11 +55,11 @@ impl Polynomial {
         let leading = coefficients.iter().position(|c| *c != zero).unwrap_or(coefficients.len());
         coefficients.drain(..leading);
         if coefficients.len() < 2 {
-            return refuse("it is constant, and has no roots".into());
+            return refuse("must not be constant".into());
         }
         let degree = coefficients.len() - 1;
         if degree > Self::MOST_ROOTS {
-            return refuse(format!("degree {degree}, where {} is possible", Self::MOST_ROOTS));
+            return refuse(format!("degree must be at most {}, is {degree}", Self::MOST_ROOTS));
         }
         let companion = Mat::from_fn(degree, degree, |i, j| match (i, j) {
             (0, j) => -coefficients[j + 1] / coefficients[0],
@@ -69,7 +68,7 @@ impl Polynomial {
         });
         let eigenvalues = companion.is_all_finite().then(|| companion.eigenvalues().ok());
         let Some(found) = eigenvalues.flatten() else {
-            return refuse("its coefficients are too far apart to find the roots".into());
+            return refuse("the coefficients are too far apart to find the roots".into());
         };
         let mut roots: Vec<[f64; 2]> = found
             .into_iter()
@@ -81,13 +80,13 @@ impl Polynomial {
     }
 }
 
-/// The root after steps of Newton's method that make the value of the polynomial smaller.
+/// Returns the root after steps of Newton's method that reduce the value of the polynomial.
 fn improved(coefficients: &[c64], mut root: c64) -> c64 {
     const STEPS: usize = 8;
     for _ in 0..STEPS {
         let (value, slope) = evaluate(coefficients, root);
         let next = root - value / slope;
-        // Not a number where the slope is zero.
+        // The step is not finite where the slope is zero.
         let better = evaluate(coefficients, next).0.norm() < value.norm();
         if !better {
             break;
@@ -97,7 +96,7 @@ fn improved(coefficients: &[c64], mut root: c64) -> c64 {
     root
 }
 
-/// The polynomial and its derivative at z, by Horner's rule.
+/// Returns the polynomial and its derivative at z, by Horner's rule.
 fn evaluate(coefficients: &[c64], z: c64) -> (c64, c64) {
     let zero = c64::new(0.0, 0.0);
     coefficients.iter().fold((zero, zero), |(value, slope), c| (value * z + c, slope * z + value))
@@ -115,7 +114,7 @@ mod tests {
         }
     }
 
-    /// The coefficients of the product of all (z - root), times a factor.
+    /// Returns the coefficients of the product of all (z - root), times a factor.
     fn product(roots: &[[f64; 2]], factor: c64) -> Vec<[f64; 2]> {
         let mut coefficients = vec![factor];
         for &[re, im] in roots {
@@ -163,7 +162,7 @@ mod tests {
         for (coefficients, why) in [
             (vec![], "constant"),
             (vec![number(0.0), number(7.0)], "constant"),
-            (vec![number(1.0); 66], "degree 65"),
+            (vec![number(1.0); 66], "is 65"),
             (vec![number(1e-300), number(1e300)], "too far apart"),
             (vec![number(1.0), number(f64::NAN)], "polynomial"),
         ] {

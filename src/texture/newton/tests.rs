@@ -1,4 +1,4 @@
-//! Against double precision in polar form, which is what the thesis describes.
+//! Compares with double precision in polar form, the method of the thesis.
 
 use super::*;
 use crate::base::{Error, Progress, Rng};
@@ -24,7 +24,7 @@ fn quotient(a: Complex, b: Complex) -> Complex {
     times(a, [b[0] / square, -b[1] / square])
 }
 
-/// One step of Newton's method.
+/// Returns the result of one step of Newton's method.
 fn step(polynomial: &Polynomial, z: Complex) -> Complex {
     match polynomial {
         Polynomial::Power(n) => {
@@ -59,7 +59,7 @@ fn complex_roots(polynomial: &Polynomial) -> Vec<Complex> {
     }
 }
 
-/// Root and t of (x, y, z, w): equation 7.3 as it is printed, and the nearest roots.
+/// Returns root and t of (x, y, z, w): equation 7.3 as printed, and the nearest roots.
 fn oracle(options: &NewtonOptions, p: [f64; 4]) -> (u16, f64) {
     let p: [f64; 4] = std::array::from_fn(|c| {
         let offset = if c < 3 { options.offset[c] } else { 0.0 };
@@ -80,8 +80,8 @@ fn oracle(options: &NewtonOptions, p: [f64; 4]) -> (u16, f64) {
     let t = iterations as f64 - sum;
     let roots = complex_roots(&options.polynomial);
     let [a, b] = z.map(|part| {
-        // |part - root|^2 less |part|^2, which is the same for all and may be too large to see a
-        // difference.
+        // |part - root|^2 minus |part|^2, which is the same for all roots and may be too large to
+        // show a difference.
         let distance = |r: &Complex| r[0] * (r[0] - 2.0 * part[0]) + r[1] * (r[1] - 2.0 * part[1]);
         let all = roots.iter().map(distance).enumerate();
         all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0
@@ -90,7 +90,7 @@ fn oracle(options: &NewtonOptions, p: [f64; 4]) -> (u16, f64) {
     (nearest as u16, if thesis { t } else { t / iterations as f64 })
 }
 
-/// The 14 points at this distance from p along the axes and the diagonals of space.
+/// Returns the 14 points at this distance from p along the axes and the diagonals of space.
 fn around(p: [f64; 4], radius: f64) -> impl Iterator<Item = [f64; 4]> {
     (0..14).map(move |d| {
         let mut q = p;
@@ -106,12 +106,13 @@ fn around(p: [f64; 4], radius: f64) -> impl Iterator<Item = [f64; 4]> {
     })
 }
 
-/// Whether p is in the basin of this root and farther than 1e-4 from its border.
+/// Returns whether p is in the basin of this root and farther than 1e-4 from its border.
 fn is_inside(options: &NewtonOptions, p: [f64; 4], root: u16) -> bool {
     [1e-4, 4e-5].iter().all(|&radius| around(p, radius).all(|q| oracle(options, q).0 == root))
 }
 
-/// How much t changes when a point is moved by as much as n products in single precision round.
+/// Returns how much t changes when a point moves by the rounding error of n products in single
+/// precision.
 fn variation(options: &NewtonOptions, p: [f64; 4], t: f64) -> f64 {
     let radius = 1.2e-7 * options.polynomial.roots().max(4) as f64;
     around(p, radius).map(|q| (oracle(options, q).1 - t).abs()).fold(0.0, f64::max)
@@ -126,18 +127,18 @@ fn evaluate(options: &NewtonOptions, points: Points<'_>) -> Fractal {
     Newton::new(options).unwrap().evaluate(points, Par::Threads(2), Progress::none()).unwrap()
 }
 
-/// What was found of points inside of basins.
+/// The results for points inside of basins.
 #[derive(Default, Debug)]
 struct Comparison {
-    /// The share of them among all.
+    /// The share of such points.
     inside: f64,
-    /// The share of them whose t is wrong by more than 1e-5.
+    /// The share of such points whose t is wrong by more than 1e-5.
     beyond: f64,
     /// The largest error of t, less what moving the point by a rounding error changes.
     worst: f64,
 }
 
-/// Compares with the oracle; all roots inside of basins are right.
+/// Compares with the oracle, and asserts that all roots inside of basins are right.
 fn compare(options: &NewtonOptions, points: &[[f32; 3]]) -> Comparison {
     let found = evaluate(options, Points::List(points));
     let (mut inside, mut beyond, mut worst) = (0, 0, 0.0_f64);
@@ -160,8 +161,8 @@ fn compare(options: &NewtonOptions, points: &[[f32; 3]]) -> Comparison {
     Comparison { inside: share(inside, points.len()), beyond: share(beyond, inside), worst }
 }
 
-/// Where two basins are near, t is steep, and the rounding of the point itself changes it by more
-/// than 1e-5: there the bound is on what is left when that is taken off.
+/// Near a border of basins, t is steep, and the rounding of the point itself changes t by more than
+/// 1e-5. There the bound holds for the rest of the error.
 #[test]
 fn roots_and_gradient_are_those_of_double_precision_away_from_borders() {
     for n in 2..=16 {
@@ -232,7 +233,8 @@ fn points_at_roots_and_at_the_null_cone_are_defined() {
         let at = |points: &[[f32; 3]]| {
             newton(n).evaluate(Points::List(points), Par::Seq, Progress::none()).unwrap()
         };
-        // 1 is the root (0, 0); 0 is nowhere; alpha is 0 at y = z, and beta at y = -z, if x is 0.
+        // 1 is the root (0, 0); 0 does not converge; alpha is 0 at y = z, and beta at y = -z, if x
+        // is 0.
         let found =
             at(&[[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.5, 0.5], [0.0, 0.5, -0.5], [1e-30, 0.0, 0.0]]);
         assert_eq!(found.roots[..2], [0, 0]);
@@ -245,7 +247,7 @@ fn points_at_roots_and_at_the_null_cone_are_defined() {
 
 #[test]
 fn nothing_is_ever_not_a_number() {
-    // The null cone and its neighbourhood, large and tiny numbers, and whatever comes.
+    // The null cone and its neighbourhood, large and tiny numbers, and random ones.
     let mut points = random_points(20_000, 2.0, 1);
     points.extend(random_points(5_000, 1e-3, 2));
     points.extend(random_points(5_000, 1e-20, 3));
@@ -302,7 +304,7 @@ fn threads_decide_nothing() {
             let par = Par::Threads(threads);
             assert_eq!(newton.evaluate(Points::List(&points), par, Progress::none()).unwrap(), one);
         }
-        // Lanes know nothing of their neighbours.
+        // Lanes do not depend on their neighbours.
         if let [first, ..] = points[..] {
             let alone =
                 newton.evaluate(Points::List(&[first]), Par::Seq, Progress::none()).unwrap();

@@ -1,21 +1,21 @@
-//! The points of a surface that the texels of its texture lie at.
+//! The points of a surface at the centres of the texels of its texture.
 
 use crate::base::{Error, Result, reserved};
 use crate::mesh::TriMesh;
 use crate::mesh::io::Attribute;
 
-/// Texels that a mesh covers, and where they lie on it.
+/// The texels that a mesh covers, and their positions on it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Texels {
-    /// Their numbers, column + width row, rows from the top (v = 1) down; ascending.
+    /// Their numbers, column + width row, rows from the top (v = 1) downwards; ascending.
     pub numbers: Vec<u32>,
     /// Their positions on the surface.
     pub positions: Vec<[f32; 3]>,
 }
 
-/// Finds the texels of a `width` x `height` texture whose centre is in a face of `mesh` as `uv`
-/// lays it out, u to the right and v up, both from 0 to 1. Where faces overlap the first one
-/// counts; faces without UV, and what is outside of the texture, are left out.
+/// Finds the texels of a `width` x `height` texture whose centre is in a face of `mesh` laid out by
+/// `uv`, u to the right and v up, both from 0 to 1. Where faces overlap, the first one counts;
+/// faces without UV, and parts outside of the texture, are left out.
 ///
 /// ```
 /// use catamaran::{mesh::{families, io::Attribute}, texture::newton::texels};
@@ -29,14 +29,13 @@ pub struct Texels {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for sides of 0 or more than 65,536, or faces whose UV are not finite;
+/// [`Error::Argument`] for sides of 0 or more than 65,536, or a face whose UV are not finite;
 /// [`Error::OutOfMemory`].
 pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Result<Texels> {
     if [width, height].iter().any(|side| !(1..=1 << 16).contains(side))
         || u64::from(width) * u64::from(height) >= 1 << 31
     {
-        let why =
-            format!("{width} x {height}, where sides are from 1 to 65,536, below 2^31 in all");
+        let why = format!("sides must be 1 to 65,536, below 2^31 texels, are {width} x {height}");
         return Err(Error::Argument { what: "texture", why });
     }
     let (columns, rows) = (f64::from(width), f64::from(height));
@@ -46,10 +45,10 @@ pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Res
     for f in 0..mesh.faces().len() {
         let Some(corners) = uv.of_face(mesh, f) else { continue };
         if !corners.as_flattened().iter().all(|x| x.is_finite()) {
-            let why = format!("face {f} has {corners:?}");
+            let why = format!("face {f} must have finite coordinates, has {corners:?}");
             return Err(Error::Argument { what: "uv", why });
         }
-        // In texels, whose centres are at the integers.
+        // In texels, whose centres are at integers.
         let corners = corners.map(|[u, v]| [u * columns - 0.5, (1.0 - v) * rows - 0.5]);
         let span = |axis: usize, count: u32| {
             let all = corners.map(|c| c[axis]);
@@ -90,13 +89,13 @@ pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Res
     Ok(texels)
 }
 
-/// Barycentric coordinates of (x, y) in a triangle, if it is inside or on the edge.
+/// Returns barycentric coordinates of (x, y) in a triangle; `None` outside.
 fn weights([a, b, c]: [[f64; 2]; 3], x: f64, y: f64) -> Option<[f64; 3]> {
     let cross = |p: [f64; 2], q: [f64; 2]| (p[0] - x) * (q[1] - y) - (p[1] - y) * (q[0] - x);
     let parts = [cross(b, c), cross(c, a), cross(a, b)];
     let all: f64 = parts.iter().sum();
     let weights = parts.map(|part| part / all);
-    // No weights where there is no area: NaN is not >= 0.
+    // A triangle without area gives NaN, which is not >= 0.
     if weights.iter().all(|w| *w >= 0.0) { Some(weights) } else { None }
 }
 
@@ -110,7 +109,7 @@ mod tests {
         Attribute { values, corners: None }
     }
 
-    /// A square of side 1.
+    /// Returns a square of side 1.
     fn square() -> TriMesh {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let vertices = corners.map(|[x, y]| [x, y, 0.25]).to_vec();

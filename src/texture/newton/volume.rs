@@ -1,4 +1,4 @@
-//! Files of volumes for viewers: ImageData of VTK (`.vti`) and NRRD (`.nrrd`).
+//! Volume files for viewers: ImageData of VTK (`.vti`) and NRRD (`.nrrd`).
 //!
 //! Formats: VTK's XML file formats (docs.vtk.org, "VTK XML file formats", appended raw data), and
 //! "Definition of NRRD file format" (teem.sourceforge.net/nrrd/format.html).
@@ -13,7 +13,7 @@ use super::points::Grid;
 use crate::base::{Error, Result};
 use crate::io::Output;
 
-/// Numbers of the points of a [`Grid`], and what they are called in a file.
+/// An array of numbers at the points of a [`Grid`], and its name in a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Voxels<'a> {
     /// Numbers of roots: `root`, 16-bit integers.
@@ -22,24 +22,24 @@ pub enum Voxels<'a> {
     Convergence(&'a [f32]),
 }
 
-/// A format of volumes, and whether its numbers are packed.
+/// A format of volumes, and whether its numbers are compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeFormat {
     /// ImageData of VTK, for ParaView and the like: any number of arrays, the first the active one.
-    /// Packed by zlib, in blocks.
+    /// Compressed by zlib, in blocks.
     Vti {
-        /// Whether it is packed.
+        /// Whether the numbers are compressed.
         packed: bool,
     },
-    /// NRRD, for 3D Slicer and the like: one array. Packed by gzip.
+    /// NRRD, for 3D Slicer and the like: one array. Compressed by gzip.
     Nrrd {
-        /// Whether it is packed.
+        /// Whether the numbers are compressed.
         packed: bool,
     },
 }
 
 impl VolumeFormat {
-    /// Returns the format that the name of a file says, `None` if it is not one of a volume.
+    /// Returns the format that the name of a file implies; `None` if it is not that of a volume.
     ///
     /// ```
     /// use catamaran::texture::newton::VolumeFormat;
@@ -58,10 +58,10 @@ impl VolumeFormat {
     }
 }
 
-/// Writes numbers of the points of `grid` to a file of a volume, with the positions of the points.
+/// Writes numbers at the points of `grid` to a volume file, with the positions of the points.
 ///
-/// Points of the grid are points of the volume: in `.vti` its `PointData`, in `.nrrd` samples
-/// centred in their cells. Numbers have their lowest byte first.
+/// Points of the grid are points of the volume: `PointData` in `.vti`, samples centred in their
+/// cells in `.nrrd`. Numbers are little-endian.
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};
@@ -79,7 +79,7 @@ impl VolumeFormat {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for an array that has not as many numbers as the grid has points;
+/// [`Error::Shape`] when the numbers of entries of an array and of points of the grid differ;
 /// [`Error::Argument`] for no array, and for more than one in NRRD; [`Error::Io`].
 pub fn write_volume(
     mut output: Output,
@@ -95,7 +95,7 @@ pub fn write_volume(
         (VolumeFormat::Vti { packed }, [_, ..]) => write_vti(&mut output, grid, arrays, packed),
         (VolumeFormat::Nrrd { packed }, [array]) => write_nrrd(&mut output, grid, *array, packed),
         _ => {
-            let why = format!("{}, of which NRRD has one, and VTI at least one", arrays.len());
+            let why = format!("NRRD has one array, and VTI at least one; got {}", arrays.len());
             return Err(Error::Argument { what: "arrays", why });
         }
     };
@@ -118,7 +118,7 @@ impl Voxels<'_> {
         }
     }
 
-    /// Bytes of a number.
+    /// Returns the size of a number in bytes.
     fn width(&self) -> usize {
         match self {
             Self::Roots(_) => 2,
@@ -126,7 +126,7 @@ impl Voxels<'_> {
         }
     }
 
-    /// The names of its type in VTK and in NRRD.
+    /// Returns the names of the type in VTK and in NRRD.
     fn types(&self) -> [&'static str; 2] {
         match self {
             Self::Roots(_) => ["UInt16", "uint16"],
@@ -134,7 +134,7 @@ impl Voxels<'_> {
         }
     }
 
-    /// Its bytes, [`BLOCK`] at a time, the last time what is left.
+    /// Returns the bytes in blocks of [`BLOCK`]; the last block may be shorter.
     fn blocks(self) -> impl ExactSizeIterator<Item = Vec<u8>> {
         let numbers = BLOCK / self.width();
         (0..self.len().div_ceil(numbers)).map(move |i| {
@@ -147,11 +147,11 @@ impl Voxels<'_> {
     }
 }
 
-/// Bytes that are packed at a time.
+/// Number of bytes that are compressed at a time.
 const BLOCK: usize = 1 << 20;
 
-/// Where the first point is, from a point to the next along each axis, and how far that is. An axis
-/// without a step, such as that of a plane, has one of length 1.
+/// Returns the first point, and the direction and length of a step along each axis. An axis without
+/// a step, such as the third one of a plane, gets a step of length 1.
 fn frame(grid: &Grid) -> ([f64; 3], [[f64; 3]; 3], [f64; 3]) {
     let mut steps = grid.steps.map(|step| step.map(f64::from));
     let mut lengths = [0.0; 3];
@@ -164,7 +164,7 @@ fn frame(grid: &Grid) -> ([f64; 3], [[f64; 3]; 3], [f64; 3]) {
     (grid.origin.map(f64::from), steps, lengths)
 }
 
-/// Numbers with `between` between them.
+/// Returns numbers as text with `between` between them.
 fn joined(numbers: impl IntoIterator<Item = f64>, between: &str) -> String {
     numbers.into_iter().map(|x| x.to_string()).collect::<Vec<_>>().join(between)
 }
@@ -240,7 +240,7 @@ fn write_vti(
 struct Part<'a> {
     array: Voxels<'a>,
     header: Vec<u64>,
-    /// Packed; empty if it is not.
+    /// The compressed blocks; empty if the data are not compressed.
     blocks: Vec<Vec<u8>>,
 }
 
@@ -256,7 +256,8 @@ impl<'a> Part<'a> {
             encoder.finish()
         };
         let blocks = array.blocks().map(pack).collect::<io::Result<Vec<_>>>()?;
-        // Their number, the bytes of one, those of the last one if that is not full; packed sizes.
+        // The number of blocks, the size of a block, the size of the last block if it is not full,
+        // then the compressed sizes.
         let mut header = [blocks.len(), BLOCK, bytes % BLOCK].map(|n| n as u64).to_vec();
         header.extend(blocks.iter().map(|block| block.len() as u64));
         Ok(Self { array, header, blocks })
@@ -287,7 +288,7 @@ mod tests {
     use super::*;
     use crate::io::Overwrite;
 
-    /// 300,000 numbers, more than a block of either type has.
+    /// Returns 300,000 numbers, more than one block of either type holds.
     fn grid() -> (Grid, Vec<u16>, Vec<f32>) {
         let grid = Grid {
             origin: [-1.25, 0.5, 2.0],
@@ -308,7 +309,7 @@ mod tests {
         std::fs::read(path).unwrap()
     }
 
-    /// The bytes after the first `end`, and what is before.
+    /// Returns the text before `end`, and the bytes after it.
     fn split<'a>(bytes: &'a [u8], end: &str) -> (String, &'a [u8]) {
         let at = bytes.windows(end.len()).position(|w| w == end.as_bytes()).unwrap();
         (String::from_utf8(bytes[..at].to_vec()).unwrap(), &bytes[at + end.len()..])
@@ -354,7 +355,7 @@ mod tests {
         }
     }
 
-    /// The value of an attribute of XML.
+    /// Returns the value of an attribute of XML.
     fn attribute<'a>(text: &'a str, name: &str) -> &'a str {
         let start = text.find(&format!(" {name}=\"")).unwrap() + name.len() + 3;
         text[start..].split('"').next().unwrap()
@@ -364,7 +365,7 @@ mod tests {
         u64::from_le_bytes(bytes[8 * i..8 * (i + 1)].try_into().unwrap()) as usize
     }
 
-    /// The data of an array, from where they begin.
+    /// Returns the data of an array that begins at the start of `data`.
     fn appended(data: &[u8], packed: bool) -> Vec<u8> {
         if !packed {
             return data[8..8 + u64_at(data, 0)].to_vec();

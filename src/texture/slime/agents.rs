@@ -12,16 +12,16 @@ use super::walk::{Walker, project, unfold};
 pub struct Field<'a> {
     /// The texture of all species, one after the other.
     pub texture: &'a [f32],
-    /// [`FREE`](super::FREE), [`OBSTACLE`] or [`GOAL`] for each texel; empty: free everywhere.
+    /// [`FREE`](super::FREE), [`OBSTACLE`] or [`GOAL`] for each texel; empty when all are free.
     pub ground: &'a [u8],
 }
 
 /// Computes a step of agent number `agent` (algorithm 3.2, lines 11 to 20), and returns the agent
-/// and the texel that it is in.
+/// and its texel.
 ///
-/// Departures: it goes straight on where nothing is better than what is ahead; it picks one of
-/// [`Parameters::turns`] to turn by; it turns back instead of a step into an obstacle, or out of an
-/// attractor.
+/// Differences from the thesis: an agent goes straight on unless a side is better than the centre;
+/// it turns by one of [`Parameters::turns`]; it turns back instead of entering an obstacle, or
+/// leaving an attractor.
 ///
 /// ```
 /// use catamaran::texture::slime::{Field, Options, Surface, Walker, agent_step};
@@ -54,7 +54,7 @@ pub fn agent_step(
     let ahead = place(walker.heading);
     let left = place(rotated(walker.heading, cos, sin));
     let right = place(rotated(walker.heading, cos, -sin));
-    // All three at once, so that one waits for memory once.
+    // All three at once, so that their memory accesses overlap.
     let [ahead, left, right] =
         [ahead, left, right].map(|texel| smell(field, parameters, species, texel));
     let [choice, coin, ..] = draw(parameters.seed, agent, step, Purpose::Turn as u32);
@@ -80,7 +80,7 @@ pub fn agent_step(
     (next, reached)
 }
 
-/// Along the heading by `length`, or by as many sub-steps of it as there are.
+/// Moves along the heading by `length`, or by the sub-steps if there are any.
 fn walk(surface: &Surface, parameters: &Parameters, walker: Walker, length: f32) -> Walker {
     let rescale = parameters.rescale != 0;
     match parameters.substeps {
@@ -89,8 +89,8 @@ fn walk(surface: &Surface, parameters: &Parameters, walker: Walker, length: f32)
     }
 }
 
-/// The pheromone of one's own species less that of the others; more in an attractor, nothing is
-/// worse than an obstacle.
+/// Returns the pheromone of the agent's own species minus that of the others; an attractor adds to
+/// it, and an obstacle has the least value.
 #[inline]
 fn smell(field: Field<'_>, parameters: &Parameters, species: u32, texel: u32) -> f32 {
     let plane = parameters.size as usize * parameters.size as usize;
@@ -110,7 +110,8 @@ fn rotated([x, y]: [f32; 2], cos: f32, sin: f32) -> [f32; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// One step of Newton's method to length 1: rounding has changed it little.
+/// Normalises a heading by one step of Newton's method, which suffices because rounding has changed
+/// its length little.
 fn normalized(heading: [f32; 2]) -> [f32; 2] {
     let [x, y] = heading;
     let factor = 1.5 - 0.5 * (x * x + y * y);
@@ -121,7 +122,7 @@ fn normalized(heading: [f32; 2]) -> [f32; 2] {
 pub fn mark(marks: &[AtomicU32], entry: u32) {
     let bit = 1 << (entry % 32);
     let word = &marks[entry as usize / 32];
-    // Most texels that an agent comes to are marked already, and reading is cheaper.
+    // Most texels are marked already, and reading is cheaper than an atomic write.
     if word.load(Ordering::Relaxed) & bit == 0 {
         word.fetch_or(bit, Ordering::Relaxed);
     }

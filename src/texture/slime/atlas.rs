@@ -1,12 +1,12 @@
 use crate::base::{Error, Result, reserved};
 use crate::mesh::TriMesh;
 
-/// Texels between a triangle and the next one, so that none has texels of another.
+/// Number of texels between triangles, so that no triangle gets texels of another.
 const GAP: f64 = 2.0;
-/// Legs of the triangles in texels, at least.
+/// Least length of the legs of the triangles, in texels.
 const SHORTEST_LEG: f64 = 3.0;
 
-/// Cells of a side of the grid, two triangles a cell.
+/// Returns the number of cells along a side of the grid, with two triangles in a cell.
 fn cells(faces: usize) -> usize {
     ((faces.div_ceil(2)) as f64).sqrt().ceil() as usize
 }
@@ -27,9 +27,9 @@ pub fn smallest_size(faces: usize) -> usize {
     ((cells(faces) as f64 * cell) as usize).next_multiple_of(32).max(32)
 }
 
-/// Computes texture coordinates for a mesh without: every triangle is a chart of its own, half a
-/// cell of a square grid, its longest edge the diagonal. Charts are two texels apart in a texture
-/// of `size` x `size` texels.
+/// Computes texture coordinates for a mesh without any: every triangle is a chart of its own, half
+/// a cell of a square grid, with its longest edge as the diagonal. Charts are two texels apart in a
+/// texture of `size` x `size` texels.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -49,7 +49,7 @@ pub fn atlas(mesh: &TriMesh, size: usize) -> Result<Vec<[[f64; 2]; 3]>> {
     let faces = mesh.faces();
     let least = smallest_size(faces.len());
     if size < least {
-        let why = format!("{size}, where {} triangles need {least}", faces.len());
+        let why = format!("must be at least {least} for {} triangles, is {size}", faces.len());
         return Err(Error::Argument { what: "size", why });
     }
     let side = cells(faces.len()).max(1);
@@ -58,7 +58,8 @@ pub fn atlas(mesh: &TriMesh, size: usize) -> Result<Vec<[[f64; 2]; 3]>> {
     let mut uv = reserved(faces.len())?;
     for (f, face) in faces.iter().enumerate() {
         let corner = [f / 2 % side, f / 2 / side].map(|i| i as f64 * cell);
-        // From the right angle, along both legs; the second triangle of a cell is turned around.
+        // From the right angle along both legs; the second triangle of a cell is rotated by half a
+        // turn.
         let (start, sign) = if f % 2 == 0 { (GAP / 2.0, 1.0) } else { (cell - GAP / 2.0, -1.0) };
         let right = corner.map(|x| x + start);
         let places = [right, [right[0] + sign * leg, right[1]], [right[0], right[1] + sign * leg]];
@@ -72,7 +73,7 @@ pub fn atlas(mesh: &TriMesh, size: usize) -> Result<Vec<[[f64; 2]; 3]>> {
     Ok(uv)
 }
 
-/// The corner across the longest edge.
+/// Returns the corner opposite to the longest edge.
 fn opposite_longest(corners: [[f64; 3]; 3]) -> usize {
     let square = |k: usize| {
         let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);

@@ -4,11 +4,11 @@ use super::texels::Texels;
 
 /// Blurs and evaporates a row of one species: `next = max((1 - b) p + b G p - e, 0)` with b
 /// [`Parameters::blend`], e [`Parameters::evaporation`], and G the kernel (1 2 1)^T (1 2 1) / 16,
-/// which repeats the last texel beyond the texture.
+/// which repeats the texels at the border of the texture.
 ///
-/// `texture` and `marks` are those of the species, `row` below the size. With a seam-aware blur,
-/// texels outside of charts become 0, and those at their borders are [`diffuse_border`]'s. `rows`
-/// is scratch of four rows.
+/// `texture` and `marks` are those of the species; `row` is below the size. With a seam-aware blur,
+/// texels outside of charts become 0, and [`diffuse_border`] computes those at borders of charts.
+/// `rows` is a buffer of four rows.
 ///
 /// ```
 /// use catamaran::texture::slime::{Options, Surface, Texels, diffuse_row};
@@ -40,7 +40,7 @@ pub fn diffuse_row(
         marked(&texture[from.clone()], &marks[from.start / 32..from.end / 32], pheromone);
         sum_along(pheromone, &mut sums[i * size..(i + 1) * size]);
     }
-    // The row itself came last, so that `pheromone` is it.
+    // The row itself came last, so that `pheromone` holds it.
     let (up, rest) = sums.split_at(size);
     let (down, middle) = rest.split_at(size);
     let (blend, evaporation) = (parameters.blend, parameters.evaporation);
@@ -57,7 +57,7 @@ pub fn diffuse_row(
     }
 }
 
-/// The row, with 1 where it is marked.
+/// Copies a row, with 1 where it is marked.
 fn marked(texture: &[f32], marks: &[u32], out: &mut [f32]) {
     for ((out, from), &word) in out.chunks_mut(32).zip(texture.chunks(32)).zip(marks) {
         for (bit, (out, &x)) in out.iter_mut().zip(from).enumerate() {
@@ -66,7 +66,7 @@ fn marked(texture: &[f32], marks: &[u32], out: &mut [f32]) {
     }
 }
 
-/// (1 2 1) along a row.
+/// Computes the sum (1 2 1) along a row.
 fn sum_along(row: &[f32], out: &mut [f32]) {
     let last = row.len() - 1;
     out[0] = (row[0] + row[1]) + 2.0 * row[0];

@@ -1,4 +1,4 @@
-//! What a texel is on the surface, and what stands there.
+//! The kinds of texels, and of ground.
 
 /// The kind of a texel that is not on the surface.
 pub const OUTSIDE: u8 = 0;

@@ -4,7 +4,7 @@ use super::surface::{NO_TRIANGLE, Surface, UV};
 use super::walk::{Walker, unfold};
 use crate::base::Result;
 
-/// The texels at seams, and what each exchanges pheromone with: compressed rows.
+/// The texels at seams, and the texels with which each exchanges pheromone, in compressed rows.
 #[derive(Debug, Clone)]
 pub(super) struct Links {
     pub texels: Vec<u32>,
@@ -13,10 +13,10 @@ pub(super) struct Links {
     pub weights: Vec<f32>,
 }
 
-/// A texel keeps at least a sixteenth of its pheromone, so that no value leaves `[0, 1]`.
+/// Largest share of its pheromone that a texel gives away, so that no value leaves `[0, 1]`.
 const MOST: f64 = 15.0 / 16.0;
 
-/// The steps to the texels around, and their weights in the kernel.
+/// The steps to the surrounding texels, and their weights in the kernel.
 const AROUND: [([i32; 2], f64); 8] = [
     ([-1, -1], 1.0 / 16.0),
     ([0, -1], 2.0 / 16.0),
@@ -28,9 +28,9 @@ const AROUND: [([i32; 2], f64); 8] = [
     ([1, 1], 1.0 / 16.0),
 ];
 
-/// Finds borders, sets `kinds`, and links texels over seams: where the kernel has a texel that is
-/// not in the same chart, one walks there on the surface. The weights of both directions are
-/// averaged, so that the exchange keeps the sum.
+/// Finds the texels at borders, sets `kinds`, and links texels across seams: where the kernel
+/// covers a texel of another chart, its neighbour is found by walking on the surface. The weights
+/// of both directions are averaged, so that the exchange keeps the sum.
 pub(super) fn links(
     surface: &Surface,
     size: usize,
@@ -46,7 +46,7 @@ pub(super) fn links(
         Some(at(t / size, dj)? * size + at(t % size, di)?)
     };
     let plain = |t: usize, step: [i32; 2]| neighbour(t, step).filter(|&n| chart(n) == chart(t));
-    // Over seams, both directions: (from, to, half of the weight).
+    // Links across seams in both directions: (from, to, half of the weight).
     let mut over: Vec<(u32, u32, f64)> = Vec::new();
     for t in (0..owners.len()).filter(|&t| owners[t] != NO_TRIANGLE) {
         kinds[t] = INSIDE;
@@ -66,7 +66,7 @@ pub(super) fn links(
     for &(t, ..) in &over {
         kinds[t as usize] = BORDER;
     }
-    // By the pair, its parts in an order of their own.
+    // Sorted by pair. The sort is stable, so that the parts of a pair keep their order.
     over.sort_by_key(|&(from, to, _)| (from, to));
     let texels: Vec<u32> =
         (0..owners.len() as u32).filter(|&t| kinds[t as usize] == BORDER).collect();
@@ -77,7 +77,7 @@ pub(super) fn links(
         let first = over.partition_point(|link| link.0 < t);
         over[first..].iter().take_while(move |link| link.0 == t)
     };
-    // How much of what goes over seams a texel can take.
+    // The share of the exchange across seams that a texel can take.
     let share: Vec<f64> = texels
         .iter()
         .map(|&t| {
@@ -101,8 +101,8 @@ pub(super) fn links(
     Ok(found)
 }
 
-/// Returns the place reached from the centre of texel t, or the point of the triangle that is
-/// nearest to it, by a step of so many texels in the texture, taken on the surface.
+/// Returns the position reached by a step of that many texels in the texture, taken on the surface,
+/// from the centre of texel t, or from the point of the triangle nearest to it.
 pub(super) fn beyond(
     surface: &Surface,
     size: usize,

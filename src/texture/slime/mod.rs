@@ -1,27 +1,27 @@
 //! Slime moulds on surfaces: MoMaS (thesis, chapter 3; docs/algorithms/slime.md).
 //!
-//! A step is three kernels over flat buffers, each a pure function here and a kernel of the same
-//! name elsewhere:
+//! A step consists of three kernels over flat buffers. Each is a pure function here, and a kernel
+//! of the same name on devices:
 //!
-//! 1. [`agent_step`], for each agent: senses the texture at three places ahead, turns, moves. Reads
-//!    [`Surface`], texture and ground; writes the agent, and returns the texel it is in.
-//! 2. deposit, for each agent: sets the bit of its texel ([`mark`]). An integer "or", so the order
-//!    of agents says nothing.
+//! 1. [`agent_step`], for each agent: senses the texture at three positions ahead, turns, moves.
+//!    Reads [`Surface`], texture and ground; writes the agent, and returns its texel.
+//! 2. deposit, for each agent: sets the bit of its texel ([`mark`]). An integer "or", so that the
+//!    order of agents does not matter.
 //! 3. [`diffuse_row`] and [`diffuse_border`], for each texel: reads the texture, with 1 where a bit
 //!    is set, blurs, evaporates, and writes the next texture.
 //!
 //! All arithmetic is that of IEEE `f32` (no contraction to fused operations, divisions and roots
-//! correctly rounded) and of `u32` that wraps. No kernel has a sine or a cosine: headings are unit
-//! vectors, and the rotations are in [`Parameters`].
+//! correctly rounded) and of `u32` that wraps. No kernel computes a sine or a cosine: headings are
+//! unit vectors, and the rotations are in [`Parameters`].
 //!
 //! # Layout
 //! - A triangle has a frame in its plane: origin at its corner 0, the x axis towards corner 1,
 //!   corner 2 at positive y, the unit of length the square root of the area of the surface. Records
 //!   of triangles: [`Surface::records`], [`Surface::across`], [`Surface::frames`].
 //! - An agent is a triangle, a position and a unit heading in its frame: [`State::triangles`],
-//!   [`State::positions`], [`State::headings`]. What it is does not depend on where it is kept: it
-//!   has a number, [`State::ids`], by which it draws random numbers, and which modulo the number of
-//!   species is its species.
+//!   [`State::positions`], [`State::headings`]. An agent has a number, [`State::ids`], which does
+//!   not depend on its position in the arrays; the number seeds the random numbers of the agent,
+//!   and modulo the number of species it is the species.
 //! - A texture of R x R texels and n species is n planes of R rows of R values in `[0, 1]`; texel
 //!   (i, j), i along u and j along v, is number `R j + i`, species s begins at `s R R`. Row 0 is
 //!   v = 0. R is a multiple of 32.

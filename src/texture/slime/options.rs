@@ -1,66 +1,67 @@
 use crate::base::{Error, Result, builder};
 
-/// How an agent moves on.
+/// The method by which an agent moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TangentStep {
-    /// Exactly, by unfolding triangles: [`unfold`](super::unfold).
+    /// Exact, by unfolding triangles: [`unfold`](super::unfold).
     #[default]
     Unfold,
-    /// By sub-steps that are projected (thesis, algorithm 3.1): [`project`](super::project).
+    /// Projected sub-steps (thesis, algorithm 3.1): [`project`](super::project).
     Project {
-        /// Their number, at least 1.
+        /// Number of sub-steps, at least 1.
         substeps: u32,
     },
 }
 
-/// How pheromone spreads to texels around: the binomial kernel of 3 x 3, a Gaussian of standard
+/// The method by which pheromone spreads: a binomial kernel of 3 x 3, a Gaussian of standard
 /// deviation 0.71 texels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Blur {
-    /// In the texture alone (thesis, section 3.2.3): what leaves a chart is lost to the surface,
-    /// and what lies beside it in the texture gets it.
+    /// In the texture only (thesis, section 3.2.3): pheromone that leaves a chart is lost to the
+    /// surface, and texels that are neighbours in the texture only receive it.
     Gaussian,
-    /// Across seams to where the surface goes on; keeps the sum of all texels.
+    /// Across seams to the neighbouring texels on the surface; keeps the sum of all texels.
     #[default]
     SeamAware,
 }
 
-/// Options of a simulation. Names and units are those of table 3.1 of the thesis, where it has
-/// them: lengths in hundredths of the square root of the area of the surface, angles in degrees,
+/// Options of a simulation. Names and units are those of table 3.1 of the thesis, if it lists them.
+/// Lengths are in hundredths of the square root of the area of the surface, angles are in degrees,
 /// times in seconds of the simulation (docs/decisions/0019).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// Number of agents, at most 2^32 - 1. Default 1,000,000.
     pub agents: usize,
-    /// Number of species, from 1; agent i is of species i modulo this. Default 1.
+    /// Number of species, from 1 to 15; agent i belongs to species i modulo this. Default 1.
     pub species: usize,
     /// Texels of a side of the texture: a multiple of 32, at most 16384. Default 2048.
     pub size: usize,
-    /// Of all randomness. Default 0.
+    /// Seed of all random numbers. Default 0.
     pub seed: u32,
-    /// Seconds of a step, above 0. Default 1 / 30.
+    /// Duration of a step in seconds, above 0. Default 1 / 30.
     pub time_step: f64,
-    /// Hundredths a second, at least 0. Table 3.1: 1 to 2. Default 1.5.
+    /// Speed of agents, in hundredths a second, at least 0. Table 3.1: 1 to 2. Default 1.5.
     pub movement_speed: f64,
-    /// Degrees a second, at least 0. Default 1800.
+    /// Speed of turns, in degrees a second, at least 0. Default 1800.
     pub turn_speed: f64,
-    /// From an agent to its sensors, in hundredths, at least 0. Table 3.1: 0.4 to 2. Default 1.
+    /// Distance from an agent to its sensors, in hundredths, at least 0. Table 3.1: 0.4 to 2.
+    /// Default 1.
     pub vision_distance: f64,
-    /// Between sensors, in degrees, from 0 to 180. Table 3.1: 10 to 50. Default 30.
+    /// Angle between sensors, in degrees, from 0 to 180. Table 3.1: 10 to 50. Default 30.
     pub vision_angle: f64,
-    /// What evaporates in a second, at least 0, where an agent leaves 1. Table 3.1: 0.2 to 1.
+    /// Pheromone that evaporates in a second, at least 0; an agent deposits 1. Table 3.1: 0.2 to 1.
     /// Default 0.4.
     pub evaporation_rate: f64,
-    /// Blurs a second, at least 0; a step does at most one. Default 6.
+    /// Number of blurs a second, at least 0; a step does at most one. Default 6.
     pub diffusion_rate: f64,
-    /// Turns are between 1 minus this and 1 of what the turn speed says, from 0 to 1. Default 1.
+    /// Turns vary between 1 minus this and 1 times the turn speed, from 0 to 1. Default 1.
     pub turn_noise: f64,
-    /// Default [`TangentStep::Unfold`].
+    /// The method by which agents move; default [`TangentStep::Unfold`].
     pub tangent_step: TangentStep,
-    /// Default [`Blur::SeamAware`].
+    /// The blur; default [`Blur::SeamAware`].
     pub blur: Blur,
-    /// Whether lengths are those of the surface, not of the texture (thesis, section 3.2.2).
+    /// Whether lengths are measured on the surface, not in the texture (thesis, section 3.2.2).
     /// Default yes.
     pub length_rescaling: bool,
 }
@@ -105,9 +106,9 @@ builder! { Options {
     length_rescaling: bool,
 }}
 
-/// Texels of a side, at most.
+/// Largest number of texels of a side.
 const LARGEST: usize = 16384;
-/// Species, at most: entries of a texture of them are numbered by 32 bits.
+/// Largest number of species: 32 bits number the entries of their textures.
 const MOST_SPECIES: usize = 15;
 
 impl Options {
@@ -121,10 +122,10 @@ impl Options {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] that names the value.
+    /// [`Error::Argument`] names the value.
     pub fn check(&self) -> Result<()> {
         let refused = |what: &'static str, got: String, range: &str| -> Result<()> {
-            Err(Error::Argument { what, why: format!("{got}, where {range} is needed") })
+            Err(Error::Argument { what, why: format!("must be {range}, is {got}") })
         };
         if u32::try_from(self.agents).is_err() {
             return refused("agents", self.agents.to_string(), "at most 2^32 - 1");
@@ -133,19 +134,19 @@ impl Options {
             return refused("size", self.size.to_string(), "a multiple of 32 from 32 to 16384");
         }
         if !(1..=MOST_SPECIES).contains(&self.species) {
-            return refused("species", self.species.to_string(), "1 to 15");
+            return refused("species", self.species.to_string(), "from 1 to 15");
         }
         let positive = f64::MIN_POSITIVE..=1e6;
         let from_zero = 0.0..=1e6;
         for (what, value, range, words) in [
             ("time_step", self.time_step, positive, "a number above 0"),
-            ("movement_speed", self.movement_speed, from_zero.clone(), "a number from 0"),
-            ("turn_speed", self.turn_speed, from_zero.clone(), "a number from 0"),
-            ("vision_distance", self.vision_distance, from_zero.clone(), "a number from 0"),
-            ("vision_angle", self.vision_angle, 0.0..=180.0, "0 to 180"),
-            ("evaporation_rate", self.evaporation_rate, from_zero.clone(), "a number from 0"),
-            ("diffusion_rate", self.diffusion_rate, from_zero, "a number from 0"),
-            ("turn_noise", self.turn_noise, 0.0..=1.0, "0 to 1"),
+            ("movement_speed", self.movement_speed, from_zero.clone(), "at least 0"),
+            ("turn_speed", self.turn_speed, from_zero.clone(), "at least 0"),
+            ("vision_distance", self.vision_distance, from_zero.clone(), "at least 0"),
+            ("vision_angle", self.vision_angle, 0.0..=180.0, "from 0 to 180"),
+            ("evaporation_rate", self.evaporation_rate, from_zero.clone(), "at least 0"),
+            ("diffusion_rate", self.diffusion_rate, from_zero, "at least 0"),
+            ("turn_noise", self.turn_noise, 0.0..=1.0, "from 0 to 1"),
         ] {
             if !range.contains(&value) {
                 return refused(what, value.to_string(), words);
@@ -157,7 +158,7 @@ impl Options {
         }
     }
 
-    /// Returns the options as the kernels take them.
+    /// Returns the options in the form that the kernels read.
     ///
     /// # Errors
     /// As [`Options::check`].
@@ -196,35 +197,35 @@ impl Options {
 /// The number of rotations in [`Parameters::turns`], a power of two.
 pub const TURNS: usize = 64;
 
-/// The options as kernels take them: lengths in the unit of the surface, rotations as (cosine,
-/// sine), rates of a step.
+/// The options in the form that the kernels read: lengths in the unit of the surface, rotations as
+/// (cosine, sine), rates per step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct Parameters {
-    /// Of all randomness.
+    /// Seed of all random numbers.
     pub seed: u32,
     /// Texels of a side.
     pub size: u32,
     /// Number of species.
     pub species: u32,
-    /// Sub-steps of a walk, each of length `sense` or `advance`; 0: it is unfolded.
+    /// Number of sub-steps of a walk, each of length `sense` or `advance`; 0 for unfolding.
     pub substeps: u32,
-    /// 1: lengths are those of the surface; 0: of the texture.
+    /// 1 if lengths are measured on the surface, 0 in the texture.
     pub rescale: u32,
-    /// 1: the blur crosses seams.
+    /// 1 if the blur crosses seams.
     pub seam_aware: u32,
-    /// From an agent to its sensors (of a sub-step, where there are any).
+    /// Distance from an agent to its sensors, or that of a sub-step if there are any.
     pub sense: f32,
-    /// What an agent moves (of a sub-step, where there are any).
+    /// Distance that an agent moves, or that of a sub-step if there are any.
     pub advance: f32,
     /// The rotation to the sensor on the left.
     pub vision: [f32; 2],
-    /// Rotations to the left that an agent picks one of.
+    /// Rotations to the left, one of which an agent selects at random.
     pub turns: [[f32; 2]; TURNS],
-    /// What an attractor smells like.
+    /// The value that an attractor adds to what agents sense.
     pub attraction: f32,
-    /// The part of the pheromone that is blurred.
+    /// The share of the pheromone that is blurred.
     pub blend: f32,
-    /// What evaporates.
+    /// The pheromone that evaporates.
     pub evaporation: f32,
 }

@@ -3,13 +3,13 @@ use super::state::State;
 use super::surface::Surface;
 use crate::base::Result;
 
-/// Texels of a side of a tile, a power of two that divides the size of every texture.
+/// Number of texels along a side of a tile, a power of two that divides the size of every texture.
 pub(crate) const TILE: usize = 16;
 
-/// Steps from one ordering to the next: agents hardly leave their tile in between.
+/// Number of steps between orderings: few agents leave their tile in the meantime.
 pub(crate) const EVERY: u32 = 16;
 
-/// Turns counts into the positions at which each begins when they are put one after the other.
+/// Replaces counts by the start positions of the groups when they are stored one after the other.
 pub(crate) fn starts_of(counts: &mut [u32]) {
     let mut start = 0;
     for count in counts {
@@ -17,8 +17,8 @@ pub(crate) fn starts_of(counts: &mut [u32]) {
     }
 }
 
-/// Orders agents by the tile of the texture that they are in, those of a tile as they were before,
-/// so that what one thread reads is in its cache. Nothing else depends on the order, as agents have
+/// Orders agents by the tile of the texture that they are in, and keeps the order within a tile, so
+/// that the data of a thread are in its cache. The order has no other effect, because agents have
 /// numbers.
 pub(super) fn order(state: &mut State, surface: &Surface, size: usize) -> Result<()> {
     let tiles = size / TILE;

@@ -1,36 +1,36 @@
 use crate::base::Sets;
 use crate::base::{Error, Result};
 
-/// Measures of the pattern in a square texture, in texels: what is covered are texels with more
-/// pheromone than a threshold, what hangs together does so over sides of texels. On a surface they
-/// mean what they say where its texture is flat.
+/// Measures of the pattern in a square texture, in texels. Texels with more pheromone than a
+/// threshold are covered; texels are connected over sides. The measures apply to a surface where
+/// its texture has little distortion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pattern {
-    /// The part of the texture that is covered.
+    /// The share of the texture that is covered.
     pub covered: f64,
-    /// The mean width of what is covered: twice its area by its perimeter.
+    /// The mean width of covered regions: twice their area divided by their perimeter.
     pub thickness: f64,
-    /// The mean width of what is not: the scale of the pattern.
+    /// The mean width of the uncovered regions: the scale of the pattern.
     pub gap: f64,
-    /// The mean area of the patches that are covered, weighted by area: of the patch that a covered
-    /// texel is in.
+    /// The mean area of the covered patches, weighted by area: the mean size of the patch of a
+    /// covered texel.
     pub cluster: f64,
-    /// The mean area of the cells between, weighted alike.
+    /// The mean area of the uncovered cells, with the same weights.
     pub cell: f64,
     /// The number of cells of more than 20 texels.
     pub cells: usize,
 }
 
-/// Cells below are noise.
+/// Cells of at most this number of texels are noise.
 const SMALLEST_CELL: usize = 20;
 
 impl Pattern {
-    /// Computes the measures of a texture of `size` rows of as many values.
+    /// Computes the measures of a texture with `size` rows and columns.
     ///
     /// ```
     /// use catamaran::texture::slime::Pattern;
     ///
-    /// // Stripes of 8 texels, every other one covered.
+    /// // Stripes of 8 texels, of which every other one is covered.
     /// let texture: Vec<f32> = (0..64 * 64).map(|t| (t / 8 % 2) as f32).collect();
     /// let pattern = Pattern::of(&texture, 64, 0.5)?;
     /// assert_eq!((pattern.covered, pattern.cells), (0.5, 4));
@@ -91,7 +91,7 @@ mod tests {
             (0..size * size).map(|t| if t / size % 8 < 3 { 0.5 } else { 0.0 }).collect();
         let p = Pattern::of(&texture, size, 0.1).unwrap();
         assert_eq!((p.covered, p.cluster, p.cell, p.cells), (0.375, 96.0, 160.0, 4));
-        // Seven sides of 32 texels: one stripe ends at the edge of the texture.
+        // The perimeter is seven sides of 32 texels, because one stripe ends at the border.
         assert_eq!((p.thickness, p.gap), (768.0 / 224.0, 1280.0 / 224.0));
         let empty = Pattern::of(&[], 0, 0.1).unwrap();
         assert_eq!((empty.covered, empty.cells), (0.0, 0));

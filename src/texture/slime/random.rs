@@ -1,12 +1,12 @@
-/// The purpose of a random number; the same agent and step have other numbers for another purpose.
+/// The purpose of a random number. For each purpose, an agent and a step have other numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Purpose {
-    /// How far an agent turns, and to which side where both are as good.
+    /// The angle by which an agent turns, and the side where both are equally good.
     Turn = 0,
-    /// Where an agent starts.
+    /// The position at which an agent starts.
     Place = 1,
-    /// The heading it starts with; with each further number another draw.
+    /// The heading with which an agent starts; each further number is another draw.
     Heading = 2,
 }
 
@@ -55,7 +55,7 @@ mod tests {
                 *sum += x.count_ones();
             }
         }
-        // 131,072 bits each: six standard deviations are 1,086.
+        // Each count has 131,072 bits: six standard deviations are 1,086.
         for sum in ones {
             assert!(sum.abs_diff(16 * count) < 1086, "{sum}");
         }

@@ -1,18 +1,18 @@
 use super::surface::{NO_TRIANGLE, Surface, doubled_area};
 use crate::base::{Result, reserved, zeros};
 
-/// Which triangle is in which texel, and how much of the surface.
+/// The triangle of each texel, and the share of the surface that each texel covers.
 pub(super) struct Raster {
     pub owners: Vec<u32>,
     pub areas: Vec<f32>,
 }
 
-/// Positions of `f32` in the texture may be off by this part of its side: texels that near to a
-/// triangle are its own too.
+/// Positions in `f32` may be wrong by this share of the side of the texture: texels that near to a
+/// triangle count as its own, too.
 const SLACK: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Assigns texels to triangles in two passes over all triangles: a texel belongs to the triangle
-/// that its centre is in, or else to the first that touches it.
+/// that contains its centre, or otherwise to the first triangle that touches it.
 pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
     let mut owners = reserved(size * size)?;
     owners.resize(size * size, NO_TRIANGLE);
@@ -39,7 +39,7 @@ pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
     Ok(Raster { owners, areas })
 }
 
-/// What a triangle has of a texel.
+/// The relation of a triangle to a texel.
 struct Part {
     area: f64,
     centre: bool,
@@ -48,7 +48,7 @@ struct Part {
 /// A triangle in the texture, in texels, counter-clockwise.
 struct Triangle {
     corners: [[f64; 2]; 3],
-    /// a x + b y + c is the distance to the inside of each edge.
+    /// For each edge, a x + b y + c is the distance from the edge, positive inside.
     edges: [[f64; 3]; 3],
     area: f64,
     slack: f64,
@@ -91,7 +91,7 @@ impl Triangle {
                 let (mut centre, mut whole, mut near) = (true, true, true);
                 for [a, b, c] in self.edges {
                     let inside = a * x + b * y + c;
-                    // Half of what the texel measures across the edge.
+                    // Half of the width of the texel across the edge.
                     let half = (a.abs() + b.abs()) / 2.0;
                     centre &= inside >= 0.0;
                     whole &= inside >= half;
@@ -106,10 +106,11 @@ impl Triangle {
         }
     }
 
-    /// The area of the triangle in a texel: cut by its four sides (Sutherland and Hodgman 1974).
+    /// Returns the area of the intersection of the triangle with a texel, clipped at its four sides
+    /// (Sutherland and Hodgman 1974).
     fn overlap(&self, i: usize, j: usize) -> f64 {
         let (x, y) = (i as f64, j as f64);
-        // Relative to the texel, so that nothing cancels.
+        // Relative to the texel, so that there is no cancellation.
         let mut polygon: Vec<[f64; 2]> =
             self.corners.iter().map(|p| [p[0] - x, p[1] - y]).collect();
         for (axis, side) in [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0)] {

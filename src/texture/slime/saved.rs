@@ -1,4 +1,4 @@
-//! States in files.
+//! State files of simulations.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -10,11 +10,11 @@ use crate::base::{Error, Result};
 /// The first bytes of a state file; the digit is the version of the format.
 const MAGIC: &[u8; 16] = b"catamaran slime1";
 
-/// Numbers that are read and written at a time.
+/// Number of values that are read and written at a time.
 const PIECE: usize = 1 << 14;
 
 impl Simulation {
-    /// What a state file has to agree with.
+    /// Returns the numbers with which a state file must agree.
     fn header(&self) -> [u32; 6] {
         let surface = self.surface().fingerprint();
         let p = self.parameters();
@@ -22,10 +22,10 @@ impl Simulation {
         [surface as u32, (surface >> 32) as u32, p.seed, p.size, p.species, agents]
     }
 
-    /// Writes the state: from it, with the same surface and options, a simulation continues as if
-    /// it had never stopped. Little endian: 16 bytes that name the format, 32-bit numbers that name
-    /// surface, seed, size, species and agents, the step, then the arrays of [`State`] in its
-    /// order.
+    /// Writes the state. A simulation with the same surface and options continues from it exactly
+    /// as if it had not stopped. The file is little-endian: 16 bytes that identify the format,
+    /// 32-bit numbers for surface, seed, size, species and agents, the step, then the arrays of
+    /// [`State`] in their order.
     ///
     /// ```
     /// use catamaran::{Par, base::Progress, mesh::families};
@@ -49,7 +49,7 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// Those of the sink.
+    /// The errors of the sink.
     pub fn save(&self, sink: &mut dyn Write) -> io::Result<()> {
         let state = self.state();
         sink.write_all(MAGIC)?;
@@ -61,20 +61,19 @@ impl Simulation {
         put(sink, state.texture.iter().map(|x| x.to_bits()))
     }
 
-    /// Reads a state that [`Simulation::save`] wrote, and continues from it. `path` is what errors
-    /// name.
+    /// Reads a state that [`Simulation::save`] wrote, and continues from it. Errors name `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] when it can't be read, is no state file, or one of another surface, seed,
-    /// size, or number of species or agents; [`Error::Argument`] when its contents are no state;
-    /// [`Error::OutOfMemory`]. The state is as before then.
+    /// [`Error::Io`] when the file can't be read, is no state file, or belongs to another surface,
+    /// seed, size, or number of species or agents; [`Error::Argument`] when its contents are no
+    /// valid state; [`Error::OutOfMemory`]. The state does not change then.
     pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<()> {
         let failed = |what: String| Error::file(path, what);
         let read = |e: io::Error| Error::io(path, e);
         let mut magic = [0; MAGIC.len()];
         source.read_exact(&mut magic).map_err(read)?;
         if &magic != MAGIC {
-            return Err(failed("is not a state of slime moulds of this version".into()));
+            return Err(failed("is not a state file of slime moulds in this version".into()));
         }
         let names = ["surface", "surface", "seed", "size", "number of species", "number of agents"];
         let mut given = [0; 7];
@@ -83,7 +82,7 @@ impl Simulation {
             if own != given {
                 let numbers =
                     if name == "surface" { String::new() } else { format!(": {given}, not {own}") };
-                return Err(failed(format!("is of another {name}{numbers}")));
+                return Err(failed(format!("was saved with another {name}{numbers}")));
             }
         }
         let agents = self.state().triangles.len();
@@ -95,7 +94,7 @@ impl Simulation {
         take(source, state.headings.as_flattened_mut(), f32::from_bits).map_err(read)?;
         take(source, &mut state.texture, f32::from_bits).map_err(read)?;
         if source.read(&mut [0]).map_err(read)? > 0 {
-            return Err(failed("goes on after its end".into()));
+            return Err(failed("has data after its end".into()));
         }
         self.set_state(state)
     }

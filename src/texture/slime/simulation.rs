@@ -13,23 +13,23 @@ use super::texels::Texels;
 use super::walk::Walker;
 use crate::base::{Error, Par, Progress, Result, reserved, zeros};
 
-/// Agents that one thread moves at a time.
+/// Number of agents that one thread moves at a time.
 const AGENTS: usize = 4096;
-/// Rows that one thread blurs at a time; divides the size of every texture.
+/// Number of rows that one thread blurs at a time; divides the size of every texture.
 const ROWS: usize = 32;
 
-/// Where agents start, and which obstacles there are: a value for each texel, or none for no such
+/// Where agents start, and where obstacles are: a value for each texel; an empty list stands for no
 /// mask.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Mask {
-    /// Whether agents start there; empty: anywhere.
+    /// Whether agents start in a texel; empty for everywhere.
     pub start: Vec<bool>,
-    /// [`FREE`], [`OBSTACLE`] or [`GOAL`]; empty: free.
+    /// [`FREE`], [`OBSTACLE`] or [`GOAL`]; empty for all free.
     pub ground: Vec<u8>,
 }
 
-/// Slime moulds on a surface (thesis, algorithm 3.2), on the CPU. The state is the same, bit for
-/// bit, for any number of threads.
+/// Slime moulds on a surface (thesis, algorithm 3.2), on the CPU. The number of threads does not
+/// change the state, bit for bit.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress, mesh::families};
@@ -56,16 +56,15 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Creates a simulation with agents at their start, and no pheromone.
+    /// Creates a simulation with agents at their start positions, and no pheromone.
     ///
     /// # Errors
-    /// [`Error::Argument`] names an option or the mask, [`Error::Shape`] a mask that is not of
-    /// `size` x `size` texels; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] names an invalid option or mask, [`Error::Shape`] a mask that does not
+    /// have `size` x `size` texels; [`Error::OutOfMemory`].
     pub fn new(surface: Surface, options: &Options, mask: &Mask) -> Result<Self> {
         let parameters = options.parameters()?;
         if surface.is_tile() && parameters.substeps != 0 {
-            let why =
-                "projected sub-steps, where a tile is flat and has unfolded steps only".into();
+            let why = "must be unfolded steps on a tile, which has no position in space".into();
             return Err(Error::Argument { what: "tangent_step", why });
         }
         let size = options.size;
@@ -109,7 +108,7 @@ impl Simulation {
     /// ```
     pub fn step(&mut self, par: Par) {
         if self.state.step.is_multiple_of(EVERY) {
-            // Without memory for it, it goes on more slowly.
+            // Without memory for the ordering, the step is slower, and has the same result.
             let _ = order(&mut self.state, &self.surface, self.texels.size());
         }
         self.move_agents(par);
@@ -118,10 +117,10 @@ impl Simulation {
         self.state.step = self.state.step.wrapping_add(1);
     }
 
-    /// Computes `steps` steps; `progress` is told after each, and may cancel.
+    /// Computes `steps` steps; `progress` is called after each, and may cancel.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]: the steps before are done, and a later call can continue.
+    /// [`Error::Cancelled`]: earlier steps are complete, and a later call can continue.
     pub fn run(&mut self, steps: u32, par: Par, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.step(par);
@@ -151,7 +150,7 @@ impl Simulation {
         });
     }
 
-    /// Takes the marks of this step, and leaves none.
+    /// Takes the marks of this step, and clears them.
     fn collect_marks(&mut self) {
         for (out, word) in self.marked.iter_mut().zip(&mut self.marks) {
             *out = std::mem::take(word.get_mut());
@@ -188,17 +187,17 @@ impl Simulation {
         std::mem::swap(&mut self.next, &mut self.state.texture);
     }
 
-    /// Returns how much of the surface each species covers.
+    /// Returns the coverage of the surface by each species.
     pub fn coverage(&self, par: Par) -> Vec<Coverage> {
         let of = |s| coverage(&self.texels, self.texture(s), par);
         (0..self.species()).map(of).collect()
     }
 
-    /// Returns the texture of a species: [`Texels::size`] rows of as many values in `[0, 1]`, row 0
-    /// at v = 0.
+    /// Returns the texture of a species: [`Texels::size`] rows and columns of values in `[0, 1]`,
+    /// row 0 at v = 0.
     ///
     /// # Panics
-    /// When there is no such species.
+    /// When the species does not exist.
     pub fn texture(&self, species: usize) -> &[f32] {
         let plane = self.texels.size() * self.texels.size();
         &self.state.texture[species * plane..(species + 1) * plane]
@@ -236,15 +235,16 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it
-    /// is none of this simulation: names the agent or the entry of the texture.
+    /// [`Error::Shape`] when the state has another number of agents or texels, [`Error::Argument`]
+    /// when it is no valid state of this simulation; the error names the agent or the entry of the
+    /// texture.
     pub fn set_state(&mut self, state: State) -> Result<()> {
         state.check(&self.surface)?;
         self.put_state(state)
     }
 
-    /// Continues from another state as [`Simulation::set_state`] does, but does not check each
-    /// agent: the state is that of its kernels.
+    /// Continues from another state as [`Simulation::set_state`] does, but without a check of each
+    /// agent: the state comes from the kernels of this simulation.
     pub(crate) fn put_state(&mut self, state: State) -> Result<()> {
         let count = |state: &State| (state.triangles.len(), 1);
         Error::check_shape("agents", count(&self.state), count(&state))?;
@@ -285,7 +285,7 @@ fn check_mask(mask: &Mask, size: usize) -> Result<()> {
         None => Ok(()),
         Some(t) => Err(Error::Argument {
             what: "mask.ground",
-            why: format!("{} at texel {t}, where 0, 1 or 2 is needed", mask.ground[t]),
+            why: format!("must be 0, 1 or 2, is {} at texel {t}", mask.ground[t]),
         }),
     }
 }

@@ -6,10 +6,10 @@ use super::texels::Texels;
 use super::walk::Walker;
 use crate::base::{Error, Result, reserved};
 
-/// Headings are drawn until one is found, hardly ever this often.
+/// Headings are drawn until one is found; so many draws are practically never needed.
 const TRIES: u32 = 64;
 
-/// Creates agents anywhere on the surface, with equal probability for equal areas.
+/// Places agents anywhere on the surface, with equal probability for equal areas.
 pub(super) fn everywhere(surface: &Surface, agents: usize, seed: u32) -> Result<Vec<Walker>> {
     let ends = sums(surface.areas().iter().copied())?;
     let mut walkers = reserved(agents)?;
@@ -30,7 +30,7 @@ pub(super) fn everywhere(surface: &Surface, agents: usize, seed: u32) -> Result<
     Ok(walkers)
 }
 
-/// Creates agents in the texels where `allowed` holds and which are no obstacle.
+/// Places agents in the texels where `allowed` holds and which are no obstacle.
 pub(super) fn in_texels(
     surface: &Surface,
     texels: &Texels,
@@ -47,7 +47,7 @@ pub(super) fn in_texels(
     let places: Vec<u32> = (0..texels.owners().len() as u32).filter(free).collect();
     let ends = sums(places.iter().map(|&t| f64::from(texels.areas()[t as usize])))?;
     if agents > 0 && ends.last().is_none_or(|&sum| sum <= 0.0) {
-        let why = "no texel on the surface to start in that is not an obstacle".into();
+        let why = "has no texel on the surface where agents may start".into();
         return Err(Error::Argument { what: "mask", why });
     }
     let mut walkers = reserved(agents)?;
@@ -75,20 +75,20 @@ fn sums(areas: impl Iterator<Item = f64>) -> Result<Vec<f64>> {
     Ok(ends)
 }
 
-/// The first sum above a random part of the last one.
+/// Returns the index of the first sum above a random share of the last sum.
 fn pick(ends: &[f64], high: u32, low: u32) -> usize {
     let part = unit(high) + unit(low) / (1_u64 << 32) as f64;
     let wanted = part * ends.last().copied().unwrap_or_default();
     ends.partition_point(|&end| end <= wanted).min(ends.len() - 1)
 }
 
-/// In `[0, 1)`.
+/// Returns a number in `[0, 1)`.
 fn unit(bits: u32) -> f64 {
     f64::from(bits) / (1_u64 << 32) as f64
 }
 
-/// A direction, all as likely: points of the square in the disk (von Neumann 1951), so that no sine
-/// is needed.
+/// Returns a uniformly distributed direction: random points of the square until one is in the disk
+/// (von Neumann 1951), so that no sine is needed.
 fn heading(seed: u32, agent: u32) -> [f32; 2] {
     for attempt in 0..TRIES {
         let bits = draw(seed, agent, 0, Purpose::Heading as u32 + attempt);

@@ -2,25 +2,26 @@ use super::surface::Surface;
 use super::walk::Walker;
 use crate::base::{Error, Result, reserved};
 
-/// The state of a simulation: all that changes in a step.
+/// The state of a simulation: everything that a step changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// Steps done.
+    /// Number of steps done.
     pub step: u32,
-    /// The number of each agent; every number below their count once, in an order that changes.
+    /// The number of each agent: a permutation of all numbers below the number of agents, in an
+    /// order that changes.
     pub ids: Vec<u32>,
     /// The triangle of each agent.
     pub triangles: Vec<u32>,
     /// Positions of agents in the frames of their triangles.
     pub positions: Vec<[f32; 2]>,
-    /// Their headings there, of length 1.
+    /// Unit headings of agents in the same frames.
     pub headings: Vec<[f32; 2]>,
     /// The texture of each species, one after the other.
     pub texture: Vec<f32>,
 }
 
-/// Agents may be this far beyond the edges of their triangle, in the unit of the surface: so much
-/// is rounding.
+/// Agents may lie this far beyond the edges of their triangle, in the unit of the surface, because
+/// of rounding.
 const SLACK: f32 = 1e-4;
 
 impl State {
@@ -33,7 +34,7 @@ impl State {
         Ok(state)
     }
 
-    /// Allocates a state of that many agents and entries of the texture, all zero.
+    /// Allocates a state with that many agents and entries of the texture, all zero.
     pub(crate) fn filled(agents: usize, entries: usize) -> Result<Self> {
         Ok(Self {
             step: 0,
@@ -45,7 +46,7 @@ impl State {
         })
     }
 
-    /// Stores an agent in place i.
+    /// Stores an agent at index i.
     pub(crate) fn put(&mut self, i: usize, id: u32, walker: Walker) {
         self.ids[i] = id;
         self.triangles[i] = walker.triangle;
@@ -53,7 +54,7 @@ impl State {
         self.headings[i] = walker.heading;
     }
 
-    /// Returns the agent in place i.
+    /// Returns the agent at index i.
     pub fn agent(&self, i: usize) -> Walker {
         Walker {
             triangle: self.triangles[i],
@@ -66,7 +67,7 @@ impl State {
     /// all pheromone is from 0 to 1.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the first agent or entry of the texture that is not so,
+    /// [`Error::Argument`] names the first agent or entry of the texture that is invalid,
     /// [`Error::Shape`] arrays of different lengths.
     pub fn check(&self, surface: &Surface) -> Result<()> {
         let agents = self.triangles.len();
@@ -78,7 +79,7 @@ impl State {
             match seen.get_mut(id as usize) {
                 Some(seen) if !*seen => *seen = true,
                 _ => {
-                    let why = format!("number {id} of {agents} is twice there, or too large");
+                    let why = format!("number {id} of {agents} is repeated or too large");
                     return Err(Error::Argument { what: "ids", why });
                 }
             }
@@ -91,7 +92,7 @@ impl State {
             None => Ok(()),
             Some(at) => Err(Error::Argument {
                 what: "texture",
-                why: format!("{} at {at}, where 0 to 1 is needed", self.texture[at]),
+                why: format!("must be from 0 to 1, is {} at {at}", self.texture[at]),
             }),
         }
     }

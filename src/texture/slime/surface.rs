@@ -3,24 +3,24 @@ use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::mesh::{Edges, TriMesh, families};
 
-/// The number that stands for no triangle, across a boundary edge.
+/// The absence of a triangle, across a boundary edge.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// A bit of [`Surface::across`] that is set where the triangles disagree on what is outside, so
-/// that a hop is a reflection too.
+/// A bit of [`Surface::across`] that is set where the triangles disagree about which side is
+/// outside, so that a hop includes a reflection.
 pub const ACROSS_FLIP: u32 = 4;
 
-/// The index at which the hops begin in a record.
+/// The index of the first hop in a record.
 pub const HOPS: usize = 9;
-/// The index at which the map to UV begins in a record.
+/// The index of the map to UV in a record.
 pub const UV: usize = 21;
-/// The count of numbers of a record.
+/// The length of a record.
 pub const RECORD: usize = 28;
 
-/// Triangles that can be numbered in [`Surface::across`].
+/// Largest number of triangles for [`Surface::across`].
 const MOST_TRIANGLES: usize = (1 << 29) - 1;
 
-/// A surface as agents walk on it: flat records of triangles, ready for any device.
+/// A surface on which agents walk: flat records of triangles, for any device.
 ///
 /// Lengths are in units of the square root of the area of the mesh.
 ///
@@ -46,8 +46,8 @@ pub struct Surface {
     tile: bool,
 }
 
-/// Cells of a side of a tile: the fewest that are a power of two and of which no two edges have the
-/// same ends.
+/// Number of cells along a side of a tile: the smallest power of two for which no two edges have
+/// the same ends.
 const TILE_CELLS: usize = 4;
 
 impl Surface {
@@ -65,7 +65,7 @@ impl Surface {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] names what no agent could walk on or leave a trace in: an edge of three
+    /// [`Error::Mesh`] names an element on which agents can't walk or deposit: an edge of three
     /// faces or more, a face without area, without coordinates, with coordinates outside of
     /// `[0, 1]` or without area in the texture, and a mesh without faces; [`Error::Shape`] or
     /// [`Error::Argument`] when coordinates do not fit the mesh; [`Error::OutOfMemory`].
@@ -108,12 +108,11 @@ impl Surface {
         Self::joined(mesh.faces(), &edges, &places, areas, uv)
     }
 
-    /// Creates the unit square whose opposite sides are joined, in its own texture: a texture that
-    /// grows on it is a tile, and continues without a seam where it is repeated. Its faces are
-    /// those of [`Surface::tile_mesh`].
+    /// Creates the unit square with opposite sides joined, in its own texture: a texture that grows
+    /// on it is a tile, and repeats without a seam. Its faces are those of [`Surface::tile_mesh`].
     ///
-    /// It is flat, so that a walk is a straight line; [`project`](super::project) is not for it, as
-    /// there is no such surface in space.
+    /// The tile is flat, so that a walk is a straight line. [`project`](super::project) does not
+    /// apply, because there is no such surface in space.
     ///
     /// ```
     /// use catamaran::texture::slime::{NO_TRIANGLE, Surface};
@@ -141,7 +140,7 @@ impl Surface {
         Ok(Self { tile: true, ..Self::joined(&joined, &edges, &places, areas, uv)? })
     }
 
-    /// Creates the square that a tile is shown on; x and y are its texture coordinates.
+    /// Creates the square on which a tile is shown; x and y are its texture coordinates.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -154,7 +153,7 @@ impl Surface {
         self.tile
     }
 
-    /// Faces with corners at these places, joined over edges.
+    /// Creates a surface of faces with these corners, joined across edges.
     fn joined(
         faces: &[[u32; 3]],
         edges: &Edges,
@@ -206,14 +205,14 @@ impl Surface {
         self.records.len()
     }
 
-    /// Returns false: a surface always has triangles.
+    /// Returns false, because a surface always has triangles.
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
     }
 
     /// Returns a record of 28 numbers for each triangle:
     /// - 3 k + (0, 1, 2), k = 0, 1, 2: (a, b, c) of edge k, from corner k to the next one;
-    ///   `a x + b y + c` is how far inside of it (x, y) is, (a, b) its unit normal to the inside.
+    ///   `a x + b y + c` is the distance of (x, y) from it, (a, b) its inward unit normal.
     /// - 9 + 4 k + (0, 1, 2, 3): (p, q, x0, y0) of the hop over edge k: (x, y) is
     ///   `(p x - q y + x0, q x + p y + y0)` in the frame of the triangle across; with
     ///   [`ACROSS_FLIP`], `(p x + q y + x0, q x - p y + y0)`.
@@ -257,7 +256,7 @@ impl Surface {
     }
 
     /// Returns the triangles that are mirrored in the texture while most of their chart is not: the
-    /// texture is folded there, and shows what is on several triangles.
+    /// texture is folded there, and its texels belong to several triangles.
     pub fn flipped(&self) -> &[u32] {
         &self.flipped
     }
@@ -273,7 +272,7 @@ impl Surface {
             + size_of_val(&self.charts[..])
     }
 
-    /// Returns a number that other surfaces share only by chance, for files.
+    /// Returns a hash of the surface, which identifies it in files.
     pub(super) fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut add = |x: u32| {
@@ -285,7 +284,7 @@ impl Surface {
     }
 }
 
-/// `Ok` with the edges of a mesh that can be walked on.
+/// Returns the edges of a mesh, or an error unless agents can walk on it.
 fn checked(mesh: &TriMesh) -> Result<Edges> {
     let refused = |what: &str, element: String| Err(Error::Mesh { what: what.into(), element });
     if mesh.faces().is_empty() {
@@ -298,16 +297,15 @@ fn checked(mesh: &TriMesh) -> Result<Edges> {
         return refused("has no area", format!("face {f}"));
     }
     if !mesh.area().is_normal() {
-        return refused("its area is out of range", "mesh".into());
+        return refused("the area is out of range", "mesh".into());
     }
     let edges = Edges::new(mesh);
     edges.require_manifold()?;
     Ok(edges)
 }
 
-/// Returns texture coordinates moved, and reduced alike in both directions, so that they are in
-/// `[0, 1]`; unchanged when they already are (up to 1e-6). Textures that repeat have coordinates
-/// beyond.
+/// Returns texture coordinates translated and uniformly scaled into `[0, 1]`; unchanged when they
+/// are already in this range (up to 1e-6). The coordinates of repeating textures may exceed it.
 ///
 /// ```
 /// use catamaran::{mesh::io::Attribute, texture::slime::fitted};
@@ -330,14 +328,14 @@ pub fn fitted(uv: &Attribute<2>) -> Attribute<2> {
     Attribute { values: uv.values.iter().map(moved).collect(), corners: uv.corners.clone() }
 }
 
-/// Texture coordinates may miss `[0, 1]` by this: files have few digits.
+/// Texture coordinates may exceed `[0, 1]` by this, because files round them.
 const SLACK: f64 = 1e-6;
 
 fn check_uv(f: usize, corners: &mut [[f64; 2]; 3]) -> Result<()> {
     let refused = |what: String| Err(Error::Mesh { what, element: format!("face {f}") });
     for x in corners.as_flattened_mut() {
         if !(-SLACK..=1.0 + SLACK).contains(x) {
-            return refused(format!("texture coordinate {x} is not from 0 to 1"));
+            return refused(format!("texture coordinates must be from 0 to 1, one is {x}"));
         }
         *x = x.clamp(0.0, 1.0);
     }
@@ -405,7 +403,7 @@ impl Plane {
         }
     }
 
-    /// The unit vector along edge k, and its normal to the inside.
+    /// Returns the unit vector along edge k, and its inward normal.
     fn edge(&self, k: usize) -> [[f64; 2]; 2] {
         let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
         let d = [b[0] - a[0], b[1] - a[1]];
@@ -421,12 +419,13 @@ impl Plane {
         record[3 * k..3 * k + 3].copy_from_slice(&[n[0], n[1], c].map(|x| x as f32));
     }
 
-    /// What lies beyond edge k is what lies inside edge j of the other plane.
+    /// Writes the hop across edge k to edge j of the other plane.
     fn write_hop(&self, k: usize, other: &Plane, j: usize, flip: bool, record: &mut [f32; RECORD]) {
         let [along, inward] = self.edge(k);
         let [other_along, other_inward] = other.edge(j);
         let (sign, start) = if flip { (1.0, j) } else { (-1.0, (j + 1) % 3) };
-        // The matrix that takes `along` to itself there, and the outside here to the inside there.
+        // The matrix that maps `along` to its counterpart, and the outward normal to the inward
+        // normal there.
         let entry = |row: usize, column: usize| {
             sign * other_along[row] * along[column] - other_inward[row] * inward[column]
         };

@@ -5,10 +5,11 @@ use super::surface::{NO_TRIANGLE, Surface};
 use super::walk::Walker;
 use crate::base::{Result, reserved};
 
-/// What the texels of a texture are on the surface.
+/// The relation of the texels of a texture to the surface.
 ///
-/// Memory, in bytes: 9 a texel, and 8.25 a texel and species for the textures, besides 32 or so a
-/// texel at a seam: for one species 72 MiB at 2048 x 2048 and 4.6 GB at 16384 x 16384.
+/// Memory: 9 bytes for each texel, 8.25 bytes for each texel and species for the textures, and
+/// about 32 bytes for each texel at a seam. For one species this is 72 MiB at 2048 x 2048 and 4.6
+/// GB at 16384 x 16384.
 #[derive(Debug, Clone)]
 pub struct Texels {
     size: usize,
@@ -43,13 +44,13 @@ impl Texels {
         self.size
     }
 
-    /// Returns the triangle of each texel: the one that the centre of the texel is in, else the
-    /// lowest that the texel touches; [`NO_TRIANGLE`] outside.
+    /// Returns the triangle of each texel: the triangle that contains the centre of the texel,
+    /// otherwise the lowest triangle that touches it; [`NO_TRIANGLE`] outside.
     pub fn owners(&self) -> &[u32] {
         &self.owners
     }
 
-    /// Returns the part of the surface that each texel covers; the sum is 1.
+    /// Returns the share of the surface that each texel covers; the sum is 1.
     pub fn areas(&self) -> &[f32] {
         &self.areas
     }
@@ -64,8 +65,8 @@ impl Texels {
         &self.links.texels
     }
 
-    /// Returns for each of [`Texels::border`] where its links begin; one more for the end of the
-    /// last.
+    /// Returns for each of [`Texels::border`] the index of its first link, and at last the end of
+    /// the last link.
     pub fn link_starts(&self) -> &[u32] {
         &self.links.starts
     }
@@ -80,12 +81,12 @@ impl Texels {
         &self.links.weights
     }
 
-    /// Returns the place to which a step of `step` texels along u and v leads from the centre of a
-    /// texel (or the point of its triangle that is nearest to it) when the step is taken on the
-    /// surface, over seams where there are any; `None` for a texel outside. Boundary edges reflect.
+    /// Returns the position at the end of a step of `step` texels along u and v from the centre of
+    /// a texel (or from the point of its triangle nearest to the centre). The step is taken on the
+    /// surface, across seams if needed; `None` for a texel outside. Boundary edges reflect.
     ///
     /// # Panics
-    /// When there is no such texel.
+    /// When the texel does not exist.
     pub fn beside(&self, surface: &Surface, texel: usize, step: [i32; 2]) -> Option<Walker> {
         let owner = self.owners[texel];
         (owner != NO_TRIANGLE).then(|| beyond(surface, self.size, owner, texel, step))

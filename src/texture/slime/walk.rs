@@ -1,28 +1,27 @@
 use super::surface::{ACROSS_FLIP, HOPS, NO_TRIANGLE, Surface, UV};
 
-/// The number of edges after which a walk ends. No mesh whose steps are of a sensible length gets
-/// there.
+/// The number of edges after which a walk ends. Steps of a sensible length do not reach it.
 pub const MOST_HOPS: usize = 4096;
 
-/// A position on a surface and a direction: of an agent, or of its sensors.
+/// A position on a surface and a direction, of an agent or a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walker {
     /// The triangle.
     pub triangle: u32,
-    /// In its frame.
+    /// The position in the frame of the triangle.
     pub position: [f32; 2],
-    /// In its frame, of length 1.
+    /// The unit heading in the frame of the triangle.
     pub heading: [f32; 2],
 }
 
-/// Moves a walker straight ahead by `length`: across an edge the next triangle is unfolded into the
-/// plane of this one, as for a geodesic; at a boundary edge the walker is reflected. Without
-/// `rescale`, `length` is one in the texture, whose side is 1 (thesis, figure 3.5).
+/// Moves a walker straight ahead by `length`: across an edge, the next triangle is unfolded into
+/// the plane of the current one, as for a geodesic; a boundary edge reflects the walker. Without
+/// `rescale`, `length` is measured in the texture, whose side is 1 (thesis, figure 3.5).
 ///
 /// ```
 /// use catamaran::texture::slime::{Surface, Walker, unfold};
 ///
-/// // Once around a tile, whose sides are joined: back at the start.
+/// // One turn around a tile, whose sides are joined, ends at the start.
 /// let tile = Surface::tile()?;
 /// let [a, b, c] = tile.corners()[0];
 /// let position = [0, 1].map(|k| ((a[k] + b[k] + c[k]) / 3.0) as f32);
@@ -51,8 +50,8 @@ pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool)
     walker
 }
 
-/// The edge that a walker leaves its triangle by within `reach`, 3 for none, and how far it goes in
-/// the triangle.
+/// Returns the edge at which a walker leaves its triangle within `reach`, 3 for none, and the
+/// distance to it.
 #[inline(always)]
 fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) -> (usize, f32) {
     let record = &surface.records()[walker.triangle as usize];
@@ -63,7 +62,7 @@ fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) ->
         let [a, b, c] = [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
         let inside = a * x + b * y + c;
         let rate = a * dx + b * dy;
-        // Rounding may have left the walker a little outside: then it leaves at once.
+        // Rounding may have moved the walker a little outside; then it leaves at once.
         if k != entered && rate < 0.0 && inside + rate * reach < 0.0 {
             let at = if inside > 0.0 { inside } else { 0.0 } / -rate;
             if at < way {
@@ -74,7 +73,7 @@ fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) ->
     (exit, way)
 }
 
-/// Takes a walker over edge k; the number of the edge in the triangle that it is in then.
+/// Moves a walker across edge k; returns the index of the edge in its new triangle.
 #[inline]
 fn cross(surface: &Surface, walker: &mut Walker, k: usize) -> usize {
     let t = walker.triangle as usize;
@@ -98,7 +97,7 @@ fn cross(surface: &Surface, walker: &mut Walker, k: usize) -> usize {
     (across & 3) as usize
 }
 
-/// By how much the texture stretches lengths in the direction of a walker.
+/// Returns the factor by which the texture stretches lengths in the direction of a walker.
 fn stretch(surface: &Surface, walker: &Walker) -> f32 {
     let record = &surface.records()[walker.triangle as usize];
     let [dx, dy] = walker.heading;
@@ -108,12 +107,12 @@ fn stretch(surface: &Surface, walker: &Walker) -> f32 {
 }
 
 /// Moves a walker by algorithm 3.1 of the thesis: `count` sub-steps of `step` each, on the plane of
-/// the triangle. A sub-step that ends beyond edges is projected onto the nearest plane of the
-/// triangles across them, and its direction with it; boundary edges reflect.
+/// the triangle. A sub-step that ends beyond edges is projected, with its direction, onto the
+/// nearest plane of the triangles across these edges; boundary edges reflect.
 ///
-/// Departures: positions are in the frame of the triangle instead of the texture and the basis of
-/// space that its corners are, so that no matrix is singular; a point that projects beside the
-/// triangle is moved to its edge.
+/// Differences from the thesis: positions are in the frame of the triangle instead of the texture
+/// and a basis of its corners, so that no matrix is singular; a point whose projection is beside
+/// the triangle is moved to its edge.
 ///
 /// ```
 /// use catamaran::{mesh::families, texture::slime::{Surface, Walker, atlas, project}};
@@ -153,18 +152,17 @@ pub fn project(
     walker
 }
 
-/// How many of `most` sub-steps stay in the triangle for sure, so that none of them has to look at
-/// its edges; one that rounding might say otherwise of is not among them.
+/// Returns how many of `most` sub-steps certainly stay in the triangle, so that they need no test
+/// of its edges; steps that rounding makes doubtful are not counted.
 #[inline(always)]
 fn steps_inside(surface: &Surface, walker: &Walker, length: f32, most: u32) -> u32 {
     let record = &surface.records()[walker.triangle as usize];
     let [x, y] = walker.position;
     let [dx, dy] = walker.heading;
-    // A whole number that single precision has.
+    // A whole number that single precision represents exactly.
     let mut steps = most.min(1 << 24) as f32;
     let way = length * steps;
-    // Roundings of the steps and of what `first_exit` computes of each, twice of what they can be
-    // in all.
+    // Twice the bound of the rounding errors of the steps and of `first_exit`.
     let roundings = f32::EPSILON * (steps + 16.0);
     for k in 0..3 {
         let [a, b, c] = [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
@@ -176,7 +174,7 @@ fn steps_inside(surface: &Surface, walker: &Walker, length: f32, most: u32) -> u
             steps = if here < steps { here } else { steps };
         }
     }
-    // Below 0: none.
+    // Negative numbers: none.
     steps as u32
 }
 
@@ -230,7 +228,7 @@ fn project_across(surface: &Surface, walker: &mut Walker, ahead: [f32; 2], exit:
     let local = relative(frame);
     let heading = [along(direction, &frame[3..6]), along(direction, &frame[6..9])];
     let length = (heading[0] * heading[0] + heading[1] * heading[1]).sqrt();
-    // Across a fold of a right angle nothing is left of the direction: unfolding keeps it.
+    // Across a fold of a right angle, projection leaves no direction: unfolding keeps it.
     cross(surface, walker, nearest.0);
     if length > 1e-3 {
         walker.heading = heading.map(|x| x / length);
@@ -238,7 +236,7 @@ fn project_across(surface: &Surface, walker: &mut Walker, ahead: [f32; 2], exit:
     walker.position = [along(local, &frame[3..6]), along(local, &frame[6..9])];
 }
 
-/// Returns a point moved to the edges that it is beyond, or to the corner between them.
+/// Returns a point moved to the edges beyond which it lies, or to the corner between them.
 #[inline]
 pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]) -> [f32; 2] {
     let record = &surface.records()[triangle as usize];
@@ -247,15 +245,14 @@ pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]
     if (0..3).all(|k| inside(k, point) >= 0.0) {
         return point;
     }
-    // Where an edge is left by moving to the next one, it is looked at again.
+    // Moving to the next edge may leave an earlier one, so edges are tested again.
     for k in [0, 1, 2, 0, 1, 2] {
         let beyond = inside(k, point);
         if beyond < 0.0 {
             point = [point[0] - beyond * edge(k)[0], point[1] - beyond * edge(k)[1]];
         }
     }
-    // At a sharp corner that would take many rounds. Edge 2 came last, so the point is not beyond
-    // it.
+    // A sharp corner could take many rounds. Edge 2 was last, so the point is not beyond it.
     for k in [0, 1] {
         if inside(k, point) < -CORNER {
             let ([a, b, c], [p, q, r]) = (edge(k), edge(2));
@@ -266,7 +263,7 @@ pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]
     point
 }
 
-/// What rounding may leave between a point and its triangle.
+/// Largest distance between a point and its triangle that is due to rounding.
 const CORNER: f32 = 1e-6;
 
 #[cfg(test)]
@@ -286,7 +283,7 @@ mod tests {
                 let triangle = (rng.uniform() * surface.len() as f64) as usize;
                 let [_, b, c] = surface.corners()[triangle];
                 let (sin, cos) = (std::f64::consts::TAU * rng.uniform()).sin_cos();
-                // Near corners and edges, and beyond them by a rounding, too.
+                // Includes points near corners and edges, and beyond them by a rounding error.
                 let part = rng.uniform().powi(8) as f32;
                 let walker = Walker {
                     triangle: triangle as u32,

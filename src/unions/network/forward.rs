@@ -1,19 +1,19 @@
 use super::kernel::{Number, gemm, normalize};
 use super::{Architecture, FEATURES, INPUTS, K, LayerLayout, OCTAVES, Parameter, ParameterLayout};
 
-/// The results of a layer, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with
+/// The intermediate results of a layer, a row for each input: `x + down(a g / (1 + e^-g))` with
 /// `(a, g) = up(normalised x)`.
 #[derive(Debug, Clone, Default)]
 pub struct LayerTape<T> {
-    /// The input, normalised, before scale and shift.
+    /// The normalised input, before scale and shift.
     pub unit: Vec<T>,
-    /// One over the deviations of the rows of the input.
+    /// The inverse deviations of the rows of the input.
     pub inverse: Vec<T>,
-    /// The input, normalised, with scale and shift.
+    /// The normalised input, with scale and shift.
     pub normed: Vec<T>,
-    /// Hidden neurons and gates before they are multiplied, `2 hidden` a row.
+    /// Hidden neurons and gates before their product, `2 hidden` in a row.
     pub up: Vec<T>,
-    /// Hidden neurons, through their gates.
+    /// Hidden neurons after multiplication by their gates.
     pub hidden: Vec<T>,
 }
 
@@ -29,7 +29,7 @@ impl<T: Number> LayerTape<T> {
         }
     }
 
-    /// `x` becomes what the layer gives.
+    /// Replaces `x` by the output of the layer.
     fn run(&mut self, layout: &LayerLayout, parameters: &[T], x: &mut [T]) {
         let norm = of(parameters, layout.norm);
         normalize(x, norm, &mut self.unit, &mut self.inverse, &mut self.normed);
@@ -56,13 +56,13 @@ pub fn sigmoid<T: Number>(x: T) -> T {
     T::ONE / (T::ONE + (-x).exp())
 }
 
-/// Features and their waves, `K x INPUTS` a row, for each `K x FEATURES`.
+/// Computes the features and their waves, `K x INPUTS` in a row, from each row of `K x FEATURES`.
 fn waves<T: Number>(features: &[T], inputs: &mut [T]) {
     let rows = features.chunks_exact(K * FEATURES).zip(inputs.chunks_exact_mut(K * INPUTS));
     for (features, inputs) in rows {
         let (plain, waves) = inputs.split_at_mut(K * FEATURES);
         plain.copy_from_slice(features);
-        // The logarithm comes first for each eigenvalue.
+        // The logarithm is the first feature of each eigenvalue.
         let logarithms = features.chunks_exact(FEATURES).map(|row| row[0]);
         for (waves, logarithm) in waves.chunks_exact_mut(2 * OCTAVES).zip(logarithms) {
             let (mut sine, mut cosine) = logarithm.sin_cos();
@@ -79,7 +79,7 @@ fn of<T>(parameters: &[T], pair: [Parameter; 2]) -> [&[T]; 2] {
     pair.map(|parameter| &parameters[parameter.range()])
 }
 
-/// `y := x weights + bias`, a row for each row of x.
+/// Computes `y := x weights + bias`, a row for each row of x.
 fn linear<T: Number>(x: &[T], [weights, bias]: [&[T]; 2], y: &mut [T]) {
     for row in y.chunks_exact_mut(bias.len()) {
         row.copy_from_slice(bias);
@@ -87,7 +87,7 @@ fn linear<T: Number>(x: &[T], [weights, bias]: [&[T]; 2], y: &mut [T]) {
     product(x, weights, bias.len(), y);
 }
 
-/// `y += x weights`.
+/// Computes `y += x weights`.
 fn product<T: Number>(x: &[T], weights: &[T], columns: usize, y: &mut [T]) {
     let inner = weights.len() / columns;
     gemm((y.len() / columns, inner, columns), x, (inner, 1), weights, y);
@@ -99,38 +99,40 @@ fn add<T: Number>(sum: &mut [T], x: &[T]) {
     }
 }
 
-/// Everything that [`forward`] computes for a number of unions of equally many parts. "A row for
-/// each part" means: those of the first parts of all unions, then those of the second ones, and so
-/// on.
+/// All intermediate results of [`forward`] for several unions with the same number of parts. "A row
+/// for each part" means the rows of the first parts of all unions, then the rows of the second
+/// parts, and so on.
 #[derive(Debug, Clone)]
 pub struct Tape<T> {
-    /// Features, `K x FEATURES` a row for each part. To be filled in before [`forward`].
+    /// Features, `K x FEATURES` in a row for each part. The caller fills them in before
+    /// [`forward`].
     pub features: Vec<T>,
-    /// What the first layer reads, `K x INPUTS` a row for each part.
+    /// Input of the first layer, `K x INPUTS` in a row for each part.
     pub inputs: Vec<T>,
     /// The layers of the encoder, a row for each part.
     pub first: Vec<LayerTape<T>>,
-    /// Those of the decoder, a row for each union.
+    /// The layers of the decoder, a row for each union.
     pub second: Vec<LayerTape<T>>,
-    /// What the last layer gave, normalised.
+    /// The normalised output of the last layer.
     pub unit: Vec<T>,
-    /// One over the deviations of its rows.
+    /// The inverse deviations of its rows.
     pub inverse: Vec<T>,
-    /// With scale and shift.
+    /// The normalised output of the last layer, with scale and shift.
     pub normed: Vec<T>,
     /// The output: a number for each eigenvalue of the union.
     pub output: Vec<T>,
-    /// Where the union is: coefficients in eigenfunctions of a template.
+    /// Position of the union: coefficients of eigenfunctions of a template.
     pub region: Vec<T>,
-    /// The logit of the probability that the parts are of another kind of shape than the template.
+    /// The logit of the probability that the parts come from another kind of shape than the
+    /// template.
     pub ood_logit: Vec<T>,
-    /// What the encoder gave, normalised, a row for each part.
+    /// The normalised output of the encoder, a row for each part.
     pub part_unit: Vec<T>,
-    /// One over the deviations of its rows.
+    /// The inverse deviations of its rows.
     pub part_inverse: Vec<T>,
-    /// With scale and shift.
+    /// The normalised output of the encoder, with scale and shift.
     pub part_normed: Vec<T>,
-    /// Where the parts are, coefficients, a row for each part.
+    /// Positions of the parts: coefficients, a row for each part.
     pub part_region: Vec<T>,
 }
 
@@ -160,12 +162,12 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// Computes `tape.output`, the regions and the out-of-distribution logit from `tape.features`. What
-/// the encoder returns for the parts of a union is added, part by part: the order of two parts does
-/// not matter, bit for bit.
+/// Computes `tape.output`, the regions and the out-of-distribution logit from `tape.features`. The
+/// outputs of the encoder for the parts of a union are added, part by part: the order of two parts
+/// does not change the result, bit for bit.
 ///
 /// # Panics
-/// When `tape` or `parameters` are of another architecture.
+/// When `tape` or `parameters` belong to another architecture.
 pub fn forward<T: Number>(
     sizes: &Architecture,
     layout: &ParameterLayout,

@@ -1,5 +1,5 @@
-//! Small dense arithmetic. Every sum is taken in one order, with one rounding a term, so that
-//! results depend neither on the CPU nor on how rows are grouped.
+//! Small dense arithmetic. Every sum has one order, with one rounding for each term, so that
+//! results depend neither on the CPU nor on the grouping of rows.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use pulp::{Arch, Scalar, Simd, WithSimd};
 
 use crate::base::Real;
 
-/// A scalar with what a network needs.
+/// A scalar with the operations that a network needs.
 pub trait Number: Real + Lanes {
     /// Returns the square root.
     fn sqrt(self) -> Self;
@@ -45,12 +45,12 @@ macro_rules! number {
 
 number!(f32, f64);
 
-/// Scalars in vectors of the processor.
+/// Scalars in SIMD vectors.
 pub trait Lanes: Sized {
-    /// Scalars side by side.
+    /// The vector of these scalars.
     type Vector<S: Simd>: Copy;
 
-    /// Returns the number of scalars of a vector.
+    /// Returns the number of scalars in a vector.
     fn lanes<S: Simd>() -> usize;
     /// Returns `x` in all lanes.
     fn splat<S: Simd>(simd: S, x: Self) -> Self::Vector<S>;
@@ -152,16 +152,17 @@ impl<T: Number> WithSimd for Gemm<'_, T> {
     }
 }
 
-/// Terms that are added at a time: what a tile needs of a for them stays in the fastest cache.
+/// Number of terms that are added at a time: the part of a that a tile needs for them stays in the
+/// first-level cache.
 const DEPTH: usize = 128;
 
-/// Scalars of the longest vectors.
+/// Number of scalars in the longest vectors.
 const MOST_LANES: usize = 16;
 
 impl<T: Number> Gemm<'_, T> {
     /// Adds some of the terms, tile by tile of c. The sums of a tile stay in registers: 12 vectors
-    /// where there are 16, 24 where there are 32. Tiles of fewer rows are wider, as 8 sums at once
-    /// hide how long one addition takes.
+    /// with 16 registers, 24 with 32. Tiles of fewer rows are wider, because 8 sums at once hide
+    /// the latency of an addition.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, terms: Range<usize>) {
         let terms = &terms;
@@ -177,8 +178,8 @@ impl<T: Number> Gemm<'_, T> {
         }
     }
 
-    /// From `row` on, in tiles of `TALL` rows and `WIDE` vectors, or one where columns run out.
-    /// Gives the first row left over.
+    /// Adds the terms to the rows from `row` on, in tiles of `TALL` rows and `WIDE` vectors, or of
+    /// one vector where columns run out. Returns the first row left over.
     #[inline(always)]
     fn add_to_rows<S: Simd, const TALL: usize, const WIDE: usize>(
         &mut self,
@@ -209,8 +210,8 @@ impl<T: Number> Gemm<'_, T> {
                 column += lanes;
             }
             if column < columns {
-                // Of the last vector of columns, some are done already: new sums of those are
-                // dropped.
+                // The last vector of columns may overlap columns that are done already; their new
+                // sums are dropped.
                 let last = columns - lanes;
                 let mut sums = [[T::ZERO; MOST_LANES]; TALL];
                 for i in 0..TALL {
@@ -229,7 +230,7 @@ impl<T: Number> Gemm<'_, T> {
     }
 }
 
-/// The first rows of `a`, by columns.
+/// Packs the first rows of `a` by columns.
 #[inline(always)]
 fn pack<T: Number, const TALL: usize>(a: &[T], strides: (usize, usize), packed: &mut [[T; TALL]]) {
     if strides.0 == 1 {
@@ -248,8 +249,8 @@ fn pack<T: Number, const TALL: usize>(a: &[T], strides: (usize, usize), packed: 
     }
 }
 
-/// `c += a b` for `TALL` rows of c and the first `WIDE` vectors of them, with `a` by columns. Rows
-/// of b and of c come with how far apart they are.
+/// Computes `c += a b` for `TALL` rows of c and the first `WIDE` vectors of each, with `a` by
+/// columns. Rows of b and c come with their strides.
 #[inline(always)]
 fn tile<T: Number, S: Simd, const TALL: usize, const WIDE: usize>(
     simd: S,
@@ -272,7 +273,7 @@ fn tile<T: Number, S: Simd, const TALL: usize, const WIDE: usize>(
     }
 }
 
-/// Returns the sum of `f(0..n)` by eight partial sums.
+/// Returns the sum of `f(0..n)`, by eight partial sums.
 #[inline(always)]
 pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
     let mut parts = [T::ZERO; 8];
@@ -289,9 +290,9 @@ pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
         + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
 }
 
-/// Applies layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its
-/// standard deviation, goes to `unit`; that times `scale` plus `shift` to `y`; one over the
-/// deviations, regularised, to `inverse`.
+/// Applies layer normalisation (Ba, Kiros and Hinton 2016): `unit` gets each row of `x` minus its
+/// mean, divided by its standard deviation; `y` gets `unit` times `scale` plus `shift`; `inverse`
+/// gets the inverse regularised deviations.
 ///
 /// # Panics
 /// When a slice is too short.
@@ -322,7 +323,7 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    /// The instruction sets that can be tried here.
+    /// Returns the instruction sets of this machine.
     fn instruction_sets() -> Vec<Arch> {
         let mut sets = vec![Arch::new(), Arch::Scalar];
         #[cfg(target_arch = "x86_64")]

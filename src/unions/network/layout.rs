@@ -6,33 +6,33 @@ use crate::base::{Error, Result};
 /// The sizes of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Architecture {
-    /// Numbers that stand for a spectrum, or the union of two.
+    /// Length of the code of a spectrum, and of the union of parts.
     pub width: usize,
-    /// Neurons of a layer.
+    /// Number of hidden neurons of a layer.
     pub hidden: usize,
-    /// Layers of the encoder, which sees one spectrum.
+    /// Number of layers of the encoder, which reads one spectrum.
     pub first_layers: usize,
-    /// Layers of the decoder, which sees the sum over the parts.
+    /// Number of layers of the decoder, which reads the sum over the parts.
     pub second_layers: usize,
-    /// Coefficients of a region on a template.
+    /// Number of coefficients of a region on a template.
     pub modes: usize,
 }
 
 impl Default for Architecture {
-    /// That of the pretrained weights.
+    /// Returns the architecture of the pretrained weights.
     fn default() -> Self {
         Self { width: 256, hidden: 512, first_layers: 2, second_layers: 2, modes: 128 }
     }
 }
 
-/// A matrix among the parameters, by rows; a vector is one row.
+/// A matrix among the parameters, by rows; a vector has one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its first element.
+    /// Index of its first element.
     pub start: usize,
-    /// Its rows: inputs.
+    /// Number of rows: inputs.
     pub rows: usize,
-    /// Its columns: outputs.
+    /// Number of columns: outputs.
     pub columns: usize,
 }
 
@@ -43,18 +43,18 @@ impl Parameter {
     }
 }
 
-/// Where the parameters of a layer are.
+/// The positions of the parameters of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LayerLayout {
     /// Scale and shift of the normalisation before the layer.
     pub norm: [Parameter; 2],
     /// Weights and bias into the hidden neurons, then into their gates.
     pub up: [Parameter; 2],
-    /// Weights and bias out of them.
+    /// Weights and bias from the hidden neurons to the output.
     pub down: [Parameter; 2],
 }
 
-/// Where the parameters of a network are in one array.
+/// The positions of the parameters of a network in one array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ParameterLayout {
     /// Weights and bias, from the features of a spectrum.
@@ -75,17 +75,17 @@ pub struct ParameterLayout {
     pub part_norm: [Parameter; 2],
     /// Weights and bias of the region of each part.
     pub part_region: [Parameter; 2],
-    /// Name and place of every matrix, in their order.
+    /// Name and position of every matrix, in their order.
     pub named: Vec<(String, Parameter)>,
     /// Number of parameters.
     pub len: usize,
 }
 
 impl Architecture {
-    /// Returns an error for sizes that make no network.
+    /// Returns an error for invalid sizes.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the size.
+    /// [`Error::Argument`] names the invalid size.
     pub fn check(&self) -> Result<()> {
         let ranges = [
             ("width", self.width, 1, 4096),
@@ -96,7 +96,7 @@ impl Architecture {
         ];
         for (what, value, least, most) in ranges {
             if !(least..=most).contains(&value) {
-                let why = format!("{value} is not from {least} to {most}");
+                let why = format!("must be from {least} to {most}, is {value}");
                 return Err(Error::Argument { what, why });
             }
         }
@@ -149,7 +149,7 @@ struct List {
 }
 
 impl List {
-    /// Weights, and a bias for each column. (Of a normalisation: scale and shift.)
+    /// Appends weights, and a bias for each column. (For a normalisation: scale and shift.)
     fn linear(&mut self, name: &str, rows: usize, columns: usize) -> [Parameter; 2] {
         [("weight", rows), ("bias", 1)].map(|(part, rows)| {
             let parameter = Parameter { start: self.len, rows, columns };

@@ -1,11 +1,10 @@
 //! The network behind [`SpectralUnion`](super::SpectralUnion): its parameters and its forward pass,
-//! generic over the scalar, with everything kept that back-propagation (the workspace member
-//! `training`) needs.
+//! generic over the scalar. The forward pass keeps the intermediate results for back-propagation in
+//! the workspace member `training`.
 //!
 //! Source: thesis, section 2.4 (a commutative sum between an encoder and a decoder); each part is
-//! encoded for itself, as sets are (Zaheer et al. 2017); the layers are gated residual perceptrons
-//! with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention:
-//! docs/decisions/0025.
+//! encoded separately, as for sets (Zaheer et al. 2017); the layers are gated residual perceptrons
+//! with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention: docs/decisions/0025.
 
 mod forward;
 mod kernel;
@@ -21,14 +20,13 @@ pub(super) use quantize::{column_units, from_integers, is_quantized, to_integers
 /// The number of eigenvalues of a spectrum.
 pub const K: usize = 20;
 
-/// The count of numbers for each eigenvalue of a part that the network is given: see
-/// [`PartFeatures`](super::PartFeatures).
+/// The number of features of each eigenvalue of a part: see [`PartFeatures`](super::PartFeatures).
 pub const FEATURES: usize = 2;
 
-/// Doublings of the logarithm whose sines and cosines the first layer reads, so that narrow ranges
-/// of eigenvalues can be told apart.
+/// Number of doublings of the logarithm whose sines and cosines the first layer reads, so that it
+/// can distinguish eigenvalues in a narrow range.
 const OCTAVES: usize = 3;
 
-/// The count of numbers for each eigenvalue that the first layer reads: the features, and sines and
-/// cosines of the logarithm among them and of its doublings.
+/// The number of inputs of the first layer for each eigenvalue: the features, and sines and cosines
+/// of the logarithm and of its doublings.
 pub const INPUTS: usize = FEATURES + 2 * OCTAVES;

@@ -2,17 +2,16 @@ use super::Parameter;
 
 /// Largest whole number of a quantized weight.
 const LARGEST: f32 = 127.0;
-/// From here on to twice as much, numbers of single precision are whole.
+/// From this number up to its double, numbers in single precision are whole.
 const ROUNDING: f32 = 1.5 * (1 << 23) as f32;
 
-/// Returns for each column of these weights the number that one unit is worth: the largest weight
-/// is 127 units.
+/// Returns for each column of these weights the value of one unit: the largest weight is 127 units.
 pub fn column_units(weights: &[f32], columns: usize) -> Vec<f32> {
     let mut units = vec![0.0f32; columns];
     for row in weights.chunks_exact(columns) {
         units.iter_mut().zip(row).for_each(|(unit, x)| *unit = unit.max(x.abs()));
     }
-    // So small that nothing is lost, but no zero to divide by.
+    // So small that it changes no weight, and the division is defined.
     units.iter_mut().for_each(|unit| *unit = (*unit / LARGEST).max(f32::MIN_POSITIVE));
     units
 }
@@ -22,8 +21,7 @@ pub fn to_integers(weights: &[f32], units: &[f32]) -> Vec<f32> {
     let mut whole = weights.to_vec();
     for row in whole.chunks_exact_mut(units.len()) {
         for (x, unit) in row.iter_mut().zip(units) {
-            // Adding and taking away rounds numbers below 2^22, and is done in vectors, unlike
-            // `round`.
+            // Adding and subtracting rounds numbers below 2^22, and is vectorised, unlike `round`.
             *x = ((*x / unit).clamp(-LARGEST, LARGEST) + ROUNDING) - ROUNDING;
         }
     }

@@ -243,7 +243,7 @@ fn options_of_a_drought_out_of_range_are_named() {
         assert!(error.contains(part), "{error}");
     };
     let pour = |seconds, amount| vec![Rewatering { seconds, amount }];
-    says(CurveOptions::new().rewatering(pour(1.0, None)), "no soil");
+    says(CurveOptions::new().rewatering(pour(1.0, None)), "requires a soil");
     let soil = Some(Soil::new(1.0));
     says(CurveOptions::new().soil(soil).rewatering(pour(-1.0, None)), "time of rewatering");
     says(CurveOptions::new().soil(soil).rewatering(pour(1.0, Some(-1.0))), "amount of rewatering");

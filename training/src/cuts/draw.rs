@@ -6,14 +6,14 @@ use catamaran::mesh::Edges;
 
 use super::regions::{Mask, Surface};
 
-/// Shares of the area that a region has.
+/// Range of a region's share of the area.
 const SHARES: [f64; 2] = [0.08, 0.6];
 
-/// Attempts for each region that is wanted.
+/// Number of attempts per region.
 const ATTEMPTS: usize = 20;
 
-/// Up to `count` regions, in turn a ball, a union of segments, if there are any, and a half space;
-/// no two alike or mirror images of each other.
+/// Draws up to `count` regions, in turn a ball, a union of segments, if there are any, and a half
+/// space. No two are equal or mirror images of each other.
 pub(super) fn regions(
     surface: &Surface<'_>,
     segments: &[u32],
@@ -43,7 +43,7 @@ pub(super) fn regions(
     Ok(found)
 }
 
-/// A geodesic ball of a share of the area.
+/// Returns a geodesic ball with a random share of the area.
 fn ball(surface: &Surface<'_>, rng: &mut Rng) -> Result<Mask> {
     let centre = below(surface.len(), rng) as u32;
     let share = SHARES[0] + (SHARES[1] - SHARES[0]) * rng.uniform();
@@ -63,7 +63,7 @@ fn ball(surface: &Surface<'_>, rng: &mut Rng) -> Result<Mask> {
     Ok(mask)
 }
 
-/// Segments that hang together.
+/// Returns a connected union of segments.
 fn segment_union(segments: &[u32], touching: &[Vec<u32>], rng: &mut Rng) -> Mask {
     let mut inside = vec![false; touching.len()];
     let mut edge = vec![below(touching.len(), rng) as u32];
@@ -81,7 +81,7 @@ fn segment_union(segments: &[u32], touching: &[Vec<u32>], rng: &mut Rng) -> Mask
     segments.iter().map(|&s| inside[s as usize]).collect()
 }
 
-/// What is on one side of a plane through a vertex.
+/// Returns one side of a plane through a vertex.
 fn half_space(surface: &Surface<'_>, rng: &mut Rng) -> Mask {
     let normal = std::array::from_fn(|_| 2.0 * rng.uniform() - 1.0);
     let p = surface.mesh.vertices()[below(surface.len(), rng)];
@@ -89,7 +89,7 @@ fn half_space(surface: &Surface<'_>, rng: &mut Rng) -> Mask {
     surface.mesh.half_space(normal, offset)
 }
 
-/// Which segments each segment touches.
+/// Returns, for each segment, the segments that touch it.
 fn touching(surface: &Surface<'_>, segments: &[u32]) -> Vec<Vec<u32>> {
     let count = segments.iter().max().map_or(0, |&s| s as usize + 1);
     let mut touching = vec![vec![]; count];
@@ -106,7 +106,7 @@ fn touching(surface: &Surface<'_>, segments: &[u32]) -> Vec<Vec<u32>> {
     touching
 }
 
-/// A number from 0 to n - 1.
+/// Returns a random number from 0 to n - 1.
 pub(crate) fn below(n: usize, rng: &mut Rng) -> usize {
     ((rng.uniform() * n as f64) as usize).min(n.saturating_sub(1))
 }

@@ -1,8 +1,8 @@
-//! Parts of the shapes of a family: masks over the vertices of its template, and pairs of them.
+//! Parts of the shapes of a family: masks over the vertices of the template, and pairs of masks.
 //!
-//! Thesis, section 2.5: regions by geodesic balls, by segments and by planes, with smoothed edges;
-//! pairs of them that overlap; of the unions that the two spectra could mean, only one is kept
-//! (figure 2.3): that of the least area, on the left.
+//! Thesis, section 2.5: regions are geodesic balls, unions of segments and half spaces, with
+//! smoothed edges, and pairs consist of regions that overlap. Two spectra can belong to several
+//! unions (figure 2.3); of these, only the one with the least area is kept, on the left.
 
 mod draw;
 mod pairs;
@@ -25,22 +25,23 @@ pub(crate) use pairs::no_pair;
 pub use regions::{Mask, id};
 pub(crate) use regions::{Surface, union};
 
-/// Vertices that two parts share at least.
+/// Smallest number of vertices that two parts share.
 pub const OVERLAP: usize = 50;
 
-/// How many of each there shall be; fewer are found on small templates.
+/// Numbers of regions, pairs and triples; small templates may give fewer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CutOptions {
-    /// Regions: geodesic balls, unions of segments and half spaces, a third each.
+    /// Number of regions: a third each of geodesic balls, unions of segments, and half spaces.
     pub regions: usize,
-    /// Pairs of regions.
+    /// Number of pairs of regions.
     pub pairs: usize,
-    /// Pairs of a region and the union of an earlier pair, as unions of many parts have them.
+    /// Number of pairs of a region and the union of an earlier pair, which occur in unions of many
+    /// parts.
     pub composites: usize,
-    /// Pairs into which one region is split; its spectrum is then that of the union. The first ones
-    /// split the complete shape.
+    /// Number of pairs into which one region is split; the union is then that region. The first
+    /// ones split the complete shape.
     pub splits: usize,
-    /// Triples.
+    /// Number of triples.
     pub triples: usize,
     /// Seed.
     pub seed: u64,
@@ -52,7 +53,7 @@ impl Default for CutOptions {
     }
 }
 
-/// Two parts and their union, by their ids.
+/// Two parts and their union, as ids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Pair {
     /// The parts, the smaller id first.
@@ -61,30 +62,30 @@ pub struct Pair {
     pub union: usize,
 }
 
-/// Three parts, the first meeting the second and the second the third.
+/// Three parts; the first overlaps the second and the second overlaps the third.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Triple {
     /// The parts.
     pub parts: [usize; 3],
-    /// Unions of the first two and of the last two.
+    /// The unions of the first two and of the last two.
     pub unions: [usize; 2],
-    /// The union of all.
+    /// The union of all three.
     pub whole: usize,
 }
 
 /// The cuts of a family.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cuts {
-    /// All masks by their ids, no two alike.
+    /// All masks by their ids, without duplicates.
     pub masks: BTreeMap<usize, Mask>,
-    /// No two alike.
+    /// The pairs, without duplicates.
     pub pairs: Vec<Pair>,
-    /// No two alike.
+    /// The triples, without duplicates.
     pub triples: Vec<Triple>,
 }
 
 impl Cuts {
-    /// The mask that covers everything.
+    /// Returns the id of the mask that covers everything.
     pub fn complete(&self) -> usize {
         let vertices = self.masks.values().next().map_or(0, Vec::len);
         id(&vec![true; vertices])
@@ -97,20 +98,20 @@ impl Cuts {
     }
 }
 
-/// Cuts the template of a family. The same options give the same cuts, for any number of threads.
+/// Cuts the template of a family. The same options give the same cuts for any number of threads.
 ///
 /// # Errors
-/// As [`HeatMethod`](catamaran::mesh::HeatMethod).
+/// Those of [`HeatMethod`](catamaran::mesh::HeatMethod).
 pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
     let surface = Surface::new(model.template(), model.mirror(), par)?;
     cuts_of(&surface, model.segments(), options)
 }
 
-/// Cuts any mesh, of which no symmetry and no segments are known: by balls and planes. The same
-/// options give the same cuts, for any number of threads.
+/// Cuts a mesh without known symmetry and segments, by balls and planes. The same options give the
+/// same cuts for any number of threads.
 ///
 /// # Errors
-/// As [`HeatMethod`](catamaran::mesh::HeatMethod).
+/// Those of [`HeatMethod`](catamaran::mesh::HeatMethod).
 pub fn cuts_of_mesh(mesh: &TriMesh, options: &CutOptions, par: Par) -> Result<Cuts> {
     let itself: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
     cuts_of(&Surface::new(mesh, &itself, par)?, &[], options)

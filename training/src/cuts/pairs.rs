@@ -1,4 +1,4 @@
-//! Pairs of parts whose union is not in doubt.
+//! Pairs of parts whose union is unambiguous.
 
 use catamaran::Result;
 use catamaran::base::Rng;
@@ -7,20 +7,21 @@ use super::draw::below;
 use super::regions::{Mask, Surface, overlap, union};
 use super::{Cuts, OVERLAP, Pair};
 
-/// Unions whose areas differ by less than this part are in doubt.
+/// Unions are ambiguous when their areas differ by less than this share.
 const DOUBT: f64 = 0.02;
 
-/// Attempts for each pair that is wanted.
+/// Number of attempts per pair.
 const ATTEMPTS: usize = 30;
 
-/// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are
-/// removed.
+/// Smallest number of interior vertices of a part, so that it still has a spectrum when 30 % of the
+/// vertices are removed.
 const INSIDE: usize = 60;
 
-/// A part that adds less than this share of the union adds nothing.
+/// Smallest share of the union that each part must add.
 const LEAST_GAIN: f64 = 0.05;
 
-/// Up to `count` pairs of one of `first` and one of `second`, each as it is or mirrored.
+/// Adds up to `count` pairs of a region of `first` and a region of `second`, each as it is or
+/// mirrored.
 pub(super) fn of_regions(
     surface: &Surface<'_>,
     [first, second]: [&[Mask]; 2],
@@ -38,7 +39,8 @@ pub(super) fn of_regions(
     }
 }
 
-/// Up to `count` pairs that split a region: the complete shape first, then regions in turn.
+/// Adds up to `count` pairs that split a region: the complete shape first, then the regions in
+/// turn.
 pub(super) fn by_splitting(
     surface: &Surface<'_>,
     regions: &[Mask],
@@ -64,8 +66,8 @@ pub(super) fn by_splitting(
     Ok(())
 }
 
-/// Two parts of a region: what is nearer to one of two of its vertices, and a band beyond the
-/// middle.
+/// Splits a region in two parts: each contains the vertices that are nearer to one of two vertices,
+/// and a band beyond the middle.
 fn split(surface: &Surface<'_>, region: &[bool], rng: &mut Rng) -> Result<[Mask; 2]> {
     let inside: Vec<usize> = (0..surface.len()).filter(|&v| region[v]).collect();
     let pick = |rng: &mut Rng| inside[below(inside.len(), rng)] as u32;
@@ -74,7 +76,7 @@ fn split(surface: &Surface<'_>, region: &[bool], rng: &mut Rng) -> Result<[Mask;
     let band = (0.1 + 0.4 * rng.uniform()) * to_first[second as usize];
     let part = |near: &[f64], far: &[f64]| {
         let raw: Mask = (0..surface.len()).map(|v| region[v] && near[v] < far[v] + band).collect();
-        // Smoothed only where it ends inside of the region.
+        // Smooths only the edges in the interior of the region.
         let smooth = surface.smoothed(&raw);
         let kept: Mask = (0..surface.len()).map(|v| region[v] && (smooth[v] || raw[v])).collect();
         surface.largest_piece(&kept)
@@ -82,8 +84,9 @@ fn split(surface: &Surface<'_>, region: &[bool], rng: &mut Rng) -> Result<[Mask;
     Ok([part(&to_first, &to_second), part(&to_second, &to_first)])
 }
 
-/// Adds the pair, or one of the mirror images that its spectra could as well mean: that with the
-/// least union, on the left. Whether it was added: it must be a pair, clear, and not there yet.
+/// Adds the pair, or the mirror image to which its spectra may belong as well and that has the
+/// least union, on the left. Returns whether it was added: it must be a valid, unambiguous and new
+/// pair.
 fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
     let Some([a, b]) = canonical(surface, a, b) else { return false };
     let all = union(&a, &b);
@@ -99,7 +102,7 @@ fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
     true
 }
 
-/// Why two parts with this union are no pair, if they are none.
+/// Returns why two parts with this union are not a valid pair; `None` if they are.
 pub(crate) fn no_pair(
     surface: &Surface<'_>,
     parts: [&[bool]; 2],
@@ -107,23 +110,23 @@ pub(crate) fn no_pair(
 ) -> Option<&'static str> {
     let area = surface.area(whole);
     if parts.iter().any(|part| surface.inside(part) < INSIDE) {
-        return Some("one has too few vertices inside");
+        return Some("one has too few interior vertices");
     }
     if overlap(parts[0], parts[1]) < OVERLAP {
-        return Some("they share too few vertices");
+        return Some("they have too few common vertices");
     }
     let adds_too_little = |part: &[bool]| area - surface.area(part) < LEAST_GAIN * area;
-    parts.into_iter().any(adds_too_little).then_some("one adds too little")
+    parts.into_iter().any(adds_too_little).then_some("one adds too little to the union")
 }
 
-/// The same two parts, mirrored where need be; `None` when they don't overlap enough, one adds too
-/// little, or the least union is in doubt.
+/// Returns the two parts, mirrored if necessary; `None` when they overlap too little, one adds too
+/// little, or the least union is ambiguous.
 pub(crate) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option<[Mask; 2]> {
     let other = surface.mirrored(b);
     let unions = [union(a, b), union(a, &other)];
     let areas = [0, 1].map(|i| surface.area(&unions[i]));
-    // The same class either way when one of the parts is its own mirror image, or the unions are
-    // mirror images.
+    // Both give the same class when one of the parts is its own mirror image, or the unions are
+    // mirror images of each other.
     let same = unions[0] == unions[1] || surface.mirrored(&unions[0]) == unions[1];
     if !same && (areas[0] - areas[1]).abs() < DOUBT * areas[0].max(areas[1]) {
         return None;

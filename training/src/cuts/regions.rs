@@ -3,10 +3,10 @@
 use catamaran::mesh::{Adjacency, HeatMethod, HeatOptions, TriMesh, vertex_areas};
 use catamaran::{Par, Result};
 
-/// Of each vertex of the template whether it is in.
+/// For each vertex of the template, whether it belongs to the region.
 pub type Mask = Vec<bool>;
 
-/// A template, as cuts need it.
+/// A template with the data that cuts require.
 pub(crate) struct Surface<'m> {
     pub mesh: &'m TriMesh,
     pub mirror: &'m [u32],
@@ -34,7 +34,7 @@ impl<'m> Surface<'m> {
         (0..self.len()).filter(|&v| mask[v]).map(|v| self.areas[v]).sum()
     }
 
-    /// Its area relative to that of the whole.
+    /// Returns the area of a mask relative to that of the surface.
     pub fn share(&self, mask: &[bool]) -> f64 {
         self.area(mask) / self.areas.iter().sum::<f64>()
     }
@@ -43,7 +43,7 @@ impl<'m> Surface<'m> {
         self.mirror.iter().map(|&m| mask[m as usize]).collect()
     }
 
-    /// How much more of it is on the left, the side of positive x, than on the right.
+    /// Returns the area of a mask on the left, the side of positive x, minus that on the right.
     pub fn leaning(&self, mask: &[bool]) -> f64 {
         let side = |v: usize| match self.mesh.vertices()[v][0] {
             x if x > 0.0 => self.areas[v],
@@ -53,11 +53,11 @@ impl<'m> Surface<'m> {
         (0..self.len()).filter(|&v| mask[v]).map(side).sum()
     }
 
-    /// The mask with a smooth edge and without holes of single vertices: rounds of taking what the
-    /// majority of neighbours has; then its largest piece.
+    /// Returns the mask with a smooth edge and without holes of single vertices: in each round, a
+    /// vertex adopts the value of the majority of its neighbours; the largest piece is kept.
     pub fn smoothed(&self, mask: &[bool]) -> Mask {
         let mut level: Vec<f64> = mask.iter().map(|&inside| f64::from(u8::from(inside))).collect();
-        // The width of the smoothing does not depend on the resolution.
+        // Makes the width of the smoothing independent of the resolution.
         let rounds = (self.len() as f64 / 400.0).ceil() as usize;
         for _ in 0..rounds {
             let mean = |(v, around): (usize, &[u32])| {
@@ -70,13 +70,13 @@ impl<'m> Surface<'m> {
         self.largest_piece(&smooth)
     }
 
-    /// The number of vertices whose neighbours are all in the mask as well.
+    /// Returns the number of vertices in the mask whose neighbours are all in the mask.
     pub fn inside(&self, mask: &[bool]) -> usize {
         let closed = |v: &usize| self.neighbours.row(*v).iter().all(|&w| mask[w as usize]);
         (0..self.len()).filter(|&v| mask[v]).filter(closed).count()
     }
 
-    /// The piece with the largest number of vertices.
+    /// Returns the piece with the largest number of vertices.
     pub fn largest_piece(&self, mask: &[bool]) -> Mask {
         let mut left = mask.to_vec();
         let mut best: Vec<u32> = Vec::new();
@@ -104,17 +104,17 @@ impl<'m> Surface<'m> {
     }
 }
 
-/// The vertices in both.
+/// Returns the number of vertices in both masks.
 pub(super) fn overlap(a: &[bool], b: &[bool]) -> usize {
     a.iter().zip(b).filter(|(a, b)| **a && **b).count()
 }
 
-/// The vertices in either.
+/// Returns the union of two masks.
 pub(crate) fn union(a: &[bool], b: &[bool]) -> Mask {
     a.iter().zip(b).map(|(a, b)| *a || *b).collect()
 }
 
-/// A number that tells masks apart (FNV-1a over the vertices in it).
+/// Returns a number that identifies a mask (FNV-1a over its vertices).
 pub fn id(mask: &[bool]) -> usize {
     let inside = (0u64..).zip(mask).filter(|(_, inside)| **inside).map(|(v, _)| v);
     let hash = inside.fold(0xcbf2_9ce4_8422_2325u64, |hash, v| {

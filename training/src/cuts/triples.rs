@@ -1,4 +1,4 @@
-//! Triples of parts, for associativity.
+//! Triples of parts, to measure associativity.
 
 use catamaran::base::Rng;
 
@@ -7,11 +7,11 @@ use super::pairs::canonical;
 use super::regions::{Surface, union};
 use super::{Cuts, Triple};
 
-/// Attempts for each triple that is wanted.
+/// Number of attempts per triple.
 const ATTEMPTS: usize = 200;
 
-/// Up to `count` triples of parts of pairs: both ways of uniting them go through pairs that are not
-/// in doubt.
+/// Adds up to `count` triples of parts of pairs. Both orders of the unions consist of unambiguous
+/// pairs.
 pub(super) fn find(surface: &Surface<'_>, count: usize, cuts: &mut Cuts, rng: &mut Rng) {
     if cuts.pairs.is_empty() {
         return;
@@ -22,7 +22,7 @@ pub(super) fn find(surface: &Surface<'_>, count: usize, cuts: &mut Cuts, rng: &m
         }
         let pick = |rng: &mut Rng| cuts.pairs[below(cuts.pairs.len(), rng)];
         let [one, other] = [pick(rng), pick(rng)];
-        // They share the part in the middle.
+        // Both pairs contain the middle part.
         let Some(&middle) = one.parts.iter().find(|part| other.parts.contains(part)) else {
             continue;
         };
@@ -35,7 +35,7 @@ pub(super) fn find(surface: &Surface<'_>, count: usize, cuts: &mut Cuts, rng: &m
         let unions = [one.union, other.union];
         let [ab, bc] = unions.map(|union| &cuts.masks[&union]);
         let whole = union(ab, c);
-        // Neither way would mirror a part, so that both mean the same.
+        // Neither order mirrors a part, so that both give the same union.
         let clear = [(ab, c), (a, bc)]
             .iter()
             .all(|(p, q)| canonical(surface, p, q).is_some_and(|[p, q]| union(&p, &q) == whole));

@@ -1,4 +1,4 @@
-//! Data sets in files.
+//! Files of data sets.
 
 use std::path::Path;
 
@@ -61,7 +61,7 @@ impl<const N: usize> Field for Vec<[f64; N]> {
     }
 }
 
-/// Arrays that belong together, each called as its field after the name of the group.
+/// Arrays that belong together; the name of each is the name of the group and that of its field.
 pub(super) trait Group: Sized {
     fn write(&self, group: &str, writer: &mut ArraysWriter) -> Result<()>;
     fn read(group: &str, arrays: &Arrays) -> Result<Self>;
@@ -89,10 +89,10 @@ group!(Samples: part1, part2, union, areas, family, identity, body, pose, mask1,
 group!(Shapes: spectrum, area, family, identity, body, pose, knowledge);
 group!(Triples: part1, part2, part3, union12, union23, whole, family, identity, pose, mask, knowledge);
 
-/// Writes a data set: `.npz`, or `.h5` with feature `hdf5`.
+/// Writes a data set to `.npz`, or to `.h5` with the feature `hdf5`.
 ///
 /// # Errors
-/// As [`ArraysWriter`]; nothing is left behind then.
+/// Those of [`ArraysWriter`]; then no file is left behind.
 pub fn write(dataset: &Dataset, output: Output) -> Result<()> {
     let mut writer = ArraysWriter::new(output)?;
     for (f, template) in dataset.templates.iter().enumerate() {
@@ -104,10 +104,10 @@ pub fn write(dataset: &Dataset, output: Output) -> Result<()> {
     writer.finish()
 }
 
-/// Reads what [`write`](fn@write) wrote.
+/// Reads a data set that [`write`](fn@write) has written.
 ///
 /// # Errors
-/// [`Error::Io`] names the array that is missing or broken.
+/// [`Error::Io`] names the array that is missing or invalid.
 pub fn read(path: &Path) -> Result<Dataset> {
     let arrays = read_arrays(path)?;
     let templates = (0..)

@@ -1,4 +1,5 @@
-//! Data sets are generated shape by shape; what is done stays in a folder until all is.
+//! Generates data sets shape by shape. Finished shapes are stored in a folder until the data set is
+//! complete.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,21 +21,21 @@ use crate::cuts::{Cuts, Pair, cuts};
 use crate::families::{Family, Model, mixed};
 use crate::remesh::remove_vertices;
 
-/// Eigenfunctions of a template.
+/// Number of eigenfunctions of a template.
 const EIGENFUNCTIONS: usize = 128;
 
-/// Vertices that a part has inside at least.
+/// Smallest number of interior vertices of a part.
 const INSIDE: usize = 40;
 
-/// Share of the vertices that remeshed shapes lose.
+/// Share of the vertices that are removed from remeshed shapes.
 const REMOVED: f64 = 0.3;
 
-/// Generates a data set. Done shapes are kept in `folder`, made if it is not there, from where
-/// another call with the same options goes on; the folder is the caller's to delete. The same
-/// options give the same data set for any number of threads.
+/// Generates a data set. Finished shapes are stored in `folder`, which is created if it does not
+/// exist; another call with the same options continues from there. The caller has to delete the
+/// folder. The same options give the same data set for any number of threads.
 ///
 /// # Errors
-/// [`Error::Argument`] for sizes out of range; [`Error::Io`] when the folder is that of other
+/// [`Error::Argument`] for sizes out of range; [`Error::Io`] when the folder belongs to other
 /// options, or can't be written; [`Error::Cancelled`].
 pub fn generate(
     options: &DatasetOptions,
@@ -90,18 +91,18 @@ fn subjects(options: &DatasetOptions, jobs: &[Job], par: Par) -> Result<Vec<Subj
         }
         Ok(Subject { model, cuts, held_out })
     };
-    // Those that are used come first.
+    // Pairs that are used come first.
     Family::TEMPLATED.into_iter().filter(used).map(one).collect()
 }
 
-/// What is known of a shape.
+/// The results for a shape.
 struct Found {
     pairs: Vec<Pair>,
     /// Ids of the masks, ascending.
     masks: Vec<usize>,
-    /// The masks in words, as in [`Template`], where they are not those of the family.
+    /// The masks packed into words, as in [`Template`]; empty if they are those of the family.
     mask_words: Vec<usize>,
-    /// Of all masks, then of the whole.
+    /// Spectra of all masks, then of the complete shape.
     spectra: Vec<Spectrum>,
     areas: Vec<f64>,
 }
@@ -120,14 +121,14 @@ impl Found {
     }
 }
 
-/// Makes sure that the folder is there, and of these options.
+/// Creates the folder if necessary, and checks that it belongs to these options.
 fn prepare(folder: &Path, options: &str) -> Result<()> {
     let name = folder.join("options.txt");
     let failed = |e: std::io::Error| Error::io(&name, e);
     fs::create_dir_all(folder).map_err(failed)?;
     match fs::read_to_string(&name) {
         Ok(there) if there == options => Ok(()),
-        Ok(_) => Err(Error::file(&name, "the folder is of a data set with other options")),
+        Ok(_) => Err(Error::file(&name, "the folder belongs to a data set with other options")),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
             remove_shapes(folder).map_err(failed)?;
             let mut output = Output::create(&name, Overwrite::Replace)?;
@@ -138,8 +139,8 @@ fn prepare(folder: &Path, options: &str) -> Result<()> {
     }
 }
 
-/// Removes shapes of unknown options: those that a program left which was killed while it removed
-/// the folder. Other files stay.
+/// Removes shapes of unknown options, which remain when a program is killed during the removal of
+/// the folder. Other files are not removed.
 fn remove_shapes(folder: &Path) -> std::io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -153,7 +154,7 @@ fn remove_shapes(folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// What is known of a shape, as it was found before or is found now.
+/// Returns the results for a shape: those that are stored, or new ones.
 fn shape(
     options: &DatasetOptions,
     job: &Job,
@@ -205,7 +206,7 @@ fn read_found(file: &Path) -> Result<Found> {
     let (pairs, areas) = (arrays.indices("pairs")?, arrays.vector("areas")?);
     let count = masks.len() + 1;
     if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
-        return Err(Error::file(file, "not of this data set"));
+        return Err(Error::file(file, "does not belong to this data set"));
     }
     let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
     let pair = |ids: &[usize]| Pair { parts: [ids[0], ids[1]], union: ids[2] };
@@ -224,7 +225,7 @@ fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> R
         let all = (0..mesh.vertices().len() as u32).collect();
         (mesh, all)
     };
-    // Shapes are done in parallel, not the work on one.
+    // The shapes are processed in parallel; each one is processed by a single thread.
     let settings = LaplacianOptions::new().par(Par::Seq);
     let spectra = PartSpectra::new(&mesh, &settings)?;
     let complete = vec![true; model.mirror().len()];
@@ -233,7 +234,7 @@ fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> R
     let mut masks = Vec::new();
     for (&id, mask) in &cuts.masks {
         let inside = spectra.inside(&here(mask))?.iter().filter(|inside| **inside).count();
-        // Remeshing may leave too little of a part. Pairs of the family are the same for all
+        // Remeshing may leave too little of a part. The pairs of a family are the same for all
         // shapes.
         if inside >= INSIDE || job.parts == Parts::Common {
             masks.push(id);
@@ -255,7 +256,7 @@ fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> R
     Ok(found)
 }
 
-/// The template, with the masks of all shapes.
+/// Creates the template, with the masks of all shapes.
 fn template<'a>(
     subject: &Subject,
     shapes: impl Iterator<Item = &'a Found>,
@@ -286,7 +287,7 @@ fn template<'a>(
     })
 }
 
-/// Adds what was found of a shape.
+/// Adds the results for a shape to the data set.
 fn add(
     dataset: &mut Dataset,
     options: &DatasetOptions,
@@ -323,7 +324,7 @@ fn add(
     shapes.body.push(job.body);
     shapes.pose.push(job.pose);
     shapes.knowledge.push(job.knowledge);
-    // Those of shapes that are trained on say nothing new.
+    // Shapes of the training contribute no new triples.
     if !job.is_test(options.poses) {
         return;
     }
@@ -353,7 +354,7 @@ mod tests {
     use super::*;
     use crate::cuts::CutOptions;
 
-    /// A few shapes of each kind.
+    /// Returns options with a few shapes of each kind.
     fn tiny() -> DatasetOptions {
         let cuts =
             CutOptions { regions: 9, pairs: 6, composites: 0, splits: 5, triples: 2, seed: 1 };
@@ -381,7 +382,7 @@ mod tests {
         assert!(shape.exists() && prepare(folder, "two").is_err());
         let other = folder.join("shapes.npz");
         fs::write(&other, "not ours").unwrap();
-        // What is left when the removal of the folder is killed.
+        // The state that remains when the removal of the folder is interrupted.
         fs::remove_file(folder.join("options.txt")).unwrap();
         prepare(folder, "two").unwrap();
         assert!(!shape.exists() && other.exists());

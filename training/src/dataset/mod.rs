@@ -12,30 +12,32 @@ pub use file::{read, write};
 pub use generate::generate;
 pub use plan::DatasetOptions;
 
-/// Eigenvalues of every spectrum.
+/// Number of eigenvalues of every spectrum.
 pub const EIGENVALUES: usize = 20;
 
-/// What training and evaluation read. Spectra are those of hard Dirichlet conditions where the part
-/// ends (and where the surface ends), ascending, in units of 1 / length^2, not scaled; areas belong
-/// to them.
+/// The data of training and evaluation. Spectra have hard Dirichlet conditions on the boundary of
+/// the part and of the surface. They ascend, in units of 1 / length^2, and are not scaled; areas
+/// belong to them.
 ///
-/// In a file, every array is called as its field, after the name of its group: `samples_part1`,
-/// `shapes_spectrum`, `triples_whole`, and `template0_vertices` for the template of family 0.
+/// In a file, the name of each array consists of the names of its group and its field:
+/// `samples_part1`, `shapes_spectrum`, `triples_whole`, and `template0_vertices` for the template
+/// of family 0.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Dataset {
-    /// One a family, in the order of their numbers (see [`Samples::family`]); none of creatures.
+    /// One template per family, in the order of their numbers (see [`Samples::family`]); creatures
+    /// have none.
     pub templates: Vec<Template>,
     /// Pairs of parts of one shape, with their union.
     pub samples: Samples,
-    /// Complete shapes, to retrieve from.
+    /// Complete shapes, for retrieval.
     pub shapes: Shapes,
-    /// Three parts of one shape, for associativity.
+    /// Triples of parts of one shape, for associativity.
     pub triples: Triples,
 }
 
 impl Dataset {
-    /// Keeps of the samples to train on those of the first known humanoids only, this many: what
-    /// table 2.2 of the thesis asks for with one. The other known ones are unknown then.
+    /// Restricts the training samples to the first `count` known humanoids; the other known ones
+    /// count as unknown then. Table 2.2 of the thesis requires one.
     pub fn retain_identities(&mut self, count: usize) {
         let samples = &mut self.samples;
         for i in 0..samples.knowledge.len() {
@@ -66,39 +68,40 @@ impl Dataset {
 /// The first eigenvalues of a part, ascending.
 pub type Spectrum = [f64; EIGENVALUES];
 
-/// A shape in rest pose, to whose vertices those of every shape of the family correspond.
+/// A shape in rest pose. The vertices of every shape of the family correspond to its vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Template {
     /// Positions, vertices x 3.
     pub vertices: Vec<[f64; 3]>,
-    /// Three vertices a face.
+    /// Vertices of each face, three per face.
     pub faces: Vec<usize>,
-    /// For each vertex the one that is its mirror image (itself in the plane x = 0).
+    /// For each vertex, its mirror image (itself in the plane x = 0).
     pub mirror: Vec<usize>,
-    /// Area of each vertex: a third of its faces. The inner product of the eigenfunctions.
+    /// Area of each vertex, a third of that of its faces. It defines the inner product of the
+    /// eigenfunctions.
     pub mass: Vec<f64>,
-    /// First 128 eigenvalues (Neumann), fewer if there are fewer vertices.
+    /// The first 128 eigenvalues (Neumann), or fewer if there are fewer vertices.
     pub eigenvalues: Vec<f64>,
-    /// Their eigenfunctions, vertices x 128, orthonormal.
+    /// The eigenfunctions, vertices x 128, orthonormal.
     pub eigenfunctions: Mat<f64>,
     /// Ids of all masks of parts and of unions, ascending. An id is a hash of the mask.
     pub masks: Vec<usize>,
-    /// The masks, one after the other, each in as many words of 64 bits as it takes: bit `v % 64`
-    /// of word `v / 64` says whether vertex v is in it.
+    /// The masks, one after the other, each packed into words of 64 bits: bit `v % 64` of word
+    /// `v / 64` is 1 if vertex v is in the mask.
     pub mask_words: Vec<usize>,
 }
 
 impl Template {
-    /// The shape.
+    /// Creates the mesh of the shape.
     ///
     /// # Errors
-    /// As [`TriMesh::new`], for a file that is broken.
+    /// Those of [`TriMesh::new`], when the file is invalid.
     pub fn mesh(&self) -> Result<TriMesh> {
         let faces = self.faces.chunks_exact(3).map(|f| [f[0] as u32, f[1] as u32, f[2] as u32]);
         TriMesh::new(self.vertices.clone(), faces.collect())
     }
 
-    /// The vertices in a mask, ascending; `None` if there is no such mask.
+    /// Returns the vertices of a mask, ascending; `None` if the mask does not exist.
     pub fn mask(&self, id: usize) -> Option<Vec<usize>> {
         let words = self.vertices.len().div_ceil(WORD);
         let at = self.masks.binary_search(&id).ok()? * words;
@@ -108,16 +111,16 @@ impl Template {
     }
 }
 
-/// Vertices a word.
+/// Number of vertices per word.
 const WORD: usize = 64;
 
-/// A mask in words.
+/// Packs a mask into words.
 fn packed(mask: &[bool]) -> Vec<usize> {
     let word = |bits: &[bool]| bits.iter().rev().fold(0, |word, &bit| word << 1 | usize::from(bit));
     mask.chunks(WORD).map(word).collect()
 }
 
-/// A column an entry: one for each of n pairs.
+/// The pairs as columns, each with one entry per pair.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Samples {
     /// Spectrum of the first part, n x 20.
@@ -128,13 +131,13 @@ pub struct Samples {
     pub union: Vec<Spectrum>,
     /// Areas of first part, second part and union, n x 3.
     pub areas: Vec<[f64; 3]>,
-    /// Family: 0 humanoids, 1 quadrupeds, 2 headphones, 3 sheets, 4 creatures (to train on).
+    /// Family: 0 humanoids, 1 quadrupeds, 2 headphones, 3 sheets, 4 creatures (training only).
     pub family: Vec<usize>,
-    /// Identity, numbered from 0 in its family.
+    /// Identity, numbered from 0 within the family.
     pub identity: Vec<usize>,
-    /// Body type of the identity: 0 (A), 1 (B) or 2 (caricatures of A, to train on).
+    /// Body type of the identity: 0 (A), 1 (B) or 2 (caricatures of A, training only).
     pub body: Vec<usize>,
-    /// Pose, numbered from 0 in its identity; every identity has its own.
+    /// Pose, numbered from 0 within the identity; identities do not share poses.
     pub pose: Vec<usize>,
     /// Id of the mask of the first part.
     pub mask1: Vec<usize>,
@@ -142,34 +145,34 @@ pub struct Samples {
     pub mask2: Vec<usize>,
     /// Id of the mask of the union.
     pub mask_union: Vec<usize>,
-    /// 1 if 30 % of the vertices were removed before parts were cut, else 0.
+    /// 1 if 30 % of the vertices were removed before the parts were cut, else 0.
     pub remeshed: Vec<usize>,
-    /// What it is for: [`TRAIN`], [`TEST_A`] or [`TEST_B`].
+    /// Use of the sample: [`TRAIN`], [`TEST_A`] or [`TEST_B`].
     pub split: Vec<usize>,
-    /// How strange the shape is: [`KNOWN_IDENTITY`], [`UNKNOWN_IDENTITY`], [`UNKNOWN_BODY`] or
-    /// [`UNKNOWN_FAMILY`].
+    /// How the shape differs from those of the training: [`KNOWN_IDENTITY`], [`UNKNOWN_IDENTITY`],
+    /// [`UNKNOWN_BODY`] or [`UNKNOWN_FAMILY`].
     pub knowledge: Vec<usize>,
 }
 
-/// A sample to train on: of a known identity, a caricature or a creature; remeshed only where parts
-/// are the shape's own.
+/// A training sample: of a known identity, a caricature or a creature. It is remeshed only if the
+/// shape has its own parts.
 pub const TRAIN: usize = 0;
-/// A pose or a pair of parts that no training sample has; its union one has, or nearly, in another
-/// pose, identity or pair.
+/// A test sample with a pose or a pair of parts that is in no training sample; its union, or nearly
+/// its union, is in one, in another pose, identity or pair.
 pub const TEST_A: usize = 1;
-/// A union that no training sample has.
+/// A test sample with a union that is in no training sample.
 pub const TEST_B: usize = 2;
 
-/// Training samples have this identity.
+/// Some training samples have this identity.
 pub const KNOWN_IDENTITY: usize = 0;
-/// Training samples have other identities of this body type.
+/// Some training samples have other identities of this body type.
 pub const UNKNOWN_IDENTITY: usize = 1;
-/// Training samples have the other body type only.
+/// Training samples have only the other body type.
 pub const UNKNOWN_BODY: usize = 2;
-/// Training samples have another family only.
+/// Training samples have only other families.
 pub const UNKNOWN_FAMILY: usize = 3;
 
-/// Complete shapes: closed ones have a first eigenvalue of zero.
+/// Complete shapes. The first eigenvalue of a closed shape is zero.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shapes {
     /// Spectrum, n x 20.
@@ -188,7 +191,7 @@ pub struct Shapes {
     pub knowledge: Vec<usize>,
 }
 
-/// Parts 1, 2, 3 of a shape, of which 1 meets 2 and 2 meets 3.
+/// Triples of parts 1, 2 and 3 of a shape; 1 overlaps 2, and 2 overlaps 3.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Triples {
     /// Spectrum of part 1, n x 20.

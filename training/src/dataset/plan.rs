@@ -1,4 +1,4 @@
-//! Which shapes a data set has, and what they are for.
+//! The shapes of a data set, and the use of each.
 
 use std::collections::BTreeSet;
 
@@ -11,30 +11,30 @@ use super::{
 use crate::cuts::{CutOptions, Cuts, Pair, below};
 use crate::families::{CARICATURE, Family, mixed};
 
-/// How large a data set is.
+/// The size of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DatasetOptions {
-    /// Seed of everything. Default 1.
+    /// Seed of all random numbers. Default 1.
     pub seed: u64,
-    /// Vertices of a template, about. Default 2500.
+    /// Approximate number of vertices of a template. Default 2500.
     pub vertices: usize,
-    /// Humanoids of body type A to train on. Default 32.
+    /// Number of humanoids of body type A in the training. Default 32.
     pub known: usize,
-    /// Humanoids never trained on, of each body type. Default 5.
+    /// Number of humanoids of each body type that are not in the training. Default 5.
     pub unknown: usize,
-    /// Identities of each other family. Default 2.
+    /// Number of identities of each other family. Default 2.
     pub others: usize,
-    /// Poses of each identity. Default 2.
+    /// Number of poses of each identity. Default 2.
     pub poses: usize,
-    /// Parts of each family.
+    /// Numbers of parts of each family.
     pub cuts: CutOptions,
-    /// Further shapes to train on, each in another pose and with parts of its own, half of them
-    /// remeshed: in every fourth round the known humanoids, in two new ones of type A, in one
-    /// caricatures. What is learnt about identities and unions never seen comes from them. Default
-    /// 4000.
+    /// Number of further shapes of the training, each in another pose and with its own parts; half
+    /// of them are remeshed. Of every four rounds, one has the known humanoids, two have new ones
+    /// of type A, and one has caricatures. They teach the network about unknown identities and
+    /// unions. Default 4000.
     pub varied: usize,
-    /// Creatures to train on, half of them remeshed: what is learnt about shapes of families never
-    /// seen comes from them. Default 320.
+    /// Number of creatures in the training; half of them are remeshed. They teach the network about
+    /// unknown families. Default 320.
     pub creatures: usize,
 }
 
@@ -56,7 +56,8 @@ impl Default for DatasetOptions {
 }
 
 impl DatasetOptions {
-    /// A tenth, with small templates: to try things.
+    /// Returns the options of a small data set, a tenth of the default one with small templates,
+    /// for experiments.
     pub fn small() -> Self {
         let cuts =
             CutOptions { regions: 24, pairs: 36, composites: 0, splits: 24, triples: 5, seed: 1 };
@@ -73,7 +74,7 @@ impl DatasetOptions {
         }
     }
 
-    /// How a shape is cut that has parts of its own.
+    /// Returns the cuts of a shape with its own parts.
     pub(super) fn own_cuts(&self, job: &Job) -> CutOptions {
         let mut seeds =
             vec![self.seed, self.cuts.seed, job.identity as u64, job.pose as u64, 0x0C75];
@@ -102,7 +103,7 @@ impl DatasetOptions {
         }
     }
 
-    /// [`Error::Argument`] names what is too small or too large.
+    /// Checks the sizes; [`Error::Argument`] names the one that is out of range.
     pub(super) fn check(&self) -> Result<()> {
         let ranges = [
             ("known", self.known, 1),
@@ -118,7 +119,7 @@ impl DatasetOptions {
         ];
         for (what, value, least) in ranges {
             if !(least..=10_000).contains(&value) {
-                let why = format!("{value}, not from {least} to 10000");
+                let why = format!("must be from {least} to 10000, is {value}");
                 return Err(Error::Argument { what, why });
             }
         }
@@ -126,7 +127,7 @@ impl DatasetOptions {
     }
 }
 
-/// A shape.
+/// A shape of the plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Job {
     pub family: Family,
@@ -138,21 +139,21 @@ pub(super) struct Job {
     pub parts: Parts,
 }
 
-/// Which parts a shape has.
+/// The parts of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parts {
-    /// Those of its family.
+    /// The parts of its family.
     Common,
-    /// Its own, to test with.
+    /// Its own parts, for tests.
     Fresh,
-    /// Its own, to train on.
+    /// Its own parts, for the training.
     Varied,
-    /// Its own, on a template of its own, to train on.
+    /// Its own parts on its own template, for the training.
     Creature,
 }
 
 impl Job {
-    /// Whether no training sample has this pose.
+    /// Returns whether the pose is in no training sample.
     pub fn is_test(&self, poses: usize) -> bool {
         let last = poses > 1 && self.pose + 1 == poses;
         match self.parts {
@@ -166,23 +167,25 @@ impl Job {
     }
 }
 
-/// Of one in so many known identities the last pose is a test.
+/// The last pose of one in this many known identities is for tests.
 const HELD_OUT_POSES: usize = 5;
 
-/// Of the unions one in so many is a test, of the pairs whose union others have as well.
+/// One in this many unions is for tests, and one in this many pairs that share their union with
+/// others.
 const HELD_OUT_UNIONS: usize = 12;
 const HELD_OUT_PAIRS: usize = 8;
 
-/// Masks nearer to each other than this (intersection over union) count as the same union.
+/// Masks count as the same union when their intersection over union is larger than this.
 const SAME: f64 = 0.95;
 
-/// Rounds of varied shapes: one of the known humanoids, then new ones of type A, then caricatures.
+/// Number of rounds of varied shapes: one of the known humanoids, two of new ones of type A, and
+/// one of caricatures.
 const ROUNDS: usize = 4;
-/// Identities from here on are those of varied shapes that are not known ones.
+/// First identity of the varied shapes that are not known humanoids.
 const FIRST_VARIED: usize = 100_000;
 
-/// The shapes, in the order in which the data set has them: humanoids first, then the other
-/// families, the varied ones and creatures.
+/// Returns the shapes in the order of the data set: humanoids, the other families, varied shapes,
+/// and creatures.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
     let DatasetOptions { known, unknown, .. } = *options;
     let mut jobs = Vec::new();
@@ -202,7 +205,7 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
                 let (remeshed, parts) = (false, Parts::Common);
                 let job = Job { family, identity, body, pose, knowledge, remeshed, parts };
                 jobs.push(job);
-                // Of every tested identity one pose.
+                // One pose of every test identity.
                 if pose + 1 == options.poses && job.is_test(options.poses) {
                     jobs.push(Job { remeshed: true, ..job });
                     if family == Family::Humanoid {
@@ -224,7 +227,7 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
             family: Family::Humanoid,
             identity,
             body,
-            // Those below are taken.
+            // Smaller numbers are in use.
             pose: options.poses + 1 + round,
             knowledge: KNOWN_IDENTITY,
             remeshed: (number + round) % 2 == 1,
@@ -243,20 +246,20 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
     jobs
 }
 
-/// Which pairs of a family are tests, whatever the shape.
+/// The pairs of a family that are for tests, in all shapes.
 pub(super) struct HeldOut {
-    /// For each pair [`TRAIN`], [`TEST_A`] or [`TEST_B`].
+    /// For each pair, [`TRAIN`], [`TEST_A`] or [`TEST_B`].
     splits: Vec<usize>,
-    /// The complete shape.
+    /// Id of the mask of the complete shape.
     complete: usize,
-    /// Unions of fresh parts that are complete, or close to it: some training samples have them.
+    /// Unions of fresh parts that are complete, or nearly so; some training samples have them.
     nearly_complete: BTreeSet<usize>,
-    /// Unions that test, packed.
+    /// Unions of the tests, packed.
     tests: Vec<Vec<usize>>,
 }
 
 impl HeldOut {
-    /// Some unions, and some pairs whose union others have.
+    /// Draws some unions, and some pairs that share their union with others.
     pub fn new(cuts: &Cuts, family: Family, seed: u64) -> Self {
         let complete = cuts.complete();
         if family != Family::Humanoid {
@@ -278,7 +281,7 @@ impl HeldOut {
             trained.iter().copied().filter(|&i| trained.iter().any(|&j| shares(i, j))).collect();
         let count = shared.len() / HELD_OUT_PAIRS;
         for i in drawn(shared, count, &mut rng) {
-            // One of those that share a union stays to be trained on.
+            // One of the pairs that share a union remains for the training.
             if trained.iter().any(|&j| shares(i, j) && splits[j] == TRAIN) {
                 splits[i] = TEST_A;
             }
@@ -287,7 +290,7 @@ impl HeldOut {
         Self { splits, complete, nearly_complete: BTreeSet::from([complete]), tests }
     }
 
-    /// What the pair of this number and union is for, of a shape.
+    /// Returns the use of a pair with this number and union, of a shape.
     pub fn split(&self, pair: usize, union: usize, job: &Job, poses: usize) -> usize {
         match job.parts {
             Parts::Varied | Parts::Creature => TRAIN,
@@ -300,7 +303,7 @@ impl HeldOut {
         }
     }
 
-    /// Counts the unions of these fresh parts among those that test.
+    /// Adds the unions of fresh parts to those of the tests.
     pub fn test_with(&mut self, fresh: &Cuts) {
         let unions: BTreeSet<usize> = fresh.pairs.iter().map(|pair| pair.union).collect();
         for union in unions.into_iter().filter(|union| *union != self.complete) {
@@ -313,8 +316,8 @@ impl HeldOut {
         }
     }
 
-    /// Takes the pairs out of the cuts of a varied shape whose union is a test, or close to one,
-    /// but not complete, and the masks that nothing needs any more.
+    /// Removes those pairs of a varied shape whose union is equal or similar to a union of the
+    /// tests, unless the union is complete, and the masks that are not used any more.
     pub fn withhold(&self, own: &mut Cuts) {
         let masks = &own.masks;
         own.pairs.retain(|pair| {
@@ -328,7 +331,7 @@ impl HeldOut {
     }
 }
 
-/// Vertices in both packed masks over vertices in either.
+/// Returns the number of vertices in both packed masks, divided by the number in either.
 fn overlap_over_union(a: &[usize], b: &[usize]) -> f64 {
     let count = |of: fn(usize, usize) -> usize| -> u32 {
         a.iter().zip(b).map(|(&a, &b)| of(a, b).count_ones()).sum()
@@ -336,7 +339,7 @@ fn overlap_over_union(a: &[usize], b: &[usize]) -> f64 {
     f64::from(count(|a, b| a & b)) / f64::from(count(|a, b| a | b).max(1))
 }
 
-/// `count` of these numbers, at random.
+/// Draws `count` of the numbers at random.
 fn drawn(mut numbers: Vec<usize>, count: usize, rng: &mut Rng) -> Vec<usize> {
     for i in 0..count.min(numbers.len()) {
         let j = i + below(numbers.len() - i, rng);

@@ -9,7 +9,7 @@ use crate::dataset::Spectrum;
 use crate::mlp::{Mlp, Schedule};
 use crate::train::Pair;
 
-/// Predicts the bound: the smaller one of the two eigenvalues.
+/// Predicts the upper bound: the smaller one of the two eigenvalues.
 pub struct Minimum;
 
 impl Predictor for Minimum {
@@ -22,17 +22,17 @@ impl Predictor for Minimum {
     }
 }
 
-/// Weyl's law (1911): eigenvalues grow as 4 pi i / area. The areas of the parts are read from their
-/// last eigenvalues, that of the union is a linear function of them, and the mean spectrum of the
-/// unions that were trained on is scaled to it.
+/// Predicts by Weyl's law (1911): eigenvalues grow as 4 pi i / area. The areas of the parts are
+/// computed from their last eigenvalues, the area of the union is a linear function of them, and
+/// the mean spectrum of the unions of the training is scaled to it.
 pub struct Weyl {
-    /// Of the smaller and of the larger area.
+    /// Factors of the smaller and of the larger area.
     factors: [f64; 2],
     /// Means of eigenvalue times area.
     shape: [f64; K],
 }
 
-/// An area, but for a factor.
+/// Returns the area that a spectrum implies, up to a factor.
 fn area(spectrum: &Spectrum) -> f64 {
     1.0 / spectrum[K - 1]
 }
@@ -43,7 +43,7 @@ fn areas(first: &Spectrum, second: &Spectrum) -> [f64; 2] {
 }
 
 impl Weyl {
-    /// Fits factors (least squares) and means.
+    /// Fits the factors (by least squares) and the means.
     pub fn fit(pairs: &[Pair]) -> Self {
         let a = Mat::from_fn(pairs.len(), 2, |i, j| areas(&pairs[i].first, &pairs[i].second)[j]);
         let b = Mat::from_fn(pairs.len(), 1, |i, _| area(&pairs[i].union));
@@ -68,8 +68,8 @@ impl Predictor for Weyl {
     }
 }
 
-/// Predicts the union of the pair that was trained on whose logarithms of eigenvalues, in either
-/// order, are nearest.
+/// Predicts the union of the nearest pair of the training: the one whose logarithms of eigenvalues
+/// are nearest, in either order of the parts.
 pub struct Nearest {
     pairs: Vec<([f32; 2 * K], Spectrum)>,
 }
@@ -79,7 +79,7 @@ fn logarithms(first: &Spectrum, second: &Spectrum) -> [f32; 2 * K] {
 }
 
 impl Nearest {
-    /// Keeps the pairs.
+    /// Stores the pairs.
     pub fn fit(pairs: &[Pair]) -> Self {
         let entry = |pair: &Pair| (logarithms(&pair.first, &pair.second), pair.union);
         Self { pairs: pairs.iter().map(entry).collect() }
@@ -106,15 +106,16 @@ impl Predictor for Nearest {
     }
 }
 
-/// A plain perceptron: offsets of both spectra in, offsets of the union out, each in units of its
-/// deviation; least squares of the spectra; the pairs in both orders.
+/// A plain perceptron. Its inputs are the offsets of both spectra, and its outputs are the offsets
+/// of the union, each in units of its deviation. The training minimizes the squared errors of the
+/// spectra, with the pairs in both orders.
 pub struct Perceptron {
     mlp: Mlp,
     inputs: Units,
     outputs: Units,
 }
 
-/// Means and deviations.
+/// Means and deviations, which define the units.
 struct Units {
     mean: Vec<f32>,
     deviation: Vec<f32>,
@@ -147,10 +148,10 @@ fn offsets(spectrum: &Spectrum) -> impl Iterator<Item = f32> {
 }
 
 impl Perceptron {
-    /// Trains it.
+    /// Trains the perceptron.
     ///
     /// # Errors
-    /// None of its own.
+    /// None in practice.
     pub fn fit(pairs: &[Pair], epochs: usize, seed: u64) -> Result<Self> {
         let rows: Vec<Vec<f32>> = pairs
             .iter()
@@ -169,7 +170,7 @@ impl Perceptron {
             &schedule,
             |i, _| rows[i].clone(),
             |i, found, gradient| {
-                // Sums of offsets against those of the truth, in units of the mean largest
+                // Sums of offsets minus those of the true spectrum, in units of the mean largest
                 // eigenvalue.
                 let mut error = 0.0;
                 let errors: Vec<f32> = (0..K)
@@ -213,7 +214,7 @@ mod tests {
     use super::super::errors;
     use super::*;
 
-    /// Unions whose area is 0.5 times the smaller plus 1 times the larger one, all of the same
+    /// Returns unions whose area is 0.5 times the smaller area plus the larger one, all of the same
     /// shape.
     fn scaled() -> Vec<Pair> {
         let of_area = |area: f64| std::array::from_fn(|i| (i + 1) as f64 / area);

@@ -9,26 +9,26 @@ use crate::train::Pair;
 /// The axes of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
-    /// The coordinate of the height, 0 to 2.
+    /// The coordinate axis of the height, 0 to 2.
     pub up: usize,
-    /// The coordinate along the stretched arms.
+    /// The coordinate axis of the stretched arms.
     pub side: usize,
 }
 
-/// A part: what is within these shares of the height and of the span of the arms.
+/// A part: the vertices within ranges of the height and of the span of the arms, as shares.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Window {
     height: [f64; 2],
     span: [f64; 2],
 }
 
-/// A way to cut a shape in two overlapping parts.
+/// A way to cut a shape into two overlapping parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyCut {
-    /// What the parts are.
+    /// Names of the parts.
     pub name: &'static str,
-    /// Whether the two spectra mean this union of a human only. They do not if one part can be
-    /// mirrored and the union then differs: data sets have no such pairs.
+    /// Whether the two spectra determine the union among those of a human. They do not if one part
+    /// can be mirrored and the union then differs; data sets contain no such pairs.
     pub clear: bool,
     kind: Kind,
 }
@@ -36,8 +36,8 @@ pub struct BodyCut {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Windows([Window; 2]),
-    /// A geodesic ball around the highest vertex that has this share of the area; what is beyond
-    /// one of the second share.
+    /// A geodesic ball around the highest vertex with the first share of the area, and the
+    /// complement of the ball with the second share.
     Ball([f64; 2]),
 }
 
@@ -50,7 +50,7 @@ const fn windows(name: &'static str, clear: bool, parts: [[[f64; 2]; 2]; 2]) -> 
     BodyCut { name, clear, kind: Kind::Windows([first, second]) }
 }
 
-/// Cuts of people with stretched arms. Unless a cut is in doubt, one part is its own mirror image.
+/// Cuts of people with stretched arms. Unless a cut is ambiguous, one part is its own mirror image.
 pub const BODY_CUTS: [BodyCut; 7] = [
     windows("lower and upper half", true, [[[0.0, 0.58], ALL], [[0.42, 1.0], ALL]]),
     windows("upper half; middle of the span", true, [[[0.5, 1.0], ALL], [ALL, [0.2, 0.65]]]),
@@ -95,8 +95,8 @@ impl BodyCut {
     /// Computes the spectra of the parts and of the union.
     ///
     /// # Errors
-    /// [`Error::Argument`] where the parts are no pair as data sets have them: they share too few
-    /// vertices, have too few inside, or one adds too little; as [`PartSpectra`] otherwise.
+    /// [`Error::Argument`] when the parts are not a pair as in data sets: they have too few common
+    /// vertices, too few interior vertices, or one adds too little; those of [`PartSpectra`].
     fn pair(&self, surface: &Surface<'_>, spectra: &PartSpectra<'_>, frame: Frame) -> Result<Pair> {
         let [a, b] = self.parts(surface, frame)?;
         let all = union(&a, &b);
@@ -112,7 +112,7 @@ impl BodyCut {
     }
 }
 
-/// The distance within which this share of the area is.
+/// Returns the distance within which the given share of the area lies.
 fn radius(distances: &[f64], areas: &[f64], share: f64) -> f64 {
     let mut order: Vec<usize> = (0..distances.len()).collect();
     order.sort_by(|&v, &w| distances[v].total_cmp(&distances[w]));
@@ -125,16 +125,16 @@ fn radius(distances: &[f64], areas: &[f64], share: f64) -> f64 {
     reached.map_or(0.0, |v| distances[v])
 }
 
-/// Cuts a shape in each way of [`BODY_CUTS`]: the spectra, or why there are none.
+/// Cuts a shape in each way of [`BODY_CUTS`]; returns the spectra of each pair, or why it has none.
 ///
 /// # Errors
-/// As [`HeatMethod`](catamaran::mesh::HeatMethod) and [`PartSpectra::new`].
+/// Those of [`HeatMethod`](catamaran::mesh::HeatMethod) and [`PartSpectra::new`].
 pub fn body_pairs(
     mesh: &TriMesh,
     frame: Frame,
     par: Par,
 ) -> Result<Vec<(&'static BodyCut, Result<Pair>)>> {
-    // Cuts of real shapes are not mirrored.
+    // The cuts of real shapes are not mirrored.
     let mirror: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
     let surface = Surface::new(mesh, &mirror, par)?;
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::new().par(par))?;

@@ -23,14 +23,14 @@ pub(super) fn difference(a: &Logs, b: &Logs) -> Logs {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-/// How a [`RetrievalMetric`] is fitted.
+/// Options of fitting a [`RetrievalMetric`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MetricOptions {
-    /// Whether shapes that differ in size alone are the same. Default false.
+    /// Whether shapes that differ only in size count as the same. Default false.
     pub scale_free: bool,
-    /// How much of the covariance of errors is replaced by their mean variance, the same for all
-    /// eigenvalues and independent, from 0 to 1: predictions for shapes that were not trained on
-    /// have errors that those trained on do not show. Default 0.5.
+    /// Share, from 0 to 1, of the covariance of errors that is replaced by their mean variance,
+    /// equal for all eigenvalues and independent: predictions for new shapes have errors that do
+    /// not occur in the training. Default 0.5.
     pub shrinkage: f64,
 }
 
@@ -40,46 +40,46 @@ impl Default for MetricOptions {
     }
 }
 
-/// Added to the variance of each logarithm within an identity: differences of 0.1 % are those of
-/// meshes.
+/// Added to the variance of each logarithm within an identity: differences of 0.1 % are caused by
+/// the mesh.
 const NOISE: f64 = 1e-6;
 
-/// A distance of the predicted spectrum of a complete shape from the true one of another: how
-/// unlikely it is to be a prediction for the same identity in another pose.
+/// A distance between the predicted spectrum of a complete shape and the true spectrum of another
+/// one. It measures how unlikely it is that both are of the same identity in different poses.
 ///
-/// The logarithms of eigenvalues are those of the identity, and what its pose and errors of the
-/// prediction add, each normally distributed. With W the covariance of poses, T that of all
-/// shapes, m their mean, C and e covariance and mean of errors, a query q given a shape g of the
-/// same identity is then normally distributed about `m + e + (1 - W T^-1) (g - m)` with covariance
-/// `S = 2 W - W T^-1 W + C`. The distance is the Mahalanobis one of this distribution. If
-/// identities differ much more than poses (T is large), it is that of q - e - g for covariance
-/// `2 W + C`.
+/// The logarithms of eigenvalues are the sum of those of the identity, a contribution of the pose,
+/// and errors of the prediction, each normally distributed. Let W be the covariance of poses, T
+/// that of all shapes, m their mean, and C and e the covariance and the mean of errors. Given a
+/// shape g, a query q of the same identity is then normally distributed about
+/// `m + e + (1 - W T^-1) (g - m)` with covariance `S = 2 W - W T^-1 W + C`. The distance is the
+/// Mahalanobis distance of this distribution. If identities differ much more than poses (T is
+/// large), it is that of q - e - g for the covariance `2 W + C`.
 ///
-/// T has to be that of many identities, several times as many as there are logarithms: with six,
-/// new identities seem impossible, and Euclidean distances find more.
+/// T has to be estimated from several times as many identities as there are logarithms: estimated
+/// from six, it makes new identities seem impossible, and Euclidean distances give better results.
 ///
 /// Source: Ioffe, Probabilistic Linear Discriminant Analysis (2006).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RetrievalMetric {
-    /// m + e, which queries have subtracted.
+    /// m + e, which is subtracted from queries.
     query_mean: Logs,
     /// The inverse Cholesky factor of S.
     of_query: Mat<f64>,
     /// m.
     shape_mean: Logs,
-    /// The same factor, times `1 - W T^-1`.
+    /// The same factor, multiplied by `1 - W T^-1`.
     of_shape: Mat<f64>,
     scale_free: bool,
 }
 
 impl RetrievalMetric {
-    /// Fits a metric to true spectra of shapes with their identities, of which some have several
-    /// poses, and to errors of logarithms of predictions for shapes like these; no errors for
-    /// queries by true spectra.
+    /// Fits a metric to true spectra of shapes with their identities, some of which have several
+    /// poses, and to errors of logarithms of predictions for such shapes. For queries with true
+    /// spectra, there are no errors.
     ///
     /// # Errors
     /// [`Error::Argument`] for a shrinkage outside [0, 1], if no identity has several poses, for
-    /// spectra and errors that are not finite, and for shapes that differ less than poses do.
+    /// spectra and errors that are not finite, and for shapes that differ less than their poses.
     pub fn fit(
         shapes: &[(usize, Spectrum)],
         errors: &[Logs],
@@ -94,7 +94,7 @@ impl RetrievalMetric {
             shapes.iter().map(|(identity, spectrum)| (*identity, logs_of(spectrum))).collect();
         let deviations = pose_deviations(&shapes);
         if deviations.is_empty() {
-            return Err(refuse("shapes", "no identity has several poses"));
+            return Err(refuse("shapes", "must have an identity with several poses"));
         }
         let logs: Vec<Logs> = shapes.iter().map(|(_, logs)| *logs).collect();
         let errors: Vec<Logs> =
@@ -111,7 +111,7 @@ impl RetrievalMetric {
         let shrunk = factor.solve(&within);
         let scatter = &within * Scale(2.0) - &within * &shrunk + spread;
         let Some(factor) = cholesky(&scatter) else {
-            return Err(refuse("shapes", "they differ less than poses, or are not finite"));
+            return Err(refuse("shapes", "must differ more than their poses, and be finite"));
         };
         let mut of_query = Mat::identity(LOGS, LOGS);
         solve_lower_triangular_in_place(factor.as_ref(), of_query.as_mut(), faer::Par::Seq);
@@ -121,35 +121,35 @@ impl RetrievalMetric {
         Ok(Self { query_mean, of_query, shape_mean, of_shape, scale_free })
     }
 
-    /// Computes the signature of a query: its distance from a shape is the Euclidean one of
+    /// Computes the signature of a query. Its distance from a shape is the Euclidean distance of
     /// their signatures.
     pub fn of_query(&self, spectrum: &Spectrum) -> Logs {
         let logs = sized(logarithms(spectrum), self.scale_free);
         product(&self.of_query, &difference(&logs, &self.query_mean))
     }
 
-    /// Computes the signature of a shape that is searched.
+    /// Computes the signature of a shape of the gallery.
     pub fn of_shape(&self, spectrum: &Spectrum) -> Logs {
         let logs = sized(logarithms(spectrum), self.scale_free);
         product(&self.of_shape, &difference(&logs, &self.shape_mean))
     }
 
-    /// Computes the distance of a query from a shape; a pure number, about the square root of 19
-    /// if they are of the same identity.
+    /// Computes the distance of a query from a shape; a pure number, about the square root of 19 if
+    /// both have the same identity.
     pub fn distance(&self, query: &Spectrum, shape: &Spectrum) -> f64 {
         let apart = difference(&self.of_query(query), &self.of_shape(shape));
         apart.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 }
 
-/// The logarithms, less their mean where the size of a shape does not count.
+/// Returns the logarithms, minus their mean if `scale_free`.
 fn sized(logs: Logs, scale_free: bool) -> Logs {
     let mean = if scale_free { logs.iter().sum::<f64>() / LOGS as f64 } else { 0.0 };
     logs.map(|x| x - mean)
 }
 
-/// Of each identity with several poses the deviations from its mean, scaled so that their second
-/// moment estimates the covariance without bias.
+/// Returns the deviations from the mean of each identity with several poses, scaled so that their
+/// second moment is an unbiased estimate of the covariance.
 fn pose_deviations(shapes: &[(usize, Logs)]) -> Vec<Logs> {
     let mut identities: BTreeMap<usize, Vec<Logs>> = BTreeMap::new();
     for (identity, logs) in shapes {
@@ -171,7 +171,7 @@ pub(super) fn mean(samples: &[Logs]) -> Logs {
     std::array::from_fn(|i| samples.iter().map(|sample| sample[i]).sum::<f64>() / count)
 }
 
-/// Computes the covariance of samples of this mean; 0 for no samples.
+/// Computes the covariance of samples with this mean; 0 for no samples.
 pub(super) fn covariance(samples: &[Logs], mean: &Logs) -> Mat<f64> {
     second_moment(samples.iter().map(|sample| difference(sample, mean)))
 }
@@ -188,12 +188,12 @@ fn second_moment(samples: impl Iterator<Item = Logs>) -> Mat<f64> {
     Mat::from_fn(LOGS, LOGS, |i, j| sum[i][j] / f64::max(count, 1.0))
 }
 
-/// The identity times a number.
+/// Returns the identity matrix times a number.
 pub(super) fn diagonal(value: f64) -> Mat<f64> {
     Mat::from_fn(LOGS, LOGS, |i, j| if i == j { value } else { 0.0 })
 }
 
-/// The lower Cholesky factor; `None` unless the matrix is positive definite.
+/// Computes the lower Cholesky factor; `None` unless the matrix is positive definite.
 pub(super) fn cholesky(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     Some(matrix.llt(Side::Lower).ok()?.L().to_owned())
 }
@@ -216,13 +216,13 @@ mod tests {
         logs
     }
 
-    /// The spectrum of these logarithms, of a closed shape.
+    /// Returns the spectrum with these logarithms, of a closed shape.
     fn spectrum(logs: Logs) -> Spectrum {
         std::array::from_fn(|i| if i == 0 { 0.0 } else { logs[i - 1].exp() })
     }
 
-    /// Two identities for each logarithm, which differ from the mean in it by `apart`, either way,
-    /// and in two poses by `turned` more, either way.
+    /// Returns two identities for each logarithm, which differ from the mean by plus or minus
+    /// `apart` in this logarithm, each in two poses that add plus or minus `turned`.
     fn shapes(apart: f64, turned: f64) -> Vec<(usize, Spectrum)> {
         let mut shapes = Vec::new();
         for at in 0..LOGS {
@@ -235,7 +235,7 @@ mod tests {
         shapes
     }
 
-    /// Errors of mean `mean` and of independent deviations `0.01 (i + 1)`.
+    /// Returns errors with the mean `mean` and the independent deviations `0.01 (i + 1)`.
     fn errors(mean: f64) -> Vec<Logs> {
         let length = |i: usize| 0.01 * (i + 1) as f64 * (LOGS as f64).sqrt();
         let of = |i: usize| [length(i), -length(i)].map(|x| plus([mean; LOGS], i, x));
@@ -248,7 +248,8 @@ mod tests {
         let options = MetricOptions { shrinkage: 0.25, ..MetricOptions::default() };
         let metric = RetrievalMetric::fit(&shapes(apart, turned), &errors(0.02), &options).unwrap();
         let n = LOGS as f64;
-        // 4 of 4 n shapes differ from the mean in one logarithm; two poses have twice the square.
+        // 4 of 4 n shapes differ from the mean in each logarithm; the variance of two poses is
+        // twice the square.
         let within = 2.0 * turned * turned / n + NOISE;
         let total = (apart * apart + turned * turned) / n + NOISE;
         let mean_variance = (1..=LOGS).map(|i| 1e-4 * (i * i) as f64).sum::<f64>() / n;
@@ -269,7 +270,7 @@ mod tests {
 
     #[test]
     fn poses_in_common_cost_little_and_other_differences_much() {
-        // Poses move all logarithms together.
+        // Poses change all logarithms together.
         let by = |x: f64| base().map(|logarithm| logarithm + x);
         let mut poses = shapes(0.5, 0.0);
         poses.extend([0.3, -0.3].map(|x| (1000, spectrum(by(x)))));

@@ -4,15 +4,15 @@ use catamaran::unions::SpectralUnion;
 use crate::dataset::{Dataset, Spectrum};
 use crate::train::{LEAST_SHARE, Pair};
 
-/// What predicts the spectrum of a union from those of two parts.
+/// A method that predicts the spectrum of a union from those of two parts.
 pub trait Predictor {
-    /// Its name in tables.
+    /// Returns the name of the method in tables.
     fn name(&self) -> &str;
 
-    /// The prediction.
+    /// Returns the predicted spectrum.
     ///
     /// # Errors
-    /// Of spectra that are none.
+    /// When a spectrum is invalid.
     fn predict(&self, first: &Spectrum, second: &Spectrum) -> Result<Spectrum>;
 }
 
@@ -29,20 +29,20 @@ impl Predictor for SpectralUnion {
 /// Mean errors over pairs and their eigenvalues.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Pairs.
+    /// Number of pairs.
     pub pairs: usize,
     /// Mean squared error, in 1 / length^4.
     pub mse: f64,
     /// Mean absolute error, in 1 / length^2.
     pub mae: f64,
-    /// Mean relative error; zero eigenvalues, those of closed surfaces, are left out.
+    /// Mean relative error; the zero eigenvalues of closed surfaces are left out.
     pub relative: f64,
 }
 
-/// The errors of a predictor.
+/// Computes the errors of a predictor.
 ///
 /// # Errors
-/// Of spectra that are none.
+/// When a spectrum is invalid.
 pub fn errors(predictor: &dyn Predictor, pairs: &[Pair]) -> Result<Errors> {
     let (mut squares, mut absolute) = (0.0, 0.0);
     let (mut relative, mut positive) = (0.0, 0.0);
@@ -63,7 +63,8 @@ pub fn errors(predictor: &dyn Predictor, pairs: &[Pair]) -> Result<Errors> {
     Ok(Errors { pairs: pairs.len(), mse: squares / count, mae: absolute / count, relative })
 }
 
-/// The pairs of a data set with these numbers in columns `split`, `knowledge` and `remeshed`.
+/// Returns the pairs of a data set with these values in the columns `split`, `knowledge` and
+/// `remeshed`.
 pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool) -> Vec<Pair> {
     let samples = &dataset.samples;
     (0..samples.part1.len())
@@ -81,15 +82,15 @@ pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool)
         .collect()
 }
 
-/// How far from associative unions are.
+/// How far unions are from being associative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Associativity {
-    /// Triples tested; none is trained on.
+    /// Number of triples tested; none of them is in the training.
     pub triples: usize,
-    /// Share of them for which (1 2) 3 and 1 (2 3) are within 5 % of each other in the mean over
-    /// eigenvalues.
+    /// Share of the triples for which (1 2) 3 and 1 (2 3) differ by at most 5 % in the mean over
+    /// the eigenvalues.
     pub within: f64,
-    /// Mean relative difference.
+    /// Mean relative difference of (1 2) 3 and 1 (2 3).
     pub difference: f64,
     /// Mean relative error of (1 2) 3.
     pub error: f64,
@@ -97,14 +98,14 @@ pub struct Associativity {
     pub error_at_once: f64,
 }
 
-/// Largest mean difference of the two orders.
+/// Largest mean relative difference of the two orders that counts as equal.
 const CLOSE: f64 = 0.05;
 
-/// Measures it on the triples of a knowledge, of unions of two one after the other, as the thesis
-/// composes them (equation 2.5), and of all three at once.
+/// Measures associativity on the triples with this `knowledge`: of unions of two parts one after
+/// the other, as in the thesis (equation 2.5), and of all three at once.
 ///
 /// # Errors
-/// Of spectra that are none.
+/// When a spectrum is invalid.
 pub fn associativity(
     model: &SpectralUnion,
     dataset: &Dataset,

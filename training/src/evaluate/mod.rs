@@ -1,5 +1,5 @@
-//! How good predictions are: errors, associativity, regions, retrieval, warnings, real shapes, and
-//! the baselines that must be beaten.
+//! Evaluates predictions by errors, associativity, regions, retrieval, warnings, and real shapes,
+//! in comparison with baselines.
 
 mod baselines;
 mod body_cuts;

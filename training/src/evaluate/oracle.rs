@@ -7,7 +7,7 @@ use super::retrieval::Query;
 use super::{Logs, logarithms};
 use crate::dataset::{EIGENVALUES, Spectrum};
 
-/// Errors of logarithms of eigenvalues 2 to 20, as a normal distribution.
+/// The errors of the logarithms of eigenvalues 2 to 20, as a normal distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorModel {
     mean: Logs,
@@ -15,18 +15,18 @@ pub struct ErrorModel {
     factor: Mat<f64>,
 }
 
-/// Added to variances, so that few samples are enough.
+/// Added to variances, so that a few samples suffice.
 const LEAST_VARIANCE: f64 = 1e-12;
 
 impl ErrorModel {
-    /// Fits mean and covariance.
+    /// Fits the mean and the covariance.
     ///
     /// # Errors
     /// [`Error::Argument`] for no samples and samples that are not finite.
     pub fn fit(samples: &[Logs]) -> Result<Self> {
         let refuse = |why: &str| Error::Argument { what: "samples", why: why.into() };
         if samples.is_empty() {
-            return Err(refuse("there are none"));
+            return Err(refuse("must not be empty"));
         }
         let mean = mean(samples);
         let covariance = covariance(samples, &mean) + diagonal(LEAST_VARIANCE);
@@ -41,13 +41,13 @@ impl ErrorModel {
     }
 }
 
-/// What a spectrum is disturbed by.
+/// A disturbance of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Disturbance<'a> {
-    /// Each eigenvalue by a relative error of its own, of this standard deviation.
+    /// An independent relative error of each eigenvalue, with this standard deviation.
     Independent(f64),
-    /// All eigenvalues by one relative error that grows with the eigenvalue, as between meshes: of
-    /// this standard deviation at the last one.
+    /// One relative error that grows with the eigenvalue, as between meshes; this is its standard
+    /// deviation at the last eigenvalue.
     Drift(f64),
     /// Errors of a model, times a factor.
     Modelled(&'a ErrorModel, f64),
@@ -55,7 +55,7 @@ pub enum Disturbance<'a> {
 
 impl Disturbance<'_> {
     /// Disturbs a spectrum; the result ascends. The first eigenvalue is disturbed as well, except
-    /// by a model, which does not know it.
+    /// by an error model, which does not contain it.
     pub fn apply(&self, spectrum: &Spectrum, rng: &mut Rng) -> Spectrum {
         let mut changed = match *self {
             Self::Independent(size) => spectrum.map(|x| x * (size * rng.normal()).exp()),
@@ -69,7 +69,7 @@ impl Disturbance<'_> {
         changed
     }
 
-    /// Disturbs the spectrum of each query, so many times; the same seed gives the same spectra.
+    /// Disturbs the spectrum of each query `repeats` times; the same seed gives the same spectra.
     pub fn queries(&self, queries: &[Query], repeats: usize, seed: u64) -> Vec<Query> {
         let mut rng = Rng::new(seed);
         let repeated = (0..repeats).flat_map(|_| queries);
@@ -79,7 +79,7 @@ impl Disturbance<'_> {
     }
 }
 
-/// The spectrum with these errors of its logarithms, times a factor.
+/// Returns the spectrum with these errors of its logarithms, times a factor.
 pub(super) fn with_errors(spectrum: &Spectrum, errors: &Logs, factor: f64) -> Spectrum {
     std::array::from_fn(|i| match i {
         0 => spectrum[0],
@@ -112,7 +112,7 @@ mod tests {
         140.0, 150.0, 160.0, 170.0, 180.0, 190.0,
     ];
 
-    /// Errors of the logarithms of many disturbed spectra.
+    /// Returns the errors of the logarithms of many disturbed spectra.
     fn errors(disturbance: &Disturbance<'_>) -> Vec<Logs> {
         let query = Query { identity: 1, pose: 0, spectrum: TRUTH };
         let found = disturbance.queries(&[query], 4000, 3);
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn modelled_errors_are_like_those_fitted() {
-        // Mean of 1 % and two independent directions.
+        // The mean is 1 %, and there are two independent directions.
         let one: Logs = std::array::from_fn(|i| 1e-3 * (i % 4) as f64);
         let other: Logs = std::array::from_fn(|i| if i % 2 == 0 { 2e-3 } else { -1e-3 });
         let mut samples = Vec::new();

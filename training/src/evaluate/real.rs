@@ -8,7 +8,7 @@ use super::{BodyCut, Frame, body_pairs};
 use crate::families::{Family, Model};
 use crate::train::Pair;
 
-/// A shape that no data set has.
+/// A real shape, which is in no data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RealShape {
     /// Its name in tables.
@@ -20,9 +20,9 @@ pub struct RealShape {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Source {
-    /// The largest component of the mesh in this file, y up.
+    /// The largest component of the mesh in this file, with y up.
     File(&'static str),
-    /// Generated.
+    /// A generated shape of this family.
     Family(Family),
 }
 
@@ -34,8 +34,8 @@ const fn family(name: &'static str, family: Family) -> RealShape {
     RealShape { name, human: false, source: Source::Family(family) }
 }
 
-/// Real people, and shapes that are none: animals, statues, things, and the families that are not
-/// trained on.
+/// Real people, and other shapes: animals, statues, objects, and the families that are not in the
+/// training.
 pub const REAL_SHAPES: [RealShape; 16] = [
     file("man", true, "human_man.obj.gz"),
     file("woman", true, "human_woman.obj.gz"),
@@ -55,21 +55,20 @@ pub const REAL_SHAPES: [RealShape; 16] = [
     family("sheet", Family::Sheet),
 ];
 
-/// Meshes with more vertices are decimated to save time, to so many.
+/// Meshes with more vertices are decimated to this number, to save time.
 const DECIMATED_ABOVE: usize = 20_000;
 const DECIMATED_TO: usize = 7_000;
 
-/// Vertices of generated shapes, and their seed, which no data set has.
+/// Number of vertices of generated shapes; also their seed, which no data set has.
 const GENERATED: usize = 2_500;
 const SEED: u64 = 4242;
 
 impl RealShape {
-    /// Cuts the shape in each way of [`BODY_CUTS`](super::BODY_CUTS); files are looked for in a
-    /// folder.
+    /// Cuts the shape in each way of [`BODY_CUTS`](super::BODY_CUTS); files are read from `folder`.
     ///
     /// # Errors
-    /// [`catamaran::Error::Mesh`] for a largest component that is not a manifold; as [`io::read`],
-    /// [`repair`] of seams and repeated faces, [`decimate`] and [`body_pairs`].
+    /// [`catamaran::Error::Mesh`] when the largest component is not a manifold; those of
+    /// [`io::read`], [`repair`] of seams and repeated faces, [`decimate`] and [`body_pairs`].
     pub fn pairs(&self, folder: &Path, par: Par) -> Result<Vec<(&'static BodyCut, Result<Pair>)>> {
         match self.source {
             Source::File(name) => {
@@ -84,7 +83,7 @@ impl RealShape {
     }
 }
 
-/// The largest component, coarse enough.
+/// Reads the largest component of a mesh, and decimates it if it is too large.
 fn read(path: &Path, par: Par) -> Result<TriMesh> {
     let options = RepairOptions::unambiguous().compact(true).keep_largest(1);
     let mesh = repair(io::read(path)?, &options)?.file.mesh;

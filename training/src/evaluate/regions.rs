@@ -3,22 +3,22 @@ use catamaran::unions::SpectralUnion;
 
 use crate::dataset::Dataset;
 
-/// How well regions are found on a template.
+/// How accurately regions are found on a template.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Localization {
-    /// Unions looked for.
+    /// Number of unions.
     pub regions: usize,
-    /// Mean intersection over union, of the region or of its mirror image, whichever is nearer.
+    /// Mean intersection over union, with the region or its mirror image, whichever is nearer.
     pub intersection_over_union: f64,
-    /// Mean share of vertices that are rightly inside or outside.
+    /// Mean share of the vertices that are correctly inside or outside.
     pub accuracy: f64,
 }
 
-/// Finds unions of the template's family (0) on the template, and compares; complete shapes are
-/// left out.
+/// Finds the unions of the template's family (0) on the template, and compares them with the true
+/// ones; complete shapes are left out.
 ///
 /// # Errors
-/// Of spectra that are none, and of a network of another template.
+/// When a spectrum is invalid, or the network belongs to another template.
 pub fn localization(
     model: &SpectralUnion,
     dataset: &Dataset,
@@ -79,8 +79,8 @@ mod tests {
     use crate::dataset::DatasetOptions;
     use crate::families::{Family, Model};
 
-    /// Both parts of figures of seeds that no data set has, each in another pose, are above these
-    /// shares of the height.
+    /// Both parts are the vertices above these shares of the height, of figures with seeds that no
+    /// data set has, each in another pose.
     #[test]
     fn pretrained_weights_find_the_upper_half_of_figures() {
         let family = Model::new(Family::Humanoid, DatasetOptions::default().vertices).unwrap();

@@ -5,21 +5,21 @@ use crate::cuts::id;
 use crate::dataset::{Dataset, Spectrum, TRAIN};
 use crate::families::Family;
 
-/// Shares of queries that have the right identity among the first 1, 5 and 10 shapes found.
+/// Shares of the queries for which the right identity is among the first 1, 5 and 10 results.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Retrieval {
-    /// Queries.
+    /// Number of queries.
     pub queries: usize,
     /// Top-1, top-5 and top-10.
     pub top: [f64; 3],
 }
 
-/// Shapes found that count.
+/// Number of results per query.
 const FOUND: usize = 10;
 
 impl Retrieval {
-    /// Computes the shares from the rank, from 0, of the first right shape of each query; `None`
-    /// for a query without a right one among the first 10.
+    /// Computes the shares from the rank, counted from 0, of the first correct result of each
+    /// query; `None` for a query without a correct one among the first 10.
     pub fn of(ranks: &[Option<usize>]) -> Self {
         let within = |limit| ranks.iter().filter(|rank| rank.is_some_and(|r| r < limit)).count();
         let share = |limit| within(limit) as f64 / f64::max(1.0, ranks.len() as f64);
@@ -27,23 +27,23 @@ impl Retrieval {
     }
 }
 
-/// The spectrum of a complete shape, and whose it is.
+/// The spectrum of a complete shape, with its identity and pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Query {
     /// Identity of the shape.
     pub identity: usize,
     /// Pose of the shape.
     pub pose: usize,
-    /// Its spectrum, true or predicted.
+    /// The spectrum, true or predicted.
     pub spectrum: Spectrum,
 }
 
-/// The complete humans of a data set: what is searched.
+/// The complete humans of a data set, in which queries search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gallery(Vec<Query>);
 
 impl Gallery {
-    /// Takes the complete shapes of family 0.
+    /// Collects the complete shapes of family 0.
     pub fn new(dataset: &Dataset) -> Self {
         let shapes = &dataset.shapes;
         let people = (0..shapes.spectrum.len()).filter(|&i| shapes.family[i] == 0);
@@ -58,7 +58,7 @@ impl Gallery {
         )
     }
 
-    /// The shapes of which another pose is there: each may ask for it.
+    /// Returns the shapes that are also there in another pose, as queries.
     pub fn queries(&self) -> Vec<Query> {
         self.0.iter().copied().filter(|q| self.has_another(q.identity, q.pose)).collect()
     }
@@ -67,12 +67,12 @@ impl Gallery {
         self.0.iter().any(|shape| shape.identity == identity && shape.pose != pose)
     }
 
-    /// Searches the shapes nearest to each query, the shape of the query itself left out, by
-    /// Euclidean distance of signatures, those of queries and those of shapes: the rank of the
-    /// first one of the same identity, as in [`Retrieval::of`].
+    /// Finds the shapes nearest to each query, except the shape of the query itself, by the
+    /// Euclidean distance of the signatures of queries and of shapes. Returns the rank of the first
+    /// one with the same identity, as in [`Retrieval::of`].
     ///
     /// # Errors
-    /// As [`retrieve`].
+    /// Those of [`retrieve`].
     pub fn ranks<S: AsRef<[f64]> + Sync>(
         &self,
         queries: &[Query],
@@ -91,16 +91,17 @@ impl Gallery {
         queries.iter().map(rank).collect()
     }
 
-    /// [`ranks`](Self::ranks) by the distance of the thesis, the Euclidean one of eigenvalues.
+    /// Computes [`ranks`](Self::ranks) with the distance of the thesis, the Euclidean distance of
+    /// the eigenvalues.
     ///
     /// # Errors
-    /// As [`retrieve`].
+    /// Those of [`retrieve`].
     pub fn euclidean_ranks(&self, queries: &[Query]) -> Result<Vec<Option<usize>>> {
         self.ranks(queries, |spectrum| *spectrum, |spectrum| *spectrum)
     }
 }
 
-/// Whether each sample has a complete human as its union, whose mesh is that of the family.
+/// Returns for each sample whether its union is a complete human with the mesh of the family.
 pub(super) fn complete_humans(dataset: &Dataset) -> Vec<bool> {
     let samples = &dataset.samples;
     let vertices = dataset.templates.first().map_or(0, |template| template.vertices.len());
@@ -113,8 +114,8 @@ pub(super) fn complete_humans(dataset: &Dataset) -> Vec<bool> {
     (0..samples.part1.len()).map(is_one).collect()
 }
 
-/// The samples that ask for the other poses of their shape: the union is a complete human, another
-/// pose of whom is in the gallery, and the sample is not trained on.
+/// Returns the samples that are queries for other poses of their shape: the union is a complete
+/// human, the gallery contains it in another pose, and the sample is not in the training.
 pub(super) fn asking(dataset: &Dataset, gallery: &Gallery) -> Vec<usize> {
     let samples = &dataset.samples;
     let complete = complete_humans(dataset);

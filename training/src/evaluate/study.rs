@@ -11,37 +11,37 @@ use super::{Disturbance, ErrorModel, Logs, Predictor, errors_by_index};
 use crate::dataset::{Dataset, Spectrum, TRAIN};
 use crate::families::CARICATURE;
 
-/// Why retrieval by predicted spectra succeeds or fails. The queries are spectra of unions that are
-/// complete humans, predicted and true; a shape is not asked for itself, nor for shapes of which no
-/// other pose is there, and samples that were trained on do not ask: metrics are fitted to the
-/// errors of their predictions and to their poses.
+/// A study of why retrieval with predicted spectra succeeds or fails. The queries are spectra of
+/// unions that are complete humans, predicted and true. A shape is not a result of its own query,
+/// and shapes without another pose are not queries. Samples of the training are not queries either:
+/// metrics are fitted to the errors of their predictions and to their poses.
 pub struct RetrievalStudy {
     gallery: Gallery,
     truth: Vec<Query>,
     predicted: Vec<Query>,
-    /// Errors of predictions of complete humans that were trained on, with their identities.
+    /// Errors of the predictions of complete humans in the training, with their identities.
     errors: Vec<(usize, Logs)>,
-    /// Spectra of these humans, one for each pose, with their identities.
+    /// Spectra of these humans, one per pose, with their identities.
     poses: Vec<(usize, Spectrum)>,
 }
 
-/// Spectra that a [`RetrievalStudy`] queries by.
+/// The spectra of the queries of a [`RetrievalStudy`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// Those of the network.
+    /// Spectra predicted by the network.
     Predicted,
-    /// Those of the complete shapes.
+    /// True spectra of the complete shapes.
     True,
 }
 
-/// Draws of a disturbance for each shape.
+/// Number of draws of a disturbance per shape.
 const REPEATS: usize = 20;
 
 impl RetrievalStudy {
-    /// Predicts the spectra of all queries, and of the complete humans that are trained on.
+    /// Predicts the spectra of all queries, and of the complete humans in the training.
     ///
     /// # Errors
-    /// Of spectra that are none.
+    /// When a spectrum is invalid.
     pub fn new(predictor: &dyn Predictor, dataset: &Dataset) -> Result<Self> {
         let samples = &dataset.samples;
         let gallery = Gallery::new(dataset);
@@ -67,7 +67,7 @@ impl RetrievalStudy {
         Ok(Self { gallery, truth, predicted, errors, poses })
     }
 
-    /// Samples that metrics are fitted to: predictions, and poses.
+    /// Returns the numbers of samples to which metrics are fitted: of predictions, and of poses.
     pub fn fitted_to(&self) -> [usize; 2] {
         [self.errors.len(), self.poses.len()]
     }
@@ -79,19 +79,19 @@ impl RetrievalStudy {
         }
     }
 
-    /// Searches by the distance of the thesis, the Euclidean one of eigenvalues.
+    /// Searches with the distance of the thesis, the Euclidean distance of the eigenvalues.
     ///
     /// # Errors
-    /// Of spectra that are none.
+    /// When a spectrum is invalid.
     pub fn euclidean(&self, source: Source) -> Result<Retrieval> {
         Ok(Retrieval::of(&self.gallery.euclidean_ranks(self.queries(source))?))
     }
 
-    /// Searches by a [`RetrievalMetric`] that is fitted to what is trained on, for true spectra
-    /// without errors. The identity of a query is left out of the fit of its metric.
+    /// Searches with a [`RetrievalMetric`] that is fitted to the samples of the training; for true
+    /// spectra, without errors. The identity of a query is excluded from the fit of its metric.
     ///
     /// # Errors
-    /// As [`RetrievalMetric::fit`].
+    /// Those of [`RetrievalMetric::fit`].
     pub fn by_likelihood(&self, source: Source, options: &MetricOptions) -> Result<Retrieval> {
         let errors = match source {
             Source::Predicted => &self.errors[..],
@@ -125,17 +125,18 @@ impl RetrievalStudy {
         Ok(Retrieval::of(&ranks))
     }
 
-    /// Mean relative errors of the predictions of the queries, of the eigenvalues 2 to 20.
+    /// Computes the mean relative errors of the predictions of the queries, for the eigenvalues 2
+    /// to 20.
     pub fn errors_by_index(&self) -> [f64; K - 1] {
         let [found, truth] = [&self.predicted, &self.truth]
             .map(|queries| queries.iter().map(|query| query.spectrum).collect::<Vec<_>>());
         errors_by_index(&found, &truth)
     }
 
-    /// The errors of the predictions of the queries, as a model.
+    /// Returns the errors of the predictions of the queries, as a model.
     ///
     /// # Errors
-    /// As [`ErrorModel::fit`], also when there are no queries.
+    /// Those of [`ErrorModel::fit`], also when there are no queries.
     pub fn error_model(&self) -> Result<ErrorModel> {
         ErrorModel::fit(&self.query_errors())
     }
@@ -145,11 +146,11 @@ impl RetrievalStudy {
         pairs.map(|(found, truth)| log_errors(&found.spectrum, &truth.spectrum)).collect()
     }
 
-    /// Searches by true spectra of complete shapes, each disturbed 20 times: by the distance of
-    /// the thesis, and by a metric that is fitted to such disturbances.
+    /// Searches with true spectra of complete shapes, each disturbed 20 times, with the distance of
+    /// the thesis, and with a metric that is fitted to such disturbances.
     ///
     /// # Errors
-    /// As [`RetrievalMetric::fit`].
+    /// Those of [`RetrievalMetric::fit`].
     pub fn disturbed(
         &self,
         disturbance: &Disturbance<'_>,
@@ -165,11 +166,12 @@ impl RetrievalStudy {
         self.both(&queries, &errors, options)
     }
 
-    /// Searches by predicted spectra whose errors (of logarithms) are multiplied by a factor, as
-    /// those that metrics are fitted to: as [`RetrievalStudy::disturbed`].
+    /// Searches with predicted spectra whose errors (of logarithms) are multiplied by a factor, as
+    /// are the errors to which metrics are fitted. The results are as in
+    /// [`RetrievalStudy::disturbed`].
     ///
     /// # Errors
-    /// As [`RetrievalMetric::fit`].
+    /// Those of [`RetrievalMetric::fit`].
     pub fn improved(&self, factor: f64, options: &MetricOptions) -> Result<[Retrieval; 2]> {
         let queries = self.truth.iter().zip(self.query_errors());
         let queries: Vec<Query> = queries
@@ -201,8 +203,8 @@ mod tests {
     use crate::cuts::id;
     use crate::dataset::{TEST_A, Template};
 
-    /// Three identities that differ a little in every other eigenvalue, each in poses that differ
-    /// much in size. Each shape has a sample to train on and one that asks.
+    /// Creates three identities that differ slightly in every other eigenvalue, each in poses that
+    /// differ much in size. Each shape has a sample in the training and a query.
     fn dataset() -> Dataset {
         let mut dataset = Dataset::default();
         dataset.templates.push(Template {
@@ -283,7 +285,7 @@ mod tests {
         let [euclidean, metric] = study.disturbed(&nothing, &OPTIONS, 1).unwrap();
         assert_eq!((euclidean.queries, euclidean.top), (6 * REPEATS, [0.0, 1.0, 1.0]));
         assert_eq!(metric.top, [1.0; 3]);
-        // Noise as large as the differences of identities.
+        // The noise is as large as the differences of the identities.
         let noise = Disturbance::Independent(0.2);
         let [_, metric] = study.disturbed(&noise, &OPTIONS, 1).unwrap();
         assert!(metric.top[0] < 0.9 && metric.top[0] > 0.2, "{metric:?}");

@@ -7,13 +7,13 @@ use crate::train::Pair;
 /// Mean relative error above which a prediction counts as wrong.
 pub const WRONG: f64 = 0.15;
 
-/// The threshold of [`SpectralUnion::ood_score`] that its documentation gives.
+/// The threshold that the documentation of [`SpectralUnion::ood_score`] recommends.
 pub const DOCUMENTED_THRESHOLD: f64 = 1.0;
 
-/// Thresholds of the tables.
+/// The thresholds of the tables.
 pub const THRESHOLDS: [f64; 11] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.5];
 
-/// What is known of the prediction for a pair.
+/// The results of the prediction for a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
     /// The out-of-distribution score of the pair.
@@ -35,30 +35,30 @@ impl Judgement {
         Ok(Self { score, error, human })
     }
 
-    /// The score, and whether the prediction is wrong: what [`Detection::at`] takes.
+    /// Returns the score, and whether the prediction is wrong, as for [`Detection::at`].
     pub fn wrong(&self) -> (f64, bool) {
         (self.score, self.error > WRONG)
     }
 
-    /// The score, and whether the parts are not those of a human.
+    /// Returns the score, and whether the parts are not those of a human.
     pub fn not_human(&self) -> (f64, bool) {
         (self.score, !self.human)
     }
 }
 
-/// What a threshold detects.
+/// The pairs that a threshold detects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Detection {
-    /// Pairs that score above the threshold.
+    /// Number of pairs that score above the threshold.
     pub flagged: usize,
-    /// Pairs that have the label.
+    /// Number of pairs with the label.
     pub wanted: usize,
-    /// Pairs that do both.
+    /// Number of pairs that score above the threshold and have the label.
     pub found: usize,
 }
 
 impl Detection {
-    /// Counts scores above a threshold, and labels.
+    /// Counts the scores above a threshold, and the labels.
     pub fn at(threshold: f64, scored: &[(f64, bool)]) -> Self {
         let count = |of: fn(bool, bool) -> bool| {
             scored.iter().filter(|&&(score, label)| of(score > threshold, label)).count()
@@ -70,12 +70,12 @@ impl Detection {
         }
     }
 
-    /// The share of what is flagged that has the label; `None` if nothing is flagged.
+    /// Returns the share of the flagged pairs that have the label; `None` if nothing is flagged.
     pub fn precision(&self) -> Option<f64> {
         (self.flagged > 0).then(|| self.found as f64 / self.flagged as f64)
     }
 
-    /// The share of what has the label that is flagged; `None` if nothing has it.
+    /// Returns the share of the pairs with the label that are flagged; `None` if no pair has it.
     pub fn recall(&self) -> Option<f64> {
         (self.wanted > 0).then(|| self.found as f64 / self.wanted as f64)
     }

@@ -2,10 +2,10 @@
 
 use super::skeleton::Spec;
 
-/// Not turned.
+/// Ranges of a bone that does not turn.
 const STIFF: [[f64; 2]; 3] = [[0.0; 2]; 3];
 
-/// Turned a little, any way.
+/// Ranges of a bone that turns slightly about all axes.
 const LOOSE: [[f64; 2]; 3] = [[-0.15, 0.15], [-0.15, 0.15], [-0.2, 0.2]];
 
 const fn bone(
@@ -18,7 +18,7 @@ const fn bone(
     Spec { parent, head, tail, radii, turns, body_b }
 }
 
-/// 11 entries, 18 bones. Body type B: wide hips, narrow shoulders, slender limbs.
+/// Humanoids: 11 entries, 18 bones. Body type B has wide hips, narrow shoulders, and slender limbs.
 pub(super) const HUMANOID: [Spec; 11] = [
     bone(0, [[0.0, 0.0, 0.92], [0.0, 0.0, 1.08]], [0.135, 0.125], STIFF, [0.98, 1.1]),
     bone(0, [[0.0, 0.0, 1.08], [0.0, 0.0, 1.36]], [0.125, 0.14], LOOSE, [0.94, 0.9]),
@@ -57,7 +57,7 @@ pub(super) const HUMANOID: [Spec; 11] = [
     bone(9, [[0.12, -0.02, 0.06], [0.13, 0.14, 0.04]], [0.045, 0.032], LOOSE, [0.92, 0.9]),
 ];
 
-/// 9 entries, 13 bones. Body type B: long neck, short legs.
+/// Quadrupeds: 9 entries, 13 bones. Body type B has a long neck and short legs.
 pub(super) const QUADRUPED: [Spec; 9] = [
     bone(0, [[0.0, -0.35, 0.8], [0.0, 0.0, 0.78]], [0.15, 0.16], STIFF, [1.0, 1.0]),
     bone(0, [[0.0, 0.0, 0.78], [0.0, 0.4, 0.82]], [0.16, 0.15], LOOSE, [1.0, 0.95]),
@@ -100,10 +100,10 @@ pub(super) const QUADRUPED: [Spec; 9] = [
     ),
 ];
 
-/// Opened about the y axis.
+/// Ranges of a bone that opens the band about the y axis.
 const BENT: [[f64; 2]; 3] = [[-0.05, 0.05], [-0.15, 0.2], [-0.1, 0.1]];
 
-/// 5 entries, 9 bones: a band from cup to cup. Body type B: large cups.
+/// Headphones: 5 entries, 9 bones, a band from cup to cup. Body type B has large cups.
 pub(super) const HEADPHONES: [Spec; 5] = [
     bone(0, [[0.0, -0.001, 0.2], [0.0, 0.001, 0.2]], [0.016, 0.016], STIFF, [1.0, 1.0]),
     bone(0, [[0.0, 0.0, 0.2], [0.055, 0.0, 0.182]], [0.016, 0.016], BENT, [1.0, 0.9]),

@@ -1,4 +1,4 @@
-//! Skeletons of creatures that no list has: every one has bones of its own.
+//! Skeletons of creatures: every creature has its own random bones.
 
 use std::f64::consts::TAU;
 
@@ -8,27 +8,27 @@ use catamaran::mesh::vector::{Vector, add, distance, scale};
 use super::skeleton::Spec;
 use crate::cuts::below;
 
-/// How wide creases between limbs are rounded, in metres.
+/// Width of the rounding of creases between limbs, in metres.
 pub(super) const SMOOTHNESS: f64 = 0.015;
 
-/// Entries of a skeleton; those to the side are there twice.
+/// Range of the number of entries of a skeleton; entries at the side give two bones.
 const ENTRIES: [usize; 2] = [2, 9];
-/// Lengths of bones, in metres.
+/// Range of the lengths of bones, in metres.
 const LENGTHS: [f64; 2] = [0.1, 0.7];
-/// Radii, as parts of the length.
+/// Range of the radii, relative to the length.
 const RADII: [f64; 2] = [0.12, 0.7];
-/// How many times as thick a bone is at its tail.
+/// Range of the ratio of the thickness at the tail to that at the head.
 const TAPER: [f64; 2] = [0.6, 1.15];
 /// Share of the bones that are on both sides.
 const PAIRED: f64 = 0.6;
-/// Share of the bones that begin where others end; the rest begin anywhere on them.
+/// Share of the bones that begin at the ends of others; the rest begin anywhere on them.
 const CHAINED: f64 = 0.5;
-/// Turns are up to this, either way, in radians.
+/// Largest rotation about each axis, in radians.
 const TURN: f64 = 0.35;
-/// Radii are at least so many times the mean distance of vertices.
+/// Smallest radius, relative to the mean distance of vertices.
 const RESOLVED: f64 = 1.5;
 
-/// The bones of a creature whose surface has about `vertices` vertices.
+/// Draws the bones of a creature whose surface has about `vertices` vertices.
 pub(super) fn specs(vertices: usize, rng: &mut Rng) -> Vec<Spec> {
     let count = ENTRIES[0] + below(ENTRIES[1] - ENTRIES[0] + 1, rng);
     let mut specs: Vec<Spec> = Vec::with_capacity(count);
@@ -45,7 +45,7 @@ pub(super) fn specs(vertices: usize, rng: &mut Rng) -> Vec<Spec> {
         };
         let paired = beside || number > 0 && rng.uniform() < PAIRED;
         let direction = if paired { to_the_right(rng) } else { in_the_plane(rng) };
-        // Limbs are no thicker than what they are on.
+        // Limbs are no thicker than the bones to which they are attached.
         let radius = (length * between_evenly(RADII, rng)).min(thickest);
         let mut head = head;
         if paired && !beside {
@@ -63,7 +63,7 @@ pub(super) fn specs(vertices: usize, rng: &mut Rng) -> Vec<Spec> {
     thickened(specs, vertices)
 }
 
-/// Not thinner than triangles can follow.
+/// Increases radii that are too small for the resolution of the mesh.
 fn thickened(mut specs: Vec<Spec>, vertices: usize) -> Vec<Spec> {
     let flesh = |spec: &Spec| {
         let sides = if spec.tail[0] > 0.0 { 2.0 } else { 1.0 };
@@ -78,12 +78,12 @@ fn thickened(mut specs: Vec<Spec>, vertices: usize) -> Vec<Spec> {
     specs
 }
 
-/// Its logarithm is even.
+/// Draws a number whose logarithm is uniformly distributed.
 fn between_evenly([low, high]: [f64; 2], rng: &mut Rng) -> f64 {
     low * (high / low).powf(rng.uniform())
 }
 
-/// A direction away from the plane x = 0.
+/// Draws a direction away from the plane x = 0.
 fn to_the_right(rng: &mut Rng) -> Vector {
     let x = rng.uniform();
     let across = (1.0 - x * x).sqrt();
@@ -91,7 +91,7 @@ fn to_the_right(rng: &mut Rng) -> Vector {
     [x, across * y, across * z]
 }
 
-/// A direction in the plane x = 0.
+/// Draws a direction in the plane x = 0.
 fn in_the_plane(rng: &mut Rng) -> Vector {
     let (sin, cos) = (TAU * rng.uniform()).sin_cos();
     [0.0, cos, sin]

@@ -1,13 +1,13 @@
-//! The flesh around bones: a smooth union of capsules.
+//! The implicit surface around bones: a smooth union of capsules.
 
 use catamaran::mesh::vector::{Vector, distance, dot, scale, sub};
 
 use super::skeleton::{Bone, Skeleton};
 
-/// Distances to the capsules are united as `-s ln(sum exp(-d / s))`, symmetric in x.
+/// The smooth union of distances d to the capsules, `-s ln(sum exp(-d / s))`, symmetric in x.
 pub(super) struct Field<'a> {
     skeleton: &'a Skeleton,
-    /// s, how wide creases between limbs are rounded.
+    /// s, the width of the rounding of creases between limbs.
     pub smoothness: f64,
 }
 
@@ -16,9 +16,9 @@ impl<'a> Field<'a> {
         Self { skeleton, smoothness }
     }
 
-    /// Negative inside; about the distance.
+    /// Returns approximately the signed distance, negative inside.
     pub fn at(&self, p: Vector) -> f64 {
-        // As on the other side, bit for bit.
+        // Equal to the value on the other side, bit for bit.
         let p = [p[0].abs(), p[1], p[2]];
         let s = self.smoothness;
         let nearest =
@@ -28,7 +28,7 @@ impl<'a> Field<'a> {
         nearest - s * sum.ln()
     }
 
-    /// The point on the surface near p, by steps along the gradient (central differences).
+    /// Returns the point on the surface near p, by steps along the gradient (central differences).
     pub fn onto_surface(&self, mut p: Vector) -> Vector {
         let step = 1e-4 * self.smoothness;
         for _ in 0..3 {
@@ -39,7 +39,7 @@ impl<'a> Field<'a> {
                 (self.at(above) - self.at(below)) / (2.0 * step)
             });
             let slope = dot(gradient, gradient);
-            // In the middle of a limb, where no way leads out.
+            // The gradient is zero in the middle of a limb.
             if slope < 0.01 {
                 break;
             }
@@ -48,7 +48,7 @@ impl<'a> Field<'a> {
         p
     }
 
-    /// Corners of a box around the flesh.
+    /// Returns the corners of a box around the surface.
     pub fn bounds(&self) -> [Vector; 2] {
         let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for bone in &self.skeleton.bones {
@@ -63,8 +63,8 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Distance of p to the surface of a capsule whose radius goes evenly from end to end, negative
-/// inside.
+/// Returns the distance of p to the surface of a capsule whose radius changes linearly from end to
+/// end, negative inside.
 pub(super) fn to_flesh(bone: &Bone, p: Vector) -> f64 {
     let axis = sub(bone.tail, bone.head);
     let t = (dot(sub(p, bone.head), axis) / dot(axis, axis)).clamp(0.0, 1.0);

@@ -1,8 +1,8 @@
-//! The surface of a symmetric field as a mesh that is its own mirror image: naive surface nets,
-//! relaxed.
+//! Computes the surface of a symmetric field as a mesh that is its own mirror image, by naive
+//! surface nets with relaxation.
 //!
 //! Source: Gibson, Constrained Elastic Surface Nets (1998). The grid has a layer of cells across
-//! the plane x = 0; faces are found on one side and mirrored.
+//! the plane x = 0; faces are constructed on one side and mirrored.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use catamaran::mesh::{Edges, TriMesh};
 use super::field::Field;
 use super::rotation::mirrored;
 
-/// Rounds of moving every vertex to the mean of its neighbours and back to the surface.
+/// Number of rounds that move every vertex to the mean of its neighbours and back to the surface.
 const ROUNDS: usize = 12;
 
 /// A mesh, and for each vertex its mirror image.
@@ -22,14 +22,14 @@ pub(super) struct Symmetric {
     pub mirror: Vec<u32>,
 }
 
-/// Sizes of cells that are tried, as parts of the one that suits the number of vertices: a net is
-/// not manifold where two pieces of the surface pass through one cell.
+/// Cell sizes that are tried, relative to the one for the desired number of vertices: a net is not
+/// a manifold where two pieces of the surface pass through one cell.
 const SIDES: [f64; 7] = [1.0, 0.985, 1.015, 0.97, 1.03, 0.955, 1.045];
 
-/// The surface of the field, with about `vertices` vertices.
+/// Returns the surface of the field, with about `vertices` vertices.
 ///
 /// # Errors
-/// [`catamaran::Error::Mesh`] where the surface is too thin for that many.
+/// [`catamaran::Error::Mesh`] when the surface is too thin for this number of vertices.
 pub(super) fn surface(field: &Field<'_>, vertices: usize) -> Result<Symmetric> {
     let [low, high] = field.bounds();
     let size = distance(low, high);
@@ -49,15 +49,16 @@ pub(super) fn surface(field: &Field<'_>, vertices: usize) -> Result<Symmetric> {
     others.into_iter().fold(first(), |found, attempt| found.or_else(|_| attempt()))
 }
 
-/// Cells on the surface, and the quadrilaterals between them.
+/// The cells on the surface, and the quadrilaterals between them.
 struct Net {
     positions: Vec<Vector>,
     mirror: Vec<u32>,
-    /// With positive x, counter-clockwise as seen from outside.
+    /// Quadrilaterals with positive x, counter-clockwise as seen from outside.
     quads: Vec<[u32; 4]>,
 }
 
-/// Corner of a cell, from 0 to 7: bit k is the offset along axis k.
+/// Returns the offset of a corner of a cell, numbered from 0 to 7: bit k is the offset along axis
+/// k.
 fn corner(c: usize) -> [i32; 3] {
     [0, 1, 2].map(|k| (c >> k & 1) as i32)
 }
@@ -65,7 +66,8 @@ fn corner(c: usize) -> [i32; 3] {
 impl Net {
     fn new(field: &Field<'_>, side: f64) -> Self {
         let [low, high] = field.bounds();
-        // Points (i + 1/2) along x with i >= 0, all others by the mirror; j and k along y and z.
+        // Points are at (i + 1/2) along x with i >= 0, the others are mirror images; j and k are
+        // along y and z.
         let right = (high[0] / side).ceil() as i32 + 1;
         let counts = [1, 2].map(|k| ((high[k] - low[k]) / side).ceil() as i32 + 2);
         let position = |[i, j, k]: [i32; 3]| {
@@ -120,7 +122,7 @@ impl Net {
         net
     }
 
-    /// A vertex, and its mirror image.
+    /// Adds a vertex, and its mirror image.
     fn add_cell(&mut self, cell: [i32; 3], p: Vector, cells: &mut HashMap<[i32; 3], u32>) {
         let vertex = self.positions.len() as u32;
         cells.insert(cell, vertex);
@@ -134,7 +136,8 @@ impl Net {
         }
     }
 
-    /// The four cells around an edge of the grid that the surface crosses.
+    /// Adds the quadrilateral of the four cells around an edge of the grid that the surface
+    /// crosses.
     fn add_quad(
         &mut self,
         start: [i32; 3],
@@ -153,7 +156,7 @@ impl Net {
         self.quads.push(if outwards { [a, b, c, d] } else { [d, c, b, a] });
     }
 
-    /// Makes triangles more equal; what is on the left mirrors what is on the right.
+    /// Moves the vertices so that triangles are more equal; the left side mirrors the right side.
     fn relax(&mut self, field: &Field<'_>) {
         let mut neighbours: Vec<Vec<u32>> = vec![vec![]; self.positions.len()];
         for &quad in &self.quads {
@@ -203,7 +206,8 @@ impl Net {
     }
 }
 
-/// The mean of the points where the surface crosses the edges of a cell; `None` if it crosses none.
+/// Returns the mean of the points where the surface crosses the edges of a cell; `None` if it
+/// crosses none.
 fn crossing(at: impl Fn(usize) -> (Vector, f64)) -> Option<Vector> {
     let (mut sum, mut count) = ([0.0; 3], 0.0);
     for c in 0..8 {

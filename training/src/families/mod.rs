@@ -1,7 +1,7 @@
 //! Families of shapes with identities and poses, generated from a seed.
 //!
-//! All shapes of a family have the faces of its template, and vertices that correspond; a mask over
-//! the template is a part of every shape.
+//! All shapes of a family have the faces of its template and corresponding vertices, so that a mask
+//! over the template is a part of every shape.
 
 mod bodies;
 mod creatures;
@@ -21,10 +21,10 @@ use sheet::Sheet;
 pub(crate) use skeleton::CARICATURE;
 use skeleton::{Skeleton, Spec};
 
-/// Kinds of shapes.
+/// A kind of shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// Humans of 16 bones, arms stretched out at rest.
+    /// Humans with 16 bones, whose arms are stretched out at rest.
     Humanoid,
     /// Animals on four legs.
     Quadruped,
@@ -32,16 +32,16 @@ pub enum Family {
     Headphones,
     /// Folded sheets, with a boundary.
     Sheet,
-    /// Bodies of random bones. Every one has a template of its own: see [`Model::creature`].
+    /// Bodies of random bones. Every one has its own template, see [`Model::creature`].
     Creature,
 }
 
 impl Family {
-    /// Those whose shapes share a template, in the order of their numbers.
+    /// The families whose shapes share a template, in the order of their numbers.
     pub const TEMPLATED: [Self; 4] =
         [Self::Humanoid, Self::Quadruped, Self::Headphones, Self::Sheet];
 
-    /// Its number in data sets.
+    /// Returns the number of the family in data sets.
     pub fn number(self) -> usize {
         self as usize
     }
@@ -59,18 +59,18 @@ pub struct Model {
 
 #[derive(Debug, Clone)]
 enum Kind {
-    /// Bones, and those that hold each vertex, with weights that sum to 1.
+    /// Bones, and for each vertex the bones that move it, with weights that sum to 1.
     Rigged(Skeleton, Vec<Vec<(u32, f64)>>),
     Sheet(Sheet),
 }
 
 impl Model {
-    /// The family with a template of about so many vertices: at least 500, that limbs may be
-    /// thicker than triangles are long.
+    /// Creates the family with a template of about `vertices` vertices: at least 500, so that limbs
+    /// are thicker than the edges of triangles are long.
     ///
     /// # Errors
-    /// [`Error::Argument`] for fewer vertices, or more than a million, and for creatures, which
-    /// have no common template.
+    /// [`Error::Argument`] for fewer than 500 vertices, or more than a million, and for creatures,
+    /// which have no common template.
     pub fn new(family: Family, vertices: usize) -> Result<Self> {
         let (specs, smoothness): (&[_], _) = match family {
             Family::Humanoid => (&bodies::HUMANOID, 0.012),
@@ -78,18 +78,18 @@ impl Model {
             Family::Headphones => (&bodies::HEADPHONES, 0.006),
             Family::Sheet => return Self::sheet(vertices),
             Family::Creature => {
-                let why = "creatures have no common template".into();
+                let why = "must not be `Creature`: creatures have no common template".into();
                 return Err(Error::Argument { what: "family", why });
             }
         };
         Self::rigged(family, specs, smoothness, vertices)
     }
 
-    /// A creature of so many vertices, as [`new`](Self::new). The same seed and number give the
-    /// same creature.
+    /// Creates a creature with about `vertices` vertices, as in [`new`](Self::new). The same seed
+    /// and number give the same creature.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::Mesh`] if none of a few attempts gives a surface.
+    /// Those of [`new`](Self::new); [`Error::Mesh`] if none of a few attempts gives a surface.
     pub fn creature(seed: u64, number: usize, vertices: usize) -> Result<Self> {
         let attempt = |attempt: u64| {
             let seed = mixed(&[seed, Family::Creature as u64, number as u64, attempt, 0xB0DE]);
@@ -115,7 +115,7 @@ impl Model {
         let field = Field::new(&skeleton, smoothness);
         let isosurface::Symmetric { mesh, mirror } = isosurface::surface(&field, vertices)?;
         let weights = weights::weights(&skeleton, &mesh, &mirror);
-        // The heaviest; the first of equal ones.
+        // The bone with the largest weight; the first of equal ones.
         let heaviest = |held: &Vec<(u32, f64)>| {
             held.iter().fold((0, 0.0), |best, &next| if next.1 > best.1 { next } else { best }).0
         };
@@ -131,31 +131,31 @@ impl Model {
         Ok(Self { family: Family::Sheet, template, mirror, segments, kind: Kind::Sheet(sheet) })
     }
 
-    /// Which family.
+    /// Returns the family.
     pub fn family(&self) -> Family {
         self.family
     }
 
-    /// The shape at rest: its own mirror image in the plane x = 0, bit for bit.
+    /// Returns the shape at rest, which is its own mirror image in the plane x = 0, bit for bit.
     pub fn template(&self) -> &TriMesh {
         &self.template
     }
 
-    /// For each vertex its mirror image.
+    /// Returns the mirror image of each vertex.
     pub fn mirror(&self) -> &[u32] {
         &self.mirror
     }
 
-    /// For each vertex the bone, or tile of a sheet, that it belongs to.
+    /// Returns, for each vertex, the bone or the tile of the sheet to which it belongs.
     pub fn segments(&self) -> &[u32] {
         &self.segments
     }
 
-    /// The shape of an identity of a body type (0: A, 1: B, 2: a caricature of A) in one of its
-    /// poses. The same arguments give the same shape.
+    /// Returns the shape of an identity of a body type (0: A, 1: B, 2: a caricature of A) in one of
+    /// its poses. The same arguments give the same shape.
     ///
     /// # Errors
-    /// None that an argument could cause.
+    /// None in practice.
     pub fn shape(&self, seed: u64, identity: usize, body: usize, pose: usize) -> Result<TriMesh> {
         let mut of_identity = Rng::new(mixed(&[seed, self.family as u64, identity as u64]));
         let mut of_pose =
@@ -174,18 +174,18 @@ impl Model {
     }
 }
 
-/// Attempts for a creature: thin limbs that nearly touch may leave no surface.
+/// Number of attempts per creature: thin limbs that nearly touch may not give a surface.
 const ATTEMPTS: u64 = 20;
 
 fn check(vertices: usize) -> Result<()> {
     if !(500..=1_000_000).contains(&vertices) {
-        let why = format!("{vertices}, not from 500 to 1000000");
+        let why = format!("must be from 500 to 1000000, is {vertices}");
         return Err(Error::Argument { what: "vertices", why });
     }
     Ok(())
 }
 
-/// One seed of several numbers (the finaliser of SplitMix64, Steele et al. 2014).
+/// Returns one seed from several numbers (the finaliser of SplitMix64, Steele et al. 2014).
 pub(crate) fn mixed(numbers: &[u64]) -> u64 {
     numbers.iter().fold(0x9e37_79b9_7f4a_7c15, |state, &number| {
         let mut z = (state ^ number).wrapping_add(0x9e37_79b9_7f4a_7c15);

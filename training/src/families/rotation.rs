@@ -2,27 +2,27 @@
 
 use catamaran::mesh::vector::{Vector, add, cross, dot, norm, scale};
 
-/// The mirror image in the plane x = 0.
+/// Returns the mirror image in the plane x = 0.
 pub fn mirrored(a: Vector) -> Vector {
     [-a[0], a[1], a[2]]
 }
 
-/// A rotation, its rows.
+/// A rotation matrix, by rows.
 pub type Rotation = [Vector; 3];
 
-/// No rotation.
+/// The identity.
 pub const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 pub fn rotate(r: &Rotation, p: Vector) -> Vector {
     r.map(|row| dot(row, p))
 }
 
-/// First b, then a.
+/// Returns the product of two rotations: first b, then a.
 pub fn compose(a: &Rotation, b: &Rotation) -> Rotation {
     a.map(|row| std::array::from_fn(|j| (0..3).map(|k| row[k] * b[k][j]).sum()))
 }
 
-/// The rotation about an axis by its length in radians (Rodrigues).
+/// Returns the rotation about an axis by the length of the axis in radians (Rodrigues).
 pub fn about(axis: Vector) -> Rotation {
     let angle = norm(axis);
     if angle == 0.0 {

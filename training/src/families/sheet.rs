@@ -7,17 +7,17 @@ use catamaran::base::Rng;
 use catamaran::mesh::TriMesh;
 use catamaran::mesh::vector::Vector;
 
-/// A grid of cells, an even number of columns.
+/// A grid of cells with an even number of columns.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
     columns: usize,
     rows: usize,
 }
 
-/// Tiles along each side.
+/// Number of tiles along each side.
 const TILES: usize = 3;
 
-/// Steps along which a fold is integrated.
+/// Number of steps in the integration of a fold.
 const STEPS: usize = 400;
 
 impl Sheet {
@@ -26,7 +26,7 @@ impl Sheet {
         Self { columns: side.next_multiple_of(2), rows: side }
     }
 
-    /// The square `[-1/2, 1/2] x [-1/2, 1/2]`, and the mirror image of each vertex.
+    /// Returns the square `[-1/2, 1/2] x [-1/2, 1/2]`, and the mirror image of each vertex.
     pub fn template(&self) -> Result<(TriMesh, Vec<u32>)> {
         let (columns, rows) = (self.columns, self.rows);
         let number = |i: usize, j: usize| (i * (rows + 1) + j) as u32;
@@ -44,7 +44,7 @@ impl Sheet {
             for j in 0..rows {
                 let [a, b] = [number(i, j), number(i + 1, j)];
                 let [c, d] = [number(i + 1, j + 1), number(i, j + 1)];
-                // Diagonals of the left half mirror those of the right half.
+                // The diagonals of the left half mirror those of the right half.
                 faces.extend(match 2 * i < columns {
                     true => [[a, b, d], [b, c, d]],
                     false => [[a, b, c], [a, c, d]],
@@ -54,7 +54,7 @@ impl Sheet {
         Ok((TriMesh::new(vertices, faces)?, mirror))
     }
 
-    /// The tile of each vertex.
+    /// Returns the tile of each vertex.
     pub fn segments(&self) -> Vec<u32> {
         let tile = |i: usize, count: usize| (TILES * i / (count + 1)) as u32;
         (0..=self.columns)
@@ -63,8 +63,9 @@ impl Sheet {
             .collect()
     }
 
-    /// A rectangle or trapezium (the identity), rolled around parallel lines with a bend that
-    /// changes along the way (the pose): isometric to the flat one. Body type B is long.
+    /// Returns a rectangle or trapezium (given by the identity), rolled around parallel lines with
+    /// a curvature that changes along the profile (given by the pose): isometric to the flat one.
+    /// Body type B is long.
     pub fn folded(
         &self,
         template: &[Vector],
@@ -79,7 +80,7 @@ impl Sheet {
         let (direction, waves, phase) = (between(0.0, TAU), between(0.5, 2.0), between(0.0, TAU));
         let turn = between(0.5, 1.5);
         let (sin, cos) = direction.sin_cos();
-        // The profile of the fold, by arc length from -2 to 2.
+        // The profile of the fold, over arc lengths from -2 to 2.
         let step = 4.0 / STEPS as f64;
         let mut profile = vec![[0.0; 2]];
         for i in 0..STEPS {

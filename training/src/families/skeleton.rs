@@ -1,27 +1,27 @@
-//! Bones, what identities make of them, and poses.
+//! Bones, the proportions of identities, and poses.
 
 use catamaran::base::Rng;
 use catamaran::mesh::vector::{Vector, add, distance, dot, scale, sub};
 
 use super::rotation::{Rotation, about, compose, mirrored, rotate};
 
-/// The body type whose proportions are this many times as far from those of the template as those
+/// The body type whose proportions differ from the template `EXAGGERATION` times as much as those
 /// of type A.
 pub(crate) const CARICATURE: usize = 2;
 const EXAGGERATION: f64 = 3.0;
 
-/// A bone as it is listed: in the middle, or on the side of positive x with its mirror image on the
-/// other.
+/// An entry of the list of bones: a bone in the middle, or one on the side of positive x with its
+/// mirror image.
 pub(super) struct Spec {
-    /// Its number in the list; a bone that comes before. The first bone has itself.
+    /// The number of the parent in the list, which comes before; the first bone is its own parent.
     pub parent: usize,
     pub head: Vector,
     pub tail: Vector,
-    /// Radii of the flesh at head and tail.
+    /// Radii of the body at head and tail.
     pub radii: [f64; 2],
-    /// Ranges of the rotation vector about its head, in radians.
+    /// Ranges of the rotation vector about the head, in radians.
     pub turns: [[f64; 2]; 3],
-    /// How many times as long and as thick it is in body type B.
+    /// Factors of length and thickness in body type B.
     pub body_b: [f64; 2],
 }
 
@@ -35,22 +35,22 @@ pub(super) struct Bone {
     pub radii: [f64; 2],
     turns: [[f64; 2]; 3],
     body_b: [f64; 2],
-    /// Of the bones that share an identity's factors.
+    /// Number of the entry; bones of an entry share the factors of an identity.
     spec: usize,
 }
 
-/// Bones, parents first.
+/// The bones; parents come first.
 #[derive(Debug, Clone)]
 pub(super) struct Skeleton {
     pub bones: Vec<Bone>,
 }
 
-/// How many times as long and as thick the bones of an identity are.
+/// Factors of length and thickness of the bones of an identity.
 pub(super) struct Proportions(Vec<[f64; 2]>);
 
-/// Where a bone is, in a pose of an identity.
+/// The placement of a bone, in a pose of an identity.
 struct Placed {
-    /// Head at rest, head in the pose, rotation from rest.
+    /// Head at rest; then the head in the pose, and the rotation from rest.
     rest: Vector,
     head: Vector,
     rotation: Rotation,
@@ -84,7 +84,8 @@ impl Skeleton {
                     mirror: right,
                     head: mirrored(spec.head),
                     tail: mirrored(spec.tail),
-                    // Mirrored rotations turn the same way about x, the other way about y and z.
+                    // The mirror image of a rotation has the same angle about x, and the opposite
+                    // angles about y and z.
                     turns: [x, [-y[1], -y[0]], [-z[1], -z[0]]],
                     ..bones[right].clone()
                 });
@@ -93,13 +94,13 @@ impl Skeleton {
         Self { bones }
     }
 
-    /// Whether one is the parent of the other, or they are the same.
+    /// Returns whether one bone is the parent of the other, or both are the same.
     pub fn adjacent(&self, a: usize, b: usize) -> bool {
         a == b || self.bones[a].parent == b || self.bones[b].parent == a
     }
 
-    /// Random proportions of body type A (0), B (1) or caricatures of A (2): tall or small, thick
-    /// or thin, and every bone for itself.
+    /// Draws proportions of body type A (0), B (1) or caricatures of A (2): of the whole body, and
+    /// of every bone.
     pub fn proportions(&self, body: usize, rng: &mut Rng) -> Proportions {
         let more = if body == CARICATURE { EXAGGERATION } else { 1.0 };
         let mut about_one = |spread: f64| 1.0 + more * spread * (2.0 * rng.uniform() - 1.0);
@@ -114,13 +115,13 @@ impl Skeleton {
         Proportions(factors.collect())
     }
 
-    /// A random pose: a rotation for each bone.
+    /// Draws a pose: a rotation for each bone.
     pub fn pose(&self, rng: &mut Rng) -> Vec<Rotation> {
         let mut within = |[low, high]: [f64; 2]| low + (high - low) * rng.uniform();
         self.bones.iter().map(|bone| about(bone.turns.map(&mut within))).collect()
     }
 
-    /// Where every vertex goes that is held by bones with these weights.
+    /// Returns the positions of the vertices, which bones move with these weights.
     pub fn skin(
         &self,
         vertices: &[Vector],
@@ -157,7 +158,7 @@ impl Skeleton {
         placed
     }
 
-    /// A point held by bone b whose head goes to `head`: stretched along the bone by its length,
+    /// Scales a point of bone b, whose head moves to `head`: along the bone by its length, and
     /// across and beyond its ends by its thickness.
     fn proportioned(&self, b: usize, p: Vector, proportions: &Proportions, head: Vector) -> Vector {
         let bone = &self.bones[b];
@@ -174,14 +175,14 @@ impl Skeleton {
 }
 
 impl Proportions {
-    /// Those of the template.
+    /// Returns the proportions of the template.
     #[cfg(test)]
     pub fn of_template(skeleton: &Skeleton) -> Self {
         Self(vec![[1.0; 2]; skeleton.bones.len()])
     }
 }
 
-/// The pose at rest.
+/// Returns the pose at rest.
 #[cfg(test)]
 pub(super) fn rest(skeleton: &Skeleton) -> Vec<Rotation> {
     vec![super::rotation::IDENTITY; skeleton.bones.len()]

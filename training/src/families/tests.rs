@@ -5,7 +5,7 @@ use super::rotation::mirrored;
 use super::skeleton::{Proportions, rest};
 use super::*;
 
-/// Vertices of the templates in tests.
+/// Number of vertices of the templates in tests.
 const VERTICES: usize = 1500;
 
 #[test]
@@ -48,7 +48,8 @@ fn templates_are_surfaces_of_one_piece_of_about_the_size_asked_for() {
             assert_eq!(edges.boundary().count() == 0, closed);
             assert!(!closed || mesh.volume() > 0.0);
             let worst = mesh.qualities().into_iter().fold(1.0, f64::min);
-            // Bands and hands of the smallest ones are as thick as their triangles are long.
+            // The bands and hands of the smallest ones are as thick as the edges of their triangles
+            // are long.
             let least = if vertices == VERTICES { 0.01 } else { 0.2 };
             assert!(worst > least, "{family:?}: {worst}");
         }

@@ -1,20 +1,20 @@
-//! Which bones hold a vertex.
+//! The bones that move each vertex, and their weights.
 
 use catamaran::mesh::TriMesh;
 
 use super::field::to_flesh;
 use super::skeleton::Skeleton;
 
-/// Beyond this distance to its flesh, relative to the thickness of the nearest bone, a bone holds
-/// nothing.
+/// Distance beyond which a bone does not move a vertex, relative to the thickness of the nearest
+/// bone.
 const REACH: f64 = 1.0;
 
-/// Weights are this small a part of 1, or zero.
+/// Smaller weights are set to zero.
 const LEAST: f64 = 1e-3;
 
-/// For each vertex the bones that hold it, with weights that sum to 1: the nearest and its
-/// neighbours in the skeleton, by distance, then smoothed over the surface; mirror images have
-/// mirrored weights.
+/// Computes for each vertex the bones that move it, with weights that sum to 1: the nearest bone
+/// and its neighbours in the skeleton, weighted by distance and smoothed over the surface. Mirror
+/// images have mirrored weights.
 pub(super) fn weights(skeleton: &Skeleton, mesh: &TriMesh, mirror: &[u32]) -> Vec<Vec<(u32, f64)>> {
     let bones = skeleton.bones.len();
     let mut dense: Vec<Vec<f64>> = Vec::with_capacity(mirror.len());
@@ -28,7 +28,7 @@ pub(super) fn weights(skeleton: &Skeleton, mesh: &TriMesh, mirror: &[u32]) -> Ve
         });
         dense.push(normalized(raw.collect()));
     }
-    // As many rounds as make the smoothed width independent of the resolution.
+    // The number of rounds makes the width of the smoothing independent of the resolution.
     let rounds = (mirror.len() as f64 / 250.0).ceil() as usize;
     let neighbours = mesh.vertex_neighbors();
     for _ in 0..rounds {

@@ -4,15 +4,16 @@ use catamaran::unions::network::{
     sigmoid, sum,
 };
 
-/// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010),
-/// the last layer of each residual branch smaller the more of them there are, no bias, and a head
-/// that says nothing yet.
+/// Draws initial parameters: weights are uniform with the variance of Glorot and Bengio (2010), the
+/// last layer of each residual branch is smaller the more branches there are, and biases and the
+/// head are zero.
 pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
     let depth = sizes.first_layers + sizes.second_layers;
     random_parameters(&sizes.layout().named, depth, seed)
 }
 
-/// The same for matrices of these names, which follow one another, of a network of `depth` layers.
+/// Draws the parameters of consecutive matrices with these names, of a network with `depth` layers,
+/// as [`initial_parameters`] does.
 pub(crate) fn random_parameters(
     named: &[(String, Parameter)],
     depth: usize,
@@ -38,21 +39,21 @@ pub(crate) fn random_parameters(
     parameters
 }
 
-/// What a forward pass gives, or a gradient with respect to it, as in [`Tape`].
+/// The outputs of a forward pass, or a gradient with respect to them, as in [`Tape`].
 #[derive(Debug, Clone)]
 pub struct Outputs<T> {
-    /// Of the eigenvalues.
+    /// The eigenvalues.
     pub output: Vec<T>,
-    /// Of the region of the union.
+    /// The region of the union.
     pub region: Vec<T>,
-    /// Of the out-of-distribution logit.
+    /// The out-of-distribution logit.
     pub ood_logit: Vec<T>,
-    /// Of the regions of the parts.
+    /// The regions of the parts.
     pub part_region: Vec<T>,
 }
 
 impl<T: Number> Outputs<T> {
-    /// Zeros for this number of unions, each of `parts` parts.
+    /// Creates zeros for this number of unions, each of `parts` parts.
     pub fn new(sizes: &Architecture, unions: usize, parts: usize) -> Self {
         Self {
             output: vec![T::ZERO; unions * K],
@@ -66,25 +67,26 @@ impl<T: Number> Outputs<T> {
 /// Buffers of back-propagation.
 #[derive(Debug, Clone)]
 pub struct Backward<T> {
-    /// With respect to the parameters; added to by [`Backward::run`].
+    /// Gradient with respect to the parameters, to which [`Backward::run`] adds.
     pub gradient: Vec<T>,
     transposed: Vec<T>,
 }
 
 impl<T: Number> Backward<T> {
-    /// For networks of these sizes.
+    /// Creates the buffers of networks of these sizes.
     pub fn new(sizes: &Architecture) -> Self {
         let largest = sizes.width * (2 * sizes.hidden).max(K).max(sizes.modes);
         Self::with_lengths(sizes.layout().len, largest)
     }
 
-    /// For so many parameters; the largest matrix of weights has `largest` of them.
+    /// Creates the buffers for `parameters` parameters; the largest matrix of weights has `largest`
+    /// elements.
     pub(crate) fn with_lengths(parameters: usize, largest: usize) -> Self {
         Self { gradient: vec![T::ZERO; parameters], transposed: vec![T::ZERO; largest] }
     }
 
-    /// Adds to the gradient, from those with respect to what the forward pass that filled `tape`
-    /// gave.
+    /// Adds to the gradient with respect to the parameters, given that with respect to the outputs
+    /// of the forward pass that filled `tape`.
     pub fn run(
         &mut self,
         layout: &ParameterLayout,
@@ -101,7 +103,7 @@ impl<T: Number> Backward<T> {
         for (layer, layout) in tape.second.iter().zip(&layout.second).rev() {
             self.layer(layout, parameters, layer, &mut x);
         }
-        // The sum over the parts passes its gradient on to each.
+        // The gradient of the sum over the parts is that of each part.
         let union = x.len();
         while x.len() < tape.part_unit.len() {
             x.extend_from_within(..union);
@@ -117,7 +119,8 @@ impl<T: Number> Backward<T> {
         self.linear(parameters, layout.embedding, &tape.inputs, &x, None);
     }
 
-    /// `x`, with respect to the output of a layer, becomes that with respect to its input.
+    /// Replaces the gradient `x` with respect to the output of a layer by that with respect to its
+    /// input.
     fn layer(&mut self, layout: &LayerLayout, parameters: &[T], tape: &LayerTape<T>, x: &mut [T]) {
         let mut hidden = vec![T::ZERO; tape.hidden.len()];
         self.linear(parameters, layout.down, &tape.hidden, x, Some(&mut hidden));
@@ -137,7 +140,7 @@ impl<T: Number> Backward<T> {
         self.norm(parameters, layout.norm, [&tape.unit, &tape.inverse], &normed, x);
     }
 
-    /// Of `y = x weights + bias`; `dx` is added to.
+    /// Propagates through `y = x weights + bias`; adds to `dx`.
     pub(crate) fn linear(
         &mut self,
         parameters: &[T],
@@ -160,7 +163,7 @@ impl<T: Number> Backward<T> {
         gemm((rows, columns, inner), dy, (columns, 1), transposed, dx);
     }
 
-    /// Of layer normalisation; `dx` is added to.
+    /// Propagates through layer normalization; adds to `dx`.
     pub(crate) fn norm(
         &mut self,
         parameters: &[T],
@@ -189,7 +192,7 @@ impl<T: Number> Backward<T> {
     }
 }
 
-/// Rows of `columns` to rows of as many as there were, square by square.
+/// Transposes a matrix, square by square.
 fn transpose<T: Number>(matrix: &[T], columns: usize, transposed: &mut [T]) {
     const SIDE: usize = 16;
     let rows = matrix.len() / columns;
@@ -217,7 +220,7 @@ mod tests {
 
     use super::*;
 
-    /// A weighted sum of the outputs of a network on random features, and its gradient.
+    /// Returns a weighted sum of the outputs of a network for random features, and its gradient.
     fn value_and_gradient(
         sizes: &Architecture,
         parts: usize,

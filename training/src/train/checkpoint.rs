@@ -8,10 +8,10 @@ use catamaran::{Error, Result};
 use super::{Epoch, State, TrainOptions};
 use crate::adam::Adam;
 
-/// Writes where training is, and how it is done, to an .npz file.
+/// Writes the state and the options of a training to an .npz file.
 ///
 /// # Errors
-/// [`Error::Io`]; nothing is left behind then.
+/// [`Error::Io`]; then no file is left behind.
 pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Result<()> {
     let Architecture { width, hidden, first_layers, second_layers, modes } = options.sizes;
     let TrainOptions { batch, epochs, seed, .. } = *options;
@@ -38,13 +38,13 @@ pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Res
     )
 }
 
-/// Reads what [`write_state`] wrote.
+/// Reads a file that [`write_state`] has written.
 ///
 /// # Errors
-/// [`Error::Io`] names the array that is missing or broken.
+/// [`Error::Io`] names the array that is missing or invalid.
 pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
     let arrays = read_arrays(path)?;
-    let broken = |what: &str| Error::file(path, format!("{what}: not of a training state"));
+    let broken = |what: &str| Error::file(path, format!("{what}: not part of a training state"));
     let narrow = |name: &str| -> Result<Vec<f32>> {
         Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
     };

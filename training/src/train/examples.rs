@@ -14,51 +14,53 @@ use crate::regions::{Regions, localizer};
 /// The spectra of two parts and of their union.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
-    /// Of the first part.
+    /// The spectrum of the first part.
     pub first: Spectrum,
-    /// Of the second one.
+    /// The spectrum of the second part.
     pub second: Spectrum,
-    /// Of the union.
+    /// The spectrum of the union.
     pub union: Spectrum,
-    /// The numbers of all three in [`Examples::regions`], where they are known.
+    /// The numbers of all three in [`Examples::regions`], if they are known.
     pub regions: Option<[usize; 3]>,
 }
 
 /// The spectra of some parts and of their union.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Example {
-    /// Of the parts.
+    /// The spectra of the parts.
     pub parts: Vec<Spectrum>,
-    /// Of the union.
+    /// The spectrum of the union.
     pub union: Spectrum,
-    /// The numbers of the parts, then of the union, in [`Examples::regions`], where they are known.
+    /// The numbers of the parts, then of the union, in [`Examples::regions`], if they are known.
     pub regions: Option<Vec<usize>>,
 }
 
-/// Smaller shares of the bound are taken for this: a closed union has a first eigenvalue of zero.
+/// Smaller shares of the bound are replaced by this one: the first eigenvalue of a closed union is
+/// zero.
 pub const LEAST_SHARE: f64 = 1e-3;
-/// Logits of larger shares are taken for that of this.
+/// Logits of larger shares are replaced by the logit of this share.
 const LARGEST_SHARE: f64 = 0.999;
 
-/// How often pairs count that several shapes have, and others whose union is complete: there are
-/// few of them, and users cut at joints and middles, and want all of a shape.
+/// Weight of pairs that several shapes share, and of other pairs with a complete union: there are
+/// few of them, but users cut at joints and middles, and unite complete shapes.
 const FAVOURED: usize = 4;
-/// To choose among results of the training, one pair in so many is kept from it, and one union in
-/// so many.
+/// One pair in this many, and one union in this many, are reserved for validation, which chooses
+/// among the results of the training.
 const VALIDATION: usize = 100;
 const VALIDATION_UNIONS: usize = 40;
 
-/// Share of unions among the parts that stay when their parts come.
+/// Probability that a part that is itself a union stays when its parts are added.
 const KEPT: f64 = 0.3;
 
-/// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation
-/// at the last one.
+/// Coarser meshes have larger eigenvalues, by a relative difference that grows with the eigenvalue;
+/// this is its standard deviation at the last one.
 const DRIFT: f64 = 0.03;
-/// What is left of the differences between meshes.
+/// Standard deviation of the remaining relative differences between meshes.
 const JITTER: f64 = 0.003;
 
 impl Example {
-    /// What a coarser or finer mesh might have given; less so for a `size` below 1.
+    /// Returns the example as a coarser or finer mesh might give it; a `size` below 1 reduces the
+    /// differences.
     pub fn disturbed(mut self, size: f64, rng: &mut Rng) -> Self {
         let largest = self.parts.iter().map(|part| part[K - 1]).fold(0.0, f64::max);
         let drift = (size * DRIFT * rng.normal()).max(-0.5) / largest;
@@ -72,17 +74,17 @@ impl Example {
         self
     }
 
-    /// Its features, and logarithms of union over bound.
+    /// Returns the features, and the logarithms of the union divided by the bound.
     ///
     /// # Errors
-    /// As [`PartFeatures::new`], for a part that has no Dirichlet spectrum.
+    /// Those of [`PartFeatures::new`], for a part that has no Dirichlet spectrum.
     pub fn features(&self) -> Result<(PartFeatures, [f32; K])> {
         let input = PartFeatures::new(&self.parts)?;
         let logs = shares(&self.union, &input).map(|share| share.ln() as f32);
         Ok((input, logs))
     }
 
-    /// Puts other parts in the place of some.
+    /// Replaces some parts by others.
     fn replace(&mut self, range: Range<usize>, parts: &[Spectrum], regions: Option<&[usize]>) {
         self.parts.splice(range.clone(), parts.iter().copied());
         self.regions = self.regions.take().zip(regions).map(|(mut own, regions)| {
@@ -97,19 +99,19 @@ fn shares(union: &Spectrum, input: &PartFeatures) -> [f64; K] {
 }
 
 impl Pair {
-    /// As an example of two parts.
+    /// Returns the pair as an example of two parts.
     pub fn example(&self) -> Example {
         let parts = vec![self.first, self.second];
         Example { parts, union: self.union, regions: self.regions.map(Vec::from) }
     }
 
-    /// A pair whose union is known for certain: a part, or the union, with the union, or a part
-    /// with itself.
+    /// Returns a pair whose union is known exactly: a part and the union, the union twice, or a
+    /// part twice.
     pub fn contained(&self, rng: &mut Rng) -> Self {
         let which = usize::from(rng.sign() <= 0.0);
         let part = [self.first, self.second][which];
         let numbers = |of: [usize; 3]| self.regions.map(|own| of.map(|i| own[i]));
-        // The union of a closed surface is no part.
+        // The union must not be a closed surface, which is not a part.
         let proper = self.union[0] > LEAST_SHARE * part[0];
         match (3.0 * rng.uniform()) as usize {
             0 if proper => Self {
@@ -129,33 +131,33 @@ impl Pair {
     }
 }
 
-/// What is learnt from, and what the result is chosen by.
+/// The examples of the training and of the validation.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Pairs to learn from; those that several shapes have and those with a complete union are
-    /// there 4 times.
+    /// Pairs of the training; those that several shapes share and those with a complete union are
+    /// repeated 4 times.
     pub training: Vec<Pair>,
-    /// Pairs to choose by, likewise.
+    /// Pairs of the validation, repeated likewise.
     pub validation: Vec<Pair>,
-    /// For each pair to learn from and each of its parts, the number of a pair of which this is the
-    /// union.
+    /// For each pair of the training and each of its parts, the number of a pair whose union is
+    /// this part.
     pub makers: Vec<[Option<usize>; 2]>,
-    /// The numbers of the pairs that have such a part.
+    /// The numbers of the pairs with such a part.
     pub composites: Vec<usize>,
-    /// Whether all pairs are of the kind of shape that the network is for, also those without
-    /// regions.
+    /// Whether all pairs, also those without regions, are of the kind of shape that the network is
+    /// for.
     all_familiar: bool,
-    /// Where parts and unions are.
+    /// The regions of parts and unions.
     pub regions: Regions,
-    /// The template that they are on.
+    /// The localizer of the template of the regions.
     pub localizer: Localizer,
 }
 
 impl Examples {
-    /// Those of a data set that are for training.
+    /// Collects the training samples of a data set.
     ///
     /// # Errors
-    /// [`Error::Argument`] when there are none, or there is no template.
+    /// [`Error::Argument`] when there are no training samples, or there is no template.
     pub fn new(dataset: &Dataset, par: Par) -> Result<Self> {
         let none = |why: &str| Error::Argument { what: "data set", why: why.into() };
         let template = dataset.templates.first().ok_or_else(|| none("no template"))?;
@@ -177,12 +179,12 @@ impl Examples {
         let without = unions(TEST_B);
         let mut unions = unions(TRAIN);
         unions.retain(|union| !without.contains(union));
-        // Ids are hashes: those that come last are any.
+        // The ids are hashes, so the last ones are random.
         let kept: BTreeSet<usize> =
             unions.iter().rev().take(unions.len() / VALIDATION_UNIONS).copied().collect();
         let common = common(samples);
         let complete = id(&vec![true; template.vertices.len()]);
-        // Of each shape the number of the last pair that makes a union.
+        // For each shape, the number of the last pair with each union.
         let mut makers = BTreeMap::new();
         for (count, i) in all.filter(|&i| samples.split[i] == TRAIN).enumerate() {
             let masks = [samples.mask1[i], samples.mask2[i], samples.mask_union[i]];
@@ -213,7 +215,7 @@ impl Examples {
             }
         }
         if examples.training.is_empty() {
-            return Err(none("no samples to train on"));
+            return Err(none("must contain training samples"));
         }
         if examples.validation.is_empty() {
             examples.validation = examples.training.clone();
@@ -221,17 +223,17 @@ impl Examples {
         Ok(examples)
     }
 
-    /// Those of a family of which no regions are known, for a network with this localizer.
+    /// Collects the pairs of a family without known regions, for a network with this localizer.
     ///
     /// # Errors
-    /// [`Error::Argument`] when there are no pairs to learn from, or none to choose by.
+    /// [`Error::Argument`] when there are no pairs for the training, or none for the validation.
     pub fn of_family(
         training: Vec<Pair>,
         validation: Vec<Pair>,
         localizer: Localizer,
     ) -> Result<Self> {
         if training.is_empty() || validation.is_empty() {
-            let why = "no pairs of parts could be cut out of them".into();
+            let why = "too few pairs of parts could be cut from them".into();
             return Err(Error::Argument { what: "meshes", why });
         }
         let makers = vec![[None; 2]; training.len()];
@@ -240,14 +242,14 @@ impl Examples {
         Ok(Self { training, validation, makers, composites, all_familiar, regions, localizer })
     }
 
-    /// Whether a pair is of the kind of shape that the network is for, given whether its regions
-    /// are known.
+    /// Returns whether a pair is of the kind of shape that the network is for, given whether its
+    /// regions are known.
     pub fn is_familiar(&self, known: bool) -> bool {
         known || self.all_familiar
     }
 
-    /// The pair of this number with more parts, until there are `count`: parts that are unions
-    /// themselves give way to their parts, or keep them company; where none is, a part comes twice.
+    /// Extends the pair with this number to `count` parts. Parts that are themselves unions are
+    /// replaced by their parts, or these are added; if no part is a union, a part is repeated.
     pub fn of_many(&self, number: usize, count: usize, rng: &mut Rng) -> Example {
         let mut example = self.training[number].example();
         let mut makers = self.makers[number].to_vec();
@@ -279,10 +281,10 @@ impl Examples {
         example
     }
 
-    /// Means and deviations over the pairs to learn from.
+    /// Computes the means and deviations over the pairs of the training.
     ///
     /// # Errors
-    /// As [`PartFeatures::of_pair`], for a part that has no Dirichlet spectrum.
+    /// Those of [`PartFeatures::of_pair`], for a part that has no Dirichlet spectrum.
     pub fn scaling(&self) -> Result<Scaling> {
         let mut features = vec![Moments::default(); K * FEATURES];
         let mut outputs = vec![Moments::default(); K];
@@ -308,7 +310,7 @@ impl Examples {
     }
 }
 
-/// Masks of the parts of pairs to train on that several shapes have.
+/// Returns the masks of the parts of those training pairs that several shapes share.
 fn common(samples: &Samples) -> BTreeSet<[usize; 2]> {
     let mut shapes = BTreeMap::new();
     for i in (0..samples.part1.len()).filter(|&i| samples.split[i] == TRAIN) {
@@ -335,7 +337,7 @@ impl Moments {
         self.sum / self.count.max(1.0)
     }
 
-    /// What hardly varies is not blown up.
+    /// Returns the deviation; at least a minimum, so that nearly constant values are not amplified.
     fn deviation(&self) -> f64 {
         let variance = self.squares / self.count.max(1.0) - self.mean() * self.mean();
         variance.max(0.0).sqrt().max(1e-2)

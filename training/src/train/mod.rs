@@ -22,21 +22,21 @@ use crate::mlp::shuffled;
 use crate::network::{Backward, Outputs, initial_parameters};
 use crate::regions::{Regions, UNIT};
 
-/// How the network is trained.
+/// Options of the training of the network.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainOptions {
-    /// Its sizes.
+    /// Sizes of the network.
     pub sizes: Architecture,
-    /// Pairs a step, a multiple of 64.
+    /// Number of pairs per step, a multiple of 64.
     pub batch: usize,
-    /// Largest rate of the optimiser; thesis: 2e-4.
+    /// Largest learning rate of the optimizer; thesis: 2e-4.
     pub rate: f64,
-    /// Weight decay, apart from the gradient; thesis: 1e-5, within it.
+    /// Weight decay, decoupled from the gradient; thesis: 1e-5, as a part of the gradient.
     pub decay: f64,
-    /// Passes over the data, during which the rate rises, then falls as half a cosine; thesis:
-    /// restarts after 10, 30, 70, ...
+    /// Number of passes over the data, during which the rate rises, then falls as half a cosine;
+    /// thesis: restarts after 10, 30, 70, ...
     pub epochs: usize,
-    /// Of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
@@ -47,89 +47,88 @@ impl Default for TrainOptions {
     }
 }
 
-/// Where training is.
+/// The state of a training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// Parameters.
     pub parameters: Vec<f32>,
-    /// The optimiser.
+    /// State of the optimizer.
     pub adam: Adam,
-    /// Those with the smallest error so far on the pairs to choose by.
+    /// The parameters with the smallest validation error so far.
     pub best: Vec<f32>,
-    /// One an epoch.
+    /// Errors of each epoch.
     pub history: Vec<Epoch>,
-    /// The units of the network, which further data do not change.
+    /// The units of the network, which do not depend on later data.
     pub scaling: Scaling,
 }
 
-/// Mean errors of one pass over the data: of logarithms of eigenvalues, so relative ones where they
-/// are small.
+/// Mean errors of one pass over the data, of logarithms of eigenvalues; small ones are relative
+/// errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Epoch {
-    /// On the pairs that were learnt from, disturbed.
+    /// Error on the pairs of the training, disturbed.
     pub training: f64,
-    /// On the pairs to choose by.
+    /// Error on the pairs of the validation.
     pub validation: f64,
 }
 
-/// Unions that one task works on, all of equally many parts.
+/// Number of unions per task, all of equally many parts.
 const TASK: usize = 64;
-/// Most parts of a union.
+/// Largest number of parts of a union.
 const MOST_PARTS: usize = 4;
-/// Shares of the tasks that have three parts and four.
+/// Shares of the tasks with three parts and with four.
 const MANY: [f64; 2] = [0.12, 0.08];
-/// Share of the pairs that are a part and what contains it.
+/// Share of the pairs that consist of a part and a union that contains it.
 const CONTAINED: f64 = 0.06;
-/// Longest gradient.
+/// Largest norm of the gradient.
 const CLIP: f32 = 10.0;
-/// Errors of logarithms about as large as this, and larger, count less than by their square (Fair
-/// 1974).
+/// Errors of logarithms of about this size or more count less than by their square (Fair 1974).
 const OUTLIER: f32 = 0.3;
-/// What the squared distance of a region from its prediction counts, as a share of the area of the
+/// Weight of the squared distance of a region from its prediction, relative to the area of the
 /// template.
 const REGION: f64 = 0.2;
-/// What the logarithm of the probability counts that it is told rightly whether a pair is of the
-/// template.
+/// Weight of the log-likelihood that a pair is of the template or not.
 const OOD_WEIGHT: f64 = 0.05;
 /// Share of the pairs of the template with an out-of-distribution score of at most 1.
 const WITHIN: f64 = 0.995;
 
 /// Buffers of one task.
 struct Worker {
-    /// For unions of two parts and more, with the gradient with respect to the results.
+    /// For unions of two parts and more, the tape and the gradient with respect to the outputs.
     passes: [(Tape<f32>, Outputs<f32>); MOST_PARTS - 1],
-    /// Parts of each union.
+    /// Number of parts of each union.
     parts: usize,
     backward: Backward<f32>,
     targets: Vec<[f32; K]>,
-    /// Of the example in each slot.
+    /// Regions of the example in each slot.
     regions: Vec<Option<Vec<usize>>>,
-    /// Sum of absolute errors of logarithms.
+    /// Sum of the absolute errors of logarithms.
     error: f64,
 }
 
-/// Trains on examples, an epoch a call.
+/// Trains on examples, one epoch per call.
 pub struct Trainer {
     options: TrainOptions,
     examples: Examples,
     layout: ParameterLayout,
     state: State,
-    /// The parameters, rounded: what is trained is what a file can keep.
+    /// The parameters, rounded to the precision of the files of weights.
     rounded: Vec<f32>,
-    /// The error of the best network on the pairs to choose by.
+    /// The validation error of the best network.
     best: f64,
-    /// Tells what is unlike the training.
+    /// The detector of pairs that differ from those of the training.
     detector: OodDetector,
     workers: Vec<Worker>,
     team: Option<ThreadPool>,
 }
 
 impl Trainer {
-    /// Begins, or goes on from a state. The result does not depend on the number of threads, nor on
-    /// interruptions.
+    /// Starts a training, or continues from a state. The result does not depend on the number of
+    /// threads, nor on interruptions.
     ///
     /// # Errors
-    /// Of the architecture, of a state of another one, and of spectra that are none.
+    /// When the architecture is invalid, the state belongs to another architecture, or a spectrum
+    /// is invalid.
     pub fn new(
         examples: Examples,
         options: TrainOptions,
@@ -139,7 +138,7 @@ impl Trainer {
         options.sizes.check()?;
         let modes = examples.regions.modes();
         if options.sizes.modes != modes {
-            let why = format!("{}, but regions have {modes} coefficients", options.sizes.modes);
+            let why = format!("must be {modes}, as in the regions, is {}", options.sizes.modes);
             return Err(catamaran::Error::Argument { what: "modes", why });
         }
         let layout = options.sizes.layout();
@@ -155,7 +154,7 @@ impl Trainer {
         };
         let lengths = [&state.parameters, &state.best, &state.adam.mean, &state.adam.square];
         if lengths.iter().any(|x| x.len() != layout.len) {
-            let why = format!("not of a network with {} parameters", layout.len);
+            let why = format!("must belong to a network with {} parameters", layout.len);
             return Err(catamaran::Error::Argument { what: "state", why });
         }
         let sizes = &options.sizes;
@@ -184,49 +183,50 @@ impl Trainer {
         let mut trainer =
             Self { options, examples, layout, state, rounded, best, detector, workers, team };
         if goes_on {
-            // On these examples, which may not be those that it was chosen by.
+            // On the present examples, which may differ from those by which it was chosen.
             let (error, probabilities) = trainer.validate(true)?;
             trainer.choose(error, probabilities);
         }
         Ok(trainer)
     }
 
-    /// The best network is one with this error and these out-of-distribution probabilities of pairs
-    /// of the template.
+    /// Stores the error of the best network, and fits the detector to its out-of-distribution
+    /// probabilities of pairs of the template.
     fn choose(&mut self, error: f64, probabilities: Vec<f64>) {
         self.best = error;
         self.detector = self.detector.clone().with_probabilities(probabilities, WITHIN);
     }
 
-    /// Where it is.
+    /// Returns the state.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// What it learns from.
+    /// Returns the examples.
     pub fn examples(&self) -> &Examples {
         &self.examples
     }
 
-    /// The mean error of logarithms of the best network so far, on the pairs to choose by.
+    /// Returns the mean error of logarithms of the best network so far, on the pairs of the
+    /// validation.
     pub fn best_error(&self) -> f64 {
         self.best
     }
 
-    /// The best network so far.
+    /// Returns the best network so far.
     ///
     /// # Errors
-    /// As [`SpectralUnion::new`].
+    /// Those of [`SpectralUnion::new`].
     pub fn model(&self) -> Result<SpectralUnion> {
         let State { best, scaling, .. } = self.state.clone();
         let localizer = self.examples.localizer.clone();
         SpectralUnion::new(self.options.sizes, best, scaling, self.detector.clone(), localizer)
     }
 
-    /// One pass over the data.
+    /// Does one pass over the data.
     ///
     /// # Errors
-    /// Of spectra that are none.
+    /// When a spectrum is invalid.
     pub fn epoch(&mut self) -> Result<Epoch> {
         let number = self.state.history.len();
         let seed = self.options.seed.wrapping_add((number as u64 + 1) << 20);
@@ -236,7 +236,7 @@ impl Trainer {
         let whole = self.workers.len() * TASK;
         let (mut error, mut seen) = (0.0, 0);
         for (step, batch) in order.chunks(whole).enumerate() {
-            // The last tasks of a batch that is not full begin again at its first pairs.
+            // The last tasks of an incomplete batch use its first pairs again.
             let batch: Vec<usize> = batch.iter().copied().cycle().take(whole).collect();
             let time = number as f64 + (step * whole) as f64 / count as f64;
             let share = annealing(time / self.options.epochs as f64);
@@ -253,8 +253,8 @@ impl Trainer {
         Ok(epoch)
     }
 
-    /// One step of the optimiser, at this share of the full rate; the sum of errors. Disturbances
-    /// shrink with the rate.
+    /// Does one step of the optimizer, at this share of the full rate, and returns the sum of the
+    /// errors. Disturbances are proportional to the rate.
     fn step(&mut self, batch: &[usize], seed: u64, share: f64) -> Result<f64> {
         self.round(false);
         let Self { options, examples, layout, state, rounded, workers, team, .. } = self;
@@ -289,7 +289,7 @@ impl Trainer {
             None => workers.iter_mut().enumerate().map(work).collect(),
         };
         done?;
-        // In the order of the tasks, whoever did them.
+        // The order is that of the tasks, not of the threads.
         let (first, rest) = workers.split_at_mut(1);
         let gradient = &mut first[0].backward.gradient;
         let add = |(chunk, sum): (usize, &mut [f32])| {
@@ -337,8 +337,8 @@ impl Trainer {
         }
     }
 
-    /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the
-    /// best one, and its out-of-distribution probabilities of those of the template.
+    /// Returns the mean error of logarithms on the pairs of the validation, of the current or the
+    /// best network, and its out-of-distribution probabilities of those of the template.
     fn validate(&mut self, best: bool) -> Result<(f64, Vec<f64>)> {
         self.round(best);
         let Self { examples, options, layout, state, rounded, workers, .. } = self;
@@ -369,7 +369,7 @@ impl Worker {
         &mut self.passes[self.parts - 2].0
     }
 
-    /// Puts an example into a slot, in the units of the network.
+    /// Writes an example to a slot, in the units of the network.
     fn put(&mut self, slot: usize, scaling: &Scaling, example: &Example) -> Result<()> {
         let (input, logs) = example.features()?;
         for (part, features) in input.features.iter().enumerate() {
@@ -381,19 +381,19 @@ impl Worker {
         Ok(())
     }
 
-    /// The logarithm of the share that is predicted, and its derivative by the output.
+    /// Returns the logarithm of the predicted share, and its derivative with respect to the output.
     fn log(&self, scaling: &Scaling, slot: usize, i: usize) -> (f32, f32) {
         let deviation = scaling.output_deviation[i];
         let (tape, _) = &self.passes[self.parts - 2];
         let logit = tape.output[slot * K + i] * deviation + scaling.output_mean[i];
-        // ln(1 / (1 + e^-x)), without overflow.
+        // Computes ln(1 / (1 + e^-x)) without overflow.
         let small = (-logit.abs()).exp();
         let log = logit.min(0.0) - small.ln_1p();
         let rest = if logit > 0.0 { small / (1.0 + small) } else { 1.0 / (1.0 + small) };
         (log, rest * deviation)
     }
 
-    /// Forward and back; the gradient of the mean over the batch.
+    /// Runs the network forward and backward; adds the gradient of the mean over the batch.
     fn run(
         &mut self,
         options: &TrainOptions,
@@ -427,7 +427,7 @@ impl Worker {
         self.backward.run(layout, parameters, tape, outputs);
     }
 
-    /// The gradient with respect to the regions.
+    /// Computes the gradient with respect to the regions.
     fn compare_regions(&mut self, regions: &Regions, batch: usize) {
         let modes = regions.modes();
         let factor = (2.0 * REGION * UNIT * UNIT / batch as f64) as f32;

@@ -5,7 +5,8 @@ use catamaran::faer::Mat;
 
 use crate::dataset::{Dataset, Spectrum, TEST_B, TRAIN, Template};
 
-/// Rectangles of height 1 that overlap to one of the widths 2 and 3: unions in closed form.
+/// Returns rectangles of height 1 that overlap to one of the widths 2 and 3; the spectra of the
+/// unions are known in closed form.
 pub fn strips(count: usize, seed: u64) -> Vec<Pair> {
     let mut rng = Rng::new(seed);
     let mut between = |low: f64, high: f64| low + (high - low) * rng.uniform();
@@ -24,7 +25,7 @@ pub fn strips(count: usize, seed: u64) -> Vec<Pair> {
         .collect()
 }
 
-/// The Dirichlet spectrum of a rectangle with sides `width` and 1.
+/// Returns the Dirichlet spectrum of a rectangle with sides `width` and 1.
 fn rectangle(width: f64) -> Spectrum {
     let square = |x: f64| (std::f64::consts::PI * x).powi(2);
     let mut all: Vec<f64> = (1..=20)
@@ -34,7 +35,7 @@ fn rectangle(width: f64) -> Spectrum {
     std::array::from_fn(|i| all[i])
 }
 
-/// A square with the masks 0 to 3, which all cover it.
+/// Returns a square with the masks 0 to 3, which all cover it.
 fn template() -> Template {
     Template {
         vertices: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
@@ -103,7 +104,7 @@ fn unions_of_strips_are_learnt() {
     assert!(after < 0.7 * before, "{before} {after}");
     let strange = |pair: &Pair| model.ood_score(&[&pair.first, &pair.second]).unwrap();
     assert!(unseen.iter().filter(|pair| strange(pair) > 1.0).count() <= 10);
-    // An interval is no strip.
+    // An interval is not a strip.
     let interval: Spectrum = std::array::from_fn(|i| ((i + 1) * (i + 1)) as f64);
     assert!(model.ood_score(&[&interval, &interval]).unwrap() > 1.0);
 }
@@ -118,7 +119,7 @@ fn shapes_of_another_kind_are_told_from_the_template() {
         *pair = Pair { first: interval(a), second: interval(b), union: interval(a + b), ..*pair };
     }
     let mut set = dataset(&pairs);
-    // Of a mask that the template has not.
+    // A mask that the template does not have.
     (0..300).step_by(3).for_each(|i| set.samples.mask_union[i] = 9);
     let examples = Examples::new(&set, Par::Seq).unwrap();
     let options = TrainOptions { sizes: SMALL, batch: 64, epochs: 20, ..TrainOptions::default() };
@@ -201,7 +202,7 @@ fn parts_that_are_unions_give_way_to_their_own_parts_or_get_them_beside() {
     let [a, b] = [pairs[0].first, pairs[0].second];
     assert_eq!((three.parts, three.union), (vec![pairs[2].first, a, b], pairs[2].union));
     assert_eq!(three.regions, Some(vec![1, 1, 2, 0]));
-    // With four either one part comes twice, or the union of two is there as well.
+    // With four parts, one part is repeated, or the union of two is a part as well.
     let (mut twice, mut beside) = (0, 0);
     for _ in 0..50 {
         let four = examples.of_many(1, 4, &mut rng);
@@ -215,7 +216,7 @@ fn parts_that_are_unions_give_way_to_their_own_parts_or_get_them_beside() {
         }
     }
     assert!(twice > 5 && beside > 5, "{twice} {beside}");
-    // Of a pair without unions one part comes twice, with its region.
+    // A pair without unions: one part is repeated, with its region.
     let doubled = examples.of_many(0, 3, &mut rng);
     let copies = doubled.parts.iter().filter(|part| **part == doubled.parts[1]).count();
     assert!(copies == 2 && doubled.regions.is_some());
@@ -229,7 +230,7 @@ fn unions_that_test_are_not_trained_on() {
         *union = i % 4;
     }
     set.samples.split[2] = TEST_B;
-    // No two pairs are of the same parts.
+    // No two pairs have the same parts.
     set.samples.mask1 = (0..40).collect();
     let examples = Examples::new(&set, Par::Seq).unwrap();
     assert_eq!(examples.training.len(), 30);

@@ -7,12 +7,12 @@ use catamaran::unions::network::{K, Number};
 
 use super::layout::{HEADS, WIDTH};
 
-/// Numbers of all heads.
+/// One number per head.
 type Heads<T> = [T; HEADS];
-/// Channels of a token.
+/// The channels of a token.
 type Token<T> = [Heads<T>; WIDTH / HEADS];
 
-/// One over the square root of the channels of a head.
+/// One over the square root of the number of channels of a head.
 const SCALE: f64 = 0.5;
 const _: () = assert!(SCALE * SCALE * (WIDTH / HEADS) as f64 == 1.0);
 
@@ -24,7 +24,7 @@ fn tokens_mut<T>(x: &mut [T]) -> &mut [Token<T>] {
     x.as_chunks_mut().0.as_chunks_mut().0
 }
 
-/// For each head the sum of products of its channels.
+/// Returns, for each head, the dot product of its channels.
 #[inline]
 fn dot<T: Number>(a: &Token<T>, b: &Token<T>) -> Heads<T> {
     let mut sums = [T::ZERO; HEADS];
@@ -36,7 +36,7 @@ fn dot<T: Number>(a: &Token<T>, b: &Token<T>) -> Heads<T> {
     sums
 }
 
-/// Adds a token times a factor for each head.
+/// Adds a token, times a factor per head.
 #[inline]
 fn add_scaled<T: Number>(sum: &mut Token<T>, factors: &Heads<T>, x: &Token<T>) {
     for (sum, x) in sum.iter_mut().zip(x) {
@@ -46,14 +46,15 @@ fn add_scaled<T: Number>(sum: &mut Token<T>, factors: &Heads<T>, x: &Token<T>) {
     }
 }
 
-/// The first token that token `i` of `count` attends to: that of its sequence, or of the one
-/// `shift` sequences further, counted round.
+/// Returns the first token to which token `i` of `count` attends: that of its own sequence, or of
+/// the sequence `shift` further on, cyclically.
 fn first(i: usize, shift: usize, count: usize) -> usize {
     (i / K + shift) * K % count
 }
 
-/// From queries, `WIDTH` a token, and keys and values, `2 WIDTH` a token, computes `context`: for
-/// each token the means of the values, weighted by `probabilities`, `K x HEADS` a token.
+/// Computes the attention from queries, `WIDTH` per token, and keys and values, `2 WIDTH` per
+/// token: `context` contains for each token the means of the values, weighted by `probabilities`,
+/// `K x HEADS` per token.
 pub fn attend<T: Number>(
     [query, source]: [&[T]; 2],
     shift: usize,
@@ -92,7 +93,7 @@ pub fn attend<T: Number>(
     }
 }
 
-/// Adds the gradients with respect to queries, and keys and values, from that with respect to the
+/// Adds the gradients with respect to queries, keys and values, given that with respect to the
 /// context.
 pub fn attend_back<T: Number>(
     [query, source, probabilities]: [&[T]; 3],

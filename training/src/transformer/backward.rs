@@ -9,17 +9,17 @@ use crate::network::{Backward, add};
 pub struct Gradient<T>(Backward<T>);
 
 impl<T: Number> Gradient<T> {
-    /// For networks of this layout.
+    /// Creates the buffers of networks with this layout.
     pub fn new(layout: &Layout) -> Self {
         Self(Backward::with_lengths(layout.len, LARGEST))
     }
 
-    /// The gradient with respect to the parameters; added to by [`Gradient::run`].
+    /// Returns the gradient with respect to the parameters, to which [`Gradient::run`] adds.
     pub fn values(&mut self) -> &mut Vec<T> {
         &mut self.0.gradient
     }
 
-    /// Adds to the gradient, from that with respect to the output of the forward pass that filled
+    /// Adds to the gradient, given that with respect to the output of the forward pass that filled
     /// `tape`.
     pub fn run(&mut self, layout: &Layout, parameters: &[T], tape: &Tape<T>, by_output: &[T]) {
         let (first, second) = (&tape.first, &tape.second);
@@ -29,7 +29,7 @@ impl<T: Number> Gradient<T> {
         let mut other = vec![T::ZERO; tape.embedded.len()];
         let embedded = (&tape.embedded[..], &mut other[..]);
         let union = self.stack(&layout.second, parameters, second, embedded, &union);
-        // The sum over both spectra passes its gradient on to each.
+        // The gradient of the sum over both spectra is that of each.
         let embedded = (&tape.embedded[..], &mut other[..]);
         let own = self.stack(&layout.first, parameters, first, embedded, &union.repeat(2));
         add(&mut other, &own);
@@ -44,9 +44,9 @@ impl<T: Number> Gradient<T> {
         }
     }
 
-    /// From the gradient with respect to the output of `T_A` or `T_B` to that with respect to its
-    /// input, which is returned, and with respect to the embedded tokens as those of the other
-    /// spectrum, which is added to what comes with them.
+    /// Computes the gradient with respect to the input of `T_A` or `T_B` from that with respect to
+    /// its output. Adds the gradient with respect to the embedded tokens, as those of the other
+    /// spectrum, to `by_embedded`.
     fn stack(
         &mut self,
         layout: &Stack,
@@ -63,8 +63,8 @@ impl<T: Number> Gradient<T> {
         x
     }
 
-    /// `x`, with respect to the output of a residual branch, becomes that with respect to its
-    /// input.
+    /// Replaces the gradient `x` with respect to the output of a residual branch by that with
+    /// respect to its input.
     fn branch(
         &mut self,
         layout: &Branch,
@@ -95,7 +95,7 @@ impl<T: Number> Gradient<T> {
         self.norm(layout.norm, parameters, &tape.norm, &normed, x);
     }
 
-    /// Adds to `x`.
+    /// Propagates through a normalization; adds to `x`.
     fn norm(
         &mut self,
         layout: [Parameter; 2],

@@ -4,14 +4,14 @@ use super::attention::attend;
 use super::layout::{Branch, HEADS, Kind, Layout, POSITIONAL, Stack, WIDTH};
 use crate::network::add;
 
-/// What a normalisation computed.
+/// Results of a normalization.
 #[derive(Debug, Clone)]
 pub struct NormTape<T> {
-    /// The input, normalised, before scale and shift.
+    /// The normalized input, before scale and shift.
     pub unit: Vec<T>,
     /// One over the deviations of the rows of the input.
     pub inverse: Vec<T>,
-    /// The input, normalised, with scale and shift.
+    /// The normalized input, with scale and shift.
     pub normed: Vec<T>,
 }
 
@@ -27,16 +27,16 @@ impl<T: Number> NormTape<T> {
     }
 }
 
-/// What a residual branch computed.
+/// Results of a residual branch.
 #[derive(Debug, Clone)]
 pub struct BranchTape<T> {
-    /// Its input.
+    /// The normalized input.
     pub norm: NormTape<T>,
-    /// Queries; nothing of hidden neurons.
+    /// Queries; empty for hidden neurons.
     pub query: Vec<T>,
-    /// Keys and values, likewise.
+    /// Keys and values; empty for hidden neurons.
     pub source: Vec<T>,
-    /// How much of each value each token takes, likewise.
+    /// Weights of the values for each token; empty for hidden neurons.
     pub probabilities: Vec<T>,
     /// Hidden neurons, rectified, or means of the values.
     pub result: Vec<T>,
@@ -55,7 +55,7 @@ impl<T: Number> BranchTape<T> {
         }
     }
 
-    /// Adds to `x`.
+    /// Adds the output of the branch to `x`.
     fn run(&mut self, layout: &Branch, parameters: &[T], embedded: &[T], x: &mut [T]) {
         let Self { norm, query, source, probabilities, result } = self;
         norm.run(layout.norm, parameters, x);
@@ -75,8 +75,8 @@ impl<T: Number> BranchTape<T> {
     }
 }
 
-/// The tokens that an attention is to, and how many sequences further those of the other spectrum
-/// of the same pair are.
+/// Returns the tokens to which a branch attends, and the distance, in sequences, to those of the
+/// other spectrum of the pair.
 pub fn attended<'a, T>(layout: &Branch, own: &'a [T], embedded: &'a [T]) -> (&'a [T], usize) {
     match layout.kind {
         Kind::Other => (embedded, embedded.len() / (2 * K * WIDTH)),
@@ -84,12 +84,12 @@ pub fn attended<'a, T>(layout: &Branch, own: &'a [T], embedded: &'a [T]) -> (&'a
     }
 }
 
-/// What `T_A` or `T_B` computed.
+/// Results of `T_A` or `T_B`.
 #[derive(Debug, Clone)]
 pub struct StackTape<T> {
-    /// Its branches.
+    /// Results of its branches.
     pub branches: Vec<BranchTape<T>>,
-    /// Its output.
+    /// The normalized output.
     pub norm: NormTape<T>,
 }
 
@@ -107,11 +107,11 @@ impl<T: Number> StackTape<T> {
     }
 }
 
-/// Everything that [`forward`] computes for a number of pairs.
+/// All results of [`forward`] for a number of pairs.
 #[derive(Debug, Clone)]
 pub struct Tape<T> {
-    /// Offsets, `K` for each first spectrum, then `K` for each second one. To be filled in before
-    /// [`forward`].
+    /// Offsets, `K` for each first spectrum, then `K` for each second one. The caller of
+    /// [`forward`] sets them.
     pub offsets: Vec<T>,
     /// Tokens of the offsets.
     pub embedded: Vec<T>,
@@ -124,7 +124,7 @@ pub struct Tape<T> {
 }
 
 impl<T: Number> Tape<T> {
-    /// For this number of pairs.
+    /// Creates the buffers for this number of pairs.
     pub fn new(layout: &Layout, pairs: usize) -> Self {
         Self {
             offsets: vec![T::ZERO; 2 * pairs * K],
@@ -136,11 +136,11 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// From `tape.offsets` to `tape.output`. What `T_A` gives for both spectra of a pair is added:
-/// their order does not matter, bit for bit.
+/// Computes `tape.output` from `tape.offsets`. The outputs of `T_A` for both spectra of a pair are
+/// added, so that their order does not matter, bit for bit.
 ///
 /// # Panics
-/// When `tape` or `parameters` are of another layout.
+/// When `tape` or `parameters` have another layout.
 pub fn forward<T: Number>(layout: &Layout, parameters: &[T], tape: &mut Tape<T>) {
     let positions = &parameters[layout.positions.range()];
     let multiples = &parameters[layout.multiples.range()];
@@ -164,13 +164,13 @@ fn of<T>(parameters: &[T], pair: [Parameter; 2]) -> [&[T]; 2] {
     pair.map(|parameter| &parameters[parameter.range()])
 }
 
-/// `y := x weights + bias`, a row for each row of x.
+/// Computes `y := x weights + bias`, with a row for each row of x.
 fn linear<T: Number>(x: &[T], [weights, bias]: [&[T]; 2], y: &mut [T]) {
     y.chunks_exact_mut(bias.len()).for_each(|row| row.copy_from_slice(bias));
     product(x, weights, bias.len(), y);
 }
 
-/// `y += x weights`.
+/// Computes `y += x weights`.
 fn product<T: Number>(x: &[T], weights: &[T], columns: usize, y: &mut [T]) {
     let inner = weights.len() / columns;
     gemm((y.len() / columns, inner, columns), x, (inner, 1), weights, y);

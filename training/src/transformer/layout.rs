@@ -2,25 +2,25 @@ use catamaran::unions::network::{K, Parameter};
 
 use crate::network::random_parameters;
 
-/// Numbers that stand for an eigenvalue.
+/// Number of channels of a token.
 pub const WIDTH: usize = 32;
-/// Heads of every attention.
+/// Number of heads of every attention.
 pub const HEADS: usize = 8;
-/// Layers of `T_A` and of `T_B`.
+/// Number of layers of `T_A` and of `T_B`.
 pub const LAYERS: [usize; 2] = [6, 3];
-/// Hidden neurons of a layer of `T_A` and of `T_B`.
+/// Number of hidden neurons of a layer of `T_A` and of `T_B`.
 const HIDDEN: [usize; 2] = [64, 32];
-/// Learned numbers for each position.
+/// Number of learned channels for each position.
 pub const POSITIONAL: usize = 16;
-/// Learned multiples of an offset.
+/// Number of learned multiples of an offset.
 pub const MULTIPLES: usize = WIDTH - POSITIONAL - 1;
-/// Elements of the largest matrix of weights.
+/// Number of elements of the largest matrix of weights.
 pub const LARGEST: usize = WIDTH * 2 * WIDTH;
 
-/// What a residual branch does between its linear maps.
+/// The operation of a residual branch between its linear maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Attention to the own tokens.
+    /// Attention to the tokens of the same spectrum.
     Own,
     /// Attention to the embedded tokens of the other spectrum.
     Other,
@@ -28,34 +28,34 @@ pub enum Kind {
     Hidden,
 }
 
-/// Where the parameters of a residual branch are. A layer is two or three branches.
+/// Places of the parameters of a residual branch. A layer is two or three branches.
 #[derive(Debug, Clone, Copy)]
 pub struct Branch {
-    /// What it does.
+    /// The operation.
     pub kind: Kind,
-    /// Scale and shift of the normalisation before it.
+    /// Scale and shift of the normalization before the branch.
     pub norm: [Parameter; 2],
-    /// Weights and bias of the queries, or into the hidden neurons.
+    /// Weights and bias of the queries, or of the hidden neurons.
     pub inner: [Parameter; 2],
     /// Weights and bias of the keys, then the values, of an attention.
     pub source: Option<[Parameter; 2]>,
-    /// Weights and bias of what is added to the tokens.
+    /// Weights and bias of the output, which is added to the tokens.
     pub down: [Parameter; 2],
 }
 
-/// Where the parameters of `T_A` or `T_B` are.
+/// Places of the parameters of `T_A` or `T_B`.
 #[derive(Debug, Clone)]
 pub struct Stack {
-    /// Its branches.
+    /// The branches.
     pub branches: Vec<Branch>,
-    /// Scale and shift of the normalisation after the last one.
+    /// Scale and shift of the normalization after the last branch.
     pub norm: [Parameter; 2],
 }
 
-/// Where all parameters are in one array.
+/// Places of all parameters in one array.
 #[derive(Debug, Clone)]
 pub struct Layout {
-    /// Learned numbers, `POSITIONAL` for each position.
+    /// Learned channels, `POSITIONAL` for each position.
     pub positions: Parameter,
     /// Factors of the multiples of an offset.
     pub multiples: Parameter,
@@ -65,14 +65,14 @@ pub struct Layout {
     pub second: Stack,
     /// Weights and bias of the predicted offset.
     pub head: [Parameter; 2],
-    /// Name and place of every matrix, in their order.
+    /// Name and place of every matrix, in order.
     pub named: Vec<(String, Parameter)>,
     /// Number of parameters.
     pub len: usize,
 }
 
 impl Layout {
-    /// With so many layers in `T_A` and `T_B`: [`LAYERS`], or fewer in tests.
+    /// Creates the layout with `layers` layers in `T_A` and `T_B`: [`LAYERS`], or fewer in tests.
     pub fn new(layers: [usize; 2]) -> Self {
         let mut list = List::default();
         let positions = list.matrix("positions".into(), K, POSITIONAL);
@@ -86,7 +86,7 @@ impl Layout {
         Self { positions, multiples, first, second, head, named, len }
     }
 
-    /// Random parameters to begin with.
+    /// Draws initial parameters.
     pub fn initial(&self, seed: u64) -> Vec<f32> {
         let depth = self.first.branches.len() + self.second.branches.len();
         random_parameters(&self.named, depth, seed)
@@ -107,7 +107,7 @@ impl List {
         parameter
     }
 
-    /// Weights, and a bias for each column. (Of a normalisation: scale and shift.)
+    /// Adds weights, and a bias for each column. (For a normalization: scale and shift.)
     fn linear(&mut self, name: &str, rows: usize, columns: usize) -> [Parameter; 2] {
         [("weight", rows), ("bias", 1)]
             .map(|(part, rows)| self.matrix(format!("{name}.{part}"), rows, columns))

@@ -1,31 +1,32 @@
-//! The network of the thesis (section 2.4), to compare with: a [`Predictor`] that is trained on the
-//! same pairs as the network of [`catamaran::unions`], and not shipped.
+//! The network of the thesis (section 2.4), for comparison: a [`Predictor`] that is trained on the
+//! same pairs as the network of [`catamaran::unions`], and is not shipped.
 //!
 //! Each eigenvalue is a token of 32 numbers: 16 learned ones for its position, 15 learned multiples
-//! of its offset from the eigenvalue before, and the offset. `T_A` (8 heads, 6 layers, 64 hidden
+//! of its offset from the previous eigenvalue, and the offset. `T_A` (8 heads, 6 layers, 64 hidden
 //! neurons) turns the tokens of each spectrum into ones that know the other spectrum; the two
 //! results are added; `T_B` (8 heads, 3 layers, 32 hidden neurons) and a linear map turn the sum
-//! into the offsets of the union. The loss is the mean squared error of their cumulative sums.
-//! Adam, rate 2e-4, weight decay 1e-5, cosine annealing with restarts after 10, 30, 70, ... epochs,
-//! gradients of norm 10 at most.
+//! into the offsets of the union. The loss is the mean squared error of their cumulative sums. The
+//! optimizer is Adam with rate 2e-4, weight decay 1e-5, cosine annealing with restarts after 10,
+//! 30, 70, ... epochs, and gradients of norm at most 10.
 //!
-//! What the thesis leaves open, and how it is read here:
+//! The thesis leaves these points open:
 //!
-//! - "`T_A(x1|x2)`" is a decoder as of Vaswani et al. (2017): each layer attends to the own tokens,
-//!   then to the embedded tokens of the other spectrum, then follow the hidden neurons.
-//! - Each layer is normalised before it, not after (Xiong et al. 2020), which is more stable, and
-//!   `T_A` and `T_B` after their last one. Hidden neurons are rectified. There is no dropout.
-//! - A step is of 128 pairs.
-//! - Predicted offsets are not restricted in training. A prediction takes negative ones for zero,
-//!   and the first one for 0.001 at least, so that it is a spectrum; it need not be below the
-//!   bound.
+//! - "`T_A(x1|x2)`" is a decoder as in Vaswani et al. (2017): each layer attends to the tokens of
+//!   the same spectrum, then to the embedded tokens of the other one; the hidden neurons follow.
+//! - Tokens are normalized before each layer, not after (Xiong et al. 2020), which is more stable,
+//!   and after the last layer of `T_A` and `T_B`. There is no dropout, and hidden neurons are
+//!   rectified.
+//! - A step has 128 pairs.
+//! - Predicted offsets are not restricted in training. In a prediction, negative offsets are
+//!   replaced by zero, and the first one is at least 0.001, so that the result is a spectrum; it
+//!   need not be below the bound.
 //!
-//! Departures from the thesis:
+//! Differences from the thesis:
 //!
 //! - Both spectra and the union are divided by a 20th of the smaller one of the two 20th
-//!   eigenvalues, so that offsets are about 1 and units do not matter.
-//! - Areas of parts are not disturbed, and the parameters with the least loss on the pairs to
-//!   choose by are kept.
+//!   eigenvalues, so that offsets are about 1 and the result does not depend on the unit of length.
+//! - Areas of parts are not disturbed, and the parameters with the least loss on the pairs of the
+//!   validation are kept.
 
 mod attention;
 mod backward;
@@ -55,9 +56,9 @@ pub struct Transformer {
     parameters: Vec<f32>,
 }
 
-/// Two spectra without units.
+/// Two spectra in units of the network.
 struct Input {
-    /// By how much eigenvalues are divided.
+    /// Divisor of the eigenvalues.
     scale: f64,
     /// Differences of the eigenvalues of both spectra.
     offsets: [[f32; K]; 2],
@@ -67,7 +68,7 @@ impl Input {
     fn new(first: &Spectrum, second: &Spectrum) -> Result<Self> {
         let scale = first[K - 1].min(second[K - 1]) / K as f64;
         if !(scale > 0.0 && first.iter().chain(second).all(|x| x.is_finite())) {
-            let why = "not finite, or without positive eigenvalues".into();
+            let why = "must be finite, with positive eigenvalues".into();
             return Err(Error::Argument { what: "spectrum", why });
         }
         let offsets = [first, second].map(|values| {
@@ -82,10 +83,10 @@ impl Input {
 
 impl Transformer {
     /// Trains on pairs, and keeps the parameters with the least loss on the pairs of `validation`.
-    /// After each epoch, numbered from 0, `watch` is told the losses, and may end the training.
+    /// After each epoch, numbered from 0, `watch` receives the losses, and may end the training.
     ///
     /// # Errors
-    /// [`Error::Argument`] when there are no pairs; of spectra that are none.
+    /// [`Error::Argument`] when there are no pairs; when a spectrum is invalid.
     pub fn train(
         training: &[Pair],
         validation: &[Pair],
@@ -98,22 +99,22 @@ impl Transformer {
     /// Writes the parameters to an .npz file.
     ///
     /// # Errors
-    /// [`Error::Io`]; nothing is left behind then.
+    /// [`Error::Io`]; then no file is left behind.
     pub fn write(&self, output: Output) -> Result<()> {
         let wide: Vec<f64> = self.parameters.iter().map(|&x| f64::from(x)).collect();
         write_arrays(output, &[("transformer", Array::Vector(&wide))])
     }
 
-    /// Reads what [`Transformer::write`] wrote.
+    /// Reads a file that [`Transformer::write`] has written.
     ///
     /// # Errors
-    /// [`Error::Io`] when there is no such array, or it is not of such a network.
+    /// [`Error::Io`] when the array does not exist, or belongs to another network.
     pub fn read(path: &Path) -> Result<Self> {
         let layout = Layout::new(LAYERS);
         let wide = read_arrays(path)?.vector("transformer")?;
         let parameters: Vec<f32> = wide.iter().map(|&x| x as f32).collect();
         if parameters.len() != layout.len || parameters.iter().any(|x| !x.is_finite()) {
-            let why = format!("`transformer` is not {} finite numbers", layout.len);
+            let why = format!("`transformer` must be {} finite numbers", layout.len);
             return Err(Error::file(path, why));
         }
         Ok(Self { layout, parameters })

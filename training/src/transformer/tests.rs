@@ -6,7 +6,7 @@ use super::backward::Gradient;
 use super::train::{BATCH, warm_restarts};
 use super::*;
 
-/// Spectra of one shape in many sizes, whose areas add up.
+/// Returns spectra of one shape in many sizes, whose areas add up.
 fn scaled(count: usize) -> Vec<Pair> {
     let mut rng = Rng::new(5);
     let of_area = |area: f64| std::array::from_fn(|i| (i + 1 + i % 2) as f64 / area);
@@ -22,7 +22,7 @@ fn small(epochs: usize, par: Par) -> TransformerOptions {
     TransformerOptions { epochs, par, ..TransformerOptions::default() }
 }
 
-/// A weighted sum of the outputs of a network on random offsets, and its gradient.
+/// Returns a weighted sum of the outputs of a network for random offsets, and its gradient.
 fn value_and_gradient(layout: &Layout, parameters: &[f64]) -> (f64, Vec<f64>) {
     let mut rng = Rng::new(4);
     let mut tape = Tape::new(layout, 2);
@@ -110,7 +110,7 @@ fn a_few_steps_reduce_the_loss_for_any_number_of_threads() {
 #[test]
 fn time_and_callback_end_the_training_and_the_best_parameters_are_kept() {
     let pairs = scaled(20);
-    // What is learned leads away from these.
+    // The training moves away from these parameters.
     let others: Vec<Pair> = pairs.iter().map(|pair| Pair { union: [0.0; K], ..*pair }).collect();
     let run = |minutes, last| {
         let options = TransformerOptions { minutes, ..small(4, Par::Seq) };

@@ -15,21 +15,21 @@ use crate::mlp::shuffled;
 use crate::network::add;
 use crate::train::Pair;
 
-/// How the transformer is trained.
+/// Options of the training of the transformer.
 #[derive(Debug, Clone, Copy)]
 pub struct TransformerOptions {
-    /// Most passes over the data.
+    /// Largest number of passes over the data.
     pub epochs: usize,
-    /// Minutes after which training ends with the pass that it is in; infinity for no limit.
+    /// Minutes after which the training ends with the current pass; infinity for no limit.
     pub minutes: f64,
-    /// Of parameters and order.
+    /// Seed of the parameters and of the order.
     pub seed: u64,
-    /// Threads. The result does not depend on them, unless time ends the training.
+    /// Threads. The result does not depend on them, unless the time limit ends the training.
     pub par: Par,
 }
 
 impl Default for TransformerOptions {
-    /// Five cycles of the rate, of 10, 20, 40, 80 and 160 epochs; all cores.
+    /// Returns five cycles of the rate, of 10, 20, 40, 80 and 160 epochs, on all cores.
     fn default() -> Self {
         Self { epochs: 310, minutes: f64::INFINITY, seed: 1, par: Par::all() }
     }
@@ -39,27 +39,28 @@ impl Default for TransformerOptions {
 /// one of the two 20th eigenvalues of the parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses {
-    /// On the pairs that are learned from, each before the step that it is part of.
+    /// Loss on the pairs of the training, each before the step that uses it.
     pub training: f64,
-    /// On the pairs to choose by, after the pass.
+    /// Loss on the pairs of the validation, after the pass.
     pub validation: f64,
 }
 
-/// Pairs a step.
+/// Number of pairs per step.
 pub const BATCH: usize = 128;
-/// Pairs that one task works on: with 64, one core is as fast, but fewer cores have work.
+/// Number of pairs per task: 64 are as fast on one core, but keep fewer cores busy.
 const TASK: usize = 16;
-/// Largest rate of the optimiser (thesis).
+/// Largest learning rate of the optimizer (thesis).
 const RATE: f64 = 2e-4;
-/// Weight decay, within the gradient (thesis).
+/// Weight decay, as a part of the gradient (thesis).
 const DECAY: f32 = 1e-5;
-/// Longest gradient.
+/// Largest norm of the gradient.
 const CLIP: f32 = 10.0;
-/// Epochs of the first cycle of the rate. Each cycle is twice as long as the one before (thesis).
+/// Number of epochs of the first cycle of the rate. Each cycle is twice as long as the previous one
+/// (thesis).
 const CYCLE: f64 = 10.0;
 
-/// The share of the full rate after so many epochs: cosine annealing with warm restarts (Loshchilov
-/// and Hutter 2017).
+/// Returns the share of the full rate after `epochs` epochs: cosine annealing with warm restarts
+/// (Loshchilov and Hutter 2017).
 pub fn warm_restarts(epochs: f64) -> f64 {
     let (mut time, mut cycle) = (epochs, CYCLE);
     while time >= cycle {
@@ -69,7 +70,7 @@ pub fn warm_restarts(epochs: f64) -> f64 {
     0.5 * (1.0 + (std::f64::consts::PI * time / cycle).cos())
 }
 
-/// A pair in the units of the network.
+/// A pair in units of the network.
 struct Example {
     input: Input,
     /// Eigenvalues of the union.
@@ -78,7 +79,7 @@ struct Example {
 
 fn examples(what: &'static str, pairs: &[Pair]) -> Result<Vec<Example>> {
     if pairs.is_empty() {
-        return Err(Error::Argument { what, why: "there are no pairs".into() });
+        return Err(Error::Argument { what, why: "must not be empty".into() });
     }
     let example = |pair: &Pair| -> Result<Example> {
         let input = Input::new(&pair.first, &pair.second)?;
@@ -92,7 +93,7 @@ struct Worker {
     tape: Tape<f32>,
     gradient: Gradient<f32>,
     by_output: Vec<f32>,
-    /// Sum over pairs and eigenvalues.
+    /// Sum of the losses over pairs and eigenvalues.
     loss: f64,
 }
 
@@ -102,7 +103,7 @@ impl Worker {
         Self { tape, gradient, by_output: vec![0.0; TASK * K], loss: 0.0 }
     }
 
-    /// The loss on at most `TASK` examples, and its gradient with respect to the output.
+    /// Computes the loss on at most `TASK` examples, and its gradient with respect to the output.
     fn measure(&mut self, layout: &Layout, parameters: &[f32], examples: &[&Example]) {
         let (first, second) = self.tape.offsets.split_at_mut(TASK * K);
         let rows = first.chunks_exact_mut(K).zip(second.chunks_exact_mut(K));
@@ -120,7 +121,7 @@ impl Worker {
                 gradient[i] = value - example.target[i];
                 self.loss += f64::from(gradient[i] * gradient[i]);
             }
-            // An offset counts in its eigenvalue and in all behind.
+            // An offset contributes to its eigenvalue and to all later ones.
             let mut behind = 0.0;
             for gradient in gradient.iter_mut().rev() {
                 behind += *gradient;
@@ -129,7 +130,7 @@ impl Worker {
         }
     }
 
-    /// The loss on `TASK` examples, and the gradient of its mean over the batch.
+    /// Computes the loss on `TASK` examples, and the gradient of its mean over the batch.
     fn learn(&mut self, layout: &Layout, parameters: &[f32], examples: &[&Example]) {
         self.measure(layout, parameters, examples);
         self.gradient.values().fill(0.0);
@@ -137,8 +138,8 @@ impl Worker {
     }
 }
 
-/// Gives each `TASK` of the examples to a worker, and returns the sum of the losses, added in the
-/// order of the tasks.
+/// Distributes the examples over the workers, `TASK` to each, and returns the sum of the losses,
+/// added in the order of the tasks.
 fn run(
     team: Option<&ThreadPool>,
     workers: &mut [Worker],
@@ -156,7 +157,7 @@ fn run(
     used.iter().map(|worker| worker.loss).sum()
 }
 
-/// See [`Transformer::train`].
+/// Implements [`Transformer::train`].
 pub fn train(
     layout: Layout,
     [training, validation]: [&[Pair]; 2],
@@ -179,7 +180,7 @@ pub fn train(
         let (mut loss, mut seen) = (0.0, 0);
         for batch in shuffled(training.len(), &mut rng).chunks(BATCH) {
             let time = epoch as f64 + seen as f64 / training.len() as f64;
-            // A last batch that is not full begins again at its first pairs.
+            // An incomplete last batch uses its first pairs again.
             let batch: Vec<_> = batch.iter().cycle().take(BATCH).map(|&i| &training[i]).collect();
             let learn = |worker: &mut Worker, examples: &[&Example]| {
                 worker.learn(&layout, &parameters, examples);
@@ -188,7 +189,7 @@ pub fn train(
             seen += BATCH;
             let (first, rest) = workers.split_at_mut(1);
             let gradient = first[0].gradient.values();
-            // In the order of the tasks, whoever did them.
+            // The order is that of the tasks, not of the threads.
             rest.iter_mut().for_each(|worker| add(gradient, worker.gradient.values()));
             clip(gradient, CLIP);
             gradient.iter_mut().zip(&parameters).for_each(|(g, x)| *g += DECAY * x);

@@ -91,7 +91,7 @@ Exit codes:
   2  wrong arguments
   3  any other error: memory, files, libraries, MPI";
 
-/// A mode, or the best one at a place.
+/// A mode, or the best mode for a placement of A and C.
 #[derive(Clone, Copy)]
 enum Choice {
     Named(Mode),
@@ -107,15 +107,15 @@ impl std::str::FromStr for Choice {
             (Some((_, mode)), _) => Ok(Self::Named(*mode)),
             (None, "auto") => Ok(Self::Best(Place::EveryRank)),
             (None, "root") => Ok(Self::Best(Place::OneRank)),
-            _ => Err("no such mode: rows, grid, auto, tree, deal or root".into()),
+            _ => Err("no such mode, must be rows, grid, auto, tree, deal or root".into()),
         }
     }
 }
 
-/// A library to race.
+/// A library to race against.
 #[derive(Clone)]
 pub struct Rival {
-    /// Its file; `None`: the system's.
+    /// The file of the library; `None` for that of the system.
     pub path: Option<PathBuf>,
 }
 
@@ -126,12 +126,12 @@ impl std::str::FromStr for Rival {
         match text.split_once('=') {
             Some(("pdsyrk", path)) => Ok(Self { path: Some(path.into()) }),
             None if text == "pdsyrk" => Ok(Self { path: None }),
-            _ => Err("no such rival: pdsyrk, or pdsyrk=PATH".into()),
+            _ => Err("no such rival, must be pdsyrk or pdsyrk=PATH".into()),
         }
     }
 }
 
-/// A side of A, which pdsyrk counts in 32 bits.
+/// Parses a side of A, which pdsyrk counts in 32 bits.
 fn side(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(side) if (1..=i32::MAX as usize).contains(&side) => Ok(side),
@@ -140,7 +140,7 @@ fn side(text: &str) -> Result<usize, String> {
 }
 
 impl Arguments {
-    /// What is computed on so many ranks.
+    /// Returns the product on this number of ranks.
     pub fn job(&self, ranks: usize) -> Job {
         let shape = Shape { m: self.m, n: self.n };
         let mode = match self.mode {
@@ -172,7 +172,7 @@ mod tests {
         assert!(refused(&["--scheme", "ata9"]).contains("ata9"));
     }
 
-    /// The arguments of every command of a text that names the driver after a launcher.
+    /// Returns the arguments of every command of a text that names the driver after a launcher.
     fn commands(text: &str) -> Vec<String> {
         let joined = text.replace("\\\n", " ");
         let is_command = |line: &&str| line.contains("mpirun") || line.contains("srun");

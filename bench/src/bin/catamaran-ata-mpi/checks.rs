@@ -1,4 +1,4 @@
-//! What `--check` holds the last product against.
+//! The checks of `--check` on the last product.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use crate::report::Cost;
 /// A value that must not exceed its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// What the value is.
+    /// Description of the value.
     pub what: String,
     /// The value; a NaN fails.
     pub value: f64,
@@ -20,7 +20,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// Whether the value is within its limit.
+    /// Returns whether the value is within its limit.
     pub fn passed(&self) -> bool {
         self.limit.is_finite() && self.value <= self.limit
     }
@@ -29,7 +29,7 @@ impl Check {
 impl fmt::Display for Check {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { what, value, limit } = self;
-        // One that is not at most the limit may be a NaN.
+        // `!passed` may be a NaN, for which `>` would be false.
         let sign = if self.passed() { "<=" } else { "> " };
         let values = if value.fract() == 0.0 && limit.fract() == 0.0 {
             format!("{value:>9} {sign} {limit:<9}")
@@ -40,16 +40,16 @@ impl fmt::Display for Check {
     }
 }
 
-/// `PASSED` or `FAILED`.
+/// Returns `PASSED` or `FAILED`.
 pub fn verdict(passed: bool) -> &'static str {
     if passed { "PASSED" } else { "FAILED" }
 }
 
-/// Entries of the longest message of MPI, whose counts have 32 bits.
+/// Largest number of entries of a message of MPI, whose counts have 32 bits.
 const LONGEST: usize = 1 << 30;
 
-/// Checks of what the rank with most sent or received against the plan, which is exact where parts
-/// are even.
+/// Checks the words and messages of the rank with the most against the plan, which is exact where
+/// parts are even.
 pub fn of_plan<T>(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
     let planned = predict(mode, ranks, m, n, &Machine::default());
@@ -59,8 +59,8 @@ pub fn of_plan<T>(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
         value: (counted.words - planned.words.round()).abs(),
         limit: unevenness(mode, ranks, m, n) as f64,
     };
-    // Longer messages are cut. In `deal` the plan counts blocks of f64: as many bytes of f32 are
-    // more rows.
+    // Longer messages are cut. In `deal`, the plan counts blocks of f64: the same number of bytes
+    // of f32 is more rows.
     let longest = m.saturating_mul(n).max(n.saturating_mul(n));
     let other_blocks = mode == Mode::Deal && size_of::<T>() != size_of::<f64>();
     if other_blocks || longest > LONGEST {
@@ -74,7 +74,8 @@ pub fn of_plan<T>(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
     vec![words, messages]
 }
 
-/// Words by which the rank with most may differ from the plan, since it computes with equal parts.
+/// Returns the number of words by which the rank with the most may differ from the plan, which
+/// assumes equal parts.
 fn unevenness(mode: Mode, ranks: usize, m: usize, n: usize) -> usize {
     // A part of a chunk may be a word longer or shorter than another one.
     let of_chunks = |chunks: Chunks| {

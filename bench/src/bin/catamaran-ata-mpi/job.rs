@@ -1,4 +1,4 @@
-//! What is computed, and A: seeded, each entry the same wherever it is made.
+//! The product, and A: seeded, with entries that do not depend on the rank that generates them.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use catamaran_bench::product::Operation;
 /// The product of a race.
 #[derive(Debug, Clone, Copy)]
 pub struct Job {
-    /// Where A is, and where C shall be.
+    /// The mode, which determines the placement of A and C.
     pub mode: Mode,
     /// Shape of A.
     pub shape: Shape,
@@ -19,7 +19,7 @@ pub struct Job {
     pub seed: u64,
     /// Threads of each rank.
     pub threads: usize,
-    /// What a rank does with its share.
+    /// The scheme of the local product of a rank.
     pub scheme: SchemeChoice,
 }
 
@@ -30,12 +30,12 @@ impl fmt::Display for Job {
 }
 
 impl Job {
-    /// Operations of the classical algorithm.
+    /// Returns the number of operations of the classical algorithm.
     pub fn flops(&self) -> f64 {
         Operation::Syrk.flops(self.shape)
     }
 
-    /// The mode, with the scheme if one was asked for.
+    /// Returns the mode, with the scheme if one was requested.
     pub fn way(&self) -> String {
         match SchemeChoice::NAMES.iter().find(|(_, scheme)| *scheme == self.scheme) {
             Some((name, scheme)) if *scheme != SchemeChoice::Auto => {
@@ -45,14 +45,16 @@ impl Job {
         }
     }
 
-    /// Options of the products of a rank. In the faithful mode a thread has a task, as in AtA-S.
+    /// Returns the options of the products of a rank. In the faithful mode, a thread has one task,
+    /// as in AtA-S.
     pub fn options(&self) -> AtaOptions<'static> {
         let tasks = (self.scheme == SchemeChoice::Ata2).then_some(self.threads);
         AtaOptions::new().par(Par::Threads(self.threads)).scheme(self.scheme).tasks(tasks)
     }
 
-    /// Entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of SplitMix64
-    /// (Steele, Lea and Flood 2014), so that nobody has to draw what others hold.
+    /// Returns entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of
+    /// SplitMix64 (Steele, Lea and Flood 2014), so that a rank can generate its entries without
+    /// those of others.
     pub fn entry<T: Real>(&self, i: usize, j: usize) -> T {
         let index = (i as u64) << 32 | j as u64;
         let mut z = (index ^ self.seed.rotate_left(48)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -63,7 +65,7 @@ impl Job {
     }
 }
 
-/// A matrix of `outer * inner` entries, line by line; empty lines are allowed.
+/// Returns a matrix of `outer * inner` entries, line by line; empty lines are allowed.
 ///
 /// # Errors
 /// When there is not enough memory.
@@ -95,7 +97,7 @@ mod tests {
         assert!(all.iter().all(|x| (-1.0..1.0).contains(x)));
         assert_ne!(job(1).entry::<f64>(3, 4), job(1).entry::<f64>(4, 3));
         assert_ne!(job(1).entry::<f64>(3, 4), job(2).entry::<f64>(3, 4));
-        // Neighbours have nothing to do with each other.
+        // Neighbours are uncorrelated.
         let products = all.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / all.len() as f64;
         assert!(products.abs() < 0.02);
     }

@@ -1,7 +1,7 @@
-//! What the launcher (mpirun, srun) tells a process before MPI starts.
+//! Reads the variables that the launcher (mpirun, srun) sets for a process before MPI starts.
 
 /// Variables of this process' rank: Open MPI, MPICH and its relatives, PMIx, Slurm. Slurm comes
-/// last, since mpirun passes on the variables of the job that it runs in.
+/// last, because mpirun passes on the variables of its own job.
 const RANKS: [&str; 4] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"];
 /// Variables of the number of processes.
 const SIZES: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
@@ -11,7 +11,8 @@ pub fn is_first() -> bool {
     number(&RANKS, environment).unwrap_or(0) == 0
 }
 
-/// Checks that MPI, whose library calls itself `mpi`, counts as many processes as the launcher.
+/// Returns an error unless MPI, whose library identifies itself as `mpi`, counts as many processes
+/// as the launcher.
 ///
 /// # Errors
 /// When the launcher started several processes and each of them is alone.
@@ -39,7 +40,7 @@ fn environment(name: &str) -> Option<String> {
     std::env::var(name).ok()
 }
 
-/// The value of the first variable that is set to a number.
+/// Returns the value of the first variable that is set to a number.
 fn number(names: &[&str], variable: impl Fn(&str) -> Option<String>) -> Option<usize> {
     names.iter().find_map(|name| variable(name)?.parse().ok())
 }

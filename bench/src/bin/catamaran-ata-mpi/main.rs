@@ -25,7 +25,7 @@ use clap::Parser;
 use arguments::Arguments;
 use ranks::Ranks;
 
-/// Exit code of a failed check. That of wrong arguments is clap's, 2.
+/// Exit code of a failed check. The exit code of wrong arguments is 2, that of clap.
 const CHECK_FAILED: u8 = 1;
 /// Exit code of all other errors.
 const ERROR: u8 = 3;
@@ -35,7 +35,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => {
             return of_job(error.exit_code() as u8, || {
-                // Where it can't be printed, nothing else can be either.
+                // If help can't be printed, an error message can't be printed either.
                 let _ = error.print();
             });
         }
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
 
 /// The exit code of a job that ends with the same error on all ranks: the first reports it and
 /// returns `code`, the others return success, for mpirun ends all when the first process fails,
-/// which could be before the report.
+/// possibly before the report.
 fn of_job(code: u8, report: impl FnOnce()) -> ExitCode {
     if !launcher::is_first() {
         return ExitCode::SUCCESS;
@@ -62,11 +62,10 @@ fn of_job(code: u8, report: impl FnOnce()) -> ExitCode {
 
 /// Runs the race between the start and the end of MPI; returns whether all checks passed.
 ///
-/// # Errors
-/// On all ranks if there is one on any.
+/// On all ranks if any rank has an error.
 fn with_mpi(arguments: &Arguments) -> Result<bool> {
     let (universe, _) =
-        mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI runs already")?;
+        mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI is already running")?;
     let comm = universe.world();
     let ranks = Ranks(&comm);
     if arguments.f32 {

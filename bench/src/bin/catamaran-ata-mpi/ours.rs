@@ -1,4 +1,4 @@
-//! Our side of the race: the parts of A that this rank has, and what is done with them.
+//! Our side of the race: the parts of A of this rank, and the product.
 
 use std::ops::Range;
 
@@ -12,26 +12,26 @@ use faer::{MatMut, MatRef};
 use crate::job::{Job, filled};
 use crate::ranks::Ranks;
 
-/// The rank that has A and C in modes [`from one rank`](Place::OneRank), and to which results are
-/// gathered.
+/// The rank that has A and C in the modes [`from one rank`](Place::OneRank), and that gathers
+/// results.
 pub const ROOT: usize = 0;
 
-/// A product and its operands, in place.
+/// A product and its operands in memory.
 pub struct Ours<'w, T> {
     world: &'w World,
     job: Job,
     options: AtaOptions<'static>,
-    /// Rows and columns of A that this rank has.
+    /// The rows and columns of A that this rank has.
     part: [Range<usize>; 2],
-    /// These, row-major.
+    /// These parts of A, row-major.
     a: Vec<T>,
-    /// C, n x n, row-major, on the root if it is in one place, else nothing.
+    /// C, n x n, row-major, on the root if it is in one place; otherwise empty.
     c: Vec<T>,
     result: Option<Symmetric<T>>,
 }
 
 impl<'w, T: MpiReal> Ours<'w, T> {
-    /// Makes this rank's part of A.
+    /// Generates this rank's part of A.
     ///
     /// # Errors
     /// When there is not enough memory.
@@ -56,7 +56,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         Ok(Self { world, job, options, part, a, c, result: None })
     }
 
-    /// Drops the result before, or makes it unusable.
+    /// Drops the previous result, or makes it invalid.
     pub fn forget(&mut self) {
         self.result = None;
         self.c.fill(T::from_f64(f64::NAN));
@@ -65,7 +65,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
     /// Computes the product.
     ///
     /// # Errors
-    /// Those of the library, on all ranks.
+    /// The errors of the library, on all ranks.
     pub fn run(&mut self) -> Result<()> {
         let (world, one) = (self.world, T::ONE);
         let a = view(&self.a, &self.part);
@@ -86,10 +86,11 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         Ok(())
     }
 
-    /// Checks the last result with `rounds` random vectors; the verdict, on the root at least.
+    /// Checks the last result with `rounds` random vectors; returns the verdict, at least on the
+    /// root.
     ///
     /// # Errors
-    /// Those of the library; on the root alone if C is there.
+    /// The errors of the library; on the root only if C is there.
     pub fn verify(&self, rounds: u32) -> Result<Option<Verification>> {
         let a = view(&self.a, &self.part);
         let distributed = match self.job.mode {
@@ -107,10 +108,10 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         })
     }
 
-    /// C on the root, n x n, row-major, in its lower triangle; nothing elsewhere.
+    /// Returns C on the root, n x n, row-major, in its lower triangle; empty on other ranks.
     ///
     /// # Errors
-    /// Those of the library, or when there is not enough memory; on all ranks.
+    /// The errors of the library, and when there is not enough memory; on all ranks.
     pub fn into_lower(mut self, ranks: &Ranks<'_>) -> Result<Vec<T>> {
         let Some(result) = self.result else { return Ok(self.c) };
         let side = if self.world.rank() == ROOT { self.job.shape.n } else { 0 };

@@ -1,8 +1,8 @@
-//! A table of races as a picture, after figure 8.6 of the thesis.
+//! Draws a table of races, after figure 8.6 of the thesis.
 
 use catamaran_bench::curves::{Plot, svg};
 
-/// A panel: its column, what its title says, and what the rival has of it.
+/// A panel: its column, its title, and the corresponding value of the rival.
 const PANELS: [(&str, &str, Rival); 4] = [
     ("percent_of_peak", "% of peak", Rival::Speed),
     ("gflops", "GFLOP/s", Rival::Speed),
@@ -10,19 +10,19 @@ const PANELS: [(&str, &str, Rival); 4] = [
     ("communication_s", "seconds of it in communication", Rival::Unknown),
 ];
 
-/// How the rival's value follows from ours.
+/// The derivation of the rival's value from ours.
 #[derive(Clone, Copy)]
 enum Rival {
-    /// A speed.
+    /// The value is a speed.
     Speed,
-    /// A time.
+    /// The value is a time.
     Seconds,
-    /// It tells only its wall time.
+    /// The rival only reports its wall time.
     Unknown,
 }
 
-/// The races of `table`, comma-separated with a header, over cores; four panels for each shape and
-/// type.
+/// Draws the races of `table`, comma-separated with a header, over cores; four panels for each
+/// shape and type.
 pub fn of_table(table: &str) -> String {
     let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let columns = lines.next().unwrap_or_default();
@@ -49,8 +49,8 @@ pub fn of_table(table: &str) -> String {
     svg(&plots)
 }
 
-/// The values of a column over ranks times threads: a curve for each mode and number of threads,
-/// and for the rival at each place of A and C.
+/// Returns the values of a column over ranks times threads: a curve for each mode and number of
+/// threads, and one for the rival at each placement of A and C.
 fn series(rows: &[&Fields<'_>], column: &str, rival: Rival) -> Vec<(String, Vec<(f64, f64)>)> {
     let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     let mut add = |name: String, x: f64, y: Option<f64>| {
@@ -63,7 +63,7 @@ fn series(rows: &[&Fields<'_>], column: &str, rival: Rival) -> Vec<(String, Vec<
             }
         };
         let points = &mut series[curve].1;
-        // Modes from one rank have the same rival: that of the first one is shown.
+        // Modes from one rank have the same rival; the first mode shows it.
         if points.iter().all(|(other, _)| *other != x) {
             points.push((x, y));
         }

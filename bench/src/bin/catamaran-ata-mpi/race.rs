@@ -1,4 +1,4 @@
-//! The race: ours and the rival by turns, what each repetition took, and what is to be said of it.
+//! The race: this library and the rival in turns, the times of each repetition, and the report.
 
 use std::thread;
 use std::time::Duration;
@@ -20,15 +20,15 @@ use crate::rival::{Distribution, Pdsyrk, fastest};
 use crate::row::Row;
 use crate::scalapack::{Grid, Scalapack};
 
-/// How long the speed of all cores together is measured.
+/// Duration of the measurement of the speed of all cores together.
 const PEAK_TIME: Duration = Duration::from_millis(200);
-/// Random vectors of the check.
+/// Number of random vectors of the check.
 const ROUNDS: u32 = 20;
 
-/// Runs it on all ranks; rank 0 reports. Returns whether all checks passed, on every rank.
+/// Runs the race on all ranks; rank 0 reports. Returns whether all checks passed, on every rank.
 ///
 /// # Errors
-/// On all ranks if there is one on any.
+/// On all ranks if any rank has an error.
 pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool> {
     let say = |text: &str| {
         if ranks.own() == ROOT {
@@ -72,7 +72,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
 
     let world = World::new(ranks.0)?;
     let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
-    // The first run pays for threads and buffers.
+    // The first run includes the creation of threads and buffers.
     ours.run()?;
     let load = |path: Option<_>| ranks.agree(Scalapack::<T>::load(path, &mpi, job.threads));
     let scalapack =
@@ -121,7 +121,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
         }
         checks.extend(checks::of_plan::<T>(&job, ranks.count(), measured.counted.most));
     }
-    // Rank 0 decides: only it has all results in every mode.
+    // Rank 0 decides, because only it has all results in every mode.
     let failed = ranks.own() == ROOT && !checks.iter().all(Check::passed);
     let passed = ranks.largest(f64::from(u8::from(failed))) == 0.0;
     if arguments.explain {
@@ -146,7 +146,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
             record::append(path, Row::HEADER, &row.to_string())?;
             say(&format!("appended to {}", path.display()));
         }
-        // Wrong results are no record.
+        // Wrong results are not recorded.
         if let Some(name) = arguments.record.as_ref().filter(|_| passed) {
             let library = scalapack.as_ref().map_or("none", |s| &s.description);
             let about = format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
@@ -161,17 +161,17 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
     Ok(passed)
 }
 
-/// What the repetitions took.
+/// The measurements of the repetitions.
 #[derive(Default)]
 struct Measured {
     times: Vec<Times>,
     rival_seconds: Vec<f64>,
-    /// Of one repetition of ours; all are alike.
+    /// Traffic of one repetition of ours; all repetitions are alike.
     counted: Counted,
 }
 
 impl Measured {
-    /// One repetition of both, who is first by turns.
+    /// Runs one repetition of both, with alternating order.
     fn repeat<T: MpiReal>(
         &mut self,
         repetition: usize,
@@ -226,7 +226,7 @@ fn outcome(contender: &str, is_rival: bool, seconds: Vec<f64>) -> Outcome {
     Outcome { contender: contender.into(), is_rival, seconds, error: 0.0 }
 }
 
-/// The traffic of all ranks.
+/// Counts the traffic of all ranks.
 fn count(ranks: &Ranks<'_>, traffic: Traffic) -> Counted {
     let [words_sent, words_received, messages_sent, messages_received] = [
         traffic.words_sent,
@@ -244,7 +244,8 @@ fn count(ranks: &Ranks<'_>, traffic: Traffic) -> Counted {
     Counted { most, both_ways }
 }
 
-/// How far our last result is from the rival's, on the root; see [`report::difference`].
+/// Returns the difference of our last result from the rival's, on the root; see
+/// [`report::difference`].
 fn difference<T: MpiReal>(
     job: &Job,
     ours: Ours<'_, T>,
@@ -257,7 +258,8 @@ fn difference<T: MpiReal>(
     Ok(if ranks.own() == ROOT { report::difference(n, &ours, &rival) } else { 0.0 })
 }
 
-/// GFLOP/s of all threads of all ranks together, in the precision of T, and a line that says so.
+/// Returns GFLOP/s of all threads of all ranks together, in the precision of T, and a line of the
+/// report.
 fn peak_of_all<T>(ranks: &Ranks<'_>, threads: usize) -> (f64, String) {
     let (_, peaks) = ranks.time(|| {
         thread::scope(|scope| {
@@ -279,7 +281,7 @@ fn scalar<T>() -> &'static str {
     if size_of::<T>() == 8 { "f64" } else { "f32" }
 }
 
-/// What the MPI library calls itself.
+/// Returns the version that the MPI library reports.
 fn mpi_version() -> String {
     let all = mpi::environment::library_version().unwrap_or_default();
     let first = all.split([',', '\n']).next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What the ranks tell each other around the measurements.
+//! Communication between the ranks around the measurements.
 
 use std::time::Instant;
 
@@ -11,33 +11,33 @@ use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 pub struct Ranks<'c>(pub &'c SimpleCommunicator);
 
 impl Ranks<'_> {
-    /// This rank, from 0.
+    /// Returns the number of this rank, from 0.
     pub fn own(&self) -> usize {
         self.0.rank() as usize
     }
 
-    /// Their number.
+    /// Returns the number of ranks.
     pub fn count(&self) -> usize {
         self.0.size() as usize
     }
 
-    /// The number of machines they are on.
+    /// Returns the number of machines.
     pub fn machines(&self) -> usize {
         let is_first = self.0.split_shared(self.0.rank()).rank() == 0;
         self.sum(f64::from(u8::from(is_first))) as usize
     }
 
-    /// The number of ranks on this machine.
+    /// Returns the number of ranks on this machine.
     pub fn on_this_machine(&self) -> usize {
         self.0.split_shared(self.0.rank()).size() as usize
     }
 
-    /// The largest of all ranks' values.
+    /// Returns the largest of all ranks' values.
     pub fn largest(&self, own: f64) -> f64 {
         self.reduce(own, SystemOperation::max())
     }
 
-    /// The sum of all ranks' values.
+    /// Returns the sum of all ranks' values.
     pub fn sum(&self, own: f64) -> f64 {
         self.reduce(own, SystemOperation::sum())
     }
@@ -48,7 +48,8 @@ impl Ranks<'_> {
         all
     }
 
-    /// Seconds that `work` takes on this rank, once all are there.
+    /// Returns the seconds that `work` takes on this rank, from the moment when all ranks are
+    /// ready.
     pub fn time<R>(&self, work: impl FnOnce() -> R) -> (f64, R) {
         self.0.barrier();
         let start = Instant::now();
@@ -56,10 +57,10 @@ impl Ranks<'_> {
         (start.elapsed().as_secs_f64(), result)
     }
 
-    /// What a rank did by itself: an error on one is an error on all.
+    /// Returns this rank's result; if one rank fails, every rank returns the error.
     ///
     /// # Errors
-    /// That of the first rank that has one.
+    /// The error of the first rank that fails.
     pub fn agree<R>(&self, own: Result<R>) -> Result<R> {
         let failed = if own.is_err() { self.0.rank() } else { i32::MAX };
         let mut first = 0;

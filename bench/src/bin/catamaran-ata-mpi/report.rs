@@ -1,4 +1,4 @@
-//! What is measured, as lines of the screen.
+//! Formats the measurements as lines of the screen.
 
 use catamaran::ata::distributed::{Machine, choose, lower_bound, predict, proposition_8_3};
 use catamaran_bench::input::Shape;
@@ -8,20 +8,20 @@ use crate::checks::{Check, verdict};
 use crate::job::Job;
 use crate::row::Row;
 
-/// Seconds of one repetition, each the largest of all ranks.
+/// Seconds of one repetition, each the largest over all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times {
-    /// In local products.
+    /// Seconds in local products.
     pub compute: f64,
-    /// Beyond them: what of the communication is not hidden behind them, waiting for others, sums
-    /// and copies.
+    /// Seconds outside of them: communication that is not hidden behind products, waiting for
+    /// others, sums and copies.
     pub communication: f64,
-    /// From the moment when all ranks are there to the end of the last one.
+    /// Seconds from the moment when all ranks are ready to the end of the last one.
     pub wall: f64,
 }
 
 impl Times {
-    /// The median of each.
+    /// Returns the median of each.
     pub fn median(all: &[Self]) -> Self {
         let of = |time: fn(&Self) -> f64| median(all.iter().map(time).collect());
         Self {
@@ -32,25 +32,27 @@ impl Times {
     }
 }
 
-/// What a rank communicates.
+/// The communication of a rank.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cost {
-    /// Entries of matrices.
+    /// Number of entries of matrices.
     pub words: f64,
-    /// Messages.
+    /// Number of messages.
     pub messages: f64,
 }
 
-/// What was counted in one repetition.
+/// The traffic of one repetition.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Counted {
-    /// What a rank sends or, if that is more, receives; the largest of all ranks.
+    /// Words and messages that a rank sends or, if that is more, receives; the largest over all
+    /// ranks.
     pub most: Cost,
-    /// What this rank sends and receives.
+    /// Words and messages that this rank sends and receives.
     pub both_ways: Cost,
 }
 
-/// What was counted, on rank 0, beside the plan, the lower bound, and AtA-D's formula.
+/// Returns the traffic, on rank 0, in comparison with the plan, the lower bound, and AtA-D's
+/// formula.
 pub fn costs(job: &Job, ranks: usize, counted: &Counted) -> String {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
     let Counted { most, both_ways } = counted;
@@ -76,7 +78,7 @@ pub fn costs(job: &Job, ranks: usize, counted: &Counted) -> String {
     )
 }
 
-/// Memory of the rank with most, as planned, in a line.
+/// Returns a line about the planned memory of the rank that needs the most.
 pub fn memory_line<T>(job: &Job, ranks: usize) -> String {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
     let words = predict(mode, ranks, m, n, &Machine::default()).memory;
@@ -84,7 +86,7 @@ pub fn memory_line<T>(job: &Job, ranks: usize) -> String {
     format!("memory    {gib:.3} GiB on the rank with most: A, C and what travels, as planned")
 }
 
-/// What to say when another mode with A and C at the same place should be faster by a tenth or
+/// Returns a note when another mode with A and C at the same place should be faster by a tenth or
 /// more.
 pub fn note_of_faster_mode(job: &Job, ranks: usize) -> Option<String> {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
@@ -103,7 +105,7 @@ pub fn note_of_faster_mode(job: &Job, ranks: usize) -> Option<String> {
 pub const HEADER: &str = "\
  rep  compute s   commun. s      wall s  GFLOP/s  % peak |     rival s  GFLOP/s  ratio";
 
-/// A repetition, or `median`.
+/// Returns the line of a repetition, or of the `median`.
 pub fn line(name: &str, job: &Job, times: &Times, peak: f64, rival: Option<(f64, f64)>) -> String {
     let Times { compute, communication, wall } = times;
     let speed = job.flops() / wall / 1e9;
@@ -117,8 +119,8 @@ pub fn line(name: &str, job: &Job, times: &Times, peak: f64, rival: Option<(f64,
     line
 }
 
-/// The largest difference of `ours`, row-major, and `rival`, column-major, in the lower triangles,
-/// relative to the largest entry of the rival's; NaN if there is one.
+/// Returns the largest difference of `ours`, row-major, and `rival`, column-major, in the lower
+/// triangles, relative to the largest entry of the rival's; NaN if there is one.
 pub fn difference<T: catamaran::Real>(n: usize, ours: &[T], rival: &[T]) -> f64 {
     let (mut most, mut largest) = (0.0_f64, 0.0_f64);
     for i in 0..n {
@@ -132,13 +134,13 @@ pub fn difference<T: catamaran::Real>(n: usize, ours: &[T], rival: &[T]) -> f64 
     if most == 0.0 { 0.0 } else { most / largest }
 }
 
-/// A line of the summary.
+/// A separator of the summary.
 const DOUBLE: &str =
     "================================================================================";
 const SINGLE: &str =
     "--------------------------------------------------------------------------------";
 
-/// What the whole run found, in the manner of HPL: the last lines of the output.
+/// Returns the results of the whole run, in the style of HPL: the last lines of the output.
 pub fn summary(row: &Row<'_>, checks: &[Check]) -> String {
     let Row { job, ranks, scalar, times, counted, .. } = row;
     let Job { shape: Shape { m, n }, threads, .. } = *job;

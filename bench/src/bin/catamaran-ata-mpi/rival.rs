@@ -1,4 +1,4 @@
-//! The rival's side: pdsyrk or pssyrk, in the best of several distributions.
+//! The rival's side: pdsyrk or pssyrk, with the best of several distributions.
 
 use std::fmt;
 
@@ -10,25 +10,26 @@ use crate::job::Job;
 use crate::ranks::Ranks;
 use crate::scalapack::{Distributed, Grid, Scalapack};
 
-/// Sides of blocks that are tried.
+/// Sides of blocks to try.
 const BLOCKS: [usize; 3] = [64, 128, 256];
-/// Runs of each distribution before the race; the first one pays for threads and buffers.
+/// Runs of each distribution before the race; the first one includes the creation of threads and
+/// buffers.
 const TRIALS: usize = 2;
 
-/// How the rival distributes its matrices.
+/// The distribution of the rival's matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Distribution {
-    /// Processes: rows and columns of them.
+    /// Rows and columns of processes.
     grid: [usize; 2],
     /// Rows and columns of a block.
     block: usize,
-    /// It is given A^T.
+    /// Whether the rival gets A^T.
     transposed: bool,
 }
 
 impl Distribution {
-    /// Those that are tried on so many ranks: A on all grids of more than one row; A^T on a row of
-    /// processes, where it is the faster one.
+    /// Returns the distributions to try on this number of ranks: A on all grids of more than one
+    /// row; A^T on a row of processes, where it is faster.
     fn all(ranks: usize) -> impl Iterator<Item = Self> {
         let rows = (1..=ranks).filter(move |rows| ranks.is_multiple_of(*rows));
         rows.flat_map(move |rows| {
@@ -37,7 +38,7 @@ impl Distribution {
         })
     }
 
-    /// Its processes.
+    /// Returns the process grid of the distribution.
     pub fn grid<'s, T>(&self, scalapack: &'s Scalapack<T>) -> Grid<'s, T> {
         scalapack.grid(self.grid[0], self.grid[1])
     }
@@ -50,17 +51,17 @@ impl fmt::Display for Distribution {
     }
 }
 
-/// A product and its operands, in place.
+/// A product and its operands in memory.
 pub struct Pdsyrk<'g, T> {
     transposed: bool,
     a: Distributed<'g, T>,
     c: Distributed<'g, T>,
-    /// A and C on the root alone, if they are there before and after.
+    /// A and C on the root alone, if they are there before and after the product.
     whole: Option<[Distributed<'g, T>; 2]>,
 }
 
 impl<'g, T: Real> Pdsyrk<'g, T> {
-    /// Makes this rank's part of A.
+    /// Generates this rank's part of A.
     ///
     /// # Errors
     /// When there is not enough memory, or a side is too long.
@@ -72,7 +73,7 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
         let nan = |_, _| T::from_f64(f64::NAN);
         let c = grid.matrix([n; 2], [block; 2], nan)?;
         let (a, whole) = match job.mode {
-            // One block is everything.
+            // A single block holds everything.
             Mode::Tree | Mode::Deal => {
                 let whole = [grid.matrix(shape, shape, entry)?, grid.matrix([n; 2], [n; 2], nan)?];
                 (grid.matrix(shape, [block; 2], nan)?, Some(whole))
@@ -82,7 +83,7 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
         Ok(Self { transposed, a, c, whole })
     }
 
-    /// Makes the result before unusable.
+    /// Invalidates the previous result.
     pub fn forget(&mut self) {
         self.c.entries.fill(T::from_f64(f64::NAN));
         if let Some([_, c]) = &mut self.whole {
@@ -90,7 +91,7 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
         }
     }
 
-    /// Computes the product, from the root and back to it if A and C are there.
+    /// Computes the product, including transfers from and to the root if A and C are there.
     pub fn run(&mut self) {
         if let Some([a, _]) = &self.whole {
             self.a.copy_from_one(a);
@@ -101,7 +102,7 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
         }
     }
 
-    /// C on the root, n x n, column-major, in its lower triangle; nothing elsewhere.
+    /// Returns C on the root, n x n, column-major, in its lower triangle; empty on other ranks.
     ///
     /// # Errors
     /// When there is not enough memory.
@@ -117,7 +118,7 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
     }
 }
 
-/// The fastest distribution of all that are tried, the same on every rank; `tell` is told of each.
+/// Returns the fastest distribution, the same on every rank; calls `tell` for each one.
 ///
 /// # Errors
 /// As [`Pdsyrk::new`].

@@ -1,4 +1,4 @@
-//! A race as a line of a table: what `--csv` and `--record` write.
+//! A race as a line of a table, which `--csv` and `--record` write.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use crate::report::{Counted, Times};
 pub struct Row<'a> {
     /// What was computed.
     pub job: &'a Job,
-    /// How many ranks.
+    /// Number of ranks.
     pub ranks: usize,
     /// `f32` or `f64`.
     pub scalar: &'static str,
@@ -21,7 +21,7 @@ pub struct Row<'a> {
     pub ours: &'a Outcome,
     /// Medians of ours.
     pub times: Times,
-    /// GFLOP/s of all ranks at most.
+    /// Speed limit of all ranks in GFLOP/s.
     pub peak: f64,
     /// The rival's wall times, and how it distributed its matrices.
     pub rival: Option<(Outcome, String)>,
@@ -36,12 +36,12 @@ pub struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// The column names; the first [`Row::KEYS`] say what a row is about.
+    /// The column names; the first [`Row::KEYS`] identify a row.
     pub const HEADER: &'static str = "mode,ranks,threads,m,n,type,repetitions,\
         ours_s,compute_s,communication_s,gflops,percent_of_peak,rival_s,ratio,rival,\
         residual,error,check,words,planned_words,bound,messages,planned_messages,\
         rank_0_words,proposition_8_3_words,rank_0_messages,proposition_8_3_messages";
-    /// See [`Row::HEADER`].
+    /// Number of columns that identify a row; see [`Row::HEADER`].
     pub const KEYS: usize = 6;
 }
 
@@ -70,7 +70,7 @@ impl fmt::Display for Row<'_> {
         let bound = lower_bound(*ranks, m, n).words;
         write!(f, "{:.0},{:.0},{bound:.0},", most.words, planned.words)?;
         write!(f, "{:.0},{:.0},", most.messages, planned.messages)?;
-        // The proposition is about AtA-D.
+        // The proposition applies to AtA-D only.
         let proposition = (mode == Mode::Tree).then(|| proposition_8_3(*ranks, m, n));
         let whole = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.0}"));
         let (words, messages) = (proposition.map(|p| p.1), proposition.map(|p| p.0));

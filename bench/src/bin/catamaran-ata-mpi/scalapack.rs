@@ -1,4 +1,4 @@
-//! ScaLAPACK, loaded at run time: the routines of the race.
+//! ScaLAPACK, loaded at run time, with the routines of the race.
 
 use std::error::Error;
 use std::ffi::{CStr, c_char, c_int};
@@ -57,13 +57,13 @@ type CopyTriangle<T> = unsafe extern "C" fn(
     context: c_int,
 );
 
-/// A block-cyclic distribution as ScaLAPACK describes it: type 1, context, rows, columns, rows and
+/// A block-cyclic distribution in ScaLAPACK's format: type 1, context, rows, columns, rows and
 /// columns of a block, process row and column of the first one, local leading dimension.
 pub type Descriptor = [c_int; 9];
 
 /// The library in one precision.
 pub struct Scalapack<T> {
-    /// Its file or name, and what its BLAS says of itself.
+    /// Its file or name, and the version of its BLAS.
     pub description: String,
     syrk: Syrk<T>,
     copy: Copy<T>,
@@ -75,11 +75,12 @@ pub struct Scalapack<T> {
     _library: Library,
 }
 
-/// A matrix of the library: its distribution over a grid, and this process' part, column-major.
+/// A matrix of the library: its distribution over a grid, and the part of this process,
+/// column-major.
 pub struct Distributed<'g, T> {
     grid: &'g Grid<'g, T>,
     descriptor: Descriptor,
-    /// The part.
+    /// The part of this process.
     pub entries: Vec<T>,
 }
 
@@ -87,18 +88,18 @@ pub struct Distributed<'g, T> {
 pub struct Grid<'s, T> {
     scalapack: &'s Scalapack<T>,
     context: c_int,
-    /// Its rows and columns.
+    /// Number of rows and columns.
     pub sides: [usize; 2],
     /// Row and column of this process.
     pub own: [usize; 2],
 }
 
 impl<T> Scalapack<T> {
-    /// Loads the library at `path`, else the system's for the MPI library that calls itself
-    /// `mpi_version`; its BLAS will use `threads` threads.
+    /// Loads the library at `path`, otherwise that of the system for the MPI library `mpi_version`;
+    /// its BLAS will use `threads` threads.
     ///
     /// # Errors
-    /// When it can't be loaded or lacks a symbol.
+    /// When the library can't be loaded or lacks a symbol.
     pub fn load(path: Option<&Path>, mpi_version: &str, threads: usize) -> Result<Self> {
         let flavour = if mpi_version.contains("Open MPI") { "openmpi" } else { "mpich" };
         let name = format!("libscalapack-{flavour}.so.2.2");
@@ -127,12 +128,13 @@ impl<T> Scalapack<T> {
         }
     }
 
-    /// The processes as `rows x cols` of them, row by row; MPI runs. All call this.
+    /// Creates a grid of `rows x cols` processes, row by row. MPI must run, and all processes must
+    /// call this.
     pub fn grid(&self, rows: usize, cols: usize) -> Grid<'_, T> {
         let mut context = 0;
         let (mut sides, mut own) = ([0; 2], [0; 2]);
-        // SAFETY: as BLACS documents them: the first gives the default context, which the second
-        // replaces.
+        // SAFETY: as BLACS documents the calls: the first gives the default context, which the
+        // second replaces.
         unsafe {
             (self.get)(-1, 0, &mut context);
             (self.grid_init)(&mut context, c"Row".as_ptr(), rows as c_int, cols as c_int);
@@ -146,13 +148,14 @@ impl<T> Scalapack<T> {
 
 impl<T> Drop for Grid<'_, T> {
     fn drop(&mut self) {
-        // SAFETY: the context is that of this grid, and not used again.
+        // SAFETY: the context is that of this grid, and is not used again.
         unsafe { (self.scalapack.grid_exit)(self.context) };
     }
 }
 
 impl<T: Clone> Grid<'_, T> {
-    /// A matrix `shape` in blocks `block`, dealt to the grid in turn; `entry` gives its entries.
+    /// Creates a matrix `shape` in blocks `block`, distributed cyclically over the grid; `entry`
+    /// returns its entries.
     ///
     /// # Errors
     /// When there is not enough memory, or a side is too long for 32-bit integers.
@@ -187,14 +190,14 @@ struct Axis {
 }
 
 impl Axis {
-    /// Lines of this process.
+    /// Returns the number of lines of this process.
     fn count(&self) -> usize {
         let round = self.block * self.sides;
         let rest = (self.len % round).saturating_sub(self.own * self.block).min(self.block);
         self.len / round * self.block + rest
     }
 
-    /// The line that is this process' `local`-th.
+    /// Returns the global index of the `local`-th line of this process.
     fn global(&self, local: usize) -> usize {
         (local / self.block * self.sides + self.own) * self.block + local % self.block
     }
@@ -205,8 +208,8 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         [self.descriptor[2], self.descriptor[3]]
     }
 
-    /// The lower triangle of `self := A^T A`, or `A A^T` if A is given `transposed`, k being the
-    /// other side of A.
+    /// Computes the lower triangle of `self := A^T A`, or `A A^T` if A is given `transposed`; k is
+    /// the other side of A.
     pub fn set_to_syrk(&mut self, a: &Self, transposed: bool) {
         let [n, _] = self.sides();
         let [rows, cols] = a.sides();
@@ -233,10 +236,10 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         }
     }
 
-    /// `self := other`, of the same shape, all of which one process has.
+    /// Copies `self := other`, of the same shape, which one process holds completely.
     pub fn copy_from_one(&mut self, other: &Self) {
         let [rows, cols] = self.sides().map(|side| side as usize);
-        // The library counts the bytes of its matrices in 32 bits: it is given strips of them.
+        // The library counts the bytes of its matrices in 32 bits, so it gets them in strips.
         const MOST: usize = 1 << 25;
         let along = usize::from(rows <= cols);
         let (long, short) = if along == 0 { (rows, cols) } else { (cols, rows) };
@@ -267,20 +270,20 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         }
     }
 
-    /// Direction 0 (rows) or 1 (columns) of the distribution.
+    /// Returns direction 0 (rows) or 1 (columns) of the distribution.
     fn axis(&self, along: usize) -> Axis {
         let [len, block] = [2, 4].map(|slot| self.descriptor[slot + along] as usize);
         Axis { len, block, sides: self.grid.sides[along], own: self.grid.own[along] }
     }
 
-    /// The descriptor of `count` lines from `first` on, which is a line of process 0, and where
-    /// their entries begin.
+    /// Returns the descriptor of `count` lines from `first` on, which must be a line of process 0,
+    /// and the start of their entries.
     fn strip(&self, along: usize, first: usize, count: usize) -> ([c_int; 9], usize) {
         let axis = self.axis(along);
         let before = Axis { len: first, ..axis }.count();
         let mut descriptor = self.descriptor;
         descriptor[2 + along] = count as c_int;
-        // A block of everything goes on being one.
+        // A block of the whole matrix remains one block.
         let block = if axis.block == axis.len { count } else { axis.block };
         descriptor[4 + along] = block as c_int;
         let leading = descriptor[8] as usize;
@@ -288,7 +291,7 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         (descriptor, offset.min(self.entries.len()))
     }
 
-    /// The lower triangle of `self := that of other`, both square.
+    /// Copies the lower triangle of `other` into that of `self`; both are square.
     pub fn copy_lower_from(&mut self, other: &Self) {
         let [n, _] = self.sides();
         // SAFETY: both matrices are as their descriptors say, n x n.
@@ -312,14 +315,14 @@ impl<T: catamaran::Real> Distributed<'_, T> {
     }
 }
 
-/// Sets the threads of the BLAS that the library resolved to; what it says of itself.
+/// Sets the threads of the BLAS that the library resolved to; returns the version that it reports.
 fn blas(library: &Library, threads: usize) -> Result<String> {
     type Text = unsafe extern "C" fn() -> *const c_char;
     type SetThreads = unsafe extern "C" fn(c_int);
     // SAFETY: OpenBLAS documents these signatures; the text is static.
     unsafe {
         let Ok(config) = symbol::<Text>(library, "openblas_get_config") else {
-            let text = "over a BLAS that is not OpenBLAS: perhaps no fair race";
+            let text = "over a BLAS that is not OpenBLAS: the race may not be fair";
             return if threads == 1 {
                 Ok(text.into())
             } else {
@@ -331,7 +334,7 @@ fn blas(library: &Library, threads: usize) -> Result<String> {
     }
 }
 
-/// The symbol `name` of the library or of those that it needs.
+/// Returns the symbol `name` of the library or of its dependencies.
 ///
 /// # Safety
 /// `F` must be the pointer type of that symbol.

@@ -23,7 +23,7 @@ const STEP: usize = 2500;
 /// Tasks of AtA-S in figure 8.5: the thesis' 16 threads.
 const TASKS: usize = 16;
 
-/// Figures 8.3, 8.4 and 8.5.
+/// Reproduces figures 8.3, 8.4 and 8.5.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     report.say(
         "# Chapter 8, measured again\n\nEffective GFLOP/s by equation 8.9: `m n^2 / t` for A^T A, `2 m n^2 / t` for \
@@ -62,8 +62,8 @@ struct Figure {
 }
 
 impl Figure {
-    /// Every installed BLAS, our scheme over it, and our scheme over our own kernels, in one race
-    /// for each shape and number of threads.
+    /// Races every installed BLAS, our scheme over it, and our scheme over our own kernels, for
+    /// each shape and number of threads.
     fn rows<T: Scalar>(
         &self,
         shapes: &[Shape],
@@ -73,9 +73,9 @@ impl Figure {
         let libraries = &arguments.libraries;
         let names = installed(&["mkl", "openblas"], libraries);
         if names.is_empty() {
-            return Err("no BLAS to compare with: run scripts/rivals".into());
+            return Err("no BLAS to compare with: run scripts/rivals first".into());
         }
-        // A contender, and the BLAS that its ratio refers to.
+        // A contender, and the BLAS to which its ratio refers.
         let mut contenders: Vec<(Contender, usize)> = Vec::new();
         for (i, name) in names.iter().enumerate() {
             contenders.push((rival(name, libraries)?, 2 * i));
@@ -108,7 +108,7 @@ impl Figure {
         Ok(all)
     }
 
-    /// The rows as a table and as a plot of speed over `across`.
+    /// Reports the rows as a table and as a plot of speed over `across`.
     fn report(
         &self,
         report: &mut Report,

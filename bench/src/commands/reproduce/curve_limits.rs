@@ -8,9 +8,9 @@ use catamaran_bench::surface_curves::{
 
 use super::{Arguments, Report};
 
-/// Of the generator.
+/// Seed of the generator.
 const SEED: u64 = 6;
-/// Curves on each mesh: for distances, and of each kind for orders.
+/// Number of curves on each mesh: for distances, and of each kind for orders.
 const CURVES: usize = 10;
 const KINDRED: usize = 30;
 
@@ -18,7 +18,7 @@ const KINDRED: usize = 30;
 pub const LIMITS: &str = LIMITS_HEAD;
 pub const ORDERS: &str = ORDERS_HEAD;
 
-/// What limits distances.
+/// Reports what limits distances.
 pub fn limits(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let count = arguments.curves.unwrap_or(CURVES);
     let mut runs = Vec::new();
@@ -37,7 +37,7 @@ pub fn limits(report: &mut Report, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What limits orders.
+/// Reports what limits orders.
 pub fn orders(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let count = arguments.curves.unwrap_or(KINDRED);
     let mut runs = Vec::new();

@@ -7,15 +7,15 @@ use catamaran_bench::surface_curves::{
 
 use super::{Arguments, Report};
 
-/// Of the generator.
+/// Seed of the generator.
 const SEED: u64 = 6;
-/// Curves on each mesh.
+/// Number of curves on each mesh.
 const CURVES: usize = 50;
 
 /// Columns of the record.
 pub const HEADER: &str = Cell::HEAD;
 
-/// Figures 6.5, 6.6 and 6.9 to 6.11, tables 6.1 and 6.2.
+/// Reproduces figures 6.5, 6.6 and 6.9 to 6.11, tables 6.1 and 6.2.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let count = arguments.curves.unwrap_or(CURVES);
     let mut runs: Vec<Run> = Vec::new();

@@ -15,16 +15,16 @@ use super::{Arguments, Report};
 /// The columns of the record.
 pub const HEADER: &str = "figure,mesh,input_vertices,n,contender,measure,value";
 
-/// Those of figures 5.6 to 5.9: `qslim` stands for the modifier of Blender, which collapses by
-/// quadrics too.
+/// The contenders of figures 5.6 to 5.9. `qslim` replaces the modifier of Blender, which also
+/// collapses by quadrics.
 pub(super) const FIGURES: [Contender; 5] =
     [Contender::Ours, Contender::Thesis, Contender::Cgal, Contender::Qslim, Contender::Pyacvd];
 
-/// Sizes of the results there.
+/// Sizes of the results in these figures.
 const SIZES: [usize; 5] = [500, 1000, 2000, 5000, 10_000];
 
-/// Figures 5.6 to 5.10 and 5.12 to 5.16, and every mesh at three sizes. Figure 5.11 is
-/// `decimated-spectra`.
+/// Reproduces figures 5.6 to 5.10 and 5.12 to 5.16, and decimates every mesh to three sizes. Figure
+/// 5.11 is `decimated-spectra`.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let (inputs, rivals) = (Inputs::new()?, Rivals::find(&arguments.libraries));
     report.say(
@@ -53,10 +53,10 @@ pub(super) fn record(
     }
 }
 
-/// Figures 5.6 to 5.9: uniformity and distances over the size of the result.
+/// Reproduces figures 5.6 to 5.9: uniformity and distances over the size of the result.
 fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     let shapes = twenty_shapes(inputs)?;
-    // Mean over the shapes, of every contender at every size.
+    // Mean over the shapes, for every contender at every size.
     let titles = [
         "Figure 5.7: mean area of the faces times their number",
         "Figure 5.7: standard deviation of the areas over their mean",
@@ -112,8 +112,8 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
     Ok(())
 }
 
-/// As many shapes as the thesis has, each with at least twice the vertices of the largest result:
-/// real ones, and generated figures, a torus and terrains.
+/// Returns as many shapes as the thesis has, each with at least twice the vertices of the largest
+/// result: real ones, and generated figures, a torus and terrains.
 fn twenty_shapes(inputs: &Inputs) -> Result<Vec<Input>> {
     const SHAPES: usize = 20;
     const REAL: [&str; 9] = [
@@ -135,7 +135,7 @@ fn twenty_shapes(inputs: &Inputs) -> Result<Vec<Input>> {
         let terrain = families::terrain(200, 200, seed)?;
         shapes.push(inputs.of(&format!("terrain-{seed}"), terrain)?);
     }
-    // Figures in poses stand for what is missing.
+    // Figures in poses replace missing shapes.
     for pose in 0..SHAPES.saturating_sub(shapes.len()) {
         let figure = families::figure(13, 0.1 * pose as f64)?;
         shapes.push(inputs.of(&format!("figure-{pose}"), figure)?);
@@ -165,10 +165,10 @@ pub(super) fn plot(title: &str, across: &str, logarithmic: bool, series: Curves)
     Plot { title: title.into(), across: across.into(), logarithmic, scattered: false, series }
 }
 
-/// Repetitions of what is timed in this process.
+/// Number of repetitions of timings in this process.
 const REPETITIONS: usize = 3;
 
-/// Figures 5.10, 5.12 and 5.13: seconds over the size of the input.
+/// Reproduces figures 5.10, 5.12 and 5.13: seconds over the size of the input.
 fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     let mut terrains = Vec::new();
     for side in [100, 178, 316, 562, 1000] {
@@ -247,7 +247,7 @@ fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     Ok(())
 }
 
-/// The median time of the call, in seconds.
+/// Returns the median time of the call, in seconds.
 fn timed(mut call: impl FnMut() -> catamaran::Result<()>) -> Result<f64> {
     let mut seconds = Vec::new();
     for _ in 0..REPETITIONS {
@@ -258,7 +258,7 @@ fn timed(mut call: impl FnMut() -> catamaran::Result<()>) -> Result<f64> {
     Ok(median(seconds))
 }
 
-/// The slope of the line through the logarithms, by least squares.
+/// Returns the slope of the line through the logarithms, by least squares.
 fn exponent(points: &[(f64, f64)]) -> f64 {
     let logarithms: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logarithms.len() as f64;
@@ -269,7 +269,7 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
     above / below
 }
 
-/// Figures 5.5 and 5.14 to 5.16: meshes of large faces, with and without resampling.
+/// Reproduces figures 5.5 and 5.14 to 5.16: meshes of large faces, with and without resampling.
 fn resampling(report: &mut Report, inputs: &Inputs) -> Result<()> {
     let mut shapes = vec![inputs.of("slivers", families::slivers(60, 60, 0.05)?)?];
     for file in ["adis16480_slivers.stl.gz", "counter42k.stl.gz", "blade.off.gz"] {
@@ -330,7 +330,8 @@ fn resampling(report: &mut Report, inputs: &Inputs) -> Result<()> {
     Ok(())
 }
 
-/// Every mesh at three sizes: exactly n vertices and a manifold, or why not.
+/// Decimates every mesh to three sizes, and reports whether the result has exactly n vertices and
+/// is a manifold, or why not.
 fn everything(report: &mut Report, inputs: &Inputs) -> Result<()> {
     report.say("**Every mesh** at n = 100, 1000 and 10000\n\n| mesh | n | result |\n|---|---|---|");
     for file in inputs.names() {

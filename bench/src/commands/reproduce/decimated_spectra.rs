@@ -1,5 +1,4 @@
-//! Chapter 5: what decimation leaves of a spectrum (figure 5.11), and spectra by way of a
-//! decimation.
+//! Chapter 5: spectra of decimated meshes (figure 5.11), and spectra by way of a decimation.
 
 use std::time::Instant;
 
@@ -23,10 +22,10 @@ pub use super::decimate::HEADER;
 const REAL: [&str; 3] =
     ["armadillo43k.obj.gz", "refined_elephant44k.off.gz", "nefertiti35k.obj.gz"];
 
-/// Eigenpairs that are compared, without the zero.
+/// Number of eigenpairs that are compared, without the zero.
 const PAIRS: usize = 50;
 
-/// Figure 5.11, and the error of spectra by way of a decimation.
+/// Reproduces figure 5.11, and the error of spectra by way of a decimation.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let (inputs, rivals) = (Inputs::new()?, Rivals::find(&arguments.libraries));
     report.say("# Spectra and decimation, measured again\n");
@@ -34,9 +33,9 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     two_levels(report, &inputs)
 }
 
-/// Figure 5.11: eigenvalues, and the functional map of nearest vertices, of decimations. The thesis
-/// has the fertility model from 250,000 to 50,000 vertices, beside Lescoat et al. (2020), whose
-/// code no registry has.
+/// Reproduces figure 5.11: eigenvalues, and the functional map of nearest vertices, of decimations.
+/// The thesis decimates the fertility model from 250,000 to 50,000 vertices, and compares with
+/// Lescoat et al. (2020), whose code is in no registry.
 fn figure(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     report.say(&format!(
         "**Figure 5.11**: the first {PAIRS} eigenpairs and those of decimations to an eighth of the \
@@ -75,7 +74,7 @@ fn figure(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     Ok(())
 }
 
-/// A row of the table, and its curves.
+/// Adds a row of the table, and its curves.
 fn compare(
     report: &mut Report,
     case: (&Input, usize),
@@ -105,12 +104,12 @@ fn compare(
     Ok(())
 }
 
-/// Points (1, first), (2, second) ...
+/// Returns the points (1, first), (2, second) ...
 fn indexed(values: &[f64]) -> Vec<(f64, f64)> {
     values.iter().enumerate().map(|(i, v)| (i as f64 + 1.0, *v)).collect()
 }
 
-/// The mean and the largest difference of values, times `scale`, from those that are right, in per
+/// Returns the mean and the largest difference of values, times `scale`, from the true ones, in per
 /// cent.
 fn differences(values: &[f64], right: &[f64], scale: f64) -> [f64; 2] {
     let each = values.iter().zip(right).map(|(x, y)| 100.0 * (scale * x / y - 1.0).abs());
@@ -164,8 +163,8 @@ impl Map {
     }
 }
 
-/// Spectra by way of a decimation, beside the full ones and those of the decimation's own
-/// Laplacian.
+/// Reports spectra by way of a decimation, beside the full spectra and those of the decimation's
+/// own Laplacian.
 fn two_levels(report: &mut Report, inputs: &Inputs) -> Result<()> {
     report.say(&format!(
         "**Spectra by way of a decimation** (`spectrum --via-decimation n`): errors of the first \

@@ -1,4 +1,4 @@
-//! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
+//! `reproduce`: measures tables and figures of the thesis again, one chapter in each file.
 
 mod ata;
 mod curve_limits;
@@ -93,7 +93,7 @@ enum What {
     Ata,
 }
 
-/// What is found, as it is found.
+/// The report, which is printed as it grows.
 #[derive(Default)]
 struct Report {
     text: String,
@@ -102,7 +102,7 @@ struct Report {
 }
 
 impl Report {
-    /// A line of the text, which is Markdown.
+    /// Adds a line of the text, which is Markdown.
     fn say(&mut self, text: &str) {
         println!("{text}");
         self.text += text;
@@ -117,12 +117,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         (What::Textures, only) => &[only],
         (_, None) => &[None],
-        (_, Some(_)) => return Err("--only: of textures".into()),
+        (_, Some(_)) => return Err("--only: applies to textures only".into()),
     };
     shares.iter().try_for_each(|&share| run_share(arguments, share))
 }
 
-/// All of a chapter that is not taken in shares, or one of those.
+/// Runs a chapter without shares, or one share.
 fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()> {
     let host = host::describe(&[]);
     let start = Instant::now();

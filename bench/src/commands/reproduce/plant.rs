@@ -11,7 +11,7 @@ use super::{Arguments, Report};
 /// The columns of the record.
 pub const HEADER: &str = "figure,case,quantity,value";
 
-/// Figures 4.3 to 4.11, and the race of the water solver.
+/// Reproduces figures 4.3 to 4.11, and runs the race of the water solver.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     report.say("# Chapter 4, measured again\n");
     let mut keep = |part: Part| {

@@ -17,7 +17,7 @@ use super::Report;
 /// The columns of the record.
 pub const HEADER: &str = "table,function,method,ours,thesis";
 
-/// Theorem 1.1, figures 1.4 to 1.6, 1.10 to 1.17, 1.19 and 1.20, tables 1.1 to 1.6.
+/// Reproduces theorem 1.1, figures 1.4 to 1.6, 1.10 to 1.17, 1.19 and 1.20, tables 1.1 to 1.6.
 pub fn run(report: &mut Report, quick: bool) -> Result<()> {
     report.say(
         "# Chapter 1, measured again\n\nOur errors in per cent, those of the thesis in brackets: the same protocol on \
@@ -43,7 +43,7 @@ pub fn run(report: &mut Report, quick: bool) -> Result<()> {
     cases(report, &shapes)
 }
 
-/// ZoomOut in products, which section 1.5 of the thesis proposes.
+/// Reports ZoomOut in products, which section 1.5 of the thesis proposes.
 fn refinements(report: &mut Report, shapes: &Shapes) -> Result<()> {
     report.say(
         "\n**ZoomOut in products** of 30 eigenfunctions (section 1.5), beside that in 100 eigenfunctions: mean distance of \
@@ -67,7 +67,7 @@ fn refinements(report: &mut Report, shapes: &Shapes) -> Result<()> {
     Ok(())
 }
 
-/// Figures 1.10 to 1.12, 1.14 and 1.15.
+/// Reproduces figures 1.10 to 1.12, 1.14 and 1.15.
 fn maps(report: &mut Report, shapes: &Shapes) -> Result<()> {
     let mut plots = Vec::new();
     for pair in shapes.isometric(MOST)?.iter().take(1) {
@@ -103,10 +103,10 @@ fn maps(report: &mut Report, shapes: &Shapes) -> Result<()> {
     Ok(())
 }
 
-/// Pairs that figures 1.11 and 1.12 are averaged over.
+/// Number of pairs over which figures 1.11 and 1.12 are averaged.
 const PAIRS: usize = 6;
 
-/// Figures 1.13, 1.16, 1.17, 1.19 and 1.20, as errors.
+/// Reproduces figures 1.13, 1.16, 1.17, 1.19 and 1.20, as errors.
 fn cases(report: &mut Report, shapes: &Shapes) -> Result<()> {
     let mut found = Vec::new();
     for shape in shapes.single(120)?.iter().take(2) {
@@ -256,5 +256,5 @@ fn theory(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
     Ok(())
 }
 
-/// Eigenvalues of figure 1.4 that are named.
+/// Number of eigenvalues that are listed for figure 1.4.
 const FARTHEST: usize = 5;

@@ -13,23 +13,23 @@ use super::{Arguments, Report};
 /// The columns of the record.
 pub const HEADER: &str = "figure,case,quantity,value";
 
-/// What can be had by itself; each has files of its own in the record.
+/// A share that can be run separately; each has its own files in the record.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum Share {
     /// Figures 3.4, 3.5, 3.8, 3.9 and 3.10, table 3.1; figures 7.1 and 7.2.
     Figures,
-    /// What takes a quiet machine: tables 3.2 to 3.4, and times of Newton's fractals.
+    /// Measurements that need a quiet machine: tables 3.2 to 3.4, and times of Newton's fractals.
     Tables,
-    /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; only when it is
-    /// asked for.
+    /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; on request
+    /// only.
     Long,
-    /// What `scripts/gpu` records: whether the chosen OpenCL device computes what the processor
-    /// does, and times; only when it is asked for.
+    /// The record of `scripts/gpu`: whether the chosen OpenCL device computes the same as the
+    /// processor, and times; on request only.
     Gpu,
 }
 
 impl Share {
-    /// Of its files in the record.
+    /// Returns the name of the share in the names of files in the record.
     pub fn name(self) -> &'static str {
         match self {
             Self::Figures => "textures",
@@ -86,7 +86,7 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
         #[cfg(feature = "opencl")]
         Share::Gpu => catamaran_bench::textures::gpu()?.into_iter().for_each(keep),
         #[cfg(not(feature = "opencl"))]
-        Share::Gpu => return Err("--only gpu: built without feature opencl".into()),
+        Share::Gpu => return Err("--only gpu: this build lacks the feature opencl".into()),
     }
     Ok(())
 }

@@ -17,26 +17,26 @@ pub enum Up {
     Z,
 }
 
-/// How what is far away looks.
+/// How distant parts are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
-    /// Smaller.
+    /// Distant parts are smaller.
     Perspective,
-    /// As large as what is near.
+    /// Distant parts have the same size as near ones.
     Orthographic,
 }
 
-/// From where a mesh is seen.
+/// The viewpoint of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Degrees around the upward axis. With y up 0 looks from z, 90 from x; with z up from -y and
-    /// from x; with x up from y and from z.
+    /// Degrees around the upward axis. With y up, 0 looks from z and 90 from x; with z up, from -y
+    /// and from x; with x up, from y and from z.
     pub azimuth: f64,
     /// Degrees above the horizon, from -90 to 90.
     pub elevation: f64,
     /// Which coordinate points up.
     pub up: Up,
-    /// Perspective or not.
+    /// The projection.
     pub projection: Projection,
 }
 
@@ -55,7 +55,7 @@ impl Default for View {
 impl FromStr for View {
     type Err = String;
 
-    /// "azimuth,elevation" in degrees, then ",flat" for no perspective; y is up.
+    /// Parses "azimuth,elevation" in degrees, then ",flat" for no perspective; y is up.
     fn from_str(text: &str) -> Result<Self, String> {
         let angle = |part: Option<&str>, most: f64| {
             let angle = part.and_then(|p| p.trim().parse::<f64>().ok());
@@ -72,23 +72,23 @@ impl FromStr for View {
             (Some(azimuth), Some(elevation), Some(projection)) => {
                 Ok(Self { azimuth, elevation, up: Up::Y, projection })
             }
-            _ => Err("azimuth,elevation in degrees (up to 360 and 90), then ,flat for no \
-                      perspective (--up says which axis is up)"
+            _ => Err("expected AROUND,ABOVE in degrees (up to 360 and 90), then ,flat for no \
+                      perspective; --up sets the upward axis"
                 .into()),
         }
     }
 }
 
-/// Where a point is on the screen.
+/// The position of a point on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projected {
     /// Samples from the left.
     pub x: f64,
     /// Samples from the top.
     pub y: f64,
-    /// Larger is nearer, and linear on the screen over a flat face.
+    /// Larger for nearer points, and linear on the screen over a flat face.
     pub nearness: f64,
-    /// What weights of corners are multiplied by for a mean that is linear in space.
+    /// The factor of weights of corners for a mean that is linear in space.
     pub weight: f64,
 }
 
@@ -103,14 +103,14 @@ pub struct Camera {
     /// Radius of a ball around the middle that has the mesh inside.
     size: f64,
     zoom: f64,
-    /// Of the mesh on the screen, before zooming.
+    /// The centre of the mesh on the screen, before zooming.
     centre: [f64; 2],
     screen: [f64; 2],
 }
 
 impl Camera {
-    /// For a screen of width x height samples, with a margin on all sides that is this share of the
-    /// shorter one.
+    /// Returns a camera for a screen of width x height samples, with a margin on all sides that is
+    /// this share of the shorter one.
     pub fn new(mesh: &TriMesh, view: &View, width: f64, height: f64, margin: f64) -> Self {
         let axes = axes(view);
         // Vertices in no face are not seen.
@@ -146,7 +146,7 @@ impl Camera {
         camera
     }
 
-    /// A point of the mesh on the screen.
+    /// Projects a point of the mesh to the screen.
     pub fn project(&self, p: Vector) -> Projected {
         let [x, y, z] = sub(inside(&self.axes, p), self.middle).map(|c| c / self.size);
         let weight = self.distance.map_or(1.0, |d| d / (d - z));
@@ -159,8 +159,8 @@ impl Camera {
         }
     }
 
-    /// The ray of light that comes in at a place on the screen: a point of it on the viewer's side
-    /// of the mesh, and the direction, of length 1, away from the viewer.
+    /// Returns the ray of light that arrives at a place on the screen: a point of the ray on the
+    /// viewer's side of the mesh, and the direction, of length 1, away from the viewer.
     pub fn ray(&self, x: f64, y: f64) -> (Vector, Vector) {
         let flat = [x - self.screen[0] / 2.0, self.screen[1] / 2.0 - y];
         let [u, v] = [0, 1].map(|k| flat[k] / self.zoom + self.centre[k]);
@@ -174,18 +174,18 @@ impl Camera {
         (self.outside(place), self.outside(way.map(|c| c / length)))
     }
 
-    /// What [`Camera::turn`] makes this of.
+    /// Inverts [`Camera::turn`].
     fn outside(&self, p: Vector) -> Vector {
         std::array::from_fn(|k| (0..3).map(|i| self.axes[i][k] * p[i]).sum())
     }
 
-    /// A direction as the viewer sees it: right, up, near.
+    /// Returns a direction as the viewer sees it: right, up, near.
     pub fn turn(&self, direction: Vector) -> Vector {
         inside(&self.axes, direction)
     }
 }
 
-/// The directions right, up and near.
+/// Returns the directions right, up and near.
 fn axes(view: &View) -> [Vector; 3] {
     let (sa, ca) = view.azimuth.to_radians().sin_cos();
     let (se, ce) = view.elevation.to_radians().sin_cos();

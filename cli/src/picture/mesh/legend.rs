@@ -3,10 +3,10 @@ use crate::picture::color::ColorScale;
 use crate::picture::image::Image;
 use crate::picture::text::{Size, number, write_text};
 
-/// Pixels to the right of the panels that the legend takes.
+/// Width of the legend to the right of the panels, in pixels.
 pub const WIDTH: usize = 120;
 
-/// Width of the bar, and of the ticks beside it.
+/// Width of the bar, and of the ticks beside it, in pixels.
 const BAR: (usize, usize) = (18, 5);
 
 /// Draws the colours of a scale as a bar with numbers beside it, from column x on.

@@ -1,4 +1,4 @@
-//! Meshes, seen from somewhere and coloured by something: a rasteriser of our own.
+//! Draws coloured meshes, with a rasteriser of our own.
 
 pub mod camera;
 mod lamp;
@@ -23,12 +23,12 @@ pub use camera::{Projection, Up, View};
 const SAMPLES: usize = 3;
 /// Longest side of a panel, in pixels.
 pub(super) const LARGEST: usize = 4096;
-/// Between a panel's edge and what it shows, as a share of its shorter side.
+/// Margin of a panel, as a share of its shorter side.
 pub(super) const MARGIN: f64 = 0.06;
 pub(super) const PAPER: Rgb = [255; 3];
 const INK: Rgb = [60, 60, 65];
 
-/// What a surface is painted with.
+/// The paint of a surface.
 #[derive(Debug, Clone, Copy)]
 pub enum Paint<'a> {
     /// One colour.
@@ -37,11 +37,11 @@ pub enum Paint<'a> {
     Values(&'a [f64]),
     /// A colour for each vertex.
     Colors(&'a [Rgb]),
-    /// A picture that is wrapped around it.
+    /// A picture that is wrapped around the surface.
     Texture(Texture<'a>),
 }
 
-/// A square picture, and where faces have their corners in it.
+/// A square picture, and the positions of the corners of faces in it.
 #[derive(Debug, Clone, Copy)]
 pub struct Texture<'a> {
     /// (u, v) of the corners of each face, from 0 to 1.
@@ -50,7 +50,7 @@ pub struct Texture<'a> {
     pub size: usize,
     /// Rows along u, the first at v = 0.
     pub texels: &'a [Rgb],
-    /// What it says of the surface besides colours.
+    /// The material, if the texture has more than colours.
     pub material: Option<Material<'a>>,
 }
 
@@ -68,12 +68,12 @@ pub struct Material<'a> {
 }
 
 impl Texture<'_> {
-    /// The colour of a point of a face, given by shares of its corners.
+    /// Returns the light of a point of a face, given by shares of its corners.
     fn light(&self, face: usize, shares: [f64; 3]) -> [f64; 3] {
         self.mixed(face, shares, |t| super::color::to_light(self.texels[t]))
     }
 
-    /// The value of a point of a face: mixed from those of the four texels around it.
+    /// Returns the value of a point of a face, interpolated from the four texels around it.
     fn mixed(&self, face: usize, shares: [f64; 3], value: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let corners = self.uv[face];
         let at = |axis: usize| {
@@ -97,20 +97,21 @@ pub struct Panel<'a> {
     pub mesh: &'a TriMesh,
     /// Its colours.
     pub paint: Paint<'a>,
-    /// From where it is seen.
+    /// The viewpoint.
     pub view: View,
-    /// Written above it; empty for nothing.
+    /// The title above the mesh; empty for none.
     pub title: &'a str,
 }
 
 /// Meshes side by side, each as large as its panel allows.
 #[derive(Debug, Clone)]
 pub struct Scene<'a> {
-    /// From left to right.
+    /// The panels, from left to right.
     pub panels: Vec<Panel<'a>>,
     /// Width and height of a panel, in pixels.
     pub size: (usize, usize),
-    /// The scale of all numbers; `None`, the default: one that suits those of all panels.
+    /// The scale of all numbers; `None`, the default, selects one that suits the numbers of all
+    /// panels.
     pub scale: Option<ColorScale>,
     /// Whether the scale is drawn, if there are numbers; default true.
     pub legend: bool,
@@ -191,7 +192,7 @@ pub fn render(scene: &Scene<'_>) -> Result<Image> {
     Ok(image)
 }
 
-/// One panel without its title.
+/// Draws one panel without its title.
 fn draw(
     panel: &Panel<'_>,
     scene: &Scene<'_>,

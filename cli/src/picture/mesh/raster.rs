@@ -3,7 +3,8 @@ use super::camera::Projected;
 /// No face.
 const NONE: u32 = u32::MAX;
 
-/// What a sample shows: a face and where on it, as shares of its corners on the screen.
+/// The part of the mesh that a sample shows: a face and the position on it, as shares of its
+/// corners on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     pub face: usize,
@@ -21,7 +22,7 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// Draws all faces; of equally near ones the first stays.
+    /// Draws all faces; among equally near faces the first one stays.
     pub fn of(width: usize, height: usize, points: &[Projected], faces: &[[u32; 3]]) -> Self {
         let n = width * height;
         let mut buffer = Self {
@@ -68,7 +69,7 @@ impl Buffer {
         }
     }
 
-    /// What is seen at a sample, which is on the screen.
+    /// Returns the part of the mesh that is seen at a sample, which is on the screen.
     pub fn at(&self, column: usize, row: usize) -> Option<Hit> {
         let at = row * self.width + column;
         let [a, b] = self.shares[at].map(f64::from);
@@ -77,7 +78,7 @@ impl Buffer {
     }
 }
 
-/// Twice the area between an edge and a place, positive on one of its sides.
+/// Returns twice the area between an edge and a place, positive on one side of the edge.
 fn side(a: Projected, b: Projected, x: f64, y: f64) -> f64 {
     (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x)
 }

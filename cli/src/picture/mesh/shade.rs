@@ -7,18 +7,18 @@ use super::tangent::{Finish, Tangent};
 use super::{Paint, Panel, SAMPLES, Scene, Texture};
 use crate::picture::color::{Lights, to_light};
 
-/// Light from everywhere; from above and below it differs by this.
+/// Ambient light, and the change of it from the horizon to above and below.
 const AMBIENT: (f64, f64) = (0.30, 0.08);
 /// Brightness and sharpness of the reflection of the first lamp.
 pub const GLOSS: (f64, i32) = (0.10, 28);
-/// How dark the surface is where it turns away from the viewer.
+/// Share of the light where the surface turns away from the viewer.
 const RIM: f64 = 0.45;
-/// How dark the inside is that an open surface shows.
+/// Share of the light on the inside of an open surface.
 const INSIDE: f64 = 0.55;
-/// Half the width of an edge, in pixels, and how much light is left on it.
+/// Half the width of an edge, in pixels, and the share of the light on it.
 const EDGE: (f64, f64) = (0.5, 0.45);
-/// Faces thinner than this many pixels have fainter edges, in proportion, or nothing else would be
-/// seen.
+/// Faces thinner than this many pixels have fainter edges, in proportion: otherwise the edges would
+/// cover them.
 const THIN: f64 = 6.0;
 
 /// Turns hits into light.
@@ -29,9 +29,9 @@ pub struct Shader<'a> {
     edges: bool,
     /// Normals as the viewer sees them.
     face_normals: Vec<Vector>,
-    /// Of the vertices; empty for flat faces.
+    /// Normals of the vertices; empty for flat faces.
     vertex_normals: Vec<Vector>,
-    /// Of the faces, where a texture has normals.
+    /// Tangents of the faces, where a texture has normals.
     tangents: Vec<Tangent>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Shader<'a> {
         Self { panel, lights, points, edges: scene.edges, face_normals, vertex_normals, tangents }
     }
 
-    /// The light that a sample sends to the viewer.
+    /// Returns the light that a sample sends to the viewer.
     pub fn light(&self, hit: Hit) -> Vector {
         let face = self.panel.mesh.faces()[hit.face].map(|v| v as usize);
         // Shares in space, not on the screen.
@@ -98,8 +98,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Whether the side is seen from which the corners are counter-clockwise (y points down on the
-    /// screen).
+    /// Returns whether the visible side is the one from which the corners are counter-clockwise (y
+    /// points down on the screen).
     fn is_outside(&self, face: [usize; 3]) -> bool {
         let [a, b, c] = face.map(|v| self.points[v]);
         (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) < 0.0
@@ -117,7 +117,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What is left of the light on or beside an edge: less, over a pixel.
+    /// Returns the share of the light on or beside an edge, which is darker over a pixel.
     fn edge(&self, face: [usize; 3], shares: [f64; 3]) -> f64 {
         let p = face.map(|v| self.points[v]);
         let doubled =
@@ -139,13 +139,13 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Light from the lamps and from everywhere on a surface with this normal.
+/// Returns the light from the lamps and the ambient light on a surface with this normal.
 pub fn lambert(normal: Vector) -> f64 {
     let lamps: f64 = LAMPS.iter().map(|(to, bright)| bright * dot(normal, *to).max(0.0)).sum();
     AMBIENT.0 + AMBIENT.1 * normal[1] + lamps
 }
 
-/// The reflection of the first lamp (Blinn 1977).
+/// Returns the reflection of the first lamp (Blinn 1977).
 pub fn gloss(normal: Vector) -> f64 {
     let half = unit(std::array::from_fn(|k| LAMPS[0].0[k] + [0.0, 0.0, 1.0][k]));
     dot(normal, half).max(0.0).powi(GLOSS.1)

@@ -1,4 +1,4 @@
-//! Normal maps, and what light a rough or shining, plain or metallic surface sends back.
+//! Normal maps, and the light of rough and shining, plain and metallic surfaces.
 
 use catamaran::mesh::TriMesh;
 use catamaran::mesh::vector::{Vector, dot, unit};
@@ -8,15 +8,15 @@ use super::camera::Camera;
 use super::lamp::LAMPS;
 use crate::picture::color::to_light;
 
-/// What is reflected straight back of all light by what is no metal.
+/// Share of the light that a surface other than metal reflects straight back.
 const DIELECTRIC: f64 = 0.04;
-/// The light around that a mirror shows: at the horizon, and more (less) above (below).
+/// The ambient light that a mirror shows: at the horizon, and the change of it to above and below.
 const SKY: (f64, f64) = (0.42, 0.34);
-/// Smaller roughness is drawn as this: lamps have a size.
+/// Least roughness that is drawn, because lamps have a size.
 const SMOOTHEST: f64 = 0.12;
 
 /// The direction of growing u on a face as the viewer sees it, and whether growing v is to the left
-/// of it, seen from outside.
+/// of this direction, seen from outside.
 #[derive(Debug, Clone, Copy)]
 pub struct Tangent {
     along: Vector,
@@ -24,7 +24,7 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// Those of all faces; zero where the texture has no area.
+    /// Returns the tangents of all faces; zero where the texture has no area.
     pub fn of_faces(mesh: &TriMesh, uv: &[[[f64; 2]; 3]], camera: &Camera) -> Vec<Self> {
         let of = |(face, [p, q, r]): (&[u32; 3], &[[f64; 2]; 3])| {
             let [a, b, c] = face.map(|v| mesh.vertices()[v as usize]);
@@ -36,7 +36,7 @@ impl Tangent {
         mesh.faces().iter().zip(uv).map(of).collect()
     }
 
-    /// The normal in the frame of tangent, bitangent and `normal`.
+    /// Returns the normal that is given in the frame of tangent, bitangent and `normal`.
     pub fn raised(&self, normal: Vector, [x, y, z]: Vector) -> Vector {
         let out = dot(self.along, normal);
         let t = unit([0, 1, 2].map(|k| self.along[k] - out * normal[k]));
@@ -49,10 +49,10 @@ impl Tangent {
     }
 }
 
-/// What a texture's material is at a point.
+/// The material of a texture at a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Finish {
-    /// In the frame of the surface.
+    /// The normal in the frame of the surface.
     pub normal: Vector,
     roughness: f64,
     metalness: f64,
@@ -60,7 +60,7 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// That of a point of a face, if there is a material.
+    /// Returns the finish of a point of a face, if the texture has a material.
     pub fn at(texture: &Texture<'_>, face: usize, shares: [f64; 3]) -> Option<Self> {
         let material = texture.material?;
         let normal = |t: usize| material.normals[t].map(|x| f64::from(x) / 127.5 - 1.0);
@@ -74,12 +74,12 @@ impl Finish {
         Some(Self { normal: texture.mixed(face, shares, normal), roughness, metalness, glow })
     }
 
-    /// The light that is sent to the viewer where the surface has this colour and normal; `lit` is
-    /// what a dull one would send of its colour.
+    /// Returns the light that is sent to the viewer by a surface of this colour and normal; `lit`
+    /// is the share that a dull surface sends of its colour.
     pub fn light(&self, color: Vector, lit: f64, normal: Vector) -> Vector {
         let facing = normal[2].clamp(0.0, 1.0);
         let reflected = self.reflected(normal);
-        // More at grazing angles (Schlick 1994), unless it is rough.
+        // Grazing angles reflect more (Schlick 1994), unless the surface is rough.
         let grazing = (1.0 - facing).powi(5) * (1.0 - self.roughness);
         [0, 1, 2].map(|k| {
             let straight = DIELECTRIC + self.metalness * (color[k] - DIELECTRIC);
@@ -88,8 +88,8 @@ impl Finish {
         })
     }
 
-    /// What a mirror of this roughness would show: a sky, and both lamps, the wider the rougher it
-    /// is (Phong 1975).
+    /// Returns the reflection of a mirror of this roughness: a sky, and both lamps, wider for a
+    /// rougher mirror (Phong 1975).
     fn reflected(&self, normal: Vector) -> f64 {
         let back = [0, 1, 2].map(|k| 2.0 * normal[2] * normal[k] - [0.0, 0.0, 1.0][k]);
         let width = self.roughness.max(SMOOTHEST).powi(4);

@@ -1,4 +1,4 @@
-//! Which axis of a mesh is up, where nobody says so.
+//! Guesses which axis of a mesh is up, without --up.
 
 use std::path::Path;
 
@@ -6,8 +6,8 @@ use catamaran::mesh::TriMesh;
 
 use super::camera::Up;
 
-/// The normals of a height field, weighted by areas, add up to at least this share of its area
-/// along the upward axis.
+/// The least sum of the normals of a height field along the upward axis, weighted by areas, as a
+/// share of the area of the mesh.
 const HEIGHT_FIELD: f64 = 0.8;
 /// A surface thinner than this share of its longest side is a flat figure, not a height field.
 const FLAT: f64 = 1e-6;
@@ -21,14 +21,14 @@ pub fn guess(mesh: &TriMesh, path: &Path) -> Up {
     height_field(mesh).unwrap_or_else(|| if is_printed(path) { Up::Z } else { Up::Y })
 }
 
-/// Whether the name, without .gz or .xz, is that of a file for 3D printing.
+/// Returns whether the name, without .gz or .xz, is that of a file for 3D printing.
 fn is_printed(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let stem = [".gz", ".xz"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
     stem.ends_with(".stl") || stem.ends_with(".3mf")
 }
 
-/// The axis over which the mesh is a height field, if it is one.
+/// Returns the axis over which the mesh is a height field, if it is one.
 fn height_field(mesh: &TriMesh) -> Option<Up> {
     let areas = mesh.face_areas();
     let total: f64 = areas.iter().sum();

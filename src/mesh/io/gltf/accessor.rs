@@ -1,14 +1,15 @@
-//! Numbers in buffers.
+//! Reads numbers from buffers.
 
 use super::super::draft::{Checked, push, roomy};
 use super::container::Content;
 use super::document::{Accessor, View, code};
 
 impl Content {
-    /// Returns the accessor of this number.
+    /// Returns the accessor with this index.
     pub fn accessor(&self, index: usize) -> Checked<&Accessor> {
         let found = self.document.accessors.get(index);
-        Ok(found.ok_or_else(|| format!("accessor {index} of {}", self.document.accessors.len()))?)
+        let count = self.document.accessors.len();
+        Ok(found.ok_or_else(|| format!("accessor {index} is out of range: {count} accessors"))?)
     }
 
     /// Returns the elements of an accessor, of `N` numbers each.
@@ -17,7 +18,7 @@ impl Content {
         let read = || -> Checked<Vec<[f64; N]>> {
             let width = width(&accessor.kind);
             if width != Some(N) {
-                return Err(format!("type {:?} where {N} numbers are needed", accessor.kind).into());
+                return Err(format!("type {:?} does not have {N} numbers", accessor.kind).into());
             }
             let layout = Layout {
                 component: accessor.component_type,
@@ -48,14 +49,14 @@ impl Content {
             for ([place], value) in places.into_iter().zip(replaced) {
                 let count = values.len();
                 let slot = values.get_mut(place as usize);
-                *slot.ok_or_else(|| format!("sparse element {place} of {count}"))? = value;
+                *slot.ok_or_else(|| format!("sparse element {place} exceeds {count}"))? = value;
             }
             Ok(values)
         };
         read().map_err(|fault| fault.of(|| format!("accessor {index}")))
     }
 
-    /// Elements that lie in a buffer from byte `start` of a view on.
+    /// Returns the elements that lie in a buffer view from byte `start` on.
     fn elements<const N: usize>(
         &self,
         view: usize,
@@ -64,13 +65,13 @@ impl Content {
     ) -> Checked<Vec<[f64; N]>> {
         let views = &self.document.buffer_views;
         let (index, view) = (view, views.get(view));
-        let view = view.ok_or_else(|| format!("view {index} of {}", views.len()))?;
+        let view = view.ok_or_else(|| format!("view {index} is out of range: {}", views.len()))?;
         let bytes = self.bytes(view).ok_or_else(|| format!("view {index} is beyond its buffer"))?;
         let size = component_size(layout.component)
-            .ok_or_else(|| format!("component type {}", layout.component))?;
+            .ok_or_else(|| format!("unknown component type {}", layout.component))?;
         let stride = view.byte_stride.unwrap_or(N * size);
         if stride < N * size {
-            return Err(format!("a stride of {stride} bytes for elements of {}", N * size).into());
+            return Err(format!("stride {stride} is less than {} bytes", N * size).into());
         }
         let mut values = roomy(layout.count);
         for i in 0..layout.count {
@@ -92,8 +93,8 @@ impl Content {
     }
 }
 
-/// Returns the count of numbers of an element of this type; `None` for matrices, which meshes do
-/// not have.
+/// Returns the number of components of an element of this type; `None` for matrices, which meshes
+/// do not use.
 pub(super) fn width(kind: &str) -> Option<usize> {
     Some(match kind {
         "SCALAR" => 1,
@@ -113,16 +114,16 @@ fn component_size(code: u32) -> Option<usize> {
     })
 }
 
-/// How elements are stored.
+/// The storage of elements.
 struct Layout {
     component: u32,
-    /// Whether integers stand for fractions.
+    /// Whether integers represent fractions of their maximum.
     normalized: bool,
     count: usize,
 }
 
 impl Layout {
-    /// The number in these bytes, which are as many as the component has.
+    /// Returns the number in these bytes, as many as the component type has.
     fn number(&self, bytes: &[u8]) -> f64 {
         let mut wide = [0; 4];
         wide.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);

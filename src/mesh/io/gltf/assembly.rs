@@ -1,4 +1,4 @@
-//! The primitives of a file as one mesh.
+//! Joins the primitives of a file into one mesh.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -9,13 +9,13 @@ use super::super::labels::{Labels, clean_name};
 use super::document::Document;
 use crate::base::{Error, Result};
 
-/// For each face the numbers of the values of its corners.
+/// For each face, the indices of the values of its corners.
 type Corners = Vec<[u32; 3]>;
 
 /// A corner without a value.
 const ABSENT: u32 = u32::MAX;
 
-/// A vertex as glTF has them: it has one value of each attribute.
+/// A vertex of glTF, with one value of each attribute.
 pub(super) struct Vertex {
     pub position: [f64; 3],
     pub normal: Option<[f64; 3]>,
@@ -23,19 +23,19 @@ pub(super) struct Vertex {
     pub color: Option<[f64; 4]>,
 }
 
-/// What is read so far.
+/// The parts of the mesh that were read so far.
 #[derive(Default)]
 pub(super) struct Assembly {
     pub draft: Draft,
     pub vertices: Vec<Vertex>,
     pub faces: Vec<[u32; 3]>,
     materials: Vec<u32>,
-    /// The number of the first vertex of each mesh.
+    /// The first vertex of each mesh.
     meshes: Vec<usize>,
 }
 
 impl Assembly {
-    /// Starts another mesh, to which the vertices from now on belong.
+    /// Starts another mesh, to which the following vertices belong.
     pub fn begin_mesh(&mut self) {
         self.meshes.push(self.vertices.len());
     }
@@ -55,7 +55,7 @@ impl Assembly {
         push(&mut self.faces, face)?;
         let material = material.and_then(|number| u32::try_from(number).ok());
         push(&mut self.materials, material.unwrap_or(ABSENT))?;
-        // Its vertices are numbered anew when all are known.
+        // The vertices are renumbered when all are known.
         let [a, b, c] = face.map(|v| self.vertices[v as usize].position);
         if a == b || b == c || c == a {
             self.draft.collapse(place);
@@ -63,8 +63,8 @@ impl Assembly {
         Ok(())
     }
 
-    /// Returns the mesh. Vertices of a mesh that have the same position and colour become one:
-    /// where a texture is cut, or a normal is not continuous, glTF has copies.
+    /// Returns the mesh. Vertices of a mesh that have the same position and colour become one: glTF
+    /// has copies of a vertex where a texture is cut or a normal is not continuous.
     pub fn finish(mut self, document: &Document) -> Checked<MeshFile> {
         let colored = self.vertices.iter().any(|vertex| vertex.color.is_some());
         let mut colors = Vec::new();
@@ -76,7 +76,7 @@ impl Assembly {
             while let Some((number, _)) = meshes.next_if(|(_, start)| **start <= i) {
                 mesh = number;
             }
-            // White, which is what renderers take.
+            // White, the default of renderers.
             let color = vertex.color.unwrap_or([1.0; 4]);
             let (number, is_new) = known.of((mesh, bits(vertex.position), bits(color)))?;
             push(&mut numbers, number)?;
@@ -120,7 +120,7 @@ impl Assembly {
     }
 }
 
-/// Numbers in the order of first use.
+/// Numbers keys in the order of first use.
 struct Numbers<K>(HashMap<K, u32>);
 
 impl<K> Default for Numbers<K> {
@@ -130,7 +130,7 @@ impl<K> Default for Numbers<K> {
 }
 
 impl<K: Eq + Hash> Numbers<K> {
-    /// The number of a key, and whether it is new.
+    /// Returns the number of a key, and whether it is new.
     fn of(&mut self, key: K) -> Result<(u32, bool)> {
         let next = self.0.len() as u32;
         self.0
@@ -141,13 +141,14 @@ impl<K: Eq + Hash> Numbers<K> {
     }
 }
 
-/// Bits that are equal where numbers are: adding zero makes -0 the same as 0.
+/// Returns bits that are equal where the numbers are: adding zero turns -0 into 0.
 fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
     values.map(|x| (x + 0.0).to_bits())
 }
 
-/// An attribute, of which each value of a vertex is there once, and the numbers of the corners of
-/// `faces`; no numbers where there is no value. `numbers` says which vertices are one.
+/// Returns an attribute with each value of a vertex once, and for each face the indices of the
+/// values of its corners; [`ABSENT`] where there is no value. Vertices with the same entry of
+/// `numbers` are one vertex.
 fn values<const N: usize>(
     faces: &[[u32; 3]],
     numbers: &[u32],
@@ -182,7 +183,7 @@ fn values<const N: usize>(
 fn materials(of_faces: Vec<u32>, document: &Document) -> Checked<Option<Labels>> {
     let count = document.materials.len();
     if let Some(&wrong) = of_faces.iter().find(|&&m| m != ABSENT && m as usize >= count) {
-        return Err(format!("material {wrong} of {count}").into());
+        return Err(format!("material {wrong} is out of range: {count} materials").into());
     }
     if of_faces.iter().all(|&material| material == ABSENT) {
         return Ok(None);

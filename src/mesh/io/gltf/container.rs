@@ -1,5 +1,5 @@
-//! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or beside
-//! it.
+//! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or in
+//! separate files.
 
 use std::fs::File;
 use std::io::Read;
@@ -18,7 +18,7 @@ const MAGIC: &[u8] = b"glTF";
 const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
 
-/// Extensions that pack the numbers of a mesh in ways of their own.
+/// Extensions that compress a mesh, and that are not supported.
 const PACKED: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
@@ -45,11 +45,11 @@ impl Content {
         })?;
         if !document.asset.version.starts_with("2.") {
             let version = document.asset.version;
-            return Err(format!("version {version:?} of glTF, where 2.0 is read").into());
+            return Err(format!("version {version:?} of glTF, must be 2.0").into());
         }
         let packed = document.extensions_required.iter().find(|name| PACKED.contains(&&name[..]));
         if let Some(name) = packed {
-            return Err(format!("compressed by {name}, which is not read").into());
+            return Err(format!("compressed by {name}, which is not supported").into());
         }
         let mut buffers = Vec::new();
         let mut total = 0usize;
@@ -63,7 +63,7 @@ impl Content {
     }
 }
 
-/// The JSON and the numbers of a binary file.
+/// Returns the JSON and the buffer of a binary file.
 fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
     let truncated = || Fault::from("truncated: the file ends too early");
     let word = |bytes: &[u8]| -> Checked<usize> {
@@ -73,7 +73,7 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
     let (head, _) = bytes.split_at_checked(12).ok_or_else(truncated)?;
     let (version, length) = (word(&head[4..])?, word(&head[8..])?);
     if version != 2 {
-        return Err(format!("version {version} of binary glTF, where 2 is read").into());
+        return Err(format!("version {version} of binary glTF, must be 2").into());
     }
     let mut rest = bytes.get(12..length).ok_or_else(truncated)?;
     let mut json = None;
@@ -91,25 +91,25 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
     Ok((json.ok_or("a binary glTF file without a chunk of JSON")?, binary))
 }
 
-/// The bytes of a buffer: `binary` where it has no URI, of a file beside `path` or of the URI
-/// itself.
+/// Returns the bytes of a buffer: `binary` where the buffer has no URI, otherwise those of the URI
+/// or of the file beside `path` that it names.
 fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>> {
     let length = buffer.byte_length;
     let mut bytes = match buffer.uri.as_deref() {
-        None => binary.ok_or("no URI, and not in the file")?.to_vec(),
+        None => binary.ok_or("has no URI, and is not in the file")?.to_vec(),
         Some(uri) => match uri.strip_prefix("data:") {
             Some(data) => embedded(data)?,
             None => beside(uri, path, length)?,
         },
     };
     if bytes.len() < length {
-        return Err(format!("{} of {length} bytes", bytes.len()).into());
+        return Err(format!("has {} of {length} bytes", bytes.len()).into());
     }
     bytes.truncate(length);
     Ok(bytes)
 }
 
-/// The bytes in a data URI, of which this is what comes after `data:`.
+/// Returns the bytes of a data URI; `data` is what follows `data:`.
 fn embedded(data: &str) -> Checked<Vec<u8>> {
     let (_, text) = data.split_once(";base64,").ok_or("a data URI that is not in base64")?;
     let padding = DecodePaddingMode::Indifferent;
@@ -118,7 +118,7 @@ fn embedded(data: &str) -> Checked<Vec<u8>> {
     decoded.map_err(|e| format!("broken base64: {e}").into())
 }
 
-/// Up to `length` bytes of the file that a URI names.
+/// Returns up to `length` bytes of the file that a URI names.
 fn beside(uri: &str, path: &Path, length: usize) -> Checked<Vec<u8>> {
     let name = unescaped(uri).ok_or_else(|| format!("broken URI {uri:?}"))?;
     let relative = Path::new(&name);
@@ -137,7 +137,7 @@ fn beside(uri: &str, path: &Path, length: usize) -> Checked<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A URI with its escapes, such as %20, replaced.
+/// Returns a URI with its escapes, such as %20, replaced.
 fn unescaped(uri: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

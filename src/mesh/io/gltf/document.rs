@@ -1,4 +1,4 @@
-//! What the JSON of a glTF file says, as far as it is about triangles.
+//! The JSON of a glTF file, as far as it concerns triangles.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -78,7 +78,7 @@ pub(super) struct Primitive {
     pub mode: Option<u32>,
 }
 
-/// Numbers of accessors.
+/// Indices of accessors.
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "UPPERCASE")]
 pub(super) struct Attributes {
@@ -122,7 +122,7 @@ pub(super) struct SparsePart {
     pub buffer_view: usize,
     #[serde(default)]
     pub byte_offset: usize,
-    /// Of indices only.
+    /// Present for indices only.
     #[serde(default)]
     pub component_type: u32,
 }

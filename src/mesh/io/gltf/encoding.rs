@@ -1,4 +1,4 @@
-/// How a glTF file is written.
+/// The encoding of a glTF file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GltfEncoding {
     /// JSON, with the numbers in it as base64 (`.gltf`).

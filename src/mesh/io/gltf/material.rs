@@ -6,8 +6,8 @@ use super::super::attributes::MeshFile;
 use super::picture::Picture;
 use crate::base::{Error, Result, builder, reserved};
 
-/// A material for physically based rendering, as glTF 2.0 has it (section 3.9). A picture is laid
-/// over the mesh by its texture coordinates, and repeats outside of 0 to 1.
+/// A material for physically based rendering, as in glTF 2.0 (section 3.9). Texture coordinates map
+/// a picture onto the mesh; it repeats outside of 0 to 1.
 ///
 /// ```
 /// use catamaran::mesh::io::{Material, Picture};
@@ -20,27 +20,27 @@ use crate::base::{Error, Result, builder, reserved};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Material {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Colours (sRGB), with opacity where the picture has it; white without.
+    /// Colours (sRGB), with opacity if the picture has it; white if `None`.
     pub base_color: Option<Picture>,
-    /// What [`Material::finish`] makes: green is roughness, blue metalness.
+    /// The picture that [`Material::finish`] makes: green is roughness, blue is metalness.
     pub roughness_metalness: Option<Picture>,
     /// Roughness where there is no such picture, from 0 to 1. Default 1.
     pub roughness: f64,
     /// Metalness where there is no such picture, from 0 to 1. Default 0.
     pub metalness: f64,
-    /// Normals in the frame of the surface, green up, as
-    /// [`normal_colors`](crate::texture::normal_colors) has them.
+    /// Normals in the frame of the surface, green up, as from
+    /// [`normal_colors`](crate::texture::normal_colors).
     pub normal: Option<Picture>,
-    /// How much light from all around arrives: red.
+    /// Ambient light that reaches the surface: red.
     pub occlusion: Option<Picture>,
     /// Light that is emitted (sRGB).
     pub emission: Option<Picture>,
-    /// Pictures that glTF has no place for, such as heights, and their names: in the file, and
-    /// named in the `extras` of the material; viewers skip them.
+    /// Pictures that glTF does not define, such as heights, with their names. They are stored in
+    /// the file and listed in the `extras` of the material; viewers skip them.
     pub extra: Vec<(String, Picture)>,
-    /// Whether the back of faces is shown, too. Default yes.
+    /// Whether the back of faces is shown. Default yes.
     pub double_sided: bool,
 }
 
@@ -82,15 +82,15 @@ builder! { Material {
 }}
 
 impl Material {
-    /// Sets roughness and metalness, 255 for 1, in one picture of rows of `width` as glTF wants
-    /// them.
+    /// Combines roughness and metalness, 255 for 1, into one picture of rows of `width`, in the
+    /// layout of glTF.
     ///
     /// # Errors
     /// As [`Picture::rgb`]; [`Error::Shape`] for different numbers of both.
     pub fn finish(width: usize, roughness: &[u8], metalness: &[u8]) -> Result<Picture> {
         Error::check_shape("metalness", (roughness.len(), 1), (metalness.len(), 1))?;
         let mut pixels = reserved(roughness.len())?;
-        // Red is that of occlusion: none.
+        // Red is unused: it would be occlusion.
         pixels.extend(roughness.iter().zip(metalness).map(|(&r, &m)| [255, r, m]));
         Picture::rgb(width, &pixels)
     }
@@ -100,7 +100,7 @@ impl Material {
     pub(in super::super) fn check(&self, file: &MeshFile) -> Result<()> {
         for (what, value) in [("roughness", self.roughness), ("metalness", self.metalness)] {
             if !(0.0..=1.0).contains(&value) {
-                let why = format!("{value}, where 0 to 1 is needed");
+                let why = format!("must be from 0 to 1, is {value}");
                 return Err(Error::Argument { what, why });
             }
         }

@@ -1,7 +1,7 @@
 //! Khronos glTF 2.0: the triangles of a scene, in JSON and binary.
 //!
-//! Texture coordinates count from the top there and from the bottom in other formats; they are
-//! turned over on the way in and out.
+//! In glTF, texture coordinates count from the top; in other formats, from the bottom. They are
+//! flipped on reading and writing.
 
 mod accessor;
 mod assembly;
@@ -29,7 +29,7 @@ pub use self::material::Material;
 pub use self::picture::Picture;
 pub(super) use self::write::{write, write_with_material};
 
-/// Bytes that a vertex takes while meshes are joined.
+/// Bytes of memory for each vertex while meshes are joined.
 type VertexMemory = [u8; 400];
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
@@ -49,7 +49,8 @@ struct Reader<'c, 's, 'a> {
 }
 
 impl Reader<'_, '_, '_> {
-    /// The meshes of the scene, at the places of their nodes; all meshes where there is no scene.
+    /// Reads the meshes of the scene with the transformations of its nodes; reads all meshes where
+    /// there is no scene.
     fn scene(&mut self) -> Checked<()> {
         let document = &self.content.document;
         let scene = match document.scene {
@@ -65,7 +66,8 @@ impl Reader<'_, '_, '_> {
             scene.nodes.iter().rev().map(|&node| (node, Transform::IDENTITY)).collect();
         while let Some((index, parent)) = next.pop() {
             let node = document.nodes.get(index).ok_or_else(|| format!("no node {index}"))?;
-            // Nodes are a forest; where they are not, their number has no bound.
+            // A node with two parents is an error: without this check, nodes could be visited
+            // without end.
             if std::mem::replace(&mut seen[index], true) {
                 return Err(format!("node {index} has two parents").into());
             }
@@ -98,7 +100,7 @@ impl Reader<'_, '_, '_> {
     ) -> Checked<()> {
         let mode = primitive.mode.unwrap_or(code::TRIANGLES);
         let triangles = [code::TRIANGLES, code::TRIANGLE_STRIP, code::TRIANGLE_FAN].contains(&mode);
-        // Points may be the vertices of a mesh without faces.
+        // A primitive of points may hold the vertices of a mesh without faces.
         if !triangles && mode != code::POINTS {
             self.assembly.draft.notes.add("left out primitives of lines", place);
             return Ok(());
@@ -121,7 +123,7 @@ impl Reader<'_, '_, '_> {
                 };
                 let found = self.content.values::<1>(indices)?.into_iter().map(inside);
                 let found: std::result::Result<Vec<u32>, f64> = found.collect();
-                found.map_err(|number| format!("vertex {number} of {vertices}"))?
+                found.map_err(|number| format!("vertex {number} is out of range: {vertices}"))?
             }
             None => (first..first + vertices as u32).collect(),
         };
@@ -129,7 +131,7 @@ impl Reader<'_, '_, '_> {
             code::TRIANGLES => {
                 let (triangles, rest) = corners.as_chunks::<3>();
                 if !rest.is_empty() {
-                    return Err(format!("{} corners of triangles", corners.len()).into());
+                    return Err(format!("{} corners are no triangles", corners.len()).into());
                 }
                 triangles.to_vec()
             }
@@ -164,7 +166,7 @@ impl Reader<'_, '_, '_> {
         {
             let given = content.accessor(attribute)?.count;
             if given != count {
-                return Err(format!("{given} values of an attribute of {count} vertices").into());
+                return Err(format!("an attribute has {given} values, not {count}").into());
             }
         }
         let positions = content.values::<3>(positions)?;
@@ -204,8 +206,8 @@ impl Reader<'_, '_, '_> {
         Ok(self.content.values(index)?.into_iter().map(opaque).collect())
     }
 
-    /// Refuses so many vertices or corners more if they take more memory than they may: what a
-    /// small file says once, its nodes and accessors may repeat.
+    /// Returns an error if `more` vertices or corners would exceed the limit of memory: nodes and
+    /// accessors of a small file may repeat the same data many times.
     fn check_room(&self, more: usize) -> Result<()> {
         let so_far = self.assembly.vertices.len() + self.assembly.faces.len();
         self.source.check_memory::<VertexMemory>("the meshes", so_far.saturating_add(more))

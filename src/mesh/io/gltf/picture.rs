@@ -4,7 +4,7 @@ use png::{BitDepth, ColorType};
 
 use crate::base::{Error, Result, reserved};
 
-/// A rectangle of pixels. Rows go from the top (for texture coordinates: v = 1) down.
+/// A rectangle of pixels. Rows run from the top, where the texture coordinate v is 1, downwards.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
     width: u32,
@@ -78,7 +78,7 @@ impl Picture {
     /// As [`Picture::rgb`].
     pub fn gray16(width: usize, pixels: &[u16]) -> Result<Self> {
         let mut bytes: Vec<u8> = reserved(2 * pixels.len())?;
-        // The larger byte first (PNG, third edition, section 7.1).
+        // The higher byte first (PNG, third edition, section 7.1).
         bytes.extend(pixels.iter().flat_map(|x| x.to_be_bytes()));
         Self::new(width, pixels.len(), ColorType::Grayscale, BitDepth::Sixteen, &bytes)
     }
@@ -99,7 +99,7 @@ impl Picture {
         let side = |side: usize| {
             u32::try_from(side).map_err(|_| Error::Argument {
                 what: "picture",
-                why: format!("{side} pixels of a side, where fewer than 2^32 are needed"),
+                why: format!("each side must be less than 2^32 pixels, is {side}"),
             })
         };
         Ok(Self { width: side(width)?, height: side(height)?, color, depth, bytes: own })
@@ -172,7 +172,7 @@ impl Picture {
     /// Returns the bytes of the picture as PNG.
     ///
     /// # Errors
-    /// [`Error::Argument`] for what PNG can't hold.
+    /// [`Error::Argument`] when PNG can't store the picture.
     pub fn to_png(&self) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let failed = |e: io::Error| Error::Argument { what: "picture", why: e.to_string() };

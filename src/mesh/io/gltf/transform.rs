@@ -1,9 +1,9 @@
-//! Affine maps of nodes.
+//! Affine transformations of nodes.
 
 use super::super::super::vector::{Vector, cross, dot};
 use super::document::Node;
 
-/// An affine map: the images of the three axes, and of the origin.
+/// An affine transformation: the images of the three axes and of the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Transform {
     axes: [Vector; 3],
@@ -14,7 +14,7 @@ impl Transform {
     pub const IDENTITY: Self =
         Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
 
-    /// Returns the transformation of a node in its parent.
+    /// Returns the transformation from a node to its parent.
     pub fn of(node: &Node) -> Self {
         if let Some(m) = node.matrix {
             let column = |i: usize| [m[4 * i], m[4 * i + 1], m[4 * i + 2]];
@@ -31,7 +31,7 @@ impl Transform {
         Self { axes, origin: node.translation.unwrap_or([0.0; 3]) }
     }
 
-    /// Returns the composition of `inner`, then this transformation.
+    /// Returns the composition that applies `inner` first, then this transformation.
     pub fn after(&self, inner: &Self) -> Self {
         Self { axes: inner.axes.map(|axis| self.direction(axis)), origin: self.point(inner.origin) }
     }

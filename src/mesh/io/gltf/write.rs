@@ -16,7 +16,7 @@ use super::picture::Picture;
 /// A corner without a value.
 const ABSENT: u32 = u32::MAX;
 
-/// A vertex of glTF: the numbers of a vertex, of its texture coordinates and of its normal.
+/// A vertex of glTF: the indices of its position, texture coordinates and normal.
 type Copy = [u32; 3];
 
 pub(in super::super) fn write(
@@ -64,7 +64,7 @@ fn write_all(
     }
 }
 
-/// The document without its buffer, and the bytes of that.
+/// Returns the document without its buffer, and the bytes of the buffer.
 fn document(file: &MeshFile, material: Option<&Material>) -> io::Result<(Value, Vec<u8>)> {
     let (copies, primitives) = split(file)?;
     let mut numbers = Numbers::default();
@@ -136,7 +136,7 @@ fn write_binary(sink: &mut dyn Write, document: &Value, mut bytes: Vec<u8>) -> i
     Ok(())
 }
 
-/// Faces of the same material, all with the same attributes.
+/// The material and the attributes that the faces of a primitive share.
 #[derive(PartialEq, Eq, Hash, Clone)]
 struct Kind {
     material: u32,
@@ -144,11 +144,11 @@ struct Kind {
     has_normals: bool,
 }
 
-/// The faces of a kind: copies of vertices, three a face.
+/// The faces of a primitive, as indices of copies of vertices, three for each face.
 type Primitive = (Kind, Vec<u32>);
 
-/// The vertices, which are copied where the corners at one have several values, and the faces by
-/// kind. The first copy of a vertex has its number.
+/// Returns the vertices, copied where the corners at one vertex have several values, and the faces
+/// by kind. The first copy of a vertex has the index of the vertex.
 fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<Primitive>)> {
     let faces = file.mesh.faces();
     let corners = |given: Option<Option<&[[u32; 3]]>>, f: usize| match given {
@@ -157,7 +157,7 @@ fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<Primitive>)> {
     };
     let uv = file.uv.as_ref().map(|uv| uv.corners.as_deref());
     let normals = file.normals.as_ref().map(|normals| normals.corners.as_deref());
-    // Without faces, a vertex has the value of its own that it may have.
+    // In a mesh without faces, a vertex has the value that belongs to it, if any.
     let alone = |given: Option<Option<&[[u32; 3]]>>, v: u32| match given {
         Some(None) => v,
         _ => ABSENT,
@@ -264,14 +264,14 @@ fn primitives_of(
     Ok(primitives.iter().map(|given| primitive(given, numbers)).collect())
 }
 
-/// A normal of length 1, as glTF wants it; upwards where there is none.
+/// Returns a normal of length 1, as glTF requires; upwards where there is none.
 fn unit(normal: Option<[f64; 3]>) -> [f64; 3] {
     let normal = normal.unwrap_or_default();
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() { normal.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
 }
 
-/// The buffer, its views and accessors.
+/// The buffer, its views and its accessors.
 #[derive(Default)]
 struct Numbers {
     bytes: Vec<u8>,
@@ -280,7 +280,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// Adds an accessor of these bytes, and a view of its own. Returns its number.
+    /// Adds an accessor of these bytes with its own view. Returns the index of the accessor.
     fn accessor(
         &mut self,
         bytes: &[u8],
@@ -303,7 +303,7 @@ impl Numbers {
         self.accessors.len() - 1
     }
 
-    /// Adds a picture, at a multiple of four bytes. Returns the number of its view.
+    /// Adds a picture, aligned to four bytes. Returns the index of its view.
     fn picture(&mut self, picture: &Picture) -> io::Result<usize> {
         let start = self.bytes.len();
         picture.write_png(&mut self.bytes)?;
@@ -313,7 +313,7 @@ impl Numbers {
         Ok(self.views.len() - 1)
     }
 
-    /// Adds an accessor of these values in single precision, with their bounds if asked.
+    /// Adds an accessor of these values in single precision, with their bounds if `bounds` is set.
     fn floats<const N: usize>(
         &mut self,
         kind: &str,

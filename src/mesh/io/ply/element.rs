@@ -28,11 +28,11 @@ impl Type {
             b"uint" | b"uint32" => Self::U32,
             b"float" | b"float32" => Self::F32,
             b"double" | b"float64" => Self::F64,
-            _ => return Err(format!("type {} is not of PLY", quoted(word)).into()),
+            _ => return Err(format!("unknown type {}", quoted(word)).into()),
         })
     }
 
-    /// Returns the bytes that a number of this type has in a binary file.
+    /// Returns the size of a number of this type in a binary file, in bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -42,7 +42,7 @@ impl Type {
         }
     }
 
-    /// What stands for 1 where integers stand for fractions.
+    /// Returns the integer that represents 1 in a colour; 1 for floating-point types.
     fn full_scale(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
@@ -56,7 +56,7 @@ impl Type {
     }
 }
 
-/// The properties that mean something to us.
+/// The properties that the reader uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Name {
     X,
@@ -98,16 +98,16 @@ impl Name {
     }
 }
 
-/// A property: its place among the scalars or the lists of a row.
+/// A property of an element: a scalar or a list.
 #[derive(Debug)]
 pub(super) struct Property {
     pub name: Option<Name>,
     pub item: Type,
-    /// The type of the count of a list.
+    /// The type of the length of a list; `None` for a scalar.
     pub counted_by: Option<Type>,
 }
 
-/// Rows of one kind.
+/// An element: rows with the same properties.
 #[derive(Debug)]
 pub(super) struct Element {
     pub name: String,
@@ -116,23 +116,23 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Returns the place of a scalar among the scalars.
+    /// Returns the index of a scalar among the scalars.
     pub fn scalar(&self, name: Name) -> Option<usize> {
         self.properties.iter().filter(|p| p.counted_by.is_none()).position(|p| p.name == Some(name))
     }
 
-    /// Returns the places of scalars, when all are there.
+    /// Returns the indices of scalars; `None` unless all exist.
     pub fn scalars<const N: usize>(&self, names: [Name; N]) -> Option<[usize; N]> {
         let places = names.map(|name| self.scalar(name));
         places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
     }
 
-    /// Returns the place of a list among the lists.
+    /// Returns the index of a list among the lists.
     pub fn list(&self, name: Name) -> Option<usize> {
         self.properties.iter().filter(|p| p.counted_by.is_some()).position(|p| p.name == Some(name))
     }
 
-    /// Returns the value of scalar number i that means 1 where it is a colour.
+    /// Returns the value of scalar number i that represents 1 in a colour.
     pub fn full_scale(&self, i: usize) -> f64 {
         let mut scalars = self.properties.iter().filter(|p| p.counted_by.is_none());
         scalars.nth(i).map_or(1.0, |p| p.item.full_scale())

@@ -1,10 +1,10 @@
-/// How the numbers of a PLY file are written.
+/// The encoding of a PLY file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlyEncoding {
     /// Text.
     Ascii,
-    /// Binary, lowest byte first.
+    /// Binary, little-endian.
     LittleEndian,
-    /// Binary, highest byte first.
+    /// Binary, big-endian.
     BigEndian,
 }

@@ -7,7 +7,7 @@ use super::encoding::PlyEncoding;
 use crate::base::Result;
 use crate::io::Source;
 
-/// What comes before the numbers.
+/// The header of a PLY file.
 pub(super) struct Header {
     pub encoding: PlyEncoding,
     pub elements: Vec<Element>,
@@ -32,30 +32,30 @@ impl Header {
             }
         }
         let Some(encoding) = encoding else {
-            return Err(source.fail("a header without format"));
+            return Err(source.fail("the header has no format"));
         };
         Ok(Self { encoding, elements })
     }
 
-    /// Returns an error unless the file ends here.
+    /// Returns an error unless the file ends at the current position.
     pub fn nothing_more(&self, source: &mut Source<'_>) -> Result<()> {
         if self.encoding == PlyEncoding::Ascii {
             while let Some(line) = source.next_bytes()? {
                 if words(line).next().is_some() {
-                    return Err(source.fail("text after the elements announced"));
+                    return Err(source.fail("text after the last element"));
                 }
             }
             return Ok(());
         }
         match source.fill_buf().map(<[u8]>::is_empty) {
             Ok(true) => Ok(()),
-            Ok(false) => Err(source.fail_at(None, "bytes after the elements announced")),
+            Ok(false) => Err(source.fail_at(None, "bytes after the last element")),
             Err(e) => Err(source.io_error(e)),
         }
     }
 }
 
-/// One line of a header; whether it was the last.
+/// Parses one line of a header; returns whether it was the last.
 fn statement(
     line: &[u8],
     encoding: &mut Option<PlyEncoding>,
@@ -69,16 +69,16 @@ fn statement(
                 b"ascii" => PlyEncoding::Ascii,
                 b"binary_little_endian" => PlyEncoding::LittleEndian,
                 b"binary_big_endian" => PlyEncoding::BigEndian,
-                _ => return Err(format!("format {} is not of PLY", quoted(name)).into()),
+                _ => return Err(format!("unknown format {}", quoted(name)).into()),
             });
             if version != b"1.0" {
-                return Err(format!("version {} of PLY, not 1.0", quoted(version)).into());
+                return Err(format!("version {} of PLY, must be 1.0", quoted(version)).into());
             }
         }
         [b"element", name, number] => {
             let name = String::from_utf8_lossy(name).into_owned();
             if elements.iter().any(|element: &Element| element.name == name) {
-                return Err(format!("element {} twice", quoted(name.as_bytes())).into());
+                return Err(format!("element {} is declared twice", quoted(name.as_bytes())).into());
             }
             elements.push(Element { name, count: count(number)?, properties: Vec::new() });
         }
@@ -96,14 +96,15 @@ fn statement(
         }
         [b"end_header"] => return Ok(true),
         [word, ..] => {
-            return Err(format!("broken statement {} in the header", quoted(word)).into());
+            return Err(format!("invalid statement {} in the header", quoted(word)).into());
         }
     }
     Ok(false)
 }
 
 fn property(elements: &mut [Element], property: Property) -> Checked<()> {
-    let element = elements.last_mut().ok_or_else(|| Fault::from("a property of no element"))?;
+    let element =
+        elements.last_mut().ok_or_else(|| Fault::from("a property without an element"))?;
     element.properties.push(property);
     Ok(())
 }

@@ -35,12 +35,12 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     reader.finish().map_err(|fault| fault.at(source))
 }
 
-/// Where among the scalars of a vertex is what.
+/// The indices of the scalars of a vertex.
 struct Places {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
     uv: Option<[usize; 2]>,
-    /// Of each channel the place, and the number that stands for 1; opacity may be missing.
+    /// For each channel the index, and the value that represents 1; the opacity may be missing.
     color: Option<[Option<(usize, f64)>; 4]>,
 }
 
@@ -51,7 +51,7 @@ impl Places {
         let rgb = [Name::Red, Name::Green, Name::Blue].map(channel);
         let [r, g, b] = rgb;
         Ok(Self {
-            position: position.ok_or("vertices without x, y and z")?,
+            position: position.ok_or("vertices have no x, y and z")?,
             normal: element.scalars([Name::NormalX, Name::NormalY, Name::NormalZ]),
             uv: element.scalars([Name::U, Name::V]),
             color: rgb.iter().all(Option::is_some).then(|| [r, g, b, channel(Name::Alpha)]),
@@ -111,7 +111,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A face of these vertices and texture coordinates; `polygon` is scratch.
+    /// Adds a face of these vertices and texture coordinates; `polygon` is a buffer.
     fn face(
         &mut self,
         corners: &[f64],
@@ -130,7 +130,8 @@ impl Reader {
         uv.map_or(Ok(()), |uv| self.corner_uv(uv, polygon.len(), before, index))
     }
 
-    /// The texture coordinates of the corners of a polygon, whose triangles begin at face `before`.
+    /// Adds the texture coordinates of the corners of a polygon, whose triangles begin at face
+    /// `before`.
     fn corner_uv(
         &mut self,
         values: &[f64],
@@ -160,7 +161,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Says that faces up to number `faces` have no texture coordinates, where nothing is said yet.
+    /// Marks the faces before number `faces` that have no entry yet as faces without texture
+    /// coordinates.
     fn without_uv(&mut self, faces: usize) -> Checked<()> {
         while self.uv_corners.len() < faces {
             push(&mut self.uv_corners, [Attribute::<2>::ABSENT; 3])?;
@@ -168,8 +170,9 @@ impl Reader {
         Ok(())
     }
 
-    /// Strips of triangles: each vertex makes one with the two before it, every second one the
-    /// other way around; -1 ends a strip. Triangles that only turn a strip have a vertex twice.
+    /// Reads strips of triangles. Each vertex makes a triangle with the two vertices before it,
+    /// with alternating orientation; -1 ends a strip. Degenerate triangles, which only turn a
+    /// strip, are skipped.
     fn strips(&mut self, element: &Element, rows: &mut Rows<'_, '_>) -> Checked<()> {
         let Some(corners) = list_of_corners(element, "strips")? else { return Ok(()) };
         while let Some(row) = rows.next()? {
@@ -215,7 +218,7 @@ impl Reader {
 }
 
 fn vertex_number(number: f64) -> Checked<u32> {
-    // Every integer type of PLY is exact in a double.
+    // A double represents every integer type of PLY exactly.
     if number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0 {
         Ok(number as u32)
     } else {
@@ -223,11 +226,11 @@ fn vertex_number(number: f64) -> Checked<u32> {
     }
 }
 
-/// Which list of an element, of faces or strips, is that of the corners; `None` where that is not
-/// there and nothing else is.
+/// Returns the index of the list of corners of an element of faces or strips; `None` if the element
+/// is empty and has no such list.
 fn list_of_corners(element: &Element, what: &str) -> Checked<Option<usize>> {
     match element.list(Name::Corners) {
-        None if element.count > 0 => Err(format!("{what} without a list vertex_indices").into()),
+        None if element.count > 0 => Err(format!("{what} have no list vertex_indices").into()),
         found => Ok(found),
     }
 }

@@ -14,12 +14,12 @@ pub(super) struct Row {
     pub lists: Vec<Vec<f64>>,
 }
 
-/// The rows of an element, one by one.
+/// Reads the rows of an element one by one.
 pub(super) struct Rows<'s, 'a> {
     source: &'s mut Source<'a>,
     encoding: PlyEncoding,
     element: &'s Element,
-    /// Bytes of a row, when all have as many.
+    /// Size of a row in bytes, if all rows have the same.
     fixed: Option<usize>,
     done: usize,
     row: Row,
@@ -46,7 +46,7 @@ impl<'s, 'a> Rows<'s, 'a> {
 
     /// Reads the next row; `None` after the last one.
     pub fn next(&mut self) -> Checked<Option<&Row>> {
-        // A row of nothing takes no bytes, so a count of them proves nothing.
+        // A row without properties takes no bytes, so any count of them would be accepted.
         if self.done == self.element.count || self.element.properties.is_empty() {
             return Ok(None);
         }
@@ -63,7 +63,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         Ok(Some(&self.row))
     }
 
-    /// Reads over all rows, for elements that meshes do not have.
+    /// Skips all rows, for elements that are no part of a mesh.
     pub fn skip(&mut self) -> Checked<()> {
         while self.next()?.is_some() {}
         Ok(())
@@ -74,7 +74,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         loop {
             let Some(line) = source.next_bytes()? else {
                 let (name, count) = (&element.name, element.count);
-                return Err(format!("truncated: {done} of {count} elements {name}").into());
+                return Err(format!("truncated: {done} of {count} rows of element {name}").into());
             };
             let mut words = text::words(line).peekable();
             if words.peek().is_none() {
@@ -128,7 +128,7 @@ impl<'s, 'a> Rows<'s, 'a> {
             let count = list_length(count)?;
             let Some(list) = lists.next() else { continue };
             list.clear();
-            // By pieces: the count may lie about what is to come.
+            // In pieces, because the count may exceed the data that follows.
             let mut left = count;
             while left > 0 {
                 let piece = left.min(1 << 12);
@@ -143,17 +143,17 @@ impl<'s, 'a> Rows<'s, 'a> {
     }
 }
 
-/// The count of a list, which may be of any type.
+/// Returns the length of a list, which may be stored in any type.
 fn list_length(count: f64) -> Checked<usize> {
-    // The types of integers have no more than 32 bits.
+    // Integer types have at most 32 bits.
     if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
         Ok(count as usize)
     } else {
-        Err(format!("a list of {count} items").into())
+        Err(format!("{count} is not the length of a list").into())
     }
 }
 
-/// The next bytes of the file.
+/// Reads the next `size` bytes of the file.
 fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()> {
     bytes.resize(size, 0);
     source.read_exact(bytes).map_err(|e| match e.kind() {
@@ -162,7 +162,7 @@ fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()
     })
 }
 
-/// A number of that type in these bytes, lowest first.
+/// Returns the little-endian number of that type in these bytes.
 fn little(kind: Type, bytes: &[u8]) -> f64 {
     let mut wide = [0; 8];
     let size = kind.size().min(bytes.len());
@@ -170,7 +170,7 @@ fn little(kind: Type, bytes: &[u8]) -> f64 {
     number(kind, u64::from_le_bytes(wide))
 }
 
-/// A number of that type in these bytes, highest first.
+/// Returns the big-endian number of that type in these bytes.
 fn big(kind: Type, bytes: &[u8]) -> f64 {
     let mut wide = [0; 8];
     let size = kind.size().min(bytes.len());

@@ -8,7 +8,7 @@ use super::encoding::PlyEncoding;
 struct Sink<'a> {
     sink: &'a mut dyn Write,
     encoding: PlyEncoding,
-    /// Whether something is on the line.
+    /// Whether the current line has content.
     started: bool,
 }
 
@@ -31,10 +31,10 @@ impl Sink<'_> {
         }
     }
 
-    /// A float or a double, whichever `kind` says.
+    /// Writes a float or a double, as `kind` says.
     fn real(&mut self, x: f64, kind: &str) -> io::Result<()> {
         if kind == "float" {
-            // The text has every digit of the double, which is what a reader makes of it.
+            // Text has every digit of the double, which readers recover.
             self.bytes((x as f32).to_le_bytes(), format_args!("{x:?}"))
         } else {
             self.bytes(x.to_le_bytes(), format_args!("{x:?}"))
@@ -56,12 +56,13 @@ impl Sink<'_> {
     }
 }
 
-/// The type that holds these numbers without loss: float if it can.
+/// Returns the type that stores these numbers without loss: float if possible.
 fn kind_of<'a>(mut values: impl Iterator<Item = &'a f64>) -> &'static str {
     if values.all(|&x| f64::from(x as f32) == x) { "float" } else { "double" }
 }
 
-/// The type of texture coordinates: float, as other programs skip doubles, unless one is too large.
+/// Returns the type of texture coordinates: float, because other programs skip doubles, unless a
+/// value is too large.
 fn uv_kind<'a>(mut values: impl Iterator<Item = &'a f64>) -> &'static str {
     if values.all(|&x| (x as f32).is_finite()) { "float" } else { "double" }
 }

@@ -34,14 +34,14 @@ use super::{Arguments, Report};
 /// The columns of the record.
 pub const HEADER: &str = "table,test,shapes,predictor,quantity,value";
 
-/// Where the data set is looked for, and put, when none is given.
+/// Default path of the data set.
 const DATASET: &str = "target/unions.npz";
 
-/// Of the perceptron that is a baseline.
+/// Number of epochs of the perceptron that is a baseline.
 const EPOCHS: usize = 60;
 const SEED: u64 = 1;
 
-/// What a shape of the tests is to the training, and how the thesis calls what is most like it.
+/// Relations of the shapes of the tests to the training, and the closest terms of the thesis.
 const KNOWLEDGE: [(&str, &str); 4] = [
     ("known identity", "known man"),
     ("unknown identity", "unknown man"),
@@ -50,7 +50,7 @@ const KNOWLEDGE: [(&str, &str); 4] = [
 ];
 
 /// The thesis' mse and mae (table 2.1), then IoU and accuracy in per cent of table 2.3, by test,
-/// knowledge, and whether remeshed.
+/// relation, and whether remeshed.
 const THESIS: [[[[f64; 4]; 2]; 3]; 2] = [
     [
         [[11.14, 2.09, 98.24, 99.09], [29.61, 3.31, 97.70, 98.74]],
@@ -95,7 +95,7 @@ impl Test {
     }
 }
 
-/// Tables 2.1 to 2.4, and associativity (figure 2.9), on the generated data set.
+/// Reproduces tables 2.1 to 2.4, and associativity (figure 2.9), on the generated data set.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let path = arguments.data.as_deref().unwrap_or(Path::new(DATASET));
     if arguments.data.is_none() && !path.exists() {
@@ -130,7 +130,8 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     times(report, &dataset, &model)
 }
 
-/// The data set of the pretrained weights; what was done when it was interrupted is kept beside it.
+/// Generates the data set of the pretrained weights; the progress is saved beside it, so that an
+/// interrupted run continues.
 fn generate(path: &Path) -> Result<()> {
     eprintln!("making {}: about an hour of two cores", path.display());
     let parts = path.with_extension("parts");
@@ -144,7 +145,7 @@ fn generate(path: &Path) -> Result<()> {
     Ok(fs::remove_dir_all(&parts)?)
 }
 
-/// Table 2.1, with the baselines.
+/// Reproduces table 2.1, with the baselines.
 fn table_errors(
     report: &mut Report,
     dataset: &Dataset,
@@ -216,7 +217,7 @@ fn table_errors(
     Ok(())
 }
 
-/// How many pairs of each test are said to be out of distribution.
+/// Reports how many pairs of each test count as out of distribution.
 fn table_warnings(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     report.say(
         "## Out-of-distribution score\n\nPairs that are unlike those of the training, by the network's own judgement (`ood_score` above 1), and the mean \
@@ -254,7 +255,7 @@ fn table_warnings(report: &mut Report, dataset: &Dataset, model: &SpectralUnion)
     Ok(())
 }
 
-/// Figure 2.9, in numbers.
+/// Reproduces figure 2.9, in numbers.
 fn table_associativity(
     report: &mut Report,
     dataset: &Dataset,
@@ -287,11 +288,11 @@ fn table_associativity(
     Ok(())
 }
 
-/// IoU and accuracy of a test in the thesis, in per cent.
+/// Returns IoU and accuracy of a test in the thesis, in per cent.
 type ThesisRegions = fn(&Test) -> Option<[f64; 2]>;
 
-/// Rows of table 2.2 or 2.3, which differ in the identities that were trained on; the thesis' share
-/// of each test in brackets.
+/// Reports rows of table 2.2 or 2.3, which differ in the identities of the training, with the
+/// thesis' share of each test in brackets.
 fn rows_of_regions(
     report: &mut Report,
     dataset: &Dataset,
@@ -326,7 +327,7 @@ fn rows_of_regions(
     Ok(())
 }
 
-/// Of a prediction, and of the spectra that it saves computing.
+/// Reports the time of a prediction, and of the spectra that it replaces.
 fn times(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     let samples = &dataset.samples;
     let seconds = |work: &mut dyn FnMut() -> catamaran::Result<()>| -> Result<f64> {

@@ -1,4 +1,4 @@
-//! Real people and other shapes, cut as the training cuts.
+//! Real people and other shapes, cut in the same way as for the training.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,7 +12,7 @@ use catamaran_training::evaluate::{
 
 use super::super::Report;
 
-/// The errors on each cut of each shape; what is known of the predictions.
+/// Reports the errors on each cut of each shape; returns judgements of the predictions.
 pub fn table(report: &mut Report, model: &SpectralUnion) -> Result<Vec<Judgement>> {
     let folder = input::data_folder().join("meshes");
     let found = REAL_SHAPES.iter().map(|shape| Cuts::of(shape, &folder, model));
@@ -37,19 +37,19 @@ pub fn table(report: &mut Report, model: &SpectralUnion) -> Result<Vec<Judgement
     Ok(all.flat_map(Cuts::clear).map(|done| done.judgement).collect())
 }
 
-/// A cut and what is known of its prediction.
+/// A cut, and the results of its prediction.
 struct Done {
     cut: &'static BodyCut,
     judgement: Judgement,
-    /// Error of the minimum.
+    /// Error of the minimum of both spectra.
     minimum: f64,
 }
 
-/// What is found of a shape.
+/// The results for a shape.
 struct Cuts {
     shape: &'static RealShape,
     done: Vec<Done>,
-    /// Why others are not.
+    /// Why other cuts are left out.
     left_out: Vec<String>,
 }
 
@@ -131,7 +131,7 @@ fn row(report: &mut Report, cuts: &Cuts) {
     report.lines.extend(cuts.lines());
 }
 
-/// Mean errors of network and minimum, in per cent.
+/// Returns the mean errors of network and minimum, in per cent.
 fn means(done: &[&Done]) -> [String; 2] {
     let sum = |of: fn(&Done) -> f64| done.iter().map(|done| of(done)).sum();
     [sum(|done| done.judgement.error), sum(|done| done.minimum)]

@@ -1,4 +1,4 @@
-//! Table 2.4, other distances, and which errors retrieval tolerates.
+//! Table 2.4, other distances, and the errors that retrieval tolerates.
 
 use catamaran::unions::SpectralUnion;
 use catamaran_bench::Result;
@@ -16,10 +16,10 @@ const THESIS: [(Source, &str, [f64; 3]); 2] = [
 
 /// Standard deviations of relative errors, in per cent.
 const SIZES: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 3.0, 4.0];
-/// Of the network's errors.
+/// Factors of the network's errors.
 const FACTORS: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// All of it.
+/// Reports all tables.
 pub fn tables(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     let study = RetrievalStudy::new(model, dataset)?;
     let metrics =

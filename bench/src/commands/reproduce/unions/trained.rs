@@ -1,4 +1,4 @@
-//! What has to be trained for its table: with one identity, and for another family.
+//! Tables that need a training: with one identity, and for another family.
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -28,7 +28,7 @@ const THESIS: [[[[f64; 2]; 2]; 3]; 2] = [
     ],
 ];
 
-/// Table 2.2: regions, after a training on one identity.
+/// Reproduces table 2.2: regions, after a training on one identity.
 pub fn table_single_identity(report: &mut Report, dataset: &Dataset) -> Result<()> {
     let mut single = dataset.clone();
     single.retain_identities(1);
@@ -51,15 +51,15 @@ pub fn table_single_identity(report: &mut Report, dataset: &Dataset) -> Result<(
     rows_of_regions(report, &single, &trainer.model()?, ("2.2", thesis))
 }
 
-/// Vertices of a quadruped, and how many there are.
+/// Number of vertices of a quadruped, and number of quadrupeds.
 const VERTICES: usize = 2500;
 const MESHES: usize = 50;
 
-/// Fine-tuning (thesis, section 2.5): quadrupeds, as `catamaran unions tune` does it, beside a
-/// training on them alone.
+/// Reports fine-tuning (thesis, section 2.5) to quadrupeds, as `catamaran unions tune` does it,
+/// beside a training on quadrupeds alone.
 pub fn table_family(report: &mut Report, model: &SpectralUnion) -> Result<()> {
     let family = Model::new(Family::Quadruped, VERTICES)?;
-    // None of them is in the data set.
+    // None of these quadrupeds is in the data set.
     let meshes: Vec<TriMesh> = (0..MESHES)
         .map(|identity| family.shape(77, 1000 + identity, identity % 2, 0))
         .collect::<catamaran::Result<_>>()?;

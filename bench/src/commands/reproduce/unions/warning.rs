@@ -1,4 +1,4 @@
-//! What a threshold of the out-of-distribution score detects.
+//! The predictions that a threshold of the out-of-distribution score detects.
 
 use catamaran::unions::SpectralUnion;
 use catamaran_bench::Result;
@@ -10,7 +10,7 @@ use catamaran_training::evaluate::{
 use super::super::Report;
 use super::Test;
 
-/// Precision and recall of thresholds, on the tests of the data set and on real shapes.
+/// Reports precision and recall of thresholds, on the tests of the data set and on real shapes.
 pub fn table(
     report: &mut Report,
     dataset: &Dataset,
