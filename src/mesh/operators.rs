@@ -189,7 +189,10 @@ mod tests {
         let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
         let mesh = TriMesh::new(vertices, vec![[0, 1, 2]]).unwrap();
         for error in [gradient(&mesh).unwrap_err(), divergence(&mesh).unwrap_err()] {
-            assert!(error.to_string().starts_with("face 0: no area"), "{error}");
+            assert!(
+                error.to_string().starts_with("face 0: no gradient: the face has no area"),
+                "{error}"
+            );
         }
         let empty = TriMesh::new(vec![], vec![]).unwrap();
         assert_eq!(gradient(&empty).unwrap().shape(), (0, 0));

@@ -92,7 +92,7 @@ pub fn eigs_sliced(
     }
     if largest < LEAST {
         let least = problem.bytes() + (3 * LEAST + vectors_beside()) * n * size_of::<f64>();
-        return refuse(format!("{memory} bytes, where at least {least} are needed"));
+        return refuse(format!("must be at least {least} bytes, is {memory}"));
     }
     let mut slices = Slices::new(&problem, options, largest);
     while slices.handed < k {

@@ -89,7 +89,7 @@ mod tests {
         };
         assert!(with(0, 1.0).is_ok());
         assert!(with(3, f64::NAN).unwrap_err().starts_with("first: not finite at row 3"));
-        assert!(with(0, 0.0).unwrap_err().contains("eigenvalue 0"));
+        assert!(with(0, 0.0).unwrap_err().contains("number 0 (from 0) is 0e0"));
         assert!(with(0, -1.0).unwrap_err().contains("positive"));
         assert!(with(5, 3.0).unwrap_err().contains("must ascend, but 3e0 at 5"));
         assert!(with(19, 1e200).unwrap_err().contains("between"));

@@ -234,7 +234,7 @@ static void test_slices(int quick)
     }
     /* The message says how little will do; in several slices the pairs are the same. */
     CHECK_STATUS(sliced(pairs, 1, take, &all, 1, NULL, NULL), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("memory: 1 bytes, where at least");
+    CHECK_MENTIONS("memory: must be at least ");
     const size_t least = strtoull(strstr(cata_last_error_message(), "least ") + 6, NULL, 10);
     for (size_t threads = 1; threads <= most; threads *= 2) {
         memset(&again, 0, sizeof again);

@@ -468,7 +468,7 @@ fn broken_text_is_named_by_its_line() {
         ("OFF\n2 0 0\n0 0 0\n".into(), OFF, Some(4), "ends before vertex 1 of 2"),
         ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1 3\n".into(), OFF, Some(6), "vertex 3 is out"),
         ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1\n".into(), OFF, Some(7), "2 of 3 corners"),
-        ("OFF\n0 0 0\n1 2 3\n".into(), OFF, Some(3), "text after the faces"),
+        ("OFF\n0 0 0\n1 2 3\n".into(), OFF, Some(3), "text after the last face"),
         ("OFF\n1 0 0\n0 0 0 1\n".into(), OFF, Some(3), "a colour has 3 or 4 numbers, not 1"),
         ("OFF\n9999999999999 9999999999 0\n".into(), OFF, Some(3), "truncated"),
         ("solid\nvertex 0 0\n".into(), STL_TEXT, Some(2), "2 numbers where 3"),
@@ -1033,7 +1033,7 @@ fn gltf_is_read_in_its_many_dialects() {
         ("%2", "broken URI"),
         ("data:,abc", "not in base64"),
         ("data:;base64,ab!d", "broken base64"),
-        ("data:;base64,abcd", "buffer 0: 3 of 54 bytes"),
+        ("data:;base64,abcd", "buffer 0: has 3 of 54 bytes"),
     ] {
         let text = beside.replace("the%20numbers.bin", uri);
         let refused = refusal(text.as_bytes(), GLTF).1;

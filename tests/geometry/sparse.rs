@@ -423,7 +423,9 @@ fn slices_refuse_too_little_memory_and_stop_when_told() {
     let refused = |options: &EigenOptions<'_>, memory| {
         eigs_sliced(w.view(), &mass, options, memory, |_| Ok(())).unwrap_err().to_string()
     };
-    assert!(refused(&options(100), 1000).starts_with("memory: 1000 bytes, where at least"));
+    let too_little = refused(&options(100), 1000);
+    assert!(too_little.starts_with("memory: must be at least "), "{too_little}");
+    assert!(too_little.ends_with(" bytes, is 1000"), "{too_little}");
     let around = options(100).shift(Some(1.0));
     assert!(refused(&around, 1000).contains("100 pairs around a shift"));
     // 120 equal paths: no slice has room for all the equal ones.

@@ -407,24 +407,28 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             self.move_to(&grid)?;
             other.move_to(&grid)?;
         }
-        let bits = 8 * size_of::<I>();
-        let overflow = |i: usize| {
-            let why = format!("column {i}: the merged sums have more than {bits} bits");
+        let too_long = |what: String, bytes: usize| {
+            let why = format!("{what}: the merged sums have more than {} bits", 8 * bytes);
             Error::Argument { what: "accumulator", why }
         };
-        let sums = |own: &[i128], others: &[i128]| -> Option<Vec<i128>> {
-            own.iter().zip(others).map(|(a, b)| a.checked_add(*b)).collect()
+        let add = |own: &mut i128, other: i128, what: &dyn Fn() -> String| {
+            *own = own.checked_add(other).ok_or_else(|| too_long(what(), size_of::<i128>()))?;
+            Ok(())
         };
         self.rows += other.rows;
         self.rounded |= other.rounded;
-        for (weight, others) in self.weights.iter_mut().zip(other.weights) {
-            *weight += others;
+        for (own, other) in self.weights.iter_mut().zip(other.weights) {
+            add(own, other, &|| "weights".into())?;
         }
-        self.sums = sums(&self.sums, &other.sums).ok_or_else(|| overflow(0))?;
+        for (j, (own, other)) in self.sums.iter_mut().zip(other.sums).enumerate() {
+            add(own, other, &|| format!("column {j}"))?;
+        }
         let mut at = 0;
         for i in self.strip.clone() {
             for (own, others) in self.entries[at..=at + i].iter_mut().zip(&other.entries[at..]) {
-                *own = own.checked_plus(*others).ok_or_else(|| overflow(i))?;
+                *own = own
+                    .checked_plus(*others)
+                    .ok_or_else(|| too_long(format!("column {i}"), size_of::<I>()))?;
             }
             at += i + 1;
         }

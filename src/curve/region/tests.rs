@@ -89,7 +89,7 @@ fn seeds_choose_pieces() {
     assert_eq!(region(Side::Seeds(vec![5, 55])).unwrap(), ends);
     assert_eq!(region(Side::Seeds(vec![30])).unwrap(), region(Side::Large).unwrap());
     assert!(region(Side::Seeds(vec![10])).unwrap_err().to_string().contains("on the curve"));
-    assert!(region(Side::Seeds(vec![])).unwrap_err().to_string().contains("none"));
+    assert!(region(Side::Seeds(vec![])).unwrap_err().to_string().contains("must not be empty"));
     assert!(region(Side::Seeds(vec![99999])).unwrap_err().to_string().contains("in no face"));
 }
 

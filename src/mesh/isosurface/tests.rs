@@ -149,11 +149,15 @@ fn what_is_wrong_is_named() {
     let found = isosurface(&lattice, &values, 0.0, Rim::Closed, Par::Seq, Progress::none());
     assert_eq!(euler(&found.unwrap()), 2, "an infinite value is inside");
     let flat = Lattice { counts: [4, 4, 1], ..lattice };
-    assert!(run(&flat, &values[..16], Rim::Open).to_string().contains("no cell"));
+    assert!(
+        run(&flat, &values[..16], Rim::Open)
+            .to_string()
+            .contains("needs 2 points in each direction")
+    );
     let still = Lattice { step: [1.0, 0.0, 1.0], ..lattice };
     assert!(run(&still, &values, Rim::Closed).to_string().contains("positive"));
     let none = Lattice { counts: [0, 4, 4], ..lattice };
-    assert!(run(&none, &[], Rim::Closed).to_string().contains("no cell"));
+    assert!(run(&none, &[], Rim::Closed).to_string().contains("needs 2 points in each direction"));
     let few = label_surface_by(
         &lattice,
         &[vec![1; 32], vec![0; 32]].concat(),

@@ -266,7 +266,10 @@ mod tests {
         };
         for (inlay, part) in [
             (Inlay::stones().basins(vec![]), "basins"),
-            (Inlay::stones().joint(Finish::new().roughness(2.0)), "roughness: 2"),
+            (
+                Inlay::stones().joint(Finish::new().roughness(2.0)),
+                "roughness: must be from 0 to 1, is 2",
+            ),
             (Inlay::stones().joint(Finish::new().glow(1.0)), "glow"),
             (Inlay::stones().depth(-1.0), "depth"),
             (Inlay::stones().range([0.9, 0.1]), "range"),
