@@ -181,7 +181,7 @@ pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
 fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
     if let Some(ratio) = args.ratio {
         if !(ratio > 0.0 && ratio.is_finite()) {
-            bail!("--ratio {ratio}: a positive number is needed");
+            bail!("--ratio {ratio}: a finite number above 0 is needed");
         }
         return Ok((ratio * input.vertices().len() as f64).round().max(1.0) as usize);
     }

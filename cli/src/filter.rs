@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::faer::Mat;
-use catamaran::io::{self as files};
+use catamaran::io as files;
+use catamaran::mesh::io as meshes;
 use catamaran::mesh::{Components, TriMesh};
 use catamaran::spectral::test_functions::coordinates;
 use catamaran::spectral::{
@@ -102,8 +103,9 @@ pub fn run(args: &Args) -> Result<()> {
             bail!("{option} is for {needed} only");
         }
     }
-    if args.functions.is_some() {
-        files::check_name(&args.output)?;
+    match args.functions {
+        Some(_) => files::check_name(&args.output)?,
+        None => meshes::check_name(&args.output)?,
     }
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;

@@ -93,7 +93,7 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
             bail!("--covariance needs centred sums without weights (ata --center)");
         }
         if rows < 2 {
-            bail!("--covariance: {rows} rows, where at least 2 are needed");
+            bail!("--covariance needs at least 2 rows, but the sums have {rows}");
         }
         1.0 / (rows - 1) as f64
     } else {

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use catamaran::io::{Output, check_arrays_name};
 use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
 use catamaran_charts::Chart;
@@ -28,6 +28,14 @@ pub fn chart(mut output: Output, chart: &Chart) -> Result<()> {
     let svg = catamaran_charts::svg(std::slice::from_ref(chart));
     output.write_all(svg.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
+}
+
+/// Starts a table of comma-separated values with a line of titles.
+pub fn csv(path: &Path, force: Force) -> Result<Output> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("csv")) {
+        bail!("{}: the name must end in .csv", path.display());
+    }
+    force.create(path)
 }
 
 /// Starts a file of several arrays, whose name selects the format.

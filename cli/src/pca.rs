@@ -101,18 +101,18 @@ fn report_components(found: &PrincipalComponents) -> Result<()> {
     let count = found.explained_variance.len();
     let columns = found.mean.len();
     report!("kept", components = count, columns = columns; "{count} components of {columns} columns")?;
-    head(format_args!("component       variance     share  together"))?;
-    let mut together = 0.0;
+    head(format_args!("component       variance     share  cumulative"))?;
+    let mut cumulative = 0.0;
     let values = found.explained_variance.iter().zip(&found.explained_variance_ratio);
     for (i, (variance, ratio)) in values.take(shown(SHOWN)).enumerate() {
-        together += ratio;
+        cumulative += ratio;
         row!(
             "component",
             number = i,
             variance = variance,
             share = ratio,
-            together = together;
-            "{i:>9}  {variance:>13.6e}  {ratio:>8.6}  {together:>8.6}"
+            cumulative = cumulative;
+            "{i:>9}  {variance:>13.6e}  {ratio:>8.6}  {cumulative:>10.6}"
         )?;
     }
     if count > SHOWN {
@@ -154,12 +154,12 @@ fn scree(found: &PrincipalComponents) -> Chart {
             sum
         })
         .collect();
-    let together = Series::curve("together", [0x88; 3], points(&sums));
+    let cumulative = Series::curve("cumulative", [0x88; 3], points(&sums));
     Chart::new(
         Axis::whole("component").range(0.5, ratio.len() as f64 + 0.5),
         Axis::linear("share of the variance").range(0.0, 1.05),
         vec![
-            Series { line: Line::Dashed, dots: true, ..together },
+            Series { line: Line::Dashed, dots: true, ..cumulative },
             Series { dots: true, ..Series::curve("each", [0x1f, 0x6f, 0xeb], points(ratio)) },
         ],
     )

@@ -155,7 +155,7 @@ pub fn dense(path: &Path) -> Result<Mat<f64>> {
             let dense = dense.as_ref();
             Ok(Mat::from_fn(dense.nrows(), dense.ncols(), |i, j| f64::from(dense[(i, j)])))
         }
-        _ => bail!("{}: sparse, where a dense matrix is needed", path.display()),
+        _ => bail!("{}: the matrix must be dense, but is sparse", path.display()),
     }
 }
 

@@ -60,8 +60,9 @@ pub struct Args {
     /// Most memory of the eigensolver, in GiB. If all pairs at once would take more, they are
     /// computed and written in slices of the spectrum, and a count of the eigenvalues makes sure
     /// that none is missing. With --shift there are no slices, and too little memory is an error.
-    #[arg(long, value_name = "GIB", value_parser = parse::gibibytes, default_value = "4.5")]
-    memory: usize,
+    /// Works in one process only, not under `mpirun` [default: 4.5].
+    #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
+    memory: Option<usize>,
     /// Compute approximate pairs, much faster and in less memory: those of the mesh decimated to
     /// this number of vertices, interpolated to all vertices and improved there. Eigenvalues are
     /// too large: by about 0.1 % for scans with even triangles and 100 times as many VERTICES as
@@ -167,6 +168,9 @@ fn report_pairs(args: &Args, results: &Results<'_>, time: Duration) -> Result<()
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     args.check_decimation(ranks)?;
+    if args.memory.is_some() && ranks.size() > 1 {
+        bail!("--memory limits one process: it can't be combined with mpirun");
+    }
     let path = args.output.as_deref().filter(|_| ranks.is_first());
     let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
     let picture = match ranks.is_first() {
@@ -219,7 +223,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             let mesh = picture.is_some().then_some(file.mesh);
             let (stiffness, mass) = (&operator.stiffness, &operator.mass);
             let take = |slice| results.take(&slice, ranks);
-            (ranks.eigenpairs(stiffness, mass, &options, args.memory, take), mesh)
+            (ranks.eigenpairs(stiffness, mass, &options, args.memory.unwrap_or(MEMORY), take), mesh)
         }
     };
     found.map_err(|error| match error {
@@ -348,6 +352,9 @@ impl<'a> Results<'a> {
         status!("written", path = self.path; "{}", self.path)
     }
 }
+
+/// The default of --memory, in bytes: 4.5 GiB.
+const MEMORY: usize = 9 << 29;
 
 /// Eigenvalues in the table.
 const SHOWN: usize = 10;

@@ -7,7 +7,7 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
 use catamaran::io::{self as files, Output};
-use catamaran::mesh::io::{MeshFile, MeshFormat};
+use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
@@ -156,7 +156,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let output = match args.details {
         Some(_) => {
-            MeshFormat::of(&args.output)?;
+            meshes::check_name(&args.output)?;
             args.force.create(&args.output)?
         }
         None => create(&args.output)?,

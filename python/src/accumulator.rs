@@ -43,7 +43,7 @@ type Bounds<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, u64, Option<f64>);
 #[pyclass(module = "catamaran._catamaran", subclass)]
 pub struct Accumulator {
     sums: Sums,
-    /// Why it is of no use any more.
+    /// Why it must not be used any more.
     broken: Option<String>,
 }
 
@@ -56,7 +56,7 @@ impl Accumulator {
         match &self.broken {
             None => Ok(()),
             Some(why) => {
-                Err(refused("accumulator", format_args!("of no use after an error: {why}")))
+                Err(refused("accumulator", format_args!("must not be used after an error: {why}")))
             }
         }
     }

@@ -4,7 +4,7 @@ use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
 use super::memory::{entries, put_entries};
-use super::world::{Operation, World};
+use super::world::{Fact, Operation, World};
 use crate::base::Result;
 
 /// A call during which the ranks meet several times. A rank that fails between two meetings reports
@@ -23,7 +23,7 @@ impl<'w> Call<'w> {
     pub fn run<X>(
         world: &'w World,
         operation: Operation,
-        facts: &[(&'static str, usize)],
+        facts: &[Fact],
         work: impl FnOnce(&Self) -> Result<X>,
     ) -> Result<X> {
         let _guard = world.abort_on_panic();

@@ -8,7 +8,7 @@ use faer::{MatMut, MatRef};
 use super::memory::append_rows;
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
+use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
 use crate::ata::distributed::{Blocks, Layout, packed_len, piece_height};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Result, reserved, zeros};
@@ -53,7 +53,7 @@ pub fn ata_columns<T: MpiReal>(
 ) -> Result<Symmetric<T>> {
     let _guard = world.abort_on_panic();
     let (m, own) = (columns.nrows(), world.rank());
-    let facts = [("m", m), scalar_fact::<T>(), number_fact("alpha", alpha)];
+    let facts = [fact("m", m), scalar_fact::<T>(), number_fact("alpha", alpha)];
     world.begin(Operation::Columns, &facts, Ok(()))?;
     let blocks = Blocks::new(&world.gather_numbers(columns.ncols()));
     let width = columns.ncols();

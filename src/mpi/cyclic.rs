@@ -7,7 +7,7 @@ use super::memory::append_rows;
 use super::rows::ata_rows;
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
+use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::ata::distributed::{BlockCyclic, Cut, Delivery, GridOrder, Parts, Piece};
 use crate::ata::{AtaOptions, Uplo};
 use crate::base::{Error, Real, Result, reserved, zeros};
@@ -186,10 +186,10 @@ fn begin<T: MpiReal, X>(
 ) -> Result<X> {
     let scalars = [
         scalar_fact::<T>(),
-        ("the transposition", usize::from(transposed)),
+        flag("the transposition", transposed),
         number_fact("alpha", alpha),
         number_fact("beta", beta),
-        ("the triangle", uplo as usize),
+        fact("the triangle", uplo as usize),
     ];
     let prepared = world.begin(Operation::Cyclic, &scalars, prepared)?;
     let names = [
@@ -200,17 +200,17 @@ fn begin<T: MpiReal, X>(
         let (rows, cols) = (matrix.rows(), matrix.cols());
         let numbers =
             [rows.len(), cols.len(), rows.block(), cols.block(), rows.first(), cols.first()];
-        let facts: Vec<_> = names.into_iter().zip(numbers).collect();
+        let facts: Vec<_> = names.into_iter().zip(numbers).map(|(what, n)| fact(what, n)).collect();
         world.begin(Operation::Cyclic, &facts, Ok(()))?;
     }
     let (a, c) = (a.grid(), c.matrix.grid());
     let grids = [
-        ("the rows of A's grid", a.rows()),
-        ("the columns of A's grid", a.cols()),
-        ("the order of A's grid", usize::from(a.order() == GridOrder::Columns)),
-        ("the rows of C's grid", c.rows()),
-        ("the columns of C's grid", c.cols()),
-        ("the order of C's grid", usize::from(c.order() == GridOrder::Columns)),
+        fact("the rows of A's grid", a.rows()),
+        fact("the columns of A's grid", a.cols()),
+        fact("the order of A's grid", usize::from(a.order() == GridOrder::Columns)),
+        fact("the rows of C's grid", c.rows()),
+        fact("the columns of C's grid", c.cols()),
+        fact("the order of C's grid", usize::from(c.order() == GridOrder::Columns)),
     ];
     world.begin(Operation::Cyclic, &grids, Ok(()))?;
     Ok(prepared)

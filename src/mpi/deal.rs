@@ -9,7 +9,7 @@ use super::form::Form;
 use super::pending_send::PendingSends;
 use super::rows::sum_symmetric;
 use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, fact};
 use crate::ata::distributed::{Machine, deal};
 use crate::ata::{AtaOptions, Uplo, ata, block_rows};
 use crate::base::{Result, zeros};
@@ -30,7 +30,7 @@ pub(super) fn run<T: MpiReal>(
     let parts = deal(size, form.m, form.n, &Machine::default());
     let rows = parts[form.process(world.rank(), size)].len();
     let height = block_rows::<T>(form.n, false);
-    let facts = [("m", form.m), ("n", form.n)];
+    let facts = [fact("m", form.m), fact("n", form.n)];
     // The root computes in the memory of its matrices.
     let memory =
         if own.is_some() { Hand::new(0, 0, height) } else { Hand::new(rows, form.n, height) };

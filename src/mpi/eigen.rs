@@ -11,7 +11,7 @@ use super::factor::SpreadShifts;
 use super::spread::{
     SpreadMass, SpreadMatrix, check_mass_shape, check_rows, gather_mass, gather_matrix, mass_fact,
 };
-use super::world::{Operation, World, number_fact};
+use super::world::{Operation, World, fact, flag, number_fact};
 use crate::base::{Error, Par, Result};
 use crate::sparse::{
     EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, Problem, check_problem,
@@ -61,13 +61,13 @@ pub fn eigs(
 ) -> Result<Eigenpairs> {
     let (own, n) = stiffness.shape();
     let facts = [
-        ("n", n),
-        ("k", options.k),
+        fact("n", n),
+        fact("k", options.k),
         number_fact("the shift", options.shift.unwrap_or(f64::NAN)),
         number_fact("the tolerance", options.tolerance),
-        ("verify_count", usize::from(options.verify_count)),
-        ("the seed", options.seed as usize),
-        ("the number of restarts", options.max_restarts),
+        flag("verify_count", options.verify_count),
+        fact("the seed", options.seed as usize),
+        fact("the number of restarts", options.max_restarts),
         mass_fact(mass),
     ];
     Call::run(world, Operation::Eigenpairs, &facts, |call| {

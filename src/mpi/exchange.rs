@@ -9,7 +9,7 @@ use faer::{Mat, MatRef};
 use super::call::Call;
 use super::memory::{entries, put_entries};
 use super::transfer::{Transfer, receive, send};
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, fact};
 use crate::base::{Error, Result, zeros};
 use crate::dense;
 
@@ -131,7 +131,7 @@ impl Rows {
 /// arguments differ, or another rank failed.
 pub fn gather_rows(world: &World, root: usize, rows: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     let columns = rows.ncols();
-    let facts = [("the number of columns", columns), ("root", root)];
+    let facts = [fact("the number of columns", columns), fact("root", root)];
     Call::run(world, Operation::GatherRows, &facts, |call| {
         if root >= world.size() {
             let why = format!("must be less than {}, the number of ranks", world.size());

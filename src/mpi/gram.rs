@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 
 use super::call::Call;
 use super::stream::{joined_bounds, merge_accumulators};
-use super::world::{Operation, World, number_fact};
+use super::world::{Operation, World, fact, flag, number_fact};
 use crate::ata::{Accumulator, AtaOptions, DenseRows, RowBounds, block_rows, stream};
 use crate::base::{Error, Progress, Result};
 use crate::dense::zeros;
@@ -50,12 +50,12 @@ pub fn lstsq(
     progress: Progress<'_>,
 ) -> Result<LeastSquares> {
     let facts = [
-        ("the number of columns", a.ncols()),
-        ("the number of targets", b.ncols()),
-        ("the presence of weights (0 or 1)", usize::from(weights.is_some())),
+        fact("the number of columns", a.ncols()),
+        fact("the number of targets", b.ncols()),
+        flag("the presence of weights", weights.is_some()),
         number_fact("the ridge", options.ridge),
-        ("the intercept (0 or 1)", usize::from(options.intercept)),
-        ("the option for dependent columns", options.rank_deficiency as usize),
+        flag("the intercept", options.intercept),
+        fact("the option for dependent columns", options.rank_deficiency as usize),
     ];
     Call::run(world, Operation::LeastSquares, &facts, |call| {
         let errors = world.gather_numbers(usize::from(options.standard_errors)).contains(&1);

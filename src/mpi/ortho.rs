@@ -6,7 +6,7 @@ use faer::{Mat, MatMut, MatRef};
 use super::call::Call;
 use super::exchange::Rows;
 use super::spread::{SpreadMass, check_mass, mass_fact};
-use super::world::{Operation, World, number_fact};
+use super::world::{Operation, World, fact, flag, number_fact};
 use crate::base::{Par, Progress, Result};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, Orthonormal, cholesky_qr_of, gram_schmidt_of};
@@ -82,10 +82,10 @@ pub fn gram_schmidt_in_place(
 ) -> Result<Factors> {
     let (own, c) = a.shape();
     let facts = [
-        ("the number of columns", c),
+        fact("the number of columns", c),
         mass_fact(mass),
         number_fact("the threshold", options.threshold),
-        ("re-orthogonalisation (0 or 1)", usize::from(options.reorthogonalise)),
+        flag("re-orthogonalisation", options.reorthogonalise),
     ];
     Call::run(world, Operation::GramSchmidt, &facts, |call| {
         let rows = Rows::new(call, own)?;
@@ -130,7 +130,7 @@ pub(crate) fn watched_cholesky_qr(
     par: Par,
     progress: Progress<'_>,
 ) -> Result<Mat<f64>> {
-    let facts = [("the number of columns", a.ncols()), mass_fact(mass)];
+    let facts = [fact("the number of columns", a.ncols()), mass_fact(mass)];
     Call::run(world, Operation::CholeskyQr, &facts, |call| {
         let rows = Rows::new(call, a.nrows())?;
         check_mass(call, &rows, mass)?;

@@ -4,7 +4,7 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
 use super::form::Form;
-use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
+use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
 use super::{deal, tree};
 use crate::ata::distributed::{Machine, Mode, Place, choose};
 use crate::ata::{AtaOptions, Uplo, mirror_lower};
@@ -139,7 +139,7 @@ fn from_root<T: MpiReal>(
     mode: impl FnOnce(Form) -> Mode,
 ) -> Result<()> {
     let _guard = world.abort_on_panic();
-    let facts = [("root", root), scalar_fact::<T>(), number_fact("alpha", alpha)];
+    let facts = [fact("root", root), scalar_fact::<T>(), number_fact("alpha", alpha)];
     let mut matrices = world.begin(Operation::Root, &facts, on_root(world, root, a, c))?;
     let form = Form::broadcast(world, root, matrices.as_ref(), options.uplo);
     let own = matrices.as_mut().map(|(a, c)| {

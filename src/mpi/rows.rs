@@ -9,7 +9,7 @@ use faer::{MatMut, MatRef};
 use super::reduction::Reduction;
 use super::stream::joined_bounds;
 use super::symmetric::Symmetric;
-use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
+use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::ata::distributed::{Chunks, Layout};
 use crate::ata::{AtaOptions, DenseRows, Flags, RowBounds, Uplo, ata, atb, block_rows, exact_sums};
 use crate::base::{Error, Progress, Result, Workspace, reserved};
@@ -55,8 +55,8 @@ pub fn ata_rows<T: MpiReal>(
 ) -> Result<Symmetric<T>> {
     let _guard = world.abort_on_panic();
     let n = rows.ncols();
-    let exact = ("the exact path (0 or 1)", usize::from(options.asks_for_exact()));
-    let facts = [("n", n), scalar_fact::<T>(), number_fact("alpha", alpha), exact];
+    let exact = flag("the exact path", options.asks_for_exact());
+    let facts = [fact("n", n), scalar_fact::<T>(), number_fact("alpha", alpha), exact];
     world.begin(Operation::Rows, &facts, Ok(()))?;
     let m = world.gather_numbers(rows.nrows()).iter().sum();
     let chunks = Chunks::new(m, n, world.size());
@@ -97,7 +97,7 @@ pub fn sum_symmetric<T: MpiReal>(world: &World, c: MatRef<'_, T>) -> Result<Symm
     let _guard = world.abort_on_panic();
     let n = c.ncols();
     let square = Error::check_shape("C", (n, n), c.shape());
-    world.begin(Operation::Sum, &[("n", n), scalar_fact::<T>()], square)?;
+    world.begin(Operation::Sum, &[fact("n", n), scalar_fact::<T>()], square)?;
     // Every rank has n rows of C.
     let chunks = Chunks::new(n * world.size(), n, world.size());
     reduce(world, chunks, Ok(c), |c, span, _| Ok(c.get(span.clone(), ..span.end)))

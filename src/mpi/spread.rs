@@ -8,6 +8,7 @@ use sprs::{CsMat, CsMatView};
 use super::call::Call;
 use super::exchange::{Rows, all_gather, exchange, exchange_numbers};
 use super::rows::sum_symmetric;
+use super::world::{Fact, fact};
 use crate::base::{Error, Par, Result, reserved};
 use crate::dense::zeros;
 use crate::sparse::{InnerSpace, Mass, check_mirrored, multiply};
@@ -270,6 +271,6 @@ pub(super) fn gather_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<M
 }
 
 /// Returns the fact that all ranks have the same kind of mass.
-pub(super) fn mass_fact(mass: &Mass) -> (&'static str, usize) {
-    ("the kind of mass (0 lumped, 1 full)", usize::from(matches!(mass, Mass::Full(_))))
+pub(super) fn mass_fact(mass: &Mass) -> Fact {
+    fact("the kind of mass (0 lumped, 1 full)", usize::from(matches!(mass, Mass::Full(_))))
 }

@@ -6,7 +6,7 @@ use ::mpi::datatype::Equivalence;
 use ::mpi::point_to_point::{Destination, Source};
 use ::mpi::topology::Communicator;
 
-use super::world::{MpiReal, Operation, Traffic, World, scalar_fact};
+use super::world::{MpiReal, Operation, Traffic, World, fact, flag, scalar_fact};
 use crate::ata::{Accumulator, RowBounds};
 use crate::base::{Error, Result};
 
@@ -44,8 +44,8 @@ const MESSAGE: usize = 1 << 20;
 pub fn agree_bounds<T: MpiReal>(world: &World, bounds: &RowBounds<T>) -> Result<RowBounds<T>> {
     let _guard = world.abort_on_panic();
     let facts = [
-        ("the number of columns", bounds.ncols()),
-        ("the presence of weights (0 or 1)", usize::from(bounds.weight().is_some())),
+        fact("the number of columns", bounds.ncols()),
+        flag("the presence of weights", bounds.weight().is_some()),
         scalar_fact::<T>(),
     ];
     world.begin(Operation::Bounds, &facts, Ok(()))?;
@@ -104,9 +104,9 @@ pub fn merge_accumulators<T: MpiReal>(
 ) -> Result<Option<Accumulator<T>>> {
     let _guard = world.abort_on_panic();
     let facts = [
-        ("the number of columns", sum.ncols()),
-        ("centring (0 or 1)", usize::from(sum.is_centered())),
-        ("the kind of sums", usize::from(sum.is_exact()) + usize::from(sum.is_extended())),
+        fact("the number of columns", sum.ncols()),
+        flag("centring", sum.is_centered()),
+        fact("the kind of sums", usize::from(sum.is_exact()) + usize::from(sum.is_extended())),
         scalar_fact::<T>(),
     ];
     world.begin(Operation::Merge, &facts, Ok(()))?;

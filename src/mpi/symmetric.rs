@@ -4,7 +4,7 @@ use faer::prelude::ReborrowMut;
 use super::call::Call;
 use super::exchange::all_gather;
 use super::transfer::{receive, send};
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, fact};
 use crate::ata::Uplo;
 use crate::ata::distributed::Layout;
 use crate::base::{Error, Real, Result, zeros};
@@ -97,7 +97,7 @@ impl<T: MpiReal> Symmetric<T> {
             }
             _ => Ok(Vec::new()),
         };
-        let facts = [("n", self.n()), ("root", root)];
+        let facts = [fact("n", self.n()), fact("root", root)];
         let mut buffer = world.begin(Operation::Gather, &facts, prepared)?;
         let Some(mut c) = c.filter(|_| is_root) else {
             send(world, &self.entries, root, GATHER);

@@ -9,7 +9,7 @@ use faer::{MatMut, MatRef, RowMut};
 use super::form::Form;
 use super::pending_send::{PendingSend, PendingSends};
 use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, fact};
 use crate::ata::distributed::{PlannedSend, RESULTS_IN_FLIGHT, TaskTree, TreeNode};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Real, Result, reserved, zeros};
@@ -30,7 +30,7 @@ pub(super) fn run<T: MpiReal>(
     let tree = TaskTree::new(form.m, form.n, world.size());
     let process = form.process(world.rank(), world.size());
     let memory = Memory::new(&tree, process);
-    let facts = [("m", form.m), ("n", form.n)];
+    let facts = [fact("m", form.m), fact("n", form.n)];
     let Memory { results, inputs, blocks } = world.begin(Operation::Root, &facts, memory)?;
 
     let products = tree.loads()[process].products;

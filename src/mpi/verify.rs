@@ -4,7 +4,7 @@ use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
 use super::symmetric::Symmetric;
-use super::world::{MpiReal, Operation, World, number_fact};
+use super::world::{MpiReal, Operation, World, fact, number_fact};
 use crate::ata::{Verification, check_rounds, signs, verdict};
 use crate::base::{Error, Result, zeros};
 use crate::blas::{self, Kernels};
@@ -62,10 +62,10 @@ pub fn verify<T: MpiReal>(
         Distributed::Columns(columns) => (true, columns),
     };
     let facts = [
-        ("n", n),
-        ("the distribution of A (0 rows, 1 columns)", usize::from(by_columns)),
-        ("the number of rounds", r),
-        ("the seed", seed as usize),
+        fact("n", n),
+        fact("the distribution of A (0 rows, 1 columns)", usize::from(by_columns)),
+        fact("the number of rounds", r),
+        fact("the seed", seed as usize),
         number_fact("alpha", alpha),
     ];
     let (x, mut z, mut block, mut y) = world.begin(Operation::Verify, &facts, prepared)?;

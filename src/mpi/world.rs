@@ -252,7 +252,7 @@ impl World {
     pub(crate) fn begin<X>(
         &self,
         operation: Operation,
-        facts: &[(&'static str, usize)],
+        facts: &[Fact],
         prepared: Result<X>,
     ) -> Result<X> {
         use ::mpi::collective::CommunicatorCollectives;
@@ -260,8 +260,8 @@ impl World {
         let mut own = [0_u64; FACTS];
         own[0] = operation as u64;
         own[1] = u64::from(prepared.is_err());
-        for (slot, (_, fact)) in own[2..].iter_mut().zip(facts) {
-            *slot = *fact as u64;
+        for (slot, fact) in own[2..].iter_mut().zip(facts) {
+            *slot = fact.bits;
         }
         let mut all = vec![0_u64; FACTS * self.size];
         self.comm.all_gather_into(&own[..], &mut all[..]);
@@ -273,9 +273,9 @@ impl World {
         if let Some(rank) = all.iter().position(|theirs| theirs[1] != 0) {
             return self.error_of(rank, prepared);
         }
-        for (i, (what, _)) in facts.iter().enumerate() {
+        for (i, Fact { what, text, .. }) in facts.iter().enumerate() {
             if let Some(rank) = all.iter().position(|theirs| theirs[2 + i] != all[0][2 + i]) {
-                let (got, expected) = (all[rank][2 + i], all[0][2 + i]);
+                let [got, expected] = [rank, 0].map(|rank| text(all[rank][2 + i]));
                 let why = format!("{what} is {got}, where rank 0 has {expected}");
                 return Err(Error::Rank { rank, why });
             }
@@ -409,14 +409,33 @@ impl Drop for World {
     }
 }
 
+/// A number that all ranks of a call must have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fact {
+    what: &'static str,
+    bits: u64,
+    /// Writes the number that has these bits.
+    text: fn(u64) -> String,
+}
+
+/// Returns the fact that all ranks have the same count `what`.
+pub(super) fn fact(what: &'static str, count: usize) -> Fact {
+    Fact { what, bits: count as u64, text: |bits| bits.to_string() }
+}
+
+/// Returns the fact that `what` is on or off on all ranks.
+pub(super) fn flag(what: &'static str, on: bool) -> Fact {
+    Fact { what, bits: u64::from(on), text: |bits| (bits != 0).to_string() }
+}
+
 /// Returns the fact that all ranks have the same scalar T.
-pub(super) fn scalar_fact<T>() -> (&'static str, usize) {
-    ("the size of a scalar", size_of::<T>())
+pub(super) fn scalar_fact<T>() -> Fact {
+    fact("the size of a scalar", size_of::<T>())
 }
 
 /// Returns the fact that all ranks have the same number `what`, bit for bit.
-pub(super) fn number_fact<T: Real>(what: &'static str, value: T) -> (&'static str, usize) {
-    (what, value.to_f64().to_bits() as usize)
+pub(super) fn number_fact<T: Real>(what: &'static str, value: T) -> Fact {
+    Fact { what, bits: value.to_f64().to_bits(), text: |bits| f64::from_bits(bits).to_string() }
 }
 
 /// The collective calls, by which ranks notice that they make different ones.

@@ -24,7 +24,11 @@ pub const SCENES: &[Scene] = &[
         name: "a_rank_with_another_factor_is_named",
         ranks: 3,
         play: another_factor,
-        printed: &["0: rank 1: alpha", "1: rank 1: alpha", "2: rank 1: alpha"],
+        printed: &[
+            "0: rank 1: alpha is 2, where rank 0 has 1",
+            "1: rank 1: alpha is 2",
+            "2: rank 1: alpha is 2",
+        ],
         succeeds: true,
     },
     Scene {

@@ -117,11 +117,11 @@ pub fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
     let path = path.display().to_string();
     status!("compared", path = path; "{path}")?;
     let side = longest(mesh);
-    let line = |label: &str, far: &OneSided| {
+    let line = |label: &str, direction: &str, far: &OneSided| {
         let OneSided { largest, mean, angle, .. } = far;
         report!(
             "distance": label,
-            direction = label,
+            direction = direction,
             largest = largest,
             largest_share = largest / side,
             mean = mean,
@@ -133,8 +133,8 @@ pub fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
             mean / side
         )
     };
-    line("to it", &between.out)?;
-    line("from it", &between.back)?;
+    line("to other", "to_other", &between.out)?;
+    line("from other", "from_other", &between.back)?;
     let far = between.out.largest.max(between.back.largest);
     let share = far / side;
     report!(

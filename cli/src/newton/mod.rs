@@ -278,7 +278,7 @@ fn fourth_coordinates(args: &Args) -> Vec<f64> {
 
 fn drawing(args: &Args) -> Result<Drawing> {
     if args.extent <= 0.0 || !args.extent.is_finite() {
-        bail!("--extent {}: a positive number is needed", args.extent);
+        bail!("--extent {}: a finite number above 0 is needed", args.extent);
     }
     let (width, height) = args.size.unwrap_or(if args.volume { (128, 128) } else { (1024, 1024) });
     if args.volume {

@@ -9,6 +9,7 @@ use catamaran::unions::{K, interpolate};
 
 use super::parts::{PartArgs, report_ood};
 use crate::common::Force;
+use crate::output;
 use crate::picture::{Paint, PictureArgs};
 use crate::report::row;
 
@@ -46,7 +47,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.picture.path().is_some() && args.localize.is_none() {
         bail!("--picture draws the regions of unions: it needs --localize");
     }
-    let output = args.output.as_deref().map(|path| args.force.create(path)).transpose()?;
+    let output = args.output.as_deref().map(|path| output::csv(path, args.force)).transpose()?;
     let picture = args.picture.create(args.force)?;
     let model = args.source.model()?;
     let read = |path: &PathBuf| Ok(args.source.read(path)?.1);

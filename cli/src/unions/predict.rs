@@ -9,6 +9,7 @@ use catamaran::unions::K;
 
 use super::parts::{PartArgs, report_ood};
 use crate::common::Force;
+use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::{head, row};
 
@@ -42,7 +43,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.parts.len() < 2 {
         bail!("PARTS: a union needs at least two parts");
     }
-    let output = args.output.as_deref().map(|path| args.force.create(path)).transpose()?;
+    let output = args.output.as_deref().map(|path| output::csv(path, args.force)).transpose()?;
     let picture = args.picture.create(args.force)?;
     let model = args.source.model()?;
     let (meshes, spectra): (Vec<TriMesh>, Vec<Vec<f64>>) = args

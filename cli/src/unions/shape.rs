@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::mesh::io::MeshFile;
+use catamaran::mesh::io::{MeshFile, check_name};
 use catamaran::spectral::{ShapeOptions, shape_from_spectrum};
 
 use crate::common::{Force, Threads};
@@ -53,6 +53,7 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
     let template = args.repair.read(&args.template)?.mesh;

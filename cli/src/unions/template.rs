@@ -27,6 +27,7 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    meshes::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
     let model = Model::new(Family::Humanoid, args.vertices)?;
     let template = model.template();

@@ -185,7 +185,10 @@ impl Args {
         for &node in &self.pin {
             match segments.get_mut(node) {
                 Some(segment) => segment.pinned = true,
-                None => bail!("--pin: node {node} of {} (numbered from 0)", plant.len()),
+                None => bail!(
+                    "--pin: no node {node}: the plant has {} nodes, numbered from 0",
+                    plant.len()
+                ),
             }
         }
         let parents: Vec<Option<u32>> =
@@ -196,12 +199,15 @@ impl Args {
     /// Returns the conditions of the simulation.
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
         if !(self.hours > 0.0 && self.hours.is_finite()) {
-            bail!("--hours {}: a positive number is needed", self.hours);
+            bail!("--hours {}: a finite number above 0 is needed", self.hours);
         }
         let mut damage: Vec<(usize, f64)> = self.cut.iter().map(|&node| (node, 0.0)).collect();
         for &[node, factor] in &self.weaken {
             if node.fract() != 0.0 || node < 0.0 || node >= plant.len() as f64 {
-                bail!("--weaken: node {node} of {} (numbered from 0)", plant.len());
+                bail!(
+                    "--weaken: no node {node}: the plant has {} nodes, numbered from 0",
+                    plant.len()
+                );
             }
             damage.push((node as usize, factor));
         }
@@ -241,7 +247,7 @@ impl Args {
         let Some(seconds) = self.motion else { return Ok(None) };
         for (name, value) in [("--motion", seconds), ("--fps", self.fps)] {
             if !(value > 0.0 && value.is_finite()) {
-                bail!("{name} {value}: a positive number is needed");
+                bail!("{name} {value}: a finite number above 0 is needed");
             }
         }
         let most = 1e7;

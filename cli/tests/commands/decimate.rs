@@ -178,7 +178,9 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(few.contains("in.ply: can't be decimated to 11"), "{few}");
     assert!(few.contains("3 components need 12 vertices: 4 each, 3 with boundary"), "{few}");
     assert!(refused("-n 20 --first 486 -o out.ply").contains("first"));
-    assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
+    assert!(
+        refused("--ratio 0 -o out.ply").contains("--ratio 0: a finite number above 0 is needed")
+    );
     assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: must be at least 1"));
     assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
     for (arguments, why) in

@@ -260,6 +260,7 @@ fn components_scores_and_shares_of_a_line() {
     folder.write("a.csv", "1,1\n3,3\n5,5\n");
     let report = folder.succeed("pca a.csv -o pca.npz --scores --picture scree.svg");
     assert!(report.contains("kept        1 components of 2 columns"), "{report}");
+    assert!(report.contains("variance     share  cumulative\n"), "{report}");
     let found = arrays(&folder, "pca.npz");
     let close = |found: &[f64], expected: &[f64]| assert_close(found, expected, 1e-14);
     close(&found.vector("explained_variance").unwrap(), &[8.0]);

@@ -97,6 +97,25 @@ fn tables_are_records_with_all_rows() {
 }
 
 #[test]
+fn shares_of_components_are_also_cumulative() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,1\n3,0\n5,1\n");
+    let found = run(&folder, "pca a.csv");
+    let components = named(&found, "component");
+    assert_eq!(components.len(), 2);
+    let share = |i: usize| components[i]["share"].as_f64().unwrap();
+    assert_eq!(components[1]["cumulative"].as_f64(), Some(share(0) + share(1)));
+}
+
+#[test]
+fn directions_of_a_comparison_are_to_and_from_the_other_mesh() {
+    let found = run(inputs(), "mesh sphere.ply --compare torus.obj");
+    let directions: Vec<_> =
+        named(&found, "distance").iter().map(|record| record["direction"].clone()).collect();
+    assert_eq!(directions, ["to_other", "from_other"]);
+}
+
+#[test]
 fn problems_of_a_mesh_are_told_by_kind_and_element() {
     let folder = Folder::new();
     folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nf 3 1 2\n");

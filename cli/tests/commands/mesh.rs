@@ -258,7 +258,7 @@ fn two_meshes_are_compared() {
         let rest = line.split_once(after).unwrap().1.trim_start();
         rest.split([' ', ',']).next().unwrap().parse().unwrap()
     };
-    for label in ["to it", "from it"] {
+    for label in ["to other", "from other"] {
         let line = found(label);
         let far = number(&line, "largest distance");
         assert!((0.24..=0.25).contains(&far), "{line}");

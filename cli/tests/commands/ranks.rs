@@ -99,6 +99,10 @@ fn ranks_share_the_eigenvectors_and_find_the_same_eigenvalues() {
         let close = |(x, y): (&f64, &f64)| (x - y).abs() <= allowed * y.max(1e-2);
         assert!(values.iter().zip(&expected).all(close), "{values:?} {expected:?}");
     }
+    let run = mpirun(&folder, 2, "spectrum sphere.ply -k 12 --memory 1 -o c.npz");
+    assert_ne!(run.code, Some(0));
+    let why = "--memory limits one process: it can't be combined with mpirun";
+    assert!(run.stderr.contains(why), "{}", run.stderr);
     let run = mpirun(&folder, 2, "spectrum sphere.ply -k 643 -o c.npz");
     assert_ne!(run.code, Some(0));
     assert!(run.stderr.contains("k: 643 eigenpairs of a matrix of 642 rows"), "{}", run.stderr);

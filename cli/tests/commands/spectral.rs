@@ -271,12 +271,14 @@ fn transfer_refuses_what_does_not_fit() {
     folder.write("short.txt", "1\n2\n");
     folder.write("outside.txt", "0 0\n1 162\n");
     folder.write("one.csv", "1,2\n3,4\n");
+    folder.write("s.mtx", "%%MatrixMarket matrix coordinate real general\n162 1 1\n1 1 2.5\n");
     let common = "transfer source.ply target.off -k 5 -o out.npy";
     for (arguments, says) in [
         ("--functions xyz.npy --points short.txt", "short.txt: 2 rows"),
         ("--functions xyz.npy --landmarks outside.txt", "outside.txt: row 1: 162"),
         ("--functions xyz.npy --landmarks short.txt", "short.txt: 1 columns"),
         ("--functions one.csv --identity", "one.csv: 2 rows"),
+        ("--functions s.mtx --identity", "s.mtx: the matrix must be dense, but is sparse"),
     ] {
         let said = folder.fail(&format!("{common} {arguments}"));
         assert!(said.contains(says), "{said}");
@@ -323,8 +325,23 @@ fn filters_smooth_sharpen_and_split() {
     assert_eq!(a, c);
     let said = folder.fail("filter source.ply --heat nan -o x.ply");
     assert!(said.contains("time"), "{said}");
-    let said = folder.fail("filter source.ply --low-pass 3 -o x.xyz");
-    assert!(said.contains("x.xyz"), "{said}");
+}
+
+#[test]
+fn the_name_of_the_output_is_checked_before_any_input_is_read() {
+    let folder = Folder::new();
+    for (command, why) in [
+        ("filter none.ply --low-pass 3 -o x.xyz", "x.xyz: unknown kind of mesh"),
+        ("filter none.ply --low-pass 3 -o x.ply.xz", "x.ply.xz: .xz files can only be read"),
+        ("filter none.ply --low-pass 3 --functions f.csv -o x.ply", "x.ply: unknown kind of file"),
+        (
+            "transfer none.ply target.ply --identity --details coordinates -o x.ply.xz",
+            "x.ply.xz: .xz files can only be read",
+        ),
+    ] {
+        let said = folder.fail(command);
+        assert!(said.contains(why), "{command}: {said}");
+    }
 }
 
 /// The mean of the vertices of each of so many components of the same size.

@@ -364,6 +364,8 @@ fn sums_that_do_not_fit_together_are_refused() {
     folder.succeed("ata a.npy --accumulator centred.sums --center");
     folder.succeed("ata a.npy --accumulator narrow.sums --columns 0..3");
     folder.write("text.sums", "text, and enough of it");
+    folder.write("one.csv", "1,2,3\n");
+    folder.succeed("ata one.csv --accumulator one.sums --center");
     let (broken, _) = interrupted("");
     fs::copy(broken.path("sums"), folder.path("half.sums")).unwrap();
     for (arguments, expected) in [
@@ -374,6 +376,7 @@ fn sums_that_do_not_fit_together_are_refused() {
         ("text.sums", "text.sums: not an accumulator"),
         ("none.sums", "none.sums: no such file"),
         ("a.sums --covariance", "--covariance needs centred sums"),
+        ("one.sums --covariance", "--covariance needs at least 2 rows, but the sums have 1"),
     ] {
         let message = folder.fail(&format!("ata-merge {arguments} -o c.npy"));
         assert!(message.contains(expected), "{expected}: {message}");

@@ -77,6 +77,23 @@ fn parts_may_be_point_clouds() {
 }
 
 #[test]
+fn the_name_of_the_output_is_checked_before_any_input_is_read() {
+    let folder = Folder::new();
+    for (command, why) in [
+        ("predict none.off none.off -o x.npy", "x.npy: the name must end in .csv"),
+        ("predict none.off none.off -o x", "x: the name must end in .csv"),
+        ("interpolate none.off none.off none.off -o x.txt", "x.txt: the name must end in .csv"),
+        ("shape none.off --spectrum none.csv -o x.xyz", "x.xyz: unknown kind of mesh"),
+        ("shape none.off --spectrum none.csv -o x.off.xz", "x.off.xz: .xz files can only be read"),
+        // Too few vertices for a model, which an error would name if it came first.
+        ("template --vertices 0 -o x.xyz", "x.xyz: unknown kind of mesh"),
+    ] {
+        let said = folder.fail(&format!("unions {command}"));
+        assert!(said.contains(why), "{command}: {said}");
+    }
+}
+
+#[test]
 fn a_template_is_deformed_to_a_predicted_spectrum() {
     let folder = Folder::new();
     rectangle(&folder, "a.off", 16, 10);

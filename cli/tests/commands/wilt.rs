@@ -73,8 +73,15 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert!(folder.fail("wilt plant.txt -o out").contains("plant.txt: node 1: radius must"));
     assert!(folder.fail("wilt none.swc -o out").contains("none.swc"));
     assert!(folder.fail("wilt --grow 5 -o out --cut 9").contains("node 9 is out of range"));
-    assert!(folder.fail("wilt --grow 5 -o out --pin 9").contains("--pin: node 9 of 5"));
-    assert!(folder.fail("wilt --grow 5 -o out --hours=-1").contains("--hours"));
+    for (arguments, why) in [
+        ("--pin 9", "--pin: no node 9: the plant has 5 nodes, numbered from 0"),
+        ("--weaken 1.5,0.1", "--weaken: no node 1.5: the plant has 5 nodes, numbered from 0"),
+        ("--hours=-1", "--hours -1: a finite number above 0 is needed"),
+        ("--motion 1 --fps 0", "--fps 0: a finite number above 0 is needed"),
+    ] {
+        let refused = folder.fail(&format!("wilt --grow 5 -o out {arguments}"));
+        assert!(refused.contains(why), "{refused}");
+    }
     assert!(folder.fail("wilt --grow 0 -o out").contains("nodes"));
     let run = folder.run("wilt --grow 5 -o out --frames 4000000000");
     assert_eq!(run.code, Some(2));

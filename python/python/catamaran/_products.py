@@ -306,9 +306,9 @@ class Accumulator(_catamaran.Accumulator):
 
     Notes
     -----
-    Accumulators can be pickled, for other processes, and copied by `copy.copy`. An error in `add`
-    or `remove` after some blocks of the call were added leaves the accumulator of no use, and all
-    that is called later says so.
+    Accumulators can be pickled, for other processes, and copied by `copy.copy`. If `add` or
+    `remove` fails after some blocks of the call were added, the accumulator must not be used any
+    more: every later call raises an error that says so.
 
     Examples
     --------

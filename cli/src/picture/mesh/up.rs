@@ -15,7 +15,7 @@ const FLAT: f64 = 1e-6;
 /// Guesses the axis that is up.
 ///
 /// 1. A height field, such as a terrain, has the axis that its normals point along: y or z.
-/// 2. Files for 3D printing (.stl, .3mf) have z up.
+/// 2. Files for 3D printing (.stl) have z up.
 /// 3. All others have y up.
 pub fn guess(mesh: &TriMesh, path: &Path) -> Up {
     height_field(mesh).unwrap_or_else(|| if is_printed(path) { Up::Z } else { Up::Y })
@@ -25,7 +25,7 @@ pub fn guess(mesh: &TriMesh, path: &Path) -> Up {
 fn is_printed(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let stem = [".gz", ".xz"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
-    stem.ends_with(".stl") || stem.ends_with(".3mf")
+    stem.ends_with(".stl")
 }
 
 /// Returns the axis over which the mesh is a height field, if it is one.
