@@ -17,7 +17,7 @@ const PANEL: usize = 256;
 /// ```
 /// use catamaran::{faer::mat, prelude::*, sparse::Mass};
 ///
-/// The second column differs from the first by a thousandth.
+/// // The second column differs from the first by a thousandth.
 /// let a = mat![[1.0, 1.0], [0.0, 1e-3]];
 /// let rank = |options| {
 ///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())

@@ -342,7 +342,7 @@ fn the_commands_of_the_guide_run() {
 fn what_is_wrong_is_said() {
     let folder = Folder::new();
     for (command, part) in [
-        ("newton --power 1 -o a.png", "1 roots"),
+        ("newton --power 1 -o a.png", "must have 2 to 64 roots, has 1"),
         ("newton --extent 0 -o a.png", "--extent"),
         ("newton --volume --size 3x4 -o a.npy", "the same number along each side"),
         ("newton --theta 99 -o a.png", "theta"),

@@ -251,7 +251,7 @@ fn constants_are_found_from_weights_and_heights() {
         ("hours,weight\n", "line 1"),
         ("time_h,weight_g\n0,1\n1,x\n", "line 3"),
         ("time_h,weight_g\n0,1\n1\n", "line 3"),
-        ("time_h,weight_g\n0,1\n", "1 of them"),
+        ("time_h,weight_g\n0,1\n", "must be at least 4, are 1"),
     ] {
         folder.write("wrong.csv", text);
         let said = folder.fail("wilt --grow 40 --fit wrong.csv -o wrong");

@@ -104,7 +104,7 @@ fn slime_steps(folder: &Folder) -> usize {
         return 0;
     }
     let said = folder.run(&format!("{SLIME} --steps 0 -o none --resume s.state")).stderr;
-    said.trim().rsplit(' ').next().and_then(|word| word.parse().ok()).expect(&said)
+    said.split_whitespace().rev().find_map(|word| word.parse().ok()).expect(&said)
 }
 
 /// The epochs in the state.
