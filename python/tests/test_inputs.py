@@ -115,7 +115,7 @@ def test_empty_matrices():
         (V.ravel(), F, ValueError, "v: expected an array of 2 dimensions"),
         (V, F[:, :2], ValueError, "f: expected 3 columns, got 2"),
         (V, F.astype(float), TypeError, "f: expected integers, got float64"),
-        (V, F + 1, ValueError, "face .*: vertex 42 is out of range"),
+        (V, F + 1, ValueError, "face .*: vertex 42 is out of range: 42 vertices"),
         (V, F - 1, ValueError, "face .*: there is no vertex -1"),
         (V, F + 2**40, ValueError, "face 0: there is no vertex 1099511627"),
         (np.where(V == V[3, 0], np.nan, V), F, ValueError, "vertex .*: position .* is not finite"),

@@ -180,7 +180,7 @@ fn bad_samples_are_refused_by_number() {
     let loose = TriMesh::new(vertices, faces).unwrap();
     assert_eq!(refusal(&loose, &[1, 2, 42], &robust()), "vertex 42: sample 2 is in no face");
     let empty = TriMesh::new(vec![], vec![]).unwrap();
-    assert!(refusal(&empty, &[0, 1, 2], &robust()).contains("vertex 0, out of range"));
+    assert!(refusal(&empty, &[0, 1, 2], &robust()).contains("vertex 0, out of range: 0 vertices"));
 }
 
 #[test]
@@ -359,8 +359,11 @@ fn sites_are_snapped_or_inserted() {
     assert!(refined.face_normals().iter().all(|n| n[2] == 1.0), "a face is turned over");
     assert!(refined.require_manifold().is_ok());
     let refused = |site| place(&mesh, &[site], Placement::Insert).unwrap_err().to_string();
-    assert!(refused(Site::Vertex(6)).contains("site 0 is vertex 6, out of range"));
-    assert!(refused(Site::Face { face: 4, weights: [1.0, 0.0, 0.0] }).contains("face 4, out"));
+    assert!(refused(Site::Vertex(6)).contains("site 0 is vertex 6, out of range: 6 vertices"));
+    assert!(
+        refused(Site::Face { face: 4, weights: [1.0, 0.0, 0.0] })
+            .contains("site 0 is on face 4, out of range: 4 faces")
+    );
     assert!(refused(Site::Face { face: 0, weights: [1.0, 0.5, -0.5] }).contains("barycentric"));
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }
@@ -487,7 +490,7 @@ fn what_cannot_be_smoothed_is_said() {
     };
     assert!(told(&mesh, &[0, 7]).contains("no edge from vertex 0 to 7"));
     assert!(told(&mesh, &[0, 1, 0]).contains("vertex 0 occurs twice"));
-    assert!(told(&mesh, &[25]).contains("vertex 25 is out of range"));
+    assert!(told(&mesh, &[25]).contains("vertex 25 is out of range: 25 vertices"));
     assert!(told(&families::pages(3).unwrap(), &[0]).contains("faces"));
     let none = smooth(&mesh, &[], &[], 10).unwrap();
     assert!(none.converged && none.points.is_empty());

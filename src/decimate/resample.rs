@@ -47,7 +47,7 @@ pub(super) fn resample_with(
     progress: Progress<'_>,
 ) -> Result<Resampled> {
     if longest.is_nan() || longest <= 0.0 {
-        let why = format!("must be positive and finite, is {longest}");
+        let why = format!("must be positive, is {longest}");
         return Err(Error::Argument { what: "longest", why });
     }
     // A triangle without a longer edge has at most this area.

@@ -145,7 +145,10 @@ impl Plant {
         for (e, &[a, b]) in edges.iter().enumerate() {
             let name = || format!("edge {e} ({a}, {b})");
             if let Some(v) = [a, b].into_iter().find(|&v| v as usize >= n) {
-                return refused(name(), format!("node {v} is out of range: {n}, numbered from 0"));
+                return refused(
+                    name(),
+                    format!("node {v} is out of range: {n} nodes, numbered from 0"),
+                );
             }
             let [x, y] = [a, b].map(|v| find(&mut sets, v));
             if x == y {
@@ -422,7 +425,11 @@ mod tests {
         named(parents(&[None, Some(7)]), "node 1", "parent 7");
         let mut thin = line(3);
         thin[1].radius = 0.0;
-        named(Plant::from_edges(thin, &[[0, 1], [1, 2]], None), "node 1", "radius must be");
+        named(
+            Plant::from_edges(thin, &[[0, 1], [1, 2]], None),
+            "node 1",
+            "radius must be positive and finite, is ",
+        );
         let mut short = line(3);
         short[2].tail = short[1].tail;
         named(Plant::from_edges(short, &[[0, 1], [1, 2]], None), "node 2", "positive, is 0");

@@ -65,7 +65,7 @@ static void test_square(void)
         CHECK(order[0] == 0 && order[2] == 1 && path[0] == at(1, 1));
         CHECK(points[0] == 1 && points[1] == 1 && points[2] == 0);
         CHECK_STATUS(cata_curves_get(curves, 1, order, path, points), CATA_ERR_ARGUMENT);
-        CHECK_MENTIONS("curve: must be less than 1");
+        CHECK_MENTIONS("curve: must be less than 1 (curves), is 1");
         CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, NULL, NULL), CATA_OK);
         cata_curves_free(curves);
     }

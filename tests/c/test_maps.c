@@ -100,7 +100,7 @@ static void test_basis(void)
     cata_basis *none = NULL;
     values[2] = 0.5;
     CHECK_STATUS(cata_basis_new(N, 3, masses, values, source, N, NULL, &none), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("eigenvalues: ");
+    CHECK_MENTIONS("eigenvalues: must ascend, but value 2 is less");
     values[2] = 1;
     CHECK_STATUS(cata_basis_new(N, 3, masses, values, source, N - 1, NULL, &none), CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldv");

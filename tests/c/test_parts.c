@@ -78,7 +78,7 @@ static void test_parts(void)
     CHECK_STATUS(part(0, NULL, CATA_BOUNDARY_DIRICHLET, 1), CATA_OK);
     again[0] = -7;
     CHECK_STATUS(part(V, again, CATA_BOUNDARY_DIRICHLET, 1), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("the number of inner vertices");
+    CHECK_MENTIONS("the number of inner vertices, is ");
     mask[3] = 2;
     CHECK_STATUS(part(K, again, CATA_BOUNDARY_DIRICHLET, 1), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("mask: must be 0 or 1, but element 3 is 2");

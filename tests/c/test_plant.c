@@ -211,7 +211,7 @@ static void test_refusals(void)
     CHECK_STATUS(cata_plant_new(N, tails, radii, two_roots, kinds, base, NULL, &plant), CATA_ERR_MESH);
     CHECK_MENTIONS("node 2: is isolated");
     CHECK_STATUS(cata_plant_new(N, tails, thin, parents, kinds, base, NULL, &plant), CATA_ERR_MESH);
-    CHECK_MENTIONS("node 1: radius must be");
+    CHECK_MENTIONS("node 1: radius must be positive and finite, is 0");
     CHECK_STATUS(cata_plant_new(0, NULL, NULL, NULL, NULL, NULL, NULL, &plant), CATA_ERR_ARGUMENT);
     CHECK_STATUS(cata_plant_new(N, NULL, radii, parents, kinds, base, NULL, &plant), CATA_ERR_NULL);
     CHECK_MENTIONS("tails");

@@ -185,7 +185,7 @@ static void test_refusals(void)
     CHECK_STATUS(cata_slime_step(NULL, 1), CATA_ERR_NULL);
     double coverage = 7;
     CHECK_STATUS(cata_slime_coverage(slime, 1, &coverage, NULL), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("species: must be less than 1");
+    CHECK_MENTIONS("species: must be less than 1 (species), is 1");
     CHECK_STATUS(cata_slime_texture(slime, 1, texture), CATA_ERR_ARGUMENT);
     CHECK_STATUS(cata_slime_texture(NULL, 0, texture), CATA_ERR_NULL);
     CHECK(coverage == 7);

@@ -174,7 +174,10 @@ fn several_curves_in_a_file_are_combined() {
     assert!(told("curve a\n2\ncurve a\n3\n").contains("samples.txt:3: a second curve a"));
     assert!(told("curve a wide\n2\n").contains("wide: expected open, single or side=SIDE"));
     assert!(told("curve a side=in\n2\n").contains("expected small, large or seed:V"));
-    assert!(told("curve a\n10\n12\n28\ncurve b\n").contains("curve b: samples: "));
+    assert!(
+        told("curve a\n10\n12\n28\ncurve b\n")
+            .contains("curve b: samples: must be at least 3, are 0")
+    );
     assert!(
         folder
             .fail("curve mesh.obj --samples samples.txt --side large -o c.obj")

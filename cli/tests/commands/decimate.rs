@@ -181,7 +181,7 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(
         refused("--ratio 0 -o out.ply").contains("--ratio 0: a finite number above 0 is needed")
     );
-    assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: must be at least 1"));
+    assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: must be at least 1, is 0"));
     assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
     for (arguments, why) in
         [("--edge-length 1 --faces 9", "cannot be used with"), ("", "<-n <N>|--ratio")]

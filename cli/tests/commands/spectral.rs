@@ -429,7 +429,10 @@ fn distances_are_over_faces_or_along_edges() {
     for method in ["heat", "edges"] {
         let refused = folder
             .fail(&format!("distance spheres.ply --from {} --method {method} -o x.npy", 2 * n));
-        assert!(refused.contains(&format!("vertex {} is out of range", 2 * n)), "{refused}");
+        assert!(
+            refused.contains(&format!("vertex {} is out of range: {} vertices", 2 * n, 2 * n)),
+            "{refused}"
+        );
     }
     folder.write("alone.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n");
     let refused = folder.fail("distance alone.obj --from 0,3 -o x.npy");

@@ -70,9 +70,15 @@ fn damage_and_nights_show() {
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
     folder.write("plant.txt", "verts 2\n0,0,0,.1,.002,0\n1,0,0,.2,-1,1\nedges 1\n0,1\n");
-    assert!(folder.fail("wilt plant.txt -o out").contains("plant.txt: node 1: radius must"));
+    assert!(
+        folder
+            .fail("wilt plant.txt -o out")
+            .contains("plant.txt: node 1: radius must be positive and finite, is -1")
+    );
     assert!(folder.fail("wilt none.swc -o out").contains("none.swc"));
-    assert!(folder.fail("wilt --grow 5 -o out --cut 9").contains("node 9 is out of range"));
+    assert!(
+        folder.fail("wilt --grow 5 -o out --cut 9").contains("node 9 is out of range: 5 nodes")
+    );
     for (arguments, why) in [
         ("--pin 9", "--pin: no node 9: the plant has 5 nodes, numbered from 0"),
         ("--weaken 1.5,0.1", "--weaken: no node 1.5: the plant has 5 nodes, numbered from 0"),

@@ -104,7 +104,8 @@ fn slime_steps(folder: &Folder) -> usize {
         return 0;
     }
     let said = folder.run(&format!("{SLIME} --steps 0 -o none --resume s.state")).stderr;
-    said.split_whitespace().rev().find_map(|word| word.parse().ok()).expect(&said)
+    let steps = said.trim().strip_suffix(" steps already").and_then(|said| said.rsplit(' ').next());
+    steps.and_then(|steps| steps.parse().ok()).expect(&said)
 }
 
 /// The epochs in the state.

@@ -1,6 +1,7 @@
 //! Sums of rows in integers on a grid that is chosen before the first row: the same for any order
 //! of the rows.
 
+use std::fmt::Display;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -407,28 +408,20 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             self.move_to(&grid)?;
             other.move_to(&grid)?;
         }
-        let too_long = |what: String, bytes: usize| {
-            let why = format!("{what}: the merged sums have more than {} bits", 8 * bytes);
-            Error::Argument { what: "accumulator", why }
-        };
-        let add = |own: &mut i128, other: i128, what: &dyn Fn() -> String| {
-            *own = own.checked_add(other).ok_or_else(|| too_long(what(), size_of::<i128>()))?;
-            Ok(())
-        };
         self.rows += other.rows;
         self.rounded |= other.rounded;
         for (own, other) in self.weights.iter_mut().zip(other.weights) {
-            add(own, other, &|| "weights".into())?;
+            *own = own.checked_add(other).ok_or_else(|| too_long::<i128>("weights"))?;
         }
         for (j, (own, other)) in self.sums.iter_mut().zip(other.sums).enumerate() {
-            add(own, other, &|| format!("column {j}"))?;
+            let too_long = || too_long::<i128>(format_args!("column {j}"));
+            *own = own.checked_add(other).ok_or_else(too_long)?;
         }
         let mut at = 0;
         for i in self.strip.clone() {
             for (own, others) in self.entries[at..=at + i].iter_mut().zip(&other.entries[at..]) {
-                *own = own
-                    .checked_plus(*others)
-                    .ok_or_else(|| too_long(format!("column {i}"), size_of::<I>()))?;
+                let too_long = || too_long::<I>(format_args!("column {i}"));
+                *own = own.checked_plus(*others).ok_or_else(too_long)?;
             }
             at += i + 1;
         }
@@ -557,7 +550,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     fn centered(&self, c: I, i: usize, j: usize) -> Result<f64> {
         let (sums, exponent) = ([self.sums[i], self.sums[j]], self.grid.exponent(i, j));
         let value = c.centered(sums, self.weight_shift(), self.weights[0], exponent);
-        value.ok_or_else(|| too_long(i))
+        value.ok_or_else(|| too_long::<I256>(format_args!("column {i}")))
     }
 
     /// Returns log2 of the units of weights in one of the grid.
@@ -574,8 +567,9 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 }
 
-fn too_long(i: usize) -> Error {
-    let why = format!("column {i}: the sums have more than 256 bits");
+/// Returns the error of sums of `what` that do not fit the integers I.
+fn too_long<I>(what: impl Display) -> Error {
+    let why = format!("{what}: the sums have more than {} bits", 8 * size_of::<I>());
     Error::Argument { what: "accumulator", why }
 }
 
@@ -623,7 +617,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
         });
         match refused.into_inner() {
             usize::MAX => Ok(gram),
-            i => Err(too_long(i)),
+            i => Err(too_long::<I256>(format_args!("column {i}"))),
         }
     }
 }

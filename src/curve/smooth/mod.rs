@@ -184,7 +184,9 @@ impl Path {
         let vertices = curve.path.clone();
         for &v in &vertices {
             if v as usize >= n {
-                return refused(format!("vertex {v} is out of range: {n}, numbered from 0"));
+                return refused(format!(
+                    "vertex {v} is out of range: {n} vertices, numbered from 0"
+                ));
             }
             if !occupied.insert(v) {
                 return refused(format!("vertex {v} occurs twice"));

@@ -8,6 +8,7 @@ use super::tile::{
     Block, MAGNITUDE, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH,
     norm_exponents, power_of_two,
 };
+use crate::kernel::finish_stores;
 
 /// Exists only where the CPU has the instructions: what makes the calls below sound.
 pub(super) struct Vnni(());
@@ -415,14 +416,6 @@ enabled! {
                 _mm512_storeu_si512(at, bytes);
             }
         }
-    }
-}
-
-/// Other threads see stores past the caches only after this.
-fn finish_stores(far: bool) {
-    if far {
-        // SAFETY: every x86-64 CPU has the instruction.
-        unsafe { _mm_sfence() };
     }
 }
 

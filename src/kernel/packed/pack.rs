@@ -6,6 +6,7 @@ use super::geometry::{Area, CACHE_LINE, line_len, piece};
 use super::operands::Source;
 use super::vectors::{Vectors, low_bits};
 use crate::base::Real;
+use crate::kernel::finish_stores;
 
 /// Where panels are written.
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +93,8 @@ pub(super) unsafe fn pack<V: Vectors>(
 /// Rows ahead that sources are asked for.
 const ROWS_AHEAD: usize = 6;
 
-/// [`pack`] from N sources stored by rows, which have all of the area. Whether they are `SCALED`.
+/// Does [`pack`] from N sources stored by rows, which have all of the area; `SCALED` sources have a
+/// scale.
 #[inline(always)]
 unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
     sources: &[Source<'_, V::Scalar>; N],
@@ -142,13 +144,11 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
                 }
             }
         }
-        if past_caches {
-            V::fence();
-        }
+        finish_stores(past_caches);
     }
 }
 
-/// A vector of the sum of the sources, whose rows and scales begin at `rows` and `scales`.
+/// Returns a vector of the sum of the sources, whose rows and scales begin at `rows` and `scales`.
 #[inline(always)]
 unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
     sources: &[Source<'_, V::Scalar>; N],
@@ -178,7 +178,7 @@ unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
     }
 }
 
-/// As [`pack_rows`], for any number of sources.
+/// Does [`pack_rows`] for any number of sources.
 #[inline(always)]
 unsafe fn pack_many_rows<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
@@ -210,14 +210,14 @@ unsafe fn pack_many_rows<V: Vectors>(
     }
 }
 
-/// The same columns some rows further down.
+/// Returns the address of the same columns some rows further down.
 #[inline(always)]
 fn ahead_of<T>(source: &Source<'_, T>, row: usize, col: usize) -> *const T {
     let down = (row + ROWS_AHEAD) as isize * source.matrix.row_stride();
     source.matrix.as_ptr().wrapping_offset(down).wrapping_add(col)
 }
 
-/// [`pack`] for edges and for sources stored in any way.
+/// Does [`pack`] for edges and for sources stored in any way.
 #[inline(always)]
 unsafe fn pack_elements<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],

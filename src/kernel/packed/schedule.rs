@@ -46,7 +46,7 @@ pub(crate) fn scratch_len<T: Real>(
 /// Chunks in memory at a time.
 const BUFFERS: usize = 2;
 
-/// The next `len` scalars on a cache line of their own.
+/// Takes the next `len` scalars of the arena, from the start of a cache line on.
 pub(super) fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
     let piece = arena.take(len + line_len::<T>());
     let skipped = piece.as_ptr().align_offset(CACHE_LINE).min(line_len::<T>());

@@ -28,7 +28,8 @@ pub(super) trait Vectors {
     /// # Safety
     /// `to` points to room for [`Vectors::LANES`] scalars.
     unsafe fn store(to: *mut Self::Scalar, vector: Self::Vector);
-    /// Stores past the caches, in no order with other stores before [`Vectors::fence`].
+    /// Stores past the caches: other threads may see the vector only after
+    /// [`finish_stores`](crate::kernel::finish_stores).
     ///
     /// # Safety
     /// As for [`Vectors::store`]; `to` is aligned to a vector.
@@ -36,8 +37,6 @@ pub(super) trait Vectors {
         // SAFETY: the caller's promise.
         unsafe { Self::store(to, vector) }
     }
-    /// Orders the stores past the caches before every later store.
-    fn fence() {}
     /// The mask of the lanes whose bits are set; bits beyond the lanes do not matter.
     ///
     /// # Safety

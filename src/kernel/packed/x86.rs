@@ -45,11 +45,6 @@ macro_rules! vectors {
                 unsafe { $stream(to, vector) }
             }
             #[inline(always)]
-            fn fence() {
-                // SAFETY: every x86-64 CPU has the instruction.
-                unsafe { _mm_sfence() }
-            }
-            #[inline(always)]
             unsafe fn mask(bits: u64) -> $m {
                 // SAFETY: the caller's promise.
                 unsafe { $mask(bits) }

@@ -197,7 +197,8 @@ impl Reader {
             let vertex = integer(word)?;
             let count = self.draft.vertices.len();
             let known = u32::try_from(vertex).ok().filter(|&v| (v as usize) < count);
-            let wrong = || format!("vertex {vertex} is out of range: {count}, numbered from 0");
+            let wrong =
+                || format!("vertex {vertex} is out of range: {count} vertices, numbered from 0");
             push(&mut self.polygon, known.ok_or_else(wrong)?)?;
         }
         let line = tokens.source.line();

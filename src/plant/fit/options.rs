@@ -101,7 +101,8 @@ pub(super) fn check(
     for Mark { node, heights } in &measured.marks {
         Error::check_shape("heights of a mark", (count, 1), (heights.len(), 1))?;
         if *node >= plant.len() {
-            let why = format!("node {node} is out of range: {}, numbered from 0", plant.len());
+            let why =
+                format!("node {node} is out of range: {} nodes, numbered from 0", plant.len());
             return Err(Error::Argument { what: "mark", why });
         }
     }

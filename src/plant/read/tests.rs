@@ -25,8 +25,12 @@ fn the_reference_format_is_read() {
     refusal("verts 1\n0,0,0,x,.002,0\nedges 0\n", at, "plant.txt:2: z: \"x\"");
     refusal("verts 1\n3,0,0,1,.002,0\nedges 0\n", at, "the next id must be 0, is 3");
     refusal("vertices 1\n", at, "`verts COUNT`");
-    refusal("verts 1\n0,0,0,1,-1,0\nedges 0\n", at, "plant.txt: node 0: radius must be");
-    refusal("verts 0\nedges 0\n", at, "nodes, has 0");
+    refusal(
+        "verts 1\n0,0,0,1,-1,0\nedges 0\n",
+        at,
+        "plant.txt: node 0: radius must be positive and finite, is -1",
+    );
+    refusal("verts 0\nedges 0\n", at, "must have 1 to 2^32 - 2 nodes, has 0");
     refusal("verts 1\n0,0,0,1,1,0\nedges 0\n0,0\n", at, "more than the announced 0 edges");
 }
 
@@ -34,8 +38,12 @@ fn the_reference_format_is_read() {
 fn swc_is_read() {
     let text = "# a plant\n5 3 0 0 .1 .002 -1\n9 3 0 0 .2 .002 5\n7 7 .1 0 .2 .002 5\n";
     is_the_little_plant(&read_bytes(text.as_bytes(), PlantFormat::Swc).unwrap());
-    refusal("1 3 0 0 0 1 2\n", PlantFormat::Swc, "node 2, a parent");
-    refusal("1 3 0 0 0 1 -1\n1 3 0 0 1 1 1\n", PlantFormat::Swc, "swc:2: node 1 occurs twice");
+    refusal("1 3 0 0 0 1 2\n", PlantFormat::Swc, "node 2, a parent, does not exist");
+    refusal(
+        "1 3 0 0 0 1 -1\n1 3 0 0 1 1 1\n",
+        PlantFormat::Swc,
+        "plant.swc:2: node 1 occurs twice",
+    );
     refusal("1 3 0 0 0 1 -1\n2 3 0 0 1 1 -1\n", PlantFormat::Swc, "node 1: is isolated");
 }
 
@@ -65,7 +73,7 @@ fn polylines_of_obj_are_read() {
     assert_eq!([0, 1, 2].map(|v| plant.parent(v)), [None, Some(0), Some(0)]);
     assert_eq!(plant.segments().iter().map(|s| s.leaf).collect::<Vec<_>>(), [false, true, true]);
     refusal("v 0 0 0\nv 0 0 1\nl 1 3\n", PlantFormat::Obj, "plant.obj:3: \"3\" is none of the 2");
-    refusal("v 0 0 0\n", PlantFormat::Obj, "no line");
+    refusal("v 0 0 0\n", PlantFormat::Obj, "no line (`l`)");
     refusal("v 0 0 0\nf 1 1 1\n", PlantFormat::Obj, "a face");
 }
 

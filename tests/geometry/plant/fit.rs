@@ -138,7 +138,7 @@ fn measurements_that_tell_nothing_are_named() {
         d.seconds.truncate(3);
         d.weights.truncate(3);
     });
-    says(&few, FitOptions::new(), "are 3");
+    says(&few, FitOptions::new(), "must be at least 4, are 3");
     says(&changed(&|d| d.weights[2] = f64::NAN), FitOptions::new(), "weights");
     says(&changed(&|d| d.weights.fill(1.0)), FitOptions::new(), "lost no water");
     says(&changed(&|d| d.heights = vec![1.0]), FitOptions::new(), "heights");
@@ -201,5 +201,5 @@ fn heights_of_marks_tell_the_steepness_of_each_part() {
     let mut wrong = measured.clone();
     wrong.marks[0].node = 90;
     let error = fit(&plant, &wrong, &start).unwrap_err().to_string();
-    assert!(error.contains("node 90 is out of range"), "{error}");
+    assert!(error.contains("node 90 is out of range: 90 nodes"), "{error}");
 }

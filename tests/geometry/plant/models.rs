@@ -194,9 +194,9 @@ fn arguments_out_of_range_are_named() {
     let mut model = WaterModel::new(&plant, &WaterOptions::default()).unwrap();
     let says =
         |error: catamaran::Error, part: &str| assert!(error.to_string().contains(part), "{error}");
-    says(model.set_loss(-1.0).unwrap_err(), "loss: must be");
+    says(model.set_loss(-1.0).unwrap_err(), "loss: must be finite and at least 0, is -1");
     says(model.weaken(0, 0.5).unwrap_err(), "node 0 is the root");
-    says(model.cut(3).unwrap_err(), "node 3 is out of range");
+    says(model.cut(3).unwrap_err(), "node 3 is out of range: 3 nodes");
     says(model.water_after(&[1.0], 1.0, Par::Seq).unwrap_err(), "water: expected 3 x 1");
     says(model.water_after(&[1.0, f64::NAN, 1.0], 1.0, Par::Seq).unwrap_err(), "row 1");
     says(model.water_after(&[1.0; 3], -1.0, Par::Seq).unwrap_err(), "seconds");

@@ -230,10 +230,16 @@ fn arguments_out_of_range_are_named() {
     says(Rods::new(&plant, &wrong).unwrap_err(), "poisson");
     let mut rods = Rods::new(&plant, &RodOptions::default()).unwrap();
     says(rods.set_state(&[1.0; 2], &[0.0; 3]).unwrap_err(), "moduli");
-    says(rods.set_state(&[1.0, 0.0, 1.0], &[0.0; 3]).unwrap_err(), "moduli: must be");
+    says(
+        rods.set_state(&[1.0, 0.0, 1.0], &[0.0; 3]).unwrap_err(),
+        "moduli: must be positive and finite, is 0",
+    );
     says(rods.set_state(&[1.0; 3], &[f64::NAN; 3]).unwrap_err(), "water");
     let pose = rods.rest_pose();
-    says(Motion::new(&rods, &pose, &MotionOptions::default()).unwrap_err(), "segment 0 must have");
+    says(
+        Motion::new(&rods, &pose, &MotionOptions::default()).unwrap_err(),
+        "segment 0 must have a positive mass, has 0 kg",
+    );
 }
 
 #[test]

@@ -65,7 +65,8 @@ impl Content {
     ) -> Checked<Vec<[f64; N]>> {
         let views = &self.document.buffer_views;
         let (index, view) = (view, views.get(view));
-        let view = view.ok_or_else(|| format!("view {index} is out of range: {}", views.len()))?;
+        let view =
+            view.ok_or_else(|| format!("view {index} is out of range: {} views", views.len()))?;
         let bytes = self.bytes(view).ok_or_else(|| format!("view {index} is beyond its buffer"))?;
         let size = component_size(layout.component)
             .ok_or_else(|| format!("unknown component type {}", layout.component))?;

@@ -123,7 +123,9 @@ impl Reader<'_, '_, '_> {
                 };
                 let found = self.content.values::<1>(indices)?.into_iter().map(inside);
                 let found: std::result::Result<Vec<u32>, f64> = found.collect();
-                found.map_err(|number| format!("vertex {number} is out of range: {vertices}"))?
+                found.map_err(|number| {
+                    format!("vertex {number} is out of range: {vertices} vertices")
+                })?
             }
             None => (first..first + vertices as u32).collect(),
         };
