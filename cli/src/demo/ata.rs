@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use catamaran::ata::{Node, verify};
 use catamaran::base::{Real, Rng};
 use catamaran::blas;
@@ -11,8 +11,10 @@ use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
+use minijinja::context;
+use minijinja::value::Value;
 
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use super::{OTHERS, OWN, Site, task_tree};
 use crate::picture;
 use crate::progress::Bar;
@@ -38,6 +40,17 @@ struct Outcome {
     seconds: f64,
     error: f64,
     passed: bool,
+}
+
+impl Outcome {
+    /// Effective GFLOP/s for a square matrix of this side.
+    fn rate(&self, side: usize) -> String {
+        format!("{:.1}", self.gflops(side))
+    }
+
+    fn gflops(&self, side: usize) -> f64 {
+        (side as f64).powi(3) / self.seconds / 1e9
+    }
 }
 
 /// Computes and describes it.
@@ -79,97 +92,57 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     }
     let scale = picture::write(site.file("ata.png")?, c.rb(), |i, j| (i, j))?;
     drop(bar);
-    Ok(describe(&outcomes, side, scale))
+    describe(&outcomes, side, scale)
 }
 
-fn describe(outcomes: &[Outcome], side: usize, scale: picture::Scale) -> Station {
-    let rate = |o: &Outcome| (side as f64).powi(3) / o.seconds / 1e9;
+fn describe(outcomes: &[Outcome], side: usize, scale: picture::Scale) -> Result<Station> {
+    let auto = outcomes.iter().find(|o| o.name == "auto").context("no automatic plan")?;
     let classical = outcomes.iter().find(|o| o.name == "classical").map_or(1.0, |o| o.error);
-    let auto = outcomes.iter().find(|o| o.name == "auto");
-    let rows = outcomes.iter().map(|o| {
-        vec![
-            format!("<code>{}</code>", o.name),
-            about(o.name).into(),
-            format!("{:.1}", o.seconds * 1e3),
-            format!("{:.1}", rate(o)),
-            format!("{:.1e}", o.error),
-            format!("{:.2}", o.error / classical),
-            if o.passed { "passed".into() } else { "<b>failed</b>".to_owned() },
-        ]
-    });
-    let bars: Vec<ChartBar> = outcomes
-        .iter()
-        .map(|o| ChartBar {
-            name: o.name.into(),
-            value: rate(o),
-            label: format!("{:.1}", rate(o)),
-            color: if o.name == "auto" { OWN } else { OTHERS },
-        })
-        .collect();
-    let low = if scale == picture::Scale::Diverging { "&minus;1" } else { "0" };
-    let threads = Par::all().threads();
-    Station {
-        id: "ata",
-        title: "A<sup>T</sup>A",
-        text: format!(
-            "<p>{side} sensors along a line record {side} samples of what a few dozen sources \
-             send, each source heard in one or two neighbourhoods, with noise on top. One product, \
-             C = A<sup>T</sup>A, compares every sensor with every other.</p>"
-        ),
-        numbers: auto
-            .map(|o| {
-                vec![
-                    (format!("{side} &times; {side}"), "A, in double precision"),
-                    (format!("{:.0} ms", o.seconds * 1e3), "for C, automatic plan"),
-                    (format!("{:.1}", rate(o)), "effective GFLOP/s (m n&sup2; / time)"),
-                    (threads.to_string(), if threads == 1 { "thread" } else { "threads" }),
-                ]
-            })
-            .unwrap_or_default(),
-        figures: vec![
-            Figure {
-                body: format!(
-                    "<img src=\"ata.png\" width=\"1024\" height=\"1024\" alt=\"Heat map of C\">\n\
-                     <div class=\"legend\"><span>{low}</span><i style=\"background:{}\"></i>\
-                     <span>1</span></div>",
-                    scale.css()
-                ),
-                caption: "C, scaled to a unit diagonal. Sensors that hear the same source agree \
-                          (red) or oppose each other (blue); the patches away from the diagonal are \
-                          sources heard in two places."
-                    .into(),
-                wide: false,
-            },
-            Figure {
-                body: task_tree::draw(&Node::symmetric(side, PROCESSES), side, PROCESSES),
-                caption: format!(
-                    "Who computes what, for {PROCESSES} processes: every leaf of the task tree owns \
-                     one block of the lower triangle, so nobody waits for anybody. Half of the \
-                     processes take the square below the diagonal, which is half of the work."
-                ),
-                wide: false,
-            },
-            Figure {
-                body: draw_bars(&bars, "effective GFLOP/s"),
-                caption: "Effective rate of each scheme: m n&sup2; / time, whatever the number of \
-                          multiplications it really does. Longer is faster."
-                    .into(),
-                wide: true,
-            },
-        ],
-        tables: vec![Table {
-            caption: format!(
-                "Best of {RUNS} runs; fast schemes asked for by name go down to blocks of {LEAF}. \
-                 The error is the largest one in {CHECKED_ROWS} rows of C against twice the working \
-                 precision; the check is that of <code>--verify</code>, which a wrong C passes with \
-                 a probability of \
-                 2<sup>&minus;{ROUNDS}</sup>."
-            ),
-            head: vec!["scheme", "", "ms", "GFLOP/s", "max error", "&times; classical", "check"],
-            text_columns: 2,
-            rows: rows.collect(),
-        }],
+    let rows = outcomes.iter().map(|o| row(o, side, classical));
+    let values = context! {
+        side,
+        auto => context! {
+            milliseconds => format!("{:.0}", auto.seconds * 1e3),
+            rate => auto.rate(side),
+        },
+        threads => Par::all().threads(),
+        legend => context! {
+            low => if scale == picture::Scale::Diverging { "&minus;1" } else { "0" },
+            colors => scale.css(),
+        },
+        task_tree => task_tree::draw(&Node::symmetric(side, PROCESSES), side, PROCESSES),
+        processes => PROCESSES,
+        rates => chart_of_rates(outcomes, side),
+        runs => RUNS,
+        leaf => LEAF,
+        checked_rows => CHECKED_ROWS,
+        rounds => ROUNDS,
+        outcomes => rows.collect::<Vec<_>>(),
+    };
+    Station::new("ata", "A<sup>T</sup>A", include_str!("stations/ata.html"), values)
+}
+
+/// A row of the table; `classical` is the error of the classical scheme.
+fn row(outcome: &Outcome, side: usize, classical: f64) -> Value {
+    context! {
+        name => outcome.name,
+        about => about(outcome.name),
+        milliseconds => format!("{:.1}", outcome.seconds * 1e3),
+        rate => outcome.rate(side),
+        error => format!("{:.1e}", outcome.error),
+        to_classical => format!("{:.2}", outcome.error / classical),
+        passed => outcome.passed,
     }
+}
+
+fn chart_of_rates(outcomes: &[Outcome], side: usize) -> String {
+    let bar = |o: &Outcome| ChartBar {
+        name: o.name.into(),
+        value: o.gflops(side),
+        label: o.rate(side),
+        color: if o.name == "auto" { OWN } else { OTHERS },
+    };
+    draw_bars(&outcomes.iter().map(bar).collect::<Vec<_>>(), "effective GFLOP/s")
 }
 
 fn about(name: &str) -> &'static str {

@@ -9,9 +9,10 @@ use catamaran::curve::{
     Curve, CurveOptions, CurveSolver, Drawing, Mode, Reconstruction, Region, Side, cut, same_order,
 };
 use catamaran::mesh::{Components, Graph, TriMesh, families};
+use minijinja::context;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::picture::{Paint, Panel, Scene, Up, View, render, with_curves};
 
 type Rgb = [u8; 3];
@@ -42,6 +43,26 @@ struct Line {
     closed: usize,
     ordered: usize,
     seconds: f64,
+}
+
+impl Line {
+    fn sum(self, other: &Self) -> Self {
+        Self {
+            runs: self.runs + other.runs,
+            closed: self.closed + other.closed,
+            ordered: self.ordered + other.ordered,
+            seconds: self.seconds + other.seconds,
+        }
+    }
+
+    fn per_cent(&self, part: usize) -> String {
+        format!("{:.0}", 100.0 * part as f64 / self.runs.max(1) as f64)
+    }
+
+    /// Of one run.
+    fn milliseconds(&self) -> f64 {
+        1e3 * self.seconds / self.runs.max(1) as f64
+    }
 }
 
 /// Computes and describes it.
@@ -83,7 +104,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     }
     drop(bar);
     regions(site)?;
-    Ok(describe(&mesh, &lines, shown.unwrap_or_default()))
+    describe(&mesh, &lines, shown.unwrap_or_default())
 }
 
 /// Two selections of a few samples each, what sets make of them, and the mesh in pieces.
@@ -192,65 +213,29 @@ fn picture(
     render(&scene)?.write_png(site.file("curves.png")?)
 }
 
-fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Station {
-    let all = |mode: usize| {
-        lines.iter().fold(Line::default(), |sum, line| Line {
-            runs: sum.runs + line[mode].runs,
-            closed: sum.closed + line[mode].closed,
-            ordered: sum.ordered + line[mode].ordered,
-            seconds: sum.seconds + line[mode].seconds,
-        })
-    };
-    let per_cent = |part: usize, line: &Line| {
-        format!("{:.0} %", 100.0 * part as f64 / line.runs.max(1) as f64)
-    };
-    let (robust, mut rows) = (all(1), Vec::new());
-    for (line, k) in lines.iter().zip(SIZES) {
+fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Result<Station> {
+    let robust = lines.iter().fold(Line::default(), |sum, [_, robust]| sum.sum(robust));
+    let mut rows = Vec::new();
+    for (line, samples) in lines.iter().zip(SIZES) {
         for (line, mode) in line.iter().zip(["faithful, l = 5", "robust"]) {
-            rows.push(vec![
-                mode.to_owned(),
-                k.to_string(),
-                per_cent(line.closed, line),
-                per_cent(line.ordered, line),
-                format!("{:.1} ms", 1e3 * line.seconds / line.runs.max(1) as f64),
-            ]);
+            rows.push(context! {
+                mode,
+                samples,
+                closed => line.per_cent(line.closed),
+                ordered => line.per_cent(line.ordered),
+                milliseconds => format!("{:.1}", line.milliseconds()),
+            });
         }
     }
-    Station {
-        id: "curves",
-        title: "Curves through samples",
-        text: "<p>Samples of a closed curve on a surface, in no order. Going from one to the next (the thesis' algorithm) \
-               can end in a corner that the curve itself has closed; deciding the order of all first, and then letting \
-               paths give way to one another, can't. What curves enclose is \
-               a region: selected, combined, cut out.</p>"
-            .into(),
-        numbers: vec![
-            (mesh.vertices().len().to_string(), "vertices of the surface"),
-            (path.to_string(), "vertices of the curve that is shown"),
-            (per_cent(robust.closed, &robust), "of the robust mode's curves are closed"),
-            (
-                format!("{:.0} ms", 1e3 * robust.seconds / robust.runs.max(1) as f64),
-                "for one of them",
-            ),
-        ],
-        figures: vec![Figure {
-            body: "<img src=\"curves.png\" alt=\"Samples on a torus and two curves through them\" width=\"100%\">".into(),
-            caption: format!("{SHOWN} samples of a curve, and what the two modes make of them."),
-            wide: true,
-        }, Figure {
-            body: "<img src=\"regions.png\" alt=\"Two selections on a torus, combined, and the \
-                   torus in pieces\" width=\"100%\">"
-                .into(),
-            caption: "Two selections of eight samples each: their union, intersection and difference, \
-                      and the surface cut along both."
-                .into(),
-            wide: true,
-        }],
-        tables: vec![Table {
-            caption: "Curves of the generator, evenly sampled: closed ones, and those in the right order.".into(),
-            head: vec!["mode", "samples", "closed", "right order", "time"],
-            text_columns: 1,
-            rows,
-        }],
-    }
+    let values = context! {
+        vertices => mesh.vertices().len(),
+        path,
+        robust => context! {
+            closed => robust.per_cent(robust.closed),
+            milliseconds => format!("{:.0}", robust.milliseconds()),
+        },
+        shown => SHOWN,
+        lines => rows,
+    };
+    Station::new("curves", "Curves through samples", include_str!("stations/curves.html"), values)
 }

@@ -3,16 +3,18 @@
 
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::decimate::{
     DecimateOptions, Decimation, Difference, FarthestPoints, Method, Quality, decimate,
 };
 use catamaran::mesh::{TriMesh, families};
+use minijinja::context;
+use minijinja::value::Value;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::picture::{PLAIN, Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
@@ -63,7 +65,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     };
     render(&scene)?.write_png(site.file("decimated.png")?)?;
     drop(bar);
-    Ok(describe(&mesh, &outcomes))
+    describe(&mesh, &outcomes)
 }
 
 fn panel<'a>(mesh: &'a TriMesh, paint: Paint<'a>, title: &'a str) -> Panel<'a> {
@@ -85,65 +87,29 @@ fn cells(site: &Site<'_>, mesh: &TriMesh) -> Result<()> {
     render(&scene)?.write_png(site.file("farthest.png")?)
 }
 
-fn describe(mesh: &TriMesh, outcomes: &[Outcome]) -> Station {
-    let picture =
-        |name: &str, alt: &str| format!("<img src=\"{name}\" alt=\"{alt}\" width=\"100%\">");
-    let last = outcomes.last();
-    let vertices = last.map_or(0, |outcome| outcome.found.mesh.vertices().len());
-    Station {
-        id: "decimate",
-        title: "Decimation",
-        text: "<p>A mesh with one vertex in a hundred, of triangles that are nearly equal: samples far from each other, \
-               the dual of their cells as faces, vertices moved to the middle of their faces over the surface. The number \
-               of vertices is exact, and components, boundary and handles are those of the input.</p>"
-            .into(),
-        numbers: vec![
-            (mesh.vertices().len().to_string(), "vertices before"),
-            (vertices.to_string(), "after"),
-            (last.map_or_else(String::new, |o| format!("{:.0} ms", o.seconds * 1e3)), "default"),
-            (
-                last.map_or_else(String::new, |o| format!("{:.3}", o.quality.mean_quality)),
-                "mean quality of triangles (1: equilateral)",
-            ),
-        ],
-        figures: vec![
-            Figure {
-                body: picture("farthest.png", "Distances from farthest points"),
-                caption: "Distances along edges from farthest points: each new one is where they are largest.".into(),
-                wide: true,
-            },
-            Figure {
-                body: picture("decimated.png", "The decimated figure"),
-                caption: "Every three-cycle of cells a face, as the thesis has it, and the default.".into(),
-                wide: true,
-            },
-        ],
-        tables: vec![Table {
-            caption: "Uniformity, and the distance of either surface from the other's vertices.".into(),
-            head: vec![
-                "method",
-                "faces",
-                "mean quality",
-                "variation of areas",
-                "non-manifold edges",
-                "Hausdorff",
-                "time",
-            ],
-            text_columns: 1,
-            rows: outcomes
-                .iter()
-                .map(|o| {
-                    vec![
-                        o.name.into(),
-                        o.found.mesh.faces().len().to_string(),
-                        format!("{:.3}", o.quality.mean_quality),
-                        format!("{:.3}", o.quality.area_variation),
-                        o.quality.non_manifold_edges.to_string(),
-                        format!("{:.3}", o.difference.hausdorff),
-                        format!("{:.0} ms", o.seconds * 1e3),
-                    ]
-                })
-                .collect(),
-        }],
+fn describe(mesh: &TriMesh, outcomes: &[Outcome]) -> Result<Station> {
+    let default = outcomes.last().context("no method")?;
+    let values = context! {
+        vertices => mesh.vertices().len(),
+        default => context! {
+            vertices => default.found.mesh.vertices().len(),
+            ..row(default)
+        },
+        outcomes => outcomes.iter().map(row).collect::<Vec<_>>(),
+    };
+    Station::new("decimate", "Decimation", include_str!("stations/decimate.html"), values)
+}
+
+/// A row of the table.
+fn row(outcome: &Outcome) -> Value {
+    let Outcome { name, found, quality, difference, seconds } = outcome;
+    context! {
+        name => *name,
+        faces => found.mesh.faces().len(),
+        mean_quality => format!("{:.3}", quality.mean_quality),
+        area_variation => format!("{:.3}", quality.area_variation),
+        non_manifold_edges => quality.non_manifold_edges,
+        hausdorff => format!("{:.3}", difference.hausdorff),
+        milliseconds => format!("{:.0}", seconds * 1e3),
     }
 }

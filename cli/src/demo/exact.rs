@@ -11,8 +11,10 @@ use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::int8::Isa;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice};
 use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
+use minijinja::context;
+use minijinja::value::Value;
 
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use super::{OTHERS, OWN, Site, ata};
 use crate::picture;
 use crate::progress::{self, Bar};
@@ -127,7 +129,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     }
     let changes = changes(a)?;
     drop(bar);
-    Ok(describe(&outcomes, &changes, side, scale))
+    describe(&outcomes, &changes, side, scale)
 }
 
 /// The lower triangle of A^T A.
@@ -182,139 +184,78 @@ fn describe(
     changes: &[Change],
     side: usize,
     scale: picture::Scale,
-) -> Station {
+) -> Result<Station> {
     let [classical, _, exact, _] = outcomes else { unreachable!("one outcome a way") };
     let isa = Isa::best();
-    let ratio = exact.seconds / classical.seconds;
-    let speed = match isa {
-        Isa::Amx => format!(
-            "The matrix tiles of this CPU (<code>amx</code>) compute it in {ratio:.2} of the time of \
-             the classical one; the larger the matrix, the better for them."
-        ),
-        _ => format!(
-            "This machine has no AMX, whose matrix tiles make it the faster way: through \
-             <code>{}</code> it takes {ratio:.1} times as long as the classical one here, and is \
-             worth asking for (<code>--reproducible</code>, <code>--accuracy max</code>) for its \
-             bytes and its errors only.",
-            isa.name()
-        ),
-    };
+    let has_tiles = isa == Isa::Amx;
+    let time_ratio = exact.seconds / classical.seconds;
+    let digits = if has_tiles { 2 } else { 1 };
     let total = entries(side);
     let most = |of: fn(&Change) -> usize| changes.iter().map(of).max().unwrap_or(0);
-    let percent = |count: usize| match count {
-        0 => "0".to_owned(),
-        count => format!("{count} ({:.0} %)", 100.0 * count as f64 / total as f64),
-    };
-    let unit = "u |a<sub>i</sub>| |a<sub>j</sub>|";
-    let figure = |o: &Outcome| Figure {
-        body: format!(
-            "<img src=\"{}\" width=\"512\" height=\"512\" alt=\"Heat map of errors, {}\">\n\
-             <div class=\"legend\"><span>2<sup>&minus;{}</sup></span>\
-             <i style=\"background:{}\"></i><span>2<sup>{HIGH}</sup></span></div>",
-            o.way.picture,
-            o.way.name,
-            -LOW,
-            scale.css()
-        ),
-        caption: match o.way.picture {
-            "error-classical.png" => format!(
-                "Classical: the error of each entry of C, in units of {unit} (u = \
-                 2<sup>&minus;53</sup>). Every sum is rounded {side} times, and the larger its \
-                 terms, the more."
-            ),
-            "error-13.png" => "Exact, N = 13, in the same colours: the rounding of the columns to \
-                               integers hides everything else."
-                .into(),
-            "error-14.png" => "Exact, N = 14: that is a fourteenth of it, and the rounding of the \
-                               largest entries shows."
-                .into(),
-            _ => "Exact, N = 15: what remains is the rounding of each entry of C, in steps where \
-                  its exponent changes."
-                .to_owned(),
+    let values = context! {
+        side,
+        isa => isa.name(),
+        has_tiles,
+        time_ratio => format!("{time_ratio:.digits$}"),
+        most_changed => context! {
+            exact => most(|c| c.exact),
+            classical => format!("{:.0}", percent(most(|c| c.classical), total)),
         },
-        wide: false,
+        error_ratio => format!("{:.1}", classical.largest / exact.largest),
+        milliseconds => format!("{:.0}", exact.seconds * 1e3),
+        low => -LOW,
+        high => HIGH,
+        colors => scale.css(),
+        largest_errors => chart_of_errors(outcomes, exact.way),
+        cores => available_cores(),
+        entries => total,
+        changes => changes.iter().map(|c| row_of_change(c, total)).collect::<Vec<_>>(),
+        runs => RUNS,
+        outcomes => outcomes.iter().map(|o| row_of_errors(o, classical)).collect::<Vec<_>>(),
     };
-    let bars: Vec<ChartBar> = outcomes
-        .iter()
-        .map(|o| ChartBar {
-            name: o.way.name.into(),
-            value: o.largest,
-            label: format!("{:.2}", o.largest),
-            color: if o.way.picture == exact.way.picture { OWN } else { OTHERS },
-        })
-        .collect();
-    let bars = Figure {
-        body: draw_bars(&bars, "largest error, in units of u |a_i| |a_j|"),
-        caption:
-            "Largest error of all entries. Shorter is better; a correctly rounded C would have \
-                  1 at most."
-                .into(),
-        wide: true,
+    let template = include_str!("stations/exact.html");
+    Station::new("exact", "Exact A<sup>T</sup>A", template, values)
+}
+
+/// The largest error of each way, with one of them in the foreground.
+fn chart_of_errors(outcomes: &[Outcome], foreground: &Way) -> String {
+    let bar = |o: &Outcome| ChartBar {
+        name: o.way.name.into(),
+        value: o.largest,
+        label: format!("{:.2}", o.largest),
+        color: if o.way.picture == foreground.picture { OWN } else { OTHERS },
     };
-    Station {
-        id: "exact",
-        title: "Exact A<sup>T</sup>A",
-        text: format!(
-            "<p>Sums in floating point depend on their order. The exact path rounds every column of \
-             A to integers, multiplies those modulo N numbers of 8 bits, puts the products together \
-             by the Chinese remainder theorem, and rounds once more: nothing between is rounded, so \
-             nothing depends on the order of the work. Here {side} samples of {side} sensors, as \
-             above, are multiplied both ways.</p>\n<p>{speed}</p>"
-        ),
-        numbers: vec![
-            (most(|c| c.exact).to_string(), "entries of the exact C that another order changes"),
-            (
-                format!("{:.0} %", 100.0 * most(|c| c.classical) as f64 / total as f64),
-                "of those of the classical C",
-            ),
-            (
-                format!("{:.1} &times;", classical.largest / exact.largest),
-                "the largest error, classical over exact (N = 14)",
-            ),
-            (format!("{:.0} ms", exact.seconds * 1e3), "for the exact C (N = 14)"),
-        ],
-        figures: outcomes.iter().map(figure).chain([bars]).collect(),
-        tables: vec![
-            Table {
-                caption: format!(
-                    "Entries with other bytes than in the product on all {} cores of A column by \
-                     column, of {total} in the lower triangle. Threads, layout and CPU never change \
-                     a byte of the exact C; the order of the rows does when it takes the norm of a \
-                     column, known to about a millionth, across a step of the scale.",
-                    available_cores()
-                ),
-                head: vec!["", "classical", "exact, N = 14"],
-                text_columns: 1,
-                rows: changes
-                    .iter()
-                    .map(|c| vec![c.name.clone(), percent(c.classical), percent(c.exact)])
-                    .collect(),
-            },
-            Table {
-                caption: format!(
-                    "Errors of all entries against integer arithmetic in 128 bits, which A allows: \
-                     it is rounded to multiples of 2<sup>&minus;56</sup>. In units of {unit}. Times \
-                     are the best of {RUNS}, with <code>{}</code>.",
-                    isa.name()
-                ),
-                head: vec!["", "", "max error", "rms error", "ms", "&times; classical"],
-                text_columns: 2,
-                rows: outcomes
-                    .iter()
-                    .map(|o| {
-                        vec![
-                            o.way.name.into(),
-                            o.way.about.into(),
-                            format!("{:.3}", o.largest),
-                            format!("{:.4}", o.typical),
-                            format!("{:.1}", o.seconds * 1e3),
-                            format!("{:.2}", o.seconds / classical.seconds),
-                        ]
-                    })
-                    .collect(),
-            },
-        ],
+    let bars: Vec<_> = outcomes.iter().map(bar).collect();
+    draw_bars(&bars, "largest error, in units of u |a_i| |a_j|")
+}
+
+/// A row of the table of changes, of `total` entries.
+fn row_of_change(change: &Change, total: usize) -> Value {
+    let shown = |count: usize| match count {
+        0 => "0".to_owned(),
+        count => format!("{count} ({:.0} %)", percent(count, total)),
+    };
+    context! {
+        name => &change.name,
+        classical => shown(change.classical),
+        exact => shown(change.exact),
     }
+}
+
+/// A row of the table of errors.
+fn row_of_errors(outcome: &Outcome, classical: &Outcome) -> Value {
+    context! {
+        name => outcome.way.name,
+        about => outcome.way.about,
+        largest => format!("{:.3}", outcome.largest),
+        typical => format!("{:.4}", outcome.typical),
+        milliseconds => format!("{:.1}", outcome.seconds * 1e3),
+        to_classical => format!("{:.2}", outcome.seconds / classical.seconds),
+    }
+}
+
+fn percent(part: usize, total: usize) -> f64 {
+    100.0 * part as f64 / total as f64
 }
 
 /// Rows and columns of the lower triangle.

@@ -5,9 +5,11 @@ use catamaran::faer::linalg::solvers::{Llt, Qr, SolveCore, SolveLstsqCore};
 use catamaran::faer::{Conj, Mat, MatRef, Side};
 use catamaran::gram::{LeastSquaresOptions, lstsq};
 use catamaran_charts::{Axis, Chart, Rgb, Series, svg};
+use minijinja::context;
+use minijinja::value::Value;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::progress::Bar;
 
 /// Points t = 0, 1, ... of the polynomials.
@@ -51,7 +53,7 @@ pub fn station(_: &Site<'_>) -> Result<Station> {
         bar.step(degree as f64 / MOST as f64)?;
     }
     drop(bar);
-    Ok(describe(&fits))
+    describe(&fits)
 }
 
 /// The polynomial with coefficients 1 through its own values (as NIST's data set Wampler1).
@@ -86,7 +88,26 @@ fn ours(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     Ok(Some(lstsq(a, b, None, &LeastSquaresOptions::new())?.coefficients))
 }
 
-fn describe(fits: &[Fit]) -> Station {
+fn describe(fits: &[Fit]) -> Result<Station> {
+    let row = |fit: &Fit| {
+        context! {
+            degree => fit.degree,
+            condition => format!("{:.1e}", fit.condition),
+            digits => correct_digits(&fit.errors),
+        }
+    };
+    let values = context! {
+        last_point => POINTS - 1,
+        // Of the highest degree.
+        digits => fits.last().map(|fit| correct_digits(&fit.errors)),
+        errors => chart_of_errors(fits),
+        fits => fits.iter().map(row).collect::<Vec<_>>(),
+    };
+    let template = include_str!("stations/gram.html");
+    Station::new("gram", "Least squares from A<sup>T</sup>A", template, values)
+}
+
+fn chart_of_errors(fits: &[Fit]) -> String {
     let curve = |(k, way): (usize, &Way)| {
         let error = |fit: &Fit| Some((fit.degree as f64, fit.errors[k]?.clamp(NO_ERROR, 1.0)));
         Series::curve(way.name, way.color, fits.iter().filter_map(error).collect())
@@ -96,53 +117,15 @@ fn describe(fits: &[Fit]) -> Station {
         Axis::log10("largest relative error"),
         WAYS.iter().enumerate().map(curve).collect(),
     );
-    let shown = |error: Option<f64>| match error {
+    svg(&[chart])
+}
+
+/// Correct decimal digits in each way, from its error.
+fn correct_digits(errors: &[Option<f64>; WAYS.len()]) -> Value {
+    let [normal_equations, qr, ours] = errors.map(|error| match error {
         None => "breaks down".into(),
         Some(0.0) => "all".into(),
         Some(error) => format!("{:.1}", (-error.log10()).max(0.0)),
-    };
-    // Of the highest degree.
-    let [normal, by_qr, own] = fits.last().map_or(Default::default(), |fit| fit.errors.map(shown));
-    Station {
-        id: "gram",
-        title: "Least squares from A<sup>T</sup>A",
-        text: format!(
-            "<p>Textbooks warn of the normal equations A<sup>T</sup>A x = A<sup>T</sup>b: forming \
-             A<sup>T</sup>A squares the condition number, and half of the digits are lost. That is \
-             the rounding of A<sup>T</sup>A. Here the exact path keeps A<sup>T</sup>A to 159 bits, \
-             and its solution has more correct digits than that of QR; the rows can be in a file or \
-             spread over machines (<code>catamaran lstsq</code>).</p>\n\
-             <p>Polynomials with all coefficients 1 are fitted to their values at t = 0, 1, ..., \
-             {}, which are whole numbers: the solution is known exactly, and the columns 1, t, \
-             t<sup>2</sup>, ... get closer to each other with every degree.</p>",
-            POINTS - 1
-        ),
-        numbers: vec![
-            (own, "correct digits of all coefficients of degree 11, ours"),
-            (by_qr, "those of QR in double precision"),
-            (normal, "those of the normal equations in double precision"),
-        ],
-        figures: vec![Figure {
-            body: svg(&[chart]),
-            caption: "The largest relative error of a coefficient. Lower is better; no error is \
-                      drawn as half a unit roundoff, and more than 1 as 1."
-                .into(),
-            wide: true,
-        }],
-        tables: vec![Table {
-            caption:
-                "Correct decimal digits of the worst coefficient, and an estimate of the condition \
-                      number of A."
-                    .into(),
-            head: vec!["degree", "condition", "normal equations", "QR", "ours"],
-            text_columns: 0,
-            rows: fits
-                .iter()
-                .map(|fit| {
-                    let number = [fit.degree.to_string(), format!("{:.1e}", fit.condition)];
-                    number.into_iter().chain(fit.errors.map(shown)).collect()
-                })
-                .collect(),
-        }],
-    }
+    });
+    context! { normal_equations, qr, ours }
 }

@@ -1,6 +1,6 @@
 //! `catamaran demo`: a page with one station per system. A station is a function that computes
-//! something, writes its pictures into the folder and returns what the page says about it; a new
-//! one is a new file here and a line in [`STATIONS`].
+//! something, writes its pictures into the folder and fills its numbers into its part of the page,
+//! a template in `stations/`; a new one is a new file here, one there and a line in [`STATIONS`].
 
 mod ata;
 mod curves;

@@ -9,9 +9,11 @@ use catamaran::mesh::families;
 use catamaran::texture::newton::{
     Fractal, Grid, Newton, NewtonOptions, Points, Polynomial, root_color,
 };
+use minijinja::context;
+use minijinja::value::Value;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::newton::{colors, surfaces};
 use crate::picture::{Image, Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
@@ -28,7 +30,7 @@ const POWERS: [u32; 4] = [3, 5, 7, 16];
 /// Computes and describes it.
 pub fn station(site: &Site<'_>) -> Result<Station> {
     let bar = Bar::new("newton");
-    let points = surface(site)?;
+    let vertices = surface(site)?;
     bar.step(0.4)?;
     let newton = power(5, 0.0)?;
     let plane = Points::Grid(Grid::plane(SHOWN, SHOWN, [0.0; 2], 3.0));
@@ -36,43 +38,24 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     Image::from_pixels(SHOWN as usize, colors(&newton, &fractal))
         .write_png(site.file("newton-plane.png")?)?;
     bar.step(0.6)?;
-    let volume = volume(site)?;
+    let triangles = volume(site)?;
     bar.step(0.7)?;
     let size = if site.small { SMALL_SIZE } else { SIZE };
-    let rows = POWERS.iter().map(|&n| row(n, size)).collect::<Result<Vec<_>>>()?;
+    let times = POWERS.iter().map(|&n| row(n, size)).collect::<Result<Vec<_>>>()?;
     drop(bar);
-    let picture = |name: &str, caption: &str, wide| Figure {
-        body: format!("<img src=\"{name}\" alt=\"{caption}\" width=\"100%\">"),
-        caption: caption.into(),
-        wide,
+    let values = context! {
+        vertices,
+        most_roots => POWERS.map(roots).last(),
+        triangles,
+        size,
+        times,
     };
-    Ok(Station {
-        id: "newton",
-        title: "Newton's fractals in four dimensions",
-        text: "<p>A point of a surface, with a fourth coordinate that may be the time, is a bicomplex number; Newton's method \
-               takes it to one of the n<sup>2</sup> roots of z<sup>n</sup> = 1. In the idempotent basis that is two complex \
-               iterations side by side, of multiplications alone, and the number of the root is read off two angles.</p>"
-            .into(),
-        numbers: vec![
-            (points.to_string(), "vertices of the surface"),
-            (rows.last().map_or_else(String::new, |row| row[1].clone()), "roots of the largest power below"),
-        ],
-        figures: vec![
-            picture("newton.png", "z^3 = 1 on a torus: which root; how slowly it is found; which root, at w = 0.4.", true),
-            picture("newton-plane.png", "z^5 = 1 on the plane, darker where it takes longer.", false),
-            picture("newton-volume.png", &volume, false),
-        ],
-        tables: vec![Table {
-            caption: format!("{size} x {size} points of the plane, 32 iterations, all cores, without OpenCL."),
-            head: vec!["power", "roots", "time", "million points a second"],
-            text_columns: 0,
-            rows,
-        }],
-    })
+    let template = include_str!("stations/newton.html");
+    Station::new("newton", "Newton's fractals in four dimensions", template, values)
 }
 
-/// Draws a basin in space; what is seen.
-fn volume(site: &Site<'_>) -> Result<String> {
+/// Draws a basin in space; the number of triangles around it.
+fn volume(site: &Site<'_>) -> Result<usize> {
     let newton = power(3, 0.0)?;
     let grid = Grid::cube(if site.small { 48 } else { 160 }, 3.0);
     let fractal = newton.evaluate(Points::Grid(grid), Par::all(), Progress::none())?;
@@ -82,10 +65,7 @@ fn volume(site: &Site<'_>) -> Result<String> {
     let panel = Panel { mesh: &file.mesh, paint: Paint::Colors(&colors), view, title: "" };
     let scene = Scene { panels: vec![panel], size: (700, 700), ..Scene::default() };
     render(&scene)?.write_png(site.file("newton-volume.png")?)?;
-    Ok(format!(
-        "The basin of one root of z^3 = 1 in a cube: a closed surface of {} triangles.",
-        file.mesh.faces().len()
-    ))
+    Ok(file.mesh.faces().len())
 }
 
 fn power(n: u32, w: f64) -> Result<Newton> {
@@ -120,17 +100,22 @@ fn surface(site: &Site<'_>) -> Result<usize> {
 }
 
 /// A row of the table.
-fn row(n: u32, size: u32) -> Result<Vec<String>> {
+fn row(n: u32, size: u32) -> Result<Value> {
     let newton = power(n, 0.0)?;
     let points = Points::Grid(Grid::plane(size, size, [0.0; 2], 3.0));
     let start = Instant::now();
     newton.evaluate(points, Par::all(), Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     let rate = f64::from(size) * f64::from(size) / seconds / 1e6;
-    Ok(vec![
-        n.to_string(),
-        (n * n).to_string(),
-        format!("{:.1} ms", 1e3 * seconds),
-        format!("{rate:.1}"),
-    ])
+    Ok(context! {
+        power => n,
+        roots => roots(n),
+        milliseconds => format!("{:.1}", 1e3 * seconds),
+        rate => format!("{rate:.1}"),
+    })
+}
+
+/// The number of roots of z^n = 1 among bicomplex numbers.
+fn roots(n: u32) -> u32 {
+    n * n
 }

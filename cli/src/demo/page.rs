@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Result;
 use catamaran::base::{VERSION, available_cores};
 use minijinja::value::{Serde, Value};
-use minijinja::{Environment, context};
+use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
 use serde::Serialize;
 
 use crate::info::cpu_model;
@@ -13,45 +13,34 @@ use crate::info::cpu_model;
 /// Tells a page of ours from other people's.
 pub const MARKER: &str = r#"<meta name="generator" content="catamaran demo">"#;
 
-/// What one system shows. Texts are HTML.
+/// What one system shows. Title and body are HTML.
 #[derive(Serialize)]
 pub struct Station {
     /// Name of its anchor.
-    pub id: &'static str,
+    id: &'static str,
     /// Heading.
-    pub title: &'static str,
-    /// A paragraph or two.
-    pub text: String,
-    /// Headline numbers: value and what it is.
-    pub numbers: Vec<(String, &'static str)>,
-    /// Pictures.
-    pub figures: Vec<Figure>,
-    /// Tables.
-    pub tables: Vec<Table>,
+    title: &'static str,
+    /// Text, headline numbers, figures and tables.
+    body: String,
 }
 
-/// A picture and what it shows.
-#[derive(Serialize)]
-pub struct Figure {
-    /// `<svg>` or `<img>`.
-    pub body: String,
-    /// One or two sentences.
-    pub caption: String,
-    /// As wide as the page, not half.
-    pub wide: bool,
-}
-
-/// A table; numbers are aligned right in all columns but those named.
-#[derive(Serialize)]
-pub struct Table {
-    /// One sentence.
-    pub caption: String,
-    /// Column headings.
-    pub head: Vec<&'static str>,
-    /// How many of the first columns hold text.
-    pub text_columns: usize,
-    /// Cells, row by row.
-    pub rows: Vec<Vec<String>>,
+impl Station {
+    /// Fills `values` into the template of a station.
+    ///
+    /// # Errors
+    /// If the template is malformed, or prints a value that is missing.
+    pub fn new(
+        id: &'static str,
+        title: &'static str,
+        template: &str,
+        values: Value,
+    ) -> Result<Self> {
+        let mut templates = Environment::new();
+        templates.set_undefined_behavior(UndefinedBehavior::Strict);
+        // Charts and some of the texts among the values are HTML.
+        templates.set_auto_escape_callback(|_| AutoEscape::None);
+        Ok(Self { id, title, body: templates.render_named_str(id, template, values)? })
+    }
 }
 
 /// Returns the whole page.

@@ -8,9 +8,11 @@ use catamaran::base::Progress;
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{Bdf6, Start, Tissue, WaterModel, WaterOptions};
 use catamaran_charts::svg;
+use minijinja::context;
+use minijinja::value::Value;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::progress::Bar;
 use crate::wilt::{Simulation, Weather, chart, draw_strip, simulate};
 
@@ -56,43 +58,19 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let left = |run: &Simulation| {
         run.water.last().map_or(0.0, |w| w.iter().sum::<f64>()) / run.full.iter().sum::<f64>()
     };
-    let picture = |name: &str, caption: String| Figure {
-        body: format!("<img src=\"{name}\" alt=\"{caption}\" width=\"100%\">"),
-        caption,
-        wide: true,
+    let values = context! {
+        water_left => format!("{:.0}", 100.0 * left(&dry)),
+        seconds => format!("{seconds:.2}"),
+        iterations => dry.iterations.max(cut.iterations),
+        nodes,
+        water => svg(&[chart(&plant, &dry)]),
+        times,
     };
-    Ok(Station {
-        id: "plant",
-        title: "Plants that wilt",
-        text: "<p>Leaves lose water, the stem passes on what it has, and the stiffness of every piece follows from what is \
-               left in it. The water comes from an elimination that takes a few nanoseconds a node and never subtracts; the \
-               pose is the one in which elastic energy and weight are in balance.</p>"
-            .into(),
-        numbers: vec![
-            (format!("{:.0} %", 100.0 * left(&dry)), "of the water left after 48 hours"),
-            (format!("{seconds:.2} s"), "for all frames, water and poses"),
-            (format!("{}", dry.iterations.max(cut.iterations)), "Newton iterations a pose, at most"),
-        ],
-        figures: vec![
-            picture("wilting.png", format!("A plant of {nodes} nodes in 48 hours of drought. Colours: relative water content.")),
-            picture("cut.png", "The same with a stem that passes no water, by days and nights.".into()),
-            Figure {
-                body: svg(&[chart(&plant, &dry)]),
-                caption: "Relative water content of leaves, stem and all; thin lines are single nodes.".into(),
-                wide: false,
-            },
-        ],
-        tables: vec![Table {
-            caption: "Time of the water, all cores.".into(),
-            head: vec!["nodes", "a step of BDF6, ms", "any time at once, ms"],
-            text_columns: 0,
-            rows: times,
-        }],
-    })
+    Station::new("plant", "Plants that wilt", include_str!("stations/plant.html"), values)
 }
 
 /// A row of the table: a step, and an evaluation at some time.
-fn times(nodes: usize) -> Result<Vec<String>> {
+fn times(nodes: usize) -> Result<Value> {
     const STEPS: usize = 10;
     let plant = grow(&GrowthOptions::new().nodes(nodes))?;
     let model = WaterModel::new(&plant, &WaterOptions::default())?;
@@ -105,5 +83,9 @@ fn times(nodes: usize) -> Result<Vec<String>> {
     let start = Instant::now();
     model.water_after(&full, 3e4, Par::all())?;
     let evaluation = start.elapsed().as_secs_f64();
-    Ok(vec![nodes.to_string(), format!("{:.3}", 1e3 * step), format!("{:.2}", 1e3 * evaluation)])
+    Ok(context! {
+        nodes,
+        step => format!("{:.3}", 1e3 * step),
+        evaluation => format!("{:.2}", 1e3 * evaluation),
+    })
 }

@@ -7,9 +7,10 @@ use catamaran::Par;
 use catamaran::mesh::families;
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
 use catamaran_charts::svg;
+use minijinja::context;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::picture::{Up, View};
 use crate::progress::Bar;
 use crate::slime::{chart, draw};
@@ -21,6 +22,7 @@ const PIXELS: usize = 560;
 pub fn station(site: &Site<'_>) -> Result<Station> {
     let bar = Bar::new("slime");
     let (agents, size, steps) = if site.small { (20_000, 512, 60) } else { (200_000, 1024, 300) };
+    let early = steps / 10;
     let mesh = families::knot(2, 3, 120, 16, 0.45)?;
     let surface = Surface::of_faces(&mesh, atlas(&mesh, size)?)?;
     let options = Options::new()
@@ -39,7 +41,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         all.step(Par::all());
         moments.push(now(&all));
         bar.step(f64::from(step) / f64::from(steps))?;
-        if step == steps / 10 {
+        if step == early {
             draw(&mesh, &all, view, PIXELS)?.write_png(site.file("slime-early.png")?)?;
         }
     }
@@ -47,41 +49,18 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     draw(&mesh, &all, view, PIXELS)?.write_png(site.file("slime.png")?)?;
     drop(bar);
     let lost = usize::from(all.state().check(all.surface()).is_err());
-    let picture = |name: &str, caption: String| Figure {
-        body: format!("<img src=\"{name}\" alt=\"{caption}\" width=\"100%\">"),
-        caption,
-        wide: false,
-    };
-    let rows = all.coverage(Par::all()).into_iter().enumerate().map(|(s, c)| {
+    let species = all.coverage(Par::all()).into_iter().enumerate().map(|(number, c)| {
         let percent = |part: f64| format!("{:.1}", 100.0 * part);
-        vec![format!("{s}"), percent(c.coverage), percent(c.presence)]
+        context! { number, coverage => percent(c.coverage), presence => percent(c.presence) }
     });
-    Ok(Station {
-        id: "slime",
-        title: "Slime moulds",
-        text: "<p>Agents walk straight over the triangles, smell what others left in a texture, and turn towards it. Three species \
-               attract their own kind and repel the others. The mesh has no texture coordinates: each triangle has its own place \
-               in the texture, and pheromone spreads across the seams.</p>"
-            .into(),
-        numbers: vec![
-            (format!("{agents}"), "agents"),
-            (format!("{milliseconds:.1} ms"), "a step, on all cores"),
-            (format!("{lost}"), "agents lost"),
-        ],
-        figures: vec![
-            picture("slime-early.png", format!("After {} steps.", steps / 10)),
-            picture("slime.png", format!("After {steps} steps.")),
-            Figure {
-                body: svg(&[chart(&moments)]),
-                caption: "What the species cover: pheromone, and dashed the part of the surface with any.".into(),
-                wide: false,
-            },
-        ],
-        tables: vec![Table {
-            caption: "In the end, in percent of the surface.".into(),
-            head: vec!["species", "coverage", "presence"],
-            text_columns: 0,
-            rows: rows.collect(),
-        }],
-    })
+    let values = context! {
+        agents,
+        milliseconds => format!("{milliseconds:.1}"),
+        agents_lost => lost,
+        early,
+        steps,
+        coverage => svg(&[chart(&moments)]),
+        species => species.collect::<Vec<_>>(),
+    };
+    Station::new("slime", "Slime moulds", include_str!("stations/slime.html"), values)
 }

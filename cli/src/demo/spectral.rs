@@ -13,9 +13,10 @@ use catamaran::spectral::{
     Basis, Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer,
     relative_errors,
 };
+use minijinja::context;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::picture::{PLAIN, Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
@@ -81,7 +82,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     bar.step(0.8)?;
     let errors = transfer(site, &source, &target)?;
     drop(bar);
-    Ok(describe(&source, seconds, &outcomes, errors))
+    describe(&source, seconds, &outcomes, errors)
 }
 
 const VIEW: View = View { azimuth: 20.0, elevation: 8.0, up: Up::Z, ..View::DEFAULT };
@@ -165,58 +166,28 @@ fn describe(
     seconds: f64,
     outcomes: &[Outcome],
     [by_few, by_products]: [f64; 2],
-) -> Station {
+) -> Result<Station> {
     let (k, order) = TRANSFER;
-    let picture =
-        |name: &str, alt: &str| format!("<img src=\"{name}\" alt=\"{alt}\" width=\"100%\">");
     let per_cent = |error: f64| format!("{:.1} %", 100.0 * error);
-    Station {
-        id: "spectral",
-        title: "Spectra and products",
-        text: format!(
-            "<p>The eigenfunctions of the Laplacian are the vibrations of a surface. The first {K} are quickly had; \
-             their products, made orthogonal, say as much as many hundreds of eigenfunctions would, which are not.</p>"
-        ),
-        numbers: vec![
-            (pose.mesh.vertices().len().to_string(), "vertices"),
-            (format!("{:.0} ms", seconds * 1e3), "for Laplacian and eigenfunctions"),
-            (format!("{:.0e}", pose.residual), "largest residual of an eigenpair"),
-            (outcomes.last().map_or(0, |o| o.functions).to_string(), "orthogonal products"),
-        ],
-        figures: vec![
-            Figure {
-                body: picture("eigenfunctions.png", "Four eigenfunctions on a figure"),
-                caption: format!(
-                    "Eigenfunctions {}, from low to high: red above zero, blue below.",
-                    SHOWN.map(|i| i.to_string()).join(", ")
-                ),
-                wide: true,
-            },
-            Figure {
-                body: picture("rebuilt.png", "The figure in three bases"),
-                caption: "The coordinates of the figure as functions on it, and what is left of them in each basis."
-                    .into(),
-                wide: true,
-            },
-            Figure {
-                body: picture("transfer.png", "An eigenfunction transferred to another pose"),
-                caption: format!(
-                    "Eigenfunction {HIGH}, carried to another pose by a functional map of {k} eigenfunctions, which \
-                     hold nothing of it (error {}), and by products of up to {order} of the same ({}).",
-                    per_cent(by_few),
-                    per_cent(by_products)
-                ),
-                wide: true,
-            },
-        ],
-        tables: vec![Table {
-            caption: "Mean error of the coordinates, relative to their norm.".into(),
-            head: vec!["basis", "functions", "error"],
-            text_columns: 1,
-            rows: outcomes
-                .iter()
-                .map(|o| vec![o.name.clone(), o.functions.to_string(), per_cent(o.error)])
-                .collect(),
-        }],
-    }
+    let row = |o: &Outcome| {
+        context! { name => &o.name, functions => o.functions, error => per_cent(o.error) }
+    };
+    let values = context! {
+        multiplied => K,
+        vertices => pose.mesh.vertices().len(),
+        milliseconds => format!("{:.0}", seconds * 1e3),
+        residual => format!("{:.0e}", pose.residual),
+        products => outcomes.last().map_or(0, |o| o.functions),
+        shown => SHOWN,
+        transfer => context! {
+            high => HIGH,
+            k,
+            order,
+            by_few => per_cent(by_few),
+            by_products => per_cent(by_products),
+        },
+        outcomes => outcomes.iter().map(row).collect::<Vec<_>>(),
+    };
+    let template = include_str!("stations/spectral.html");
+    Station::new("spectral", "Spectra and products", template, values)
 }

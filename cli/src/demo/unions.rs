@@ -9,9 +9,10 @@ use catamaran::mesh::{LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion};
 use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
+use minijinja::context;
 
 use super::Site;
-use super::page::{Figure, Station, Table};
+use super::page::Station;
 use crate::picture::{Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
@@ -67,41 +68,20 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let error = |values: &dyn Fn(usize) -> f64| {
         100.0 * (0..K).map(|i| (values(i) / truth[i] - 1.0).abs()).sum::<f64>() / K as f64
     };
-    let rows = SHOWN
-        .iter()
-        .map(|&i| {
-            let cells = [parts[0][i - 1], parts[1][i - 1], found[i - 1], truth[i - 1]];
-            std::iter::once(i.to_string()).chain(cells.map(|x| format!("{x:.2}"))).collect()
-        })
-        .collect();
-    Ok(Station {
-        id: "unions",
-        title: "Spectral unions",
-        text: "<p>The frequencies of two parts of a body, which may be in two poses, are all that is known. From these alone a network predicts \
-               those of the union: never above those of a part, as the mathematics of drums demands, by construction. It also says where the union is \
-               on a figure that it knows.</p>"
-            .into(),
-        numbers: vec![
-            (format!("{:.1} %", error(&|i| found[i])), "mean error of the predicted eigenvalues"),
-            (
-                format!("{:.0} %", error(&|i| parts[0][i].min(parts[1][i]))),
-                "that of the smaller ones of the parts",
-            ),
-            (format!("{:.0} us", 1e6 * seconds), "for a prediction"),
-            (format!("{ood_score:.2}"), "out-of-distribution score; above 1 the prediction is unreliable"),
-        ],
-        figures: vec![Figure {
-            body: "<img src=\"unions.png\" alt=\"Two parts of a figure in two poses, their union, and where it is found\" width=\"100%\">".into(),
-            caption: "Two parts of a figure that is not in the training, each in a pose of its own, and their union; last where the network finds it, from 40 numbers.".into(),
-            wide: true,
-        }],
-        tables: vec![Table {
-            caption: "Dirichlet eigenvalues.".into(),
-            head: vec!["number", "first part", "second part", "predicted union", "true union"],
-            text_columns: 0,
-            rows,
-        }],
-    })
+    let row = |&i: &usize| {
+        let cells = [parts[0][i - 1], parts[1][i - 1], found[i - 1], truth[i - 1]];
+        std::iter::once(i.to_string()).chain(cells.map(|x| format!("{x:.2}"))).collect()
+    };
+    let values = context! {
+        errors => context! {
+            predicted => format!("{:.1}", error(&|i| found[i])),
+            smaller_of_parts => format!("{:.0}", error(&|i| parts[0][i].min(parts[1][i]))),
+        },
+        microseconds => format!("{:.0}", 1e6 * seconds),
+        ood_score => format!("{ood_score:.2}"),
+        eigenvalues => SHOWN.iter().map(row).collect::<Vec<Vec<_>>>(),
+    };
+    Station::new("unions", "Spectral unions", include_str!("stations/unions.html"), values)
 }
 
 /// The vertices between two shares of the height.

@@ -104,64 +104,27 @@ pub fn syrk<T: Scalar>(
     let Spelling { prefix, suffix, convention, wide } = spelling;
     let routine = if T::IS_COMPLEX { "herk" } else { "syrk" };
     let f = symbol(&format!("{prefix}{}{routine}{suffix}", T::NAME));
-    let op = match (trans, T::IS_COMPLEX) {
+    let trans_a = match (trans, T::IS_COMPLEX) {
         (false, _) => Trans::No,
         (true, false) => Trans::Transposed,
         (true, true) => Trans::Conjugated,
     };
-    let (n, k) = if trans { (a.cols, a.rows) } else { (a.rows, a.cols) };
-    let (alpha, beta) = (T::real(alpha), T::real(beta));
+    let sides = if trans { [a.cols, a.rows] } else { [a.rows, a.cols] };
     with_integer!(wide, Int, {
-        let [n, k, lda, ldc] = [n, k, a.leading, c.leading].map(|x| x as Int);
+        let call = Syrk {
+            part,
+            trans: trans_a,
+            by_rows: c.by_rows,
+            sides: sides.map(|x| x as Int),
+            factors: [alpha, beta].map(T::real),
+            a: Operand { data: a.data.as_ptr(), leading: a.leading as Int },
+            c: Target { data: c.data.as_mut_ptr(), leading: c.leading as Int },
+        };
         // SAFETY: the signatures of BLAS; the matrices have the sides and leading dimensions named.
         unsafe {
             match convention {
-                Convention::Fortran => {
-                    type F<S, T, I> = unsafe extern "C" fn(
-                        *const u8,
-                        *const u8,
-                        *const I,
-                        *const I,
-                        *const S,
-                        *const T,
-                        *const I,
-                        *const S,
-                        *mut T,
-                        *const I,
-                    );
-                    let f = std::mem::transmute::<*mut c_void, F<T::Real, T, Int>>(f);
-                    let (uplo, trans) = (letter(part), letter_trans(op));
-                    f(
-                        &uplo,
-                        &trans,
-                        &n,
-                        &k,
-                        &alpha,
-                        a.data.as_ptr(),
-                        &lda,
-                        &beta,
-                        c.data.as_mut_ptr(),
-                        &ldc,
-                    );
-                }
-                Convention::Cblas => {
-                    type F<S, T, I> =
-                        unsafe extern "C" fn(i32, i32, i32, I, I, S, *const T, I, S, *mut T, I);
-                    let f = std::mem::transmute::<*mut c_void, F<T::Real, T, Int>>(f);
-                    f(
-                        order(c.by_rows),
-                        number(part),
-                        number_trans(op),
-                        n,
-                        k,
-                        alpha,
-                        a.data.as_ptr(),
-                        lda,
-                        beta,
-                        c.data.as_mut_ptr(),
-                        ldc,
-                    );
-                }
+                Convention::Fortran => call.fortran(f),
+                Convention::Cblas => call.cblas(f),
             }
         }
     });
@@ -180,126 +143,248 @@ pub fn gemm<T: Scalar, O: Into<Trans> + Copy>(
     let f = symbol(&format!("{prefix}{}{routine}{suffix}", T::NAME));
     let [(a, trans_a), (b, trans_b)] = sides.map(|(matrix, trans)| (matrix, trans.into()));
     let k = if trans_a.transposes() { a.rows } else { a.cols };
-    let [alpha, beta] = [alpha, beta].map(|x| T::of(T::factor(x)));
-    let (ta, tb) = (letter_trans(trans_a), letter_trans(trans_b));
-    let (pa, pb, pc) = (a.data.as_ptr(), b.data.as_ptr(), c.data.as_mut_ptr());
     with_integer!(wide, Int, {
-        let sides = [c.rows, c.cols, k, a.leading, b.leading, c.leading];
-        let [m, n, k, lda, ldb, ldc] = sides.map(|x| x as Int);
+        let call = Gemm {
+            part,
+            trans: [trans_a, trans_b],
+            by_rows: c.by_rows,
+            sides: [c.rows, c.cols, k].map(|x| x as Int),
+            factors: [alpha, beta].map(|x| T::of(T::factor(x))),
+            a: Operand { data: a.data.as_ptr(), leading: a.leading as Int },
+            b: Operand { data: b.data.as_ptr(), leading: b.leading as Int },
+            c: Target { data: c.data.as_mut_ptr(), leading: c.leading as Int },
+        };
         // SAFETY: as in `syrk`.
         unsafe {
             match convention {
-                Convention::Fortran if part == Part::All => {
-                    type F<T, I> = unsafe extern "C" fn(
-                        *const u8,
-                        *const u8,
-                        *const I,
-                        *const I,
-                        *const I,
-                        *const T,
-                        *const T,
-                        *const I,
-                        *const T,
-                        *const I,
-                        *const T,
-                        *mut T,
-                        *const I,
-                        usize,
-                        usize,
-                    );
-                    let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                    f(&ta, &tb, &m, &n, &k, &alpha, pa, &lda, pb, &ldb, &beta, pc, &ldc, 1, 1);
-                }
-                Convention::Fortran => {
-                    type F<T, I> = unsafe extern "C" fn(
-                        *const u8,
-                        *const u8,
-                        *const u8,
-                        *const I,
-                        *const I,
-                        *const T,
-                        *const T,
-                        *const I,
-                        *const T,
-                        *const I,
-                        *const T,
-                        *mut T,
-                        *const I,
-                        usize,
-                        usize,
-                        usize,
-                    );
-                    let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                    let uplo = letter(part);
-                    f(
-                        &uplo, &ta, &tb, &n, &k, &alpha, pa, &lda, pb, &ldb, &beta, pc, &ldc, 1, 1,
-                        1,
-                    );
-                }
-                Convention::Cblas => {
-                    let order = order(c.by_rows);
-                    let (ta, tb) = (number_trans(trans_a), number_trans(trans_b));
-                    if T::IS_COMPLEX {
-                        type F<T, I> = unsafe extern "C" fn(
-                            i32,
-                            i32,
-                            i32,
-                            I,
-                            I,
-                            I,
-                            *const T,
-                            *const T,
-                            I,
-                            *const T,
-                            I,
-                            *const T,
-                            *mut T,
-                            I,
-                        );
-                        let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                        f(order, ta, tb, m, n, k, &alpha, pa, lda, pb, ldb, &beta, pc, ldc);
-                    } else if part == Part::All {
-                        type F<T, I> = unsafe extern "C" fn(
-                            i32,
-                            i32,
-                            i32,
-                            I,
-                            I,
-                            I,
-                            T,
-                            *const T,
-                            I,
-                            *const T,
-                            I,
-                            T,
-                            *mut T,
-                            I,
-                        );
-                        let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                        f(order, ta, tb, m, n, k, alpha, pa, lda, pb, ldb, beta, pc, ldc);
-                    } else {
-                        type F<T, I> = unsafe extern "C" fn(
-                            i32,
-                            i32,
-                            i32,
-                            i32,
-                            I,
-                            I,
-                            T,
-                            *const T,
-                            I,
-                            *const T,
-                            I,
-                            T,
-                            *mut T,
-                            I,
-                        );
-                        let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                        let uplo = number(part);
-                        f(order, uplo, ta, tb, n, k, alpha, pa, lda, pb, ldb, beta, pc, ldc);
-                    }
-                }
+                Convention::Fortran if part == Part::All => call.fortran(f),
+                Convention::Fortran => call.fortran_triangle(f),
+                Convention::Cblas if T::IS_COMPLEX => call.cblas_complex(f),
+                Convention::Cblas if part == Part::All => call.cblas(f),
+                Convention::Cblas => call.cblas_triangle(f),
             }
         }
     });
+}
+
+/// A matrix that a routine reads.
+struct Operand<T, I> {
+    data: *const T,
+    leading: I,
+}
+
+/// A matrix that a routine writes.
+struct Target<T, I> {
+    data: *mut T,
+    leading: I,
+}
+
+/// The arguments of `syrk` or `herk`, with integers of type `I`.
+struct Syrk<T: Scalar, I> {
+    part: Part,
+    trans: Trans,
+    by_rows: bool,
+    /// n and k.
+    sides: [I; 2],
+    /// alpha and beta.
+    factors: [T::Real; 2],
+    a: Operand<T, I>,
+    c: Target<T, I>,
+}
+
+impl<T: Scalar, I: Copy> Syrk<T, I> {
+    /// # Safety
+    /// `f` is the routine of Fortran for `T` and `I`, and the matrices have their sides.
+    unsafe fn fortran(&self, f: *mut c_void) {
+        type F<S, T, I> = unsafe extern "C" fn(
+            *const u8,
+            *const u8,
+            *const I,
+            *const I,
+            *const S,
+            *const T,
+            *const I,
+            *const S,
+            *mut T,
+            *const I,
+        );
+        let Self { sides: [n, k], factors: [alpha, beta], a, c, .. } = self;
+        let (uplo, trans) = (letter(self.part), letter_trans(self.trans));
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T::Real, T, I>>(f);
+            f(&uplo, &trans, n, k, alpha, a.data, &a.leading, beta, c.data, &c.leading);
+        }
+    }
+
+    /// # Safety
+    /// `f` is the routine of CBLAS for `T` and `I`, and the matrices have their sides.
+    unsafe fn cblas(&self, f: *mut c_void) {
+        type F<S, T, I> = unsafe extern "C" fn(i32, i32, i32, I, I, S, *const T, I, S, *mut T, I);
+        let Self { sides: [n, k], factors: [alpha, beta], ref a, ref c, .. } = *self;
+        let (order, uplo) = (order(self.by_rows), number(self.part));
+        let trans = number_trans(self.trans);
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T::Real, T, I>>(f);
+            f(order, uplo, trans, n, k, alpha, a.data, a.leading, beta, c.data, c.leading);
+        }
+    }
+}
+
+/// The arguments of `gemm` or of a product of which a triangle is computed, with integers of type
+/// `I`.
+struct Gemm<T, I> {
+    part: Part,
+    /// Of A and B.
+    trans: [Trans; 2],
+    by_rows: bool,
+    /// m, n and k.
+    sides: [I; 3],
+    /// alpha and beta.
+    factors: [T; 2],
+    a: Operand<T, I>,
+    b: Operand<T, I>,
+    c: Target<T, I>,
+}
+
+impl<T: Scalar, I: Copy> Gemm<T, I> {
+    /// # Safety
+    /// `f` is the routine of Fortran for `T` and `I`, and the matrices have their sides.
+    unsafe fn fortran(&self, f: *mut c_void) {
+        type F<T, I> = unsafe extern "C" fn(
+            *const u8,
+            *const u8,
+            *const I,
+            *const I,
+            *const I,
+            *const T,
+            *const T,
+            *const I,
+            *const T,
+            *const I,
+            *const T,
+            *mut T,
+            *const I,
+            usize,
+            usize,
+        );
+        let Self { sides: [m, n, k], factors: [alpha, beta], a, b, c, .. } = self;
+        let (lda, ldb, ldc) = (&a.leading, &b.leading, &c.leading);
+        let [ta, tb] = self.trans.map(letter_trans);
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
+            f(&ta, &tb, m, n, k, alpha, a.data, lda, b.data, ldb, beta, c.data, ldc, 1, 1);
+        }
+    }
+
+    /// # Safety
+    /// `f` is the routine of Fortran for a triangle, `T` and `I`, and the matrices have their
+    /// sides.
+    unsafe fn fortran_triangle(&self, f: *mut c_void) {
+        type F<T, I> = unsafe extern "C" fn(
+            *const u8,
+            *const u8,
+            *const u8,
+            *const I,
+            *const I,
+            *const T,
+            *const T,
+            *const I,
+            *const T,
+            *const I,
+            *const T,
+            *mut T,
+            *const I,
+            usize,
+            usize,
+            usize,
+        );
+        let Self { sides: [_, n, k], factors: [alpha, beta], a, b, c, .. } = self;
+        let (lda, ldb, ldc) = (&a.leading, &b.leading, &c.leading);
+        let (uplo, [ta, tb]) = (letter(self.part), self.trans.map(letter_trans));
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
+            f(&uplo, &ta, &tb, n, k, alpha, a.data, lda, b.data, ldb, beta, c.data, ldc, 1, 1, 1);
+        }
+    }
+
+    /// # Safety
+    /// `f` is the routine of CBLAS for the complex type `T` and `I`, and the matrices have their
+    /// sides.
+    unsafe fn cblas_complex(&self, f: *mut c_void) {
+        type F<T, I> = unsafe extern "C" fn(
+            i32,
+            i32,
+            i32,
+            I,
+            I,
+            I,
+            *const T,
+            *const T,
+            I,
+            *const T,
+            I,
+            *const T,
+            *mut T,
+            I,
+        );
+        let Self { sides: [m, n, k], factors: [alpha, beta], a, b, c, .. } = self;
+        let (lda, ldb, ldc) = (a.leading, b.leading, c.leading);
+        let (order, [ta, tb]) = (order(self.by_rows), self.trans.map(number_trans));
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
+            f(order, ta, tb, *m, *n, *k, alpha, a.data, lda, b.data, ldb, beta, c.data, ldc);
+        }
+    }
+
+    /// # Safety
+    /// `f` is the routine of CBLAS for the real type `T` and `I`, and the matrices have their
+    /// sides.
+    unsafe fn cblas(&self, f: *mut c_void) {
+        type F<T, I> =
+            unsafe extern "C" fn(i32, i32, i32, I, I, I, T, *const T, I, *const T, I, T, *mut T, I);
+        let Self { sides: [m, n, k], factors: [alpha, beta], a, b, c, .. } = self;
+        let (lda, ldb, ldc) = (a.leading, b.leading, c.leading);
+        let (order, [ta, tb]) = (order(self.by_rows), self.trans.map(number_trans));
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
+            f(order, ta, tb, *m, *n, *k, *alpha, a.data, lda, b.data, ldb, *beta, c.data, ldc);
+        }
+    }
+
+    /// # Safety
+    /// `f` is the routine of CBLAS for a triangle, the real type `T` and `I`, and the matrices
+    /// have their sides.
+    unsafe fn cblas_triangle(&self, f: *mut c_void) {
+        type F<T, I> = unsafe extern "C" fn(
+            i32,
+            i32,
+            i32,
+            i32,
+            I,
+            I,
+            T,
+            *const T,
+            I,
+            *const T,
+            I,
+            T,
+            *mut T,
+            I,
+        );
+        let Self { sides: [_, n, k], factors: [alpha, beta], a, b, c, .. } = self;
+        let (lda, ldb, ldc) = (a.leading, b.leading, c.leading);
+        let (order, uplo) = (order(self.by_rows), number(self.part));
+        let [ta, tb] = self.trans.map(number_trans);
+        // SAFETY: by the contract of this function.
+        unsafe {
+            let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
+            f(order, uplo, ta, tb, *n, *k, *alpha, a.data, lda, b.data, ldb, *beta, c.data, ldc);
+        }
+    }
 }

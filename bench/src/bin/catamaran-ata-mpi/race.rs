@@ -30,102 +30,29 @@ const ROUNDS: u32 = 20;
 /// # Errors
 /// On all ranks if any rank has an error.
 pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool> {
-    let say = |text: &str| {
-        if ranks.own() == ROOT {
-            println!("{text}");
-        }
-    };
-    let mpi = mpi_version();
-    launcher::check(ranks.count(), &mpi)?;
-    // A table that can't take the row is reported before the work, not after it.
-    let check_tables = || {
-        let table = arguments.csv.as_deref();
-        table.map_or(Ok(()), |path| record::check_header(path, Row::HEADER))?;
-        let record = arguments.record.as_deref().map(record::table);
-        record.map_or(Ok(()), |path| record::check_header(&path, Row::HEADER))
-    };
-    ranks.agree(if ranks.own() == ROOT { check_tables() } else { Ok(()) })?;
-    let job = arguments.job(ranks.count());
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build_global();
-    ranks.agree(threads.map_err(Into::into))?;
-    let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
-    let machines = ranks.machines();
-    say(&format!("A         {job}, {}", scalar::<T>()));
-    say(&format!(
-        "ranks     {}, machines: {}, threads of a rank: {}, cores it may use: {}, {mpi}",
-        ranks.count(),
-        machines,
-        job.threads,
-        available_cores()
-    ));
-    say(&peak_line);
-    say(&report::memory_line::<T>(&job, ranks.count()));
-    let cores_needed = ranks.on_this_machine() * job.threads;
-    if ranks.largest(cores_needed as f64 / host::cores() as f64) > 1.0 {
-        say("note      more threads than cores on a machine: times say little");
-    } else if ranks.largest(job.threads as f64 / available_cores() as f64) > 1.0 {
-        say("note      more threads of a rank than cores it may use: mpirun --bind-to, srun -c");
-    }
-    if let Some(note) = report::note_of_faster_mode(&job, ranks.count()) {
-        say(&note);
-    }
+    let setting = Setting::prepare::<T>(arguments, ranks)?;
+    setting.introduce::<T>();
 
+    let job = setting.job;
     let world = World::new(ranks.0)?;
     let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
     // The first run includes the creation of threads and buffers.
     ours.run()?;
-    let load = |path: Option<_>| ranks.agree(Scalapack::<T>::load(path, &mpi, job.threads));
-    let scalapack =
-        arguments.rival.as_ref().map(|rival| load(rival.path.as_deref())).transpose()?;
-    let tell = |distribution: &Distribution, seconds: f64| {
-        if arguments.explain {
-            say(&format!("tried     pdsyrk, {distribution}: {seconds:.6} s"));
-        }
+    let scalapack = setting.load_rival::<T>()?;
+    let seat = scalapack.as_ref().map(|s| setting.find_seat(s)).transpose()?;
+    let mut rival = seat.as_ref().map(|seat| setting.enter(seat)).transpose()?;
+
+    let measured = setting.measure(&world, &mut ours, rival.as_mut())?;
+
+    let verdict = if arguments.check {
+        setting.check(ours, rival.zip(seat.as_ref()), measured.counted.most)?
+    } else {
+        Verdict::default()
     };
-    let seat = |s| fastest(s, ranks, job, tell).map(|best| (best, best.grid(s)));
-    let seat = scalapack.as_ref().map(seat).transpose()?;
-    let enter = seat.as_ref().map(|(best, grid)| ranks.agree(Pdsyrk::new(grid, job, *best)));
-    let mut rival = enter.transpose()?;
-    if let (Some(rival), Some(scalapack), Some((best, _))) = (&mut rival, &scalapack, &seat) {
-        rival.run();
-        say(&format!("rival     pdsyrk, {best}; {}", scalapack.description));
-    }
-
-    say(&format!("\n{}", report::HEADER));
-    let mut measured = Measured::default();
-    for repetition in 1..=usize::from(arguments.repeat) {
-        measured.repeat(repetition, ranks, &world, &mut ours, rival.as_mut())?;
-        say(&measured.line(repetition - 1, &job, peak));
-    }
-    say(&measured.median_line(&job, peak));
-
-    let mut checks = Vec::new();
-    let (mut residual, mut error) = (None, None);
-    if arguments.check {
-        if let Some(verification) = ranks.agree(ours.verify(ROUNDS))? {
-            residual = Some(verification.residual);
-            checks.push(Check {
-                what: format!("residual, {ROUNDS} random vectors"),
-                value: verification.residual,
-                limit: verification.tolerance,
-            });
-        }
-        if let (Some(rival), Some((_, grid))) = (rival, &seat) {
-            let value = difference(&job, ours, rival, grid, ranks)?;
-            error = Some(value);
-            checks.push(Check {
-                what: "difference from pdsyrk over the largest entry".into(),
-                value,
-                limit: T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64,
-            });
-        }
-        checks.extend(checks::of_plan::<T>(&job, ranks.count(), measured.counted.most));
-    }
-    // Rank 0 decides, because only it has all results in every mode.
-    let failed = ranks.own() == ROOT && !checks.iter().all(Check::passed);
-    let passed = ranks.largest(f64::from(u8::from(failed))) == 0.0;
+    let passed = setting.all_passed(&verdict.checks);
     if arguments.explain {
-        say(&format!("\n{}", report::costs(&job, ranks.count(), &measured.counted)));
+        let costs = report::costs(&job, ranks.count(), &measured.counted);
+        setting.say(&format!("\n{costs}"));
     }
     let row = Row {
         job: &job,
@@ -133,32 +60,216 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
         scalar: scalar::<T>(),
         ours: &measured.ours(),
         times: Times::median(&measured.times),
-        peak,
-        rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
-        residual,
-        error,
+        peak: setting.peak,
+        rival: measured.rival().zip(seat.as_ref().map(|seat| seat.distribution.to_string())),
+        residual: verdict.residual,
+        error: verdict.error,
         passed: arguments.check.then_some(passed),
         counted: measured.counted,
     };
-    say(&format!("\n{}", report::summary(&row, &checks)));
-    let write = || -> Result<()> {
+    setting.say(&format!("\n{}", report::summary(&row, &verdict.checks)));
+    let library = seat.as_ref().map_or("none", |seat| seat.library);
+    ranks.agree(on_root(ranks, || setting.write_tables(&row, library, passed)))?;
+    Ok(passed)
+}
+
+/// What holds for the whole race.
+struct Setting<'a> {
+    arguments: &'a Arguments,
+    ranks: &'a Ranks<'a>,
+    job: Job,
+    /// Version of the MPI library.
+    mpi: String,
+    /// Speed limit of all ranks in GFLOP/s.
+    peak: f64,
+    /// The line of the report about it.
+    peak_line: String,
+}
+
+impl<'a> Setting<'a> {
+    /// Checks the launcher and the tables, starts the threads and measures the peak.
+    fn prepare<T: MpiReal>(arguments: &'a Arguments, ranks: &'a Ranks<'a>) -> Result<Self> {
+        let mpi = mpi_version();
+        launcher::check(ranks.count(), &mpi)?;
+        // A table that can't take the row is reported before the work, not after it.
+        ranks.agree(on_root(ranks, || check_tables(arguments)))?;
+        let job = arguments.job(ranks.count());
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build_global();
+        ranks.agree(threads.map_err(Into::into))?;
+        let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
+        Ok(Self { arguments, ranks, job, mpi, peak, peak_line })
+    }
+
+    /// Prints a line of the report, on the root.
+    fn say(&self, text: &str) {
+        if self.ranks.own() == ROOT {
+            println!("{text}");
+        }
+    }
+
+    /// Reports what is about to be measured, and where.
+    fn introduce<T: MpiReal>(&self) {
+        let Self { ranks, job, mpi, .. } = self;
+        let machines = ranks.machines();
+        self.say(&format!("A         {job}, {}", scalar::<T>()));
+        self.say(&format!(
+            "ranks     {}, machines: {}, threads of a rank: {}, cores it may use: {}, {mpi}",
+            ranks.count(),
+            machines,
+            job.threads,
+            available_cores()
+        ));
+        self.say(&self.peak_line);
+        self.say(&report::memory_line::<T>(job, ranks.count()));
+        self.note_too_many_threads();
+        if let Some(note) = report::note_of_faster_mode(job, ranks.count()) {
+            self.say(&note);
+        }
+    }
+
+    fn note_too_many_threads(&self) {
+        let Self { ranks, job, .. } = self;
+        let cores_needed = ranks.on_this_machine() * job.threads;
+        if ranks.largest(cores_needed as f64 / host::cores() as f64) > 1.0 {
+            self.say("note      more threads than cores on a machine: times say little");
+        } else if ranks.largest(job.threads as f64 / available_cores() as f64) > 1.0 {
+            self.say(
+                "note      more threads of a rank than cores it may use: mpirun --bind-to, srun -c",
+            );
+        }
+    }
+
+    /// Loads the rival's library, if the race has a rival.
+    fn load_rival<T: MpiReal>(&self) -> Result<Option<Scalapack<T>>> {
+        let Some(rival) = &self.arguments.rival else { return Ok(None) };
+        let loaded = Scalapack::<T>::load(rival.path.as_deref(), &self.mpi, self.job.threads);
+        self.ranks.agree(loaded).map(Some)
+    }
+
+    /// Tries the rival's distributions and returns the fastest.
+    fn find_seat<'s, T: MpiReal>(&self, scalapack: &'s Scalapack<T>) -> Result<Seat<'s, T>> {
+        let tell = |distribution: &Distribution, seconds: f64| {
+            if self.arguments.explain {
+                self.say(&format!("tried     pdsyrk, {distribution}: {seconds:.6} s"));
+            }
+        };
+        let distribution = fastest(scalapack, self.ranks, self.job, tell)?;
+        let grid = distribution.grid(scalapack);
+        Ok(Seat { distribution, grid, library: &scalapack.description })
+    }
+
+    /// Creates the rival and lets it run once, as ours has.
+    fn enter<'g, T: MpiReal>(&self, seat: &'g Seat<'_, T>) -> Result<Pdsyrk<'g, T>> {
+        let Seat { distribution, grid, library } = seat;
+        let mut rival = self.ranks.agree(Pdsyrk::new(grid, self.job, *distribution))?;
+        rival.run();
+        self.say(&format!("rival     pdsyrk, {distribution}; {library}"));
+        Ok(rival)
+    }
+
+    /// Runs and reports all repetitions.
+    fn measure<T: MpiReal>(
+        &self,
+        world: &World,
+        ours: &mut Ours<'_, T>,
+        mut rival: Option<&mut Pdsyrk<'_, T>>,
+    ) -> Result<Measured> {
+        self.say(&format!("\n{}", report::HEADER));
+        let mut measured = Measured::default();
+        for repetition in 1..=usize::from(self.arguments.repeat) {
+            measured.repeat(repetition, self.ranks, world, ours, rival.as_deref_mut())?;
+            self.say(&measured.line(repetition - 1, &self.job, self.peak));
+        }
+        self.say(&measured.median_line(&self.job, self.peak));
+        Ok(measured)
+    }
+
+    /// Checks our last result, also against the rival's, and the largest cost of a rank against
+    /// the plan.
+    fn check<T: MpiReal>(
+        &self,
+        ours: Ours<'_, T>,
+        rival: Option<(Pdsyrk<'_, T>, &Seat<'_, T>)>,
+        most: Cost,
+    ) -> Result<Verdict> {
+        let Self { ranks, job, .. } = self;
+        let mut verdict = Verdict::default();
+        if let Some(verification) = ranks.agree(ours.verify(ROUNDS))? {
+            verdict.residual = Some(verification.residual);
+            verdict.checks.push(Check {
+                what: format!("residual, {ROUNDS} random vectors"),
+                value: verification.residual,
+                limit: verification.tolerance,
+            });
+        }
+        if let Some((rival, seat)) = rival {
+            let value = difference(job, ours, rival, &seat.grid, ranks)?;
+            verdict.error = Some(value);
+            verdict.checks.push(Check {
+                what: "difference from pdsyrk over the largest entry".into(),
+                value,
+                limit: T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64,
+            });
+        }
+        verdict.checks.extend(checks::of_plan::<T>(job, ranks.count(), most));
+        Ok(verdict)
+    }
+
+    /// Returns whether all checks passed, the same on every rank.
+    fn all_passed(&self, checks: &[Check]) -> bool {
+        // Rank 0 decides, because only it has all results in every mode.
+        let failed = self.ranks.own() == ROOT && !checks.iter().all(Check::passed);
+        self.ranks.largest(f64::from(u8::from(failed))) == 0.0
+    }
+
+    /// Writes the row to the tables of `--csv` and `--record`; `library` describes the rival's.
+    fn write_tables(&self, row: &Row<'_>, library: &str, passed: bool) -> Result<()> {
+        let Self { arguments, mpi, peak_line, .. } = self;
+        let line = row.to_string();
         if let Some(path) = &arguments.csv {
-            record::append(path, Row::HEADER, &row.to_string())?;
-            say(&format!("appended to {}", path.display()));
+            record::append(path, Row::HEADER, &line)?;
+            self.say(&format!("appended to {}", path.display()));
         }
         // Wrong results are not recorded.
         if let Some(name) = arguments.record.as_ref().filter(|_| passed) {
-            let library = scalapack.as_ref().map_or("none", |s| &s.description);
             let about = format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
             let host = host::describe(&[]) + &about;
-            let line = row.to_string();
             let folder = record::put(name, Row::HEADER, Row::KEYS, &line, host, picture::of_table)?;
-            say(&format!("recorded in {}", folder.display()));
+            self.say(&format!("recorded in {}", folder.display()));
         }
         Ok(())
-    };
-    ranks.agree(if ranks.own() == ROOT { write() } else { Ok(()) })?;
-    Ok(passed)
+    }
+}
+
+/// Does `work` on the root only.
+fn on_root(ranks: &Ranks<'_>, work: impl FnOnce() -> Result<()>) -> Result<()> {
+    if ranks.own() == ROOT { work() } else { Ok(()) }
+}
+
+/// Returns an error if the table of `--csv` or `--record` has other columns.
+fn check_tables(arguments: &Arguments) -> Result<()> {
+    let table = arguments.csv.as_deref();
+    table.map_or(Ok(()), |path| record::check_header(path, Row::HEADER))?;
+    let record = arguments.record.as_deref().map(record::table);
+    record.map_or(Ok(()), |path| record::check_header(&path, Row::HEADER))
+}
+
+/// How the rival takes part: its fastest distribution.
+struct Seat<'s, T> {
+    distribution: Distribution,
+    grid: Grid<'s, T>,
+    /// Description of its library.
+    library: &'s str,
+}
+
+/// The results of the checks.
+#[derive(Default)]
+struct Verdict {
+    /// Residual of the random vectors.
+    residual: Option<f64>,
+    /// Largest difference of the two results, relative to the largest entry.
+    error: Option<f64>,
+    checks: Vec<Check>,
 }
 
 /// The measurements of the repetitions.

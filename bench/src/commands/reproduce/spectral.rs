@@ -7,7 +7,7 @@ use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
 use catamaran_bench::spectral::{
-    Case, Known, METHODS, MOST, PRODUCTS, REFINEMENTS, SETTINGS, Shape, Shapes, Table,
+    Case, Frequencies, Known, METHODS, MOST, PRODUCTS, REFINEMENTS, SETTINGS, Shape, Shapes, Table,
     approximated, approximation, cardinality, colours, eigenpowers, filters, frequencies, heat,
     noise, ranks, refinement, sizes, stability, transfer, transferred,
 };
@@ -153,92 +153,140 @@ fn cases(report: &mut Report, shapes: &Shapes) -> Result<()> {
     Ok(())
 }
 
+/// Reproduces theorem 1.1 and figures 1.4 and 1.6.
 fn theory(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
+    powers(report, shapes)?;
+    distances(report, shapes)?;
+    independent_products(report, shapes)
+}
+
+/// Reproduces theorem 1.1.
+fn powers(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
     report.say("**Theorem 1.1**, equation 1.5: the largest relative error over the first 10 eigenfunctions\n");
     report.say("| shape | N = 2 | N = 3 |\n|---|---|---|");
     for shape in shapes {
         let errors = eigenpowers(shape, 10, 3)?;
         report.say(&format!("| {} | {:.1e} | {:.1e} |", shape.name, errors[0], errors[1]));
     }
+    Ok(())
+}
+
+/// Largest order N of the products of figure 1.4.
+const ORDERS: usize = 3;
+/// Number of eigenvalues that are listed for figure 1.4.
+const FARTHEST: usize = 5;
+
+/// Reproduces figure 1.4.
+fn distances(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
     report.say("\n**Figure 1.4**: mean, median and largest distance of the first NK eigenvalues to a product's frequency, per cent\n");
     report.say("| shape | N = 1 | N = 2 | N = 3 |\n|---|---|---|---|");
     let mut farthest = Vec::new();
-    let mut curves = Vec::new();
-    for (s, shape) in shapes.iter().enumerate() {
-        let (found, scatter) = frequencies(shape, 30, 3)?;
-        let cells = found.iter().map(|found| {
-            let most = found.distances.iter().copied().fold(0.0, f64::max);
-            let middle = median(found.distances.clone());
-            format!("{:.4}, {:.4}, {:.3}", 100.0 * found.means()[0], 100.0 * middle, 100.0 * most)
-        });
-        report.say(&format!("| {} | {} |", shape.name, cells.collect::<Vec<_>>().join(" | ")));
-        for (order, found) in found.iter().enumerate().skip(1) {
-            let numbers = found.farthest(FARTHEST);
-            let named = |&i: &usize| {
-                let (distance, expected) = (found.distances[i - 1], found.expected[i - 1]);
-                let (name, order) = (&shape.name, order + 1);
-                report
-                    .lines
-                    .push(format!("figure 1.4 {name},eigenvalue {i},N = {order},{distance:.6},"));
-                format!("{i}: {:.2} ({:.2})", 100.0 * distance, 100.0 * expected)
-            };
-            let cells: Vec<_> = numbers.iter().map(named).collect();
-            let [mean, expected] = found.means();
-            farthest.push(format!(
-                "| {} | {} | {:.4} | {:.4} | {:.0} % | {} |",
-                shape.name,
-                order + 1,
-                100.0 * mean,
-                100.0 * expected,
-                100.0 * found.share(&numbers),
-                cells.join("; ")
-            ));
+    let mut all = Vec::new();
+    for shape in shapes {
+        let (found, scatter) = frequencies(shape, 30, ORDERS)?;
+        let cells: Vec<_> = found.iter().map(cell_of_distances).collect();
+        report.say(&format!("| {} | {} |", shape.name, cells.join(" | ")));
+        for (order, found) in (1..).zip(&found).skip(1) {
+            let product = Product { shape: &shape.name, order, found };
+            report.lines.extend(product.lines());
+            farthest.push(product.row());
         }
-        if s == 0 {
+        if all.is_empty() {
             report.plots.push(scatter);
         }
-        curves.push(found);
+        all.push(found);
     }
     report.say(&format!(
         "\nThe mean distance and that of frequencies scattered by chance, per cent; the {FARTHEST} eigenvalues that are \
          farthest, their share of the mean, and each as number: distance (by chance)\n"
     ));
     report.say("| shape | N | mean | by chance | share | farthest |\n|---|---|---|---|---|---|");
-    farthest.iter().for_each(|line| report.say(line));
-    for order in 1..=2 {
-        let count = curves.first().map_or(0, |found| found[order].distances.len());
-        let mean = |i: usize| {
-            curves.iter().map(|found| found[order].distances[i]).sum::<f64>() / curves.len() as f64
+    farthest.iter().for_each(|row| report.say(row));
+    report.plots.extend((2..=ORDERS).map(|order| plot_of_distances(&all, order)));
+    Ok(())
+}
+
+/// Returns the mean, median and largest distance in per cent.
+fn cell_of_distances(found: &Frequencies) -> String {
+    let most = found.distances.iter().copied().fold(0.0, f64::max);
+    let middle = median(found.distances.clone());
+    format!("{:.4}, {:.4}, {:.3}", 100.0 * found.means()[0], 100.0 * middle, 100.0 * most)
+}
+
+/// The frequencies of the products of order N of a shape.
+struct Product<'a> {
+    shape: &'a str,
+    order: usize,
+    found: &'a Frequencies,
+}
+
+impl Product<'_> {
+    /// Returns the lines of the record for the farthest eigenvalues.
+    fn lines(&self) -> Vec<String> {
+        let Self { shape, order, found } = self;
+        let line = |&i: &usize| {
+            let distance = found.distances[i - 1];
+            format!("figure 1.4 {shape},eigenvalue {i},N = {order},{distance:.6},")
         };
-        report.plots.push(Plot {
-            title: format!(
-                "Figure 1.4: relative distance to the nearest frequency, N = {}",
-                order + 1
-            ),
-            across: "eigenvalue".into(),
-            logarithmic: false,
-            scattered: false,
-            series: vec![(
-                format!("mean of {} shapes", curves.len()),
-                (0..count).map(|i| ((i + 1) as f64, mean(i))).collect(),
-            )],
-        });
+        found.farthest(FARTHEST).iter().map(line).collect()
     }
+
+    /// Returns the row of the table of the farthest eigenvalues.
+    fn row(&self) -> String {
+        let Self { shape, order, found } = self;
+        let numbers = found.farthest(FARTHEST);
+        let cell = |&i: &usize| {
+            let (distance, expected) = (found.distances[i - 1], found.expected[i - 1]);
+            format!("{i}: {:.2} ({:.2})", 100.0 * distance, 100.0 * expected)
+        };
+        let cells: Vec<_> = numbers.iter().map(cell).collect();
+        let [mean, expected] = found.means();
+        format!(
+            "| {shape} | {order} | {:.4} | {:.4} | {:.0} % | {} |",
+            100.0 * mean,
+            100.0 * expected,
+            100.0 * found.share(&numbers),
+            cells.join("; ")
+        )
+    }
+}
+
+/// Returns the plot of the distances of each eigenvalue, averaged over all shapes.
+fn plot_of_distances(all: &[Vec<Frequencies>], order: usize) -> Plot {
+    let mean = |i: usize| {
+        all.iter().map(|found| found[order - 1].distances[i]).sum::<f64>() / all.len() as f64
+    };
+    let count = all.first().map_or(0, |found| found[order - 1].distances.len());
+    Plot {
+        title: format!("Figure 1.4: relative distance to the nearest frequency, N = {order}"),
+        across: "eigenvalue".into(),
+        logarithmic: false,
+        scattered: false,
+        series: vec![(
+            format!("mean of {} shapes", all.len()),
+            (0..count).map(|i| ((i + 1) as f64, mean(i))).collect(),
+        )],
+    }
+}
+
+/// Orders N and numbers K of eigenfunctions of figure 1.6.
+const INDEPENDENT: [(usize, &[usize]); 3] =
+    [(2, &[10, 20, 30, 40]), (3, &[6, 10, 14]), (4, &[4, 7, 10])];
+
+/// Reproduces figure 1.6.
+fn independent_products(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
     report.say("\n**Figure 1.6**: products, those that ours* keeps, those that are kept by rank, and the numerical rank by a dense \
          decomposition\n");
     report.say(
         "| shape | N | K | products | ours* | by rank | rank |\n|---|---|---|---|---|---|---|",
     );
-    for (order, ks) in [(2, &[10, 20, 30, 40][..]), (3, &[6, 10, 14]), (4, &[4, 7, 10])] {
+    for (order, ks) in INDEPENDENT {
         let mut series: [Vec<(f64, f64)>; 4] = Default::default();
         for shape in shapes.iter().take(2) {
             for &k in ks {
                 let counts = ranks(shape, k, order)?;
-                let [all, ours, by_rank, rank] = counts;
-                let name = &shape.name;
-                report.say(&format!(
-                    "| {name} | {order} | {k} | {all} | {ours} | {by_rank} | {rank} |"
-                ));
+                let cells = counts.map(|count| count.to_string()).join(" | ");
+                report.say(&format!("| {} | {order} | {k} | {cells} |", shape.name));
                 for (points, count) in series.iter_mut().zip(counts) {
                     points.push((k as f64, count as f64));
                 }
@@ -255,6 +303,3 @@ fn theory(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
     }
     Ok(())
 }
-
-/// Number of eigenvalues that are listed for figure 1.4.
-const FARTHEST: usize = 5;
