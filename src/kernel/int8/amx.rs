@@ -1,5 +1,5 @@
-//! The kernel for AMX: tiles of 16 x 64 bytes, 16384 multiplications an instruction. The steps that
-//! are no products of tiles are those of the AVX-512 kernel.
+//! The kernel for AMX: tiles of 16 x 64 bytes, 16384 multiplications per instruction. The other
+//! steps are those of the AVX-512 kernel.
 
 use std::arch::asm;
 use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
@@ -10,14 +10,14 @@ use super::kernel::{Kernel, Operands, Session};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
 
-/// Exists only where AMX works: what makes the assembly below sound.
+/// The kernel. A value exists only if AMX works, so the assembly below is sound.
 pub(super) struct Amx {
     others: &'static Vnni,
 }
 
 impl Amx {
-    /// Returns the kernel, or why this machine can't use it. The first call asks the system for the
-    /// use of the tiles.
+    /// Returns the kernel, or why this machine can't use it. The first call asks the system for
+    /// permission to use the tiles.
     pub fn new() -> Result<&'static Self, &'static str> {
         static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
         AMX.get_or_init(Self::detect).as_ref().map_err(|why| *why)
@@ -56,11 +56,11 @@ impl Amx {
 
 #[target_feature(enable = "xsave")]
 fn xgetbv() -> u64 {
-    // SAFETY: the caller has the instruction, and register 0 always exists.
+    // SAFETY: the CPU has the instruction, and register 0 always exists.
     unsafe { _xgetbv(0) }
 }
 
-/// Linux gives the tiles' memory to a process that asks for it.
+/// Asks Linux for permission to use the tiles, and returns whether it is granted.
 #[cfg(target_os = "linux")]
 fn permitted() -> bool {
     const ARCH_REQ_XCOMP_PERM: libc::c_ulong = 0x1023;
@@ -69,7 +69,7 @@ fn permitted() -> bool {
     unsafe { libc::syscall(libc::SYS_arch_prctl, ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA) == 0 }
 }
 
-/// Elsewhere the first use of a tile would decide.
+/// Returns false: other systems offer no such request, and the first use of a tile might trap.
 #[cfg(not(target_os = "linux"))]
 fn permitted() -> bool {
     false
@@ -136,15 +136,14 @@ impl Kernel for Amx {
         self.others.convert_f32(tile, powers, moduli, out, far);
     }
 
-    /// A left tile has the bytes of a column side by side: it is the right one's transpose, by
-    /// dwords.
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
+        // A row of a left tile is a column of the operand: a right tile transposed by dwords.
         self.others.transpose(right, left);
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
-        // SAFETY: `self` exists, so the CPU has the instructions. The session that the caller has
-        // to hold shapes the tiles; without one the CPU traps.
+        // SAFETY: `self` exists, so the CPU has the instructions. The caller holds a session, which
+        // configures the tiles; without one the CPU traps.
         unsafe { product(operands, residues) }
     }
 
@@ -184,14 +183,14 @@ impl Kernel for Amx {
         // SAFETY: `self` exists, so the CPU has the instruction; the configuration is valid.
         unsafe { asm!("ldtilecfg [{}]", in(reg) &CONFIG, options(nostack, readonly)) };
         Session(Some(|| {
-            // SAFETY: only made where the CPU has the instruction.
+            // SAFETY: a session of this kernel exists only if the CPU has the instruction.
             unsafe { asm!("tilerelease", options(nostack, nomem)) };
         }))
     }
 }
 
-/// As [`Kernel::product`]. The sums of a pair of panels leave the tiles for the first-level cache;
-/// the vector units take their residues while the tiles multiply the next pair.
+/// Implements [`Kernel::product`]. The sums of a pair of panels leave the tiles for the first-level
+/// cache, and the vector units reduce them while the tiles multiply the next pair.
 ///
 /// # Safety
 /// The CPU has AMX-INT8, and the tiles are configured.
@@ -212,11 +211,11 @@ unsafe fn product(operands: &Operands<'_>, residues: &mut [Block<i8>]) {
     }
 }
 
-/// Bytes of the next right panel that are fetched in one step: all of it during 16 products.
+/// Bytes of the next right panel that one step prefetches: all of the panel in 16 products.
 const AHEAD: usize = 128;
 
-/// A quarter of a step of [`Reduction::reduce`]: row `$row` of four, in registers `$sum` and
-/// `$digits`.
+/// Assembly for row `$row` of the four rows of a step of [`Reduction::reduce`]: computes the second
+/// sums in register `$sum`, by way of the first sums in `$digits`.
 #[rustfmt::skip]
 macro_rules! first_sums {
     ($row:literal, $sum:literal, $digits:literal) => {
@@ -232,7 +231,7 @@ macro_rules! first_sums {
     };
 }
 
-/// The rest of a step of [`Reduction::reduce`], and the way to the next four rows.
+/// Assembly for the rest of a step of [`Reduction::reduce`]; advances to the next four rows.
 macro_rules! finish {
     () => {
         concat!(
@@ -255,7 +254,7 @@ macro_rules! finish {
     };
 }
 
-/// The way to the next step of the operands.
+/// Assembly that prefetches for the next right panel and advances to the next step.
 macro_rules! advance {
     () => {
         concat!(
@@ -268,12 +267,13 @@ macro_rules! advance {
     };
 }
 
-/// The product of two panels into `sums`, while the sums there become the residues `before`. One
-/// block of assembly, since the compiler knows nothing of tiles: tmm0 to tmm3 hold the quarters of
-/// the sums, tmm4 and tmm5 the left tiles, tmm6 and tmm7 the right ones.
+/// Computes the product of two panels into `sums`, and meanwhile reduces the old sums to the
+/// residues `before`, if any. One block of assembly, since the compiler does not allocate tiles:
+/// tmm0 to tmm3 hold the quarters of the sums, tmm4 and tmm5 the left tiles, tmm6 and tmm7 the
+/// right tiles.
 ///
-/// The left operand comes from the second-level cache, by loads that leave the right one in the
-/// first.
+/// The left operand comes from the second-level cache, by loads (`tileloaddt1`) that leave the
+/// right operand in the first.
 ///
 /// # Safety
 /// The CPU has AMX-INT8, the tiles are configured, and `left` and `right` have the same length, at
@@ -289,14 +289,14 @@ unsafe fn multiply(
     continued: bool,
 ) {
     let steps = right.len();
-    // Four rows of sums are reduced in a step, and what is left of the 64 after the last one.
+    // A step reduces four rows of sums; the rest of the 64 rows follow the last step.
     let (both, alone, rest) =
         if before.is_some() { (steps, 0, DEPTH - steps) } else { (0, steps, 0) };
     let residues = before.map_or(std::ptr::null_mut(), |block| block.as_mut_ptr());
     let wanted: u16 = if continued { !0 } else { 0 };
     let sums = sums.0.as_mut_ptr();
     // SAFETY: reads `steps` steps of both operands, reads and writes the sums, and the residues
-    // where there are some; prefetches may go anywhere.
+    // if there are any; any address may be prefetched.
     unsafe {
         asm!(
             "tilezero tmm0",

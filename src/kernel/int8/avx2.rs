@@ -1,5 +1,5 @@
-//! The kernel for AVX2: products of 16-bit numbers, added in pairs. The other steps are the
-//! portable ones in wider registers.
+//! The kernel for AVX2: products of 16-bit numbers, added in pairs. Norms, the reduction of sums
+//! and recombination are the portable code, compiled for AVX2.
 
 use std::arch::x86_64::*;
 
@@ -10,7 +10,7 @@ use super::tile::{
 };
 use super::{portable, recombine};
 
-/// Exists only where the CPU has the instructions: what makes the calls below sound.
+/// The kernel. A value exists only if the CPU has the instructions, so the calls below are sound.
 pub(super) struct Avx2(());
 
 static AVX2: Avx2 = Avx2(());
@@ -111,8 +111,8 @@ impl Kernel for Avx2 {
     }
 }
 
-/// The biased digits of eight integers, in 16-bit numbers: first and third, and second and fourth,
-/// of each dword.
+/// The bytes of eight biased dwords as 16-bit numbers: the first and third of each dword, then the
+/// second and fourth.
 type Digits = [__m256i; 2];
 
 #[target_feature(enable = "avx2,fma")]
@@ -121,7 +121,7 @@ fn digits(dwords: __m256i) -> Digits {
     [_mm256_and_si256(dwords, low), _mm256_and_si256(_mm256_srli_epi32::<8>(dwords), low)]
 }
 
-/// Four of the weights of a modulus, beside the digits that they are multiplied by.
+/// Broadcasts four weights of a modulus, in the order of [`Digits`].
 #[target_feature(enable = "avx2,fma")]
 fn pairs(weights: &[i8]) -> [__m256i; 2] {
     let pair = |first: i8, second: i8| {
@@ -136,8 +136,8 @@ fn add_products(sums: __m256i, digits: Digits, weights: [__m256i; 2]) -> __m256i
     _mm256_add_epi32(sums, _mm256_add_epi32(even, odd))
 }
 
-/// Sums of digits (see [`Modulus`]) to residues, between -128 and 127. As floats they are exact,
-/// and the quotient is wrong by less than 2^-12.
+/// Reduces sums of digits (see [`Modulus`]) to residues between -128 and 127. As floats the sums
+/// are exact, and the quotients before rounding are wrong by less than 2^-12.
 #[target_feature(enable = "avx2,fma")]
 fn finish(sums: __m256i, p: i32) -> __m256i {
     let quotient = _mm256_mul_ps(_mm256_cvtepi32_ps(sums), _mm256_set1_ps(1.0 / p as f32));
@@ -163,7 +163,7 @@ fn store(rows: [__m256i; 4], out: &mut Residues, r: usize, half: usize) {
     unsafe { _mm256_storeu_si256(line.as_mut_ptr().cast(), _mm256_or_si256(low, high)) };
 }
 
-/// As [`Kernel::convert_f64`].
+/// Implements [`Kernel::convert_f64`].
 #[target_feature(enable = "avx2,fma")]
 fn convert_f64(
     tile: &Tile<f64>,
@@ -175,7 +175,8 @@ fn convert_f64(
     residues(&dwords, moduli, |m| (m.start_64, [&m.weights[..4], &m.weights[4..]]), out);
 }
 
-/// As [`Kernel::convert_wide`]: low and high dwords of the lower words, then the higher words.
+/// Implements [`Kernel::convert_wide`]: dwords are the low and high dwords of the lower words, then
+/// the higher words.
 #[target_feature(enable = "avx2,fma")]
 fn convert_wide(
     tile: &Tile<f64>,
@@ -200,8 +201,8 @@ fn convert_wide(
     );
 }
 
-/// The biased dwords of the scaled entries, D of each, those of eight columns at a time; `split`
-/// makes them of four.
+/// Returns the digits of the D biased dwords of every scaled entry, for each row and half of its
+/// columns; `split` returns the dwords of four entries.
 #[target_feature(enable = "avx2,fma")]
 fn all_dwords<const D: usize>(
     tile: &Tile<f64>,
@@ -223,7 +224,8 @@ fn all_dwords<const D: usize>(
     dwords
 }
 
-/// The residues of numbers of D dwords, with the start and the weights of each modulus.
+/// Computes the residues of numbers of D dwords; `constants` returns the start and the weights of a
+/// modulus.
 #[target_feature(enable = "avx2,fma")]
 fn residues<'m, const D: usize>(
     dwords: &[[[Digits; D]; 2]; STEP],
@@ -249,21 +251,21 @@ fn residues<'m, const D: usize>(
     }
 }
 
-/// Low and high dwords of four numbers below 2^62 in magnitude, rounded to integers and biased by
-/// 2^63.
+/// Rounds four numbers below 2^62 in magnitude to integers, adds 2^63, and returns the low and the
+/// high dwords.
 #[target_feature(enable = "avx2,fma")]
 fn split(values: __m256d) -> [__m128i; 2] {
     const UNIT: f64 = 4_294_967_296.0;
     let values = _mm256_round_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(values);
     let high = _mm256_floor_pd(_mm256_mul_pd(values, _mm256_set1_pd(1.0 / UNIT)));
-    // Exact: between 0 and 2^32, less a half of that to fit 32 bits.
+    // Exact, in [0, 2^32); 2^31 is subtracted to fit a signed dword.
     let low = _mm256_fnmadd_pd(high, _mm256_set1_pd(UNIT), values);
     let low = _mm256_cvtpd_epi32(_mm256_sub_pd(low, _mm256_set1_pd(UNIT / 2.0)));
     let bias = _mm_set1_epi32(i32::MIN);
     [_mm_xor_si128(low, bias), _mm_xor_si128(_mm256_cvtpd_epi32(high), bias)]
 }
 
-/// As [`Kernel::convert_f32`].
+/// Implements [`Kernel::convert_f32`].
 #[target_feature(enable = "avx2,fma")]
 fn convert_f32(
     tile: &Tile<f32>,
@@ -298,7 +300,8 @@ fn convert_f32(
 /// Rows of a quarter whose sums are held in registers.
 const HELD: usize = 2;
 
-/// Every entry is held as two sums, of the first and of the last two of each four products.
+/// Adds the product of two panels to the sums. A register holds two sums for each entry: of the
+/// first two and of the last two of every four products.
 #[target_feature(enable = "avx2,fma")]
 fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>) {
     for (quarter, sums) in sums.iter_mut().enumerate() {

@@ -10,7 +10,7 @@ use super::tile::{
 };
 use crate::kernel::finish_stores;
 
-/// Exists only where the CPU has the instructions: what makes the calls below sound.
+/// The kernel. A value exists only if the CPU has the instructions, so the calls below are sound.
 pub(super) struct Vnni(());
 
 static VNNI: Vnni = Vnni(());
@@ -28,7 +28,7 @@ impl Vnni {
     }
 }
 
-/// A function of this module with its instructions enabled.
+/// Defines a function with the instructions of this module enabled.
 macro_rules! enabled {
     ($($item:tt)*) => {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,fma")]
@@ -98,8 +98,8 @@ impl Kernel for Vnni {
         unsafe { convert_wide(tile, powers, moduli, out, far) }
     }
 
-    /// The instruction takes unsigned times signed bytes: 128 is added to the left ones.
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
+        // The instruction multiplies unsigned by signed bytes: adds 128 to the left ones.
         let (right, left) = (right.as_flattened().as_flattened(), left.as_flattened_mut());
         for (left, &right) in left.as_flattened_mut().iter_mut().zip(right) {
             *left = right ^ i8::MIN;
@@ -131,7 +131,7 @@ impl Kernel for Vnni {
     }
 }
 
-/// As many sums as fill the pipelines, round after round.
+/// Performs `rounds` rounds of 12 independent instructions, enough to fill the pipelines.
 ///
 /// # Safety
 /// The CPU has the instructions; `rounds > 0`.
@@ -164,7 +164,8 @@ unsafe fn spin(rounds: usize) {
 }
 
 enabled! {
-    /// As [`tile_norms`](super::tile::tile_norms); `load` makes two vectors of a row.
+    /// Computes the same as [`tile_norms`](super::tile::tile_norms); `load` returns a row as two
+    /// vectors.
     #[inline]
     fn norms<T>(tile: &Tile<T>, load: impl Fn(&[T; WIDTH]) -> [__m512d; 2]) -> TileNorms {
         let magnitude = _mm512_set1_epi64(MAGNITUDE as i64);
@@ -203,20 +204,20 @@ enabled! {
     }
 }
 
-/// The constants of a modulus in registers, for the residues of 32-bit sums.
+/// The constants of a modulus in registers, to reduce 32-bit sums to residues.
 pub(super) struct Reduction {
-    /// Makes numbers unsigned.
+    /// Biases numbers to be unsigned.
     pub bias: __m512i,
-    /// [`Modulus::start_32`] and the first four weights: the first sums.
+    /// [`Modulus::start_32`]; with the first four weights for the first sums.
     pub start: __m512i,
     pub weights: __m512i,
     pub second_weights: __m512i,
     pub centre: __m512i,
     pub inverse: __m512i,
-    /// A factor that makes the rounding product a shift by 7 bits.
+    /// The factor 256, which makes the rounding product a shift by 7 bits.
     pub shift: __m512i,
     pub p: __m512i,
-    /// Dword `4 l + v` of the bytes goes to `4 v + l`: one row after another.
+    /// Permutation of dword `4 l + v` to `4 v + l`: rows one after another.
     pub rows: __m512i,
 }
 
@@ -239,8 +240,8 @@ impl Reduction {
     }
 
     enabled! {
-        /// First sums (see [`Modulus`]) to residues: byte `16 l + 4 v + i` of the result is from
-        /// lane `4 l + i` of `sums[v]`.
+        /// Reduces first sums (see [`Modulus`]) to residues: byte `16 l + 4 v + i` of the result is
+        /// from lane `4 l + i` of `sums[v]`.
         #[inline]
         fn finish(&self, sums: [__m512i; 4]) -> __m512i {
             let [s0, s1, s2, s3] = sums;
@@ -261,14 +262,14 @@ impl Reduction {
     }
 }
 
-/// Four weights as one dword.
+/// Packs four weights into one dword.
 fn dword(weights: &[i8]) -> i32 {
     i32::from_le_bytes(std::array::from_fn(|i| weights[i] as u8))
 }
 
 enabled! {
-    /// Byte `16 l + 4 v + i` to byte `16 l + 4 i + v`: turns the order of [`Reduction::finish`],
-    /// with a row in each of the four sums, into that of [`Residues`].
+    /// Moves byte `16 l + 4 v + i` to byte `16 l + 4 i + v`: turns the order of
+    /// [`Reduction::finish`], with a row in each of the four sums, into that of [`Residues`].
     fn rows_to_dwords(bytes: __m512i) -> __m512i {
         let order = _mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
         _mm512_shuffle_epi8(bytes, _mm512_broadcast_i32x4(order))
@@ -403,12 +404,12 @@ enabled! {
 }
 
 enabled! {
-    /// Stores 64 bytes as dword-row `r` of a tile.
+    /// Stores 64 bytes as row `r` of the dwords of a tile; past the caches if `far` and aligned.
     #[inline]
     fn store_line(out: &mut Residues, r: usize, bytes: __m512i, far: bool) {
         let line = &mut out.as_chunks_mut::<64>().0[r];
         let at = line.as_mut_ptr().cast::<__m512i>();
-        // SAFETY: 64 bytes; stores past the caches want them to be one line.
+        // SAFETY: 64 bytes; a store past the caches must be aligned.
         unsafe {
             if far && at.is_aligned() {
                 _mm512_stream_si512(at, bytes);
@@ -441,7 +442,7 @@ impl Sums {
 
 impl Reduction {
     enabled! {
-        /// Residues of the sums; of the sums and the old residues if `continued`.
+        /// Reduces the sums, plus the old residues if `continued`, to residues.
         pub fn reduce(&self, sums: &Sums, continued: bool, residues: &mut Block<i8>) {
             let wanted = if continued { !0 } else { 0 };
             let (sums, residues) = (sums.0.as_flattened(), residues.as_flattened_mut());
@@ -467,12 +468,13 @@ impl Reduction {
 /// Rows of the left operand whose sums are held in registers.
 const HELD: usize = 8;
 
-/// Steps of both operands that are taken four times from the first-level cache.
+/// Steps of a chunk of both operands (32 KiB), which stays in the first-level cache for its four
+/// passes.
 const CACHED: usize = 8;
 
 enabled! {
-    /// The sums of the product of two panels, of which the left one is biased by 128: `excess`, by
-    /// which each column is too large, is taken off.
+    /// Computes the sums of the product of two panels, of which the left one is biased by 128, and
+    /// subtracts `excess`, by which each column is then too large.
     fn multiply(left: &[Slice], right: &[Slice], excess: [__m512i; 2], sums: &mut Sums) {
         let start = excess.map(|excess| _mm512_sub_epi32(_mm512_setzero_si512(), excess));
         for row in sums.0.as_chunks_mut::<2>().0 {
@@ -494,7 +496,7 @@ enabled! {
 }
 
 enabled! {
-    /// Adds the products of a few rows of the left panel.
+    /// Adds the products of [`HELD`] rows of the left panel, from `first` of tile `row_half` on.
     #[inline]
     fn add_rows(left: &[Slice], right: &[Slice], row_half: usize, first: usize, sums: &mut Sums) {
         let mut held = [[_mm512_setzero_si512(); 2]; HELD];
@@ -534,11 +536,11 @@ enabled! {
 }
 
 enabled! {
-    /// 128 times the sum of each of 16 columns of the right operand.
+    /// Returns 128 times the sum of each of the 16 columns of tile `half` of the right operand.
     fn excess(right: &[Slice], half: usize) -> __m512i {
-        // As an unsigned byte the weight is +128.
+        // The instruction reads this weight as unsigned: +128.
         let weights = _mm512_set1_epi8(i8::MIN);
-        // Four sums, so that none waits for the one before.
+        // Four sums, since one would be a chain of dependent instructions.
         let mut sums = [_mm512_setzero_si512(); 4];
         for slice in right {
             for lines in slice[half].chunks_exact(4 * 64) {
@@ -559,7 +561,7 @@ enabled! {
 type Parts = [[__m512d; 2]; 3];
 
 enabled! {
-    /// As [`quarter`](super::recombine::quarter), with the parts of a row in registers.
+    /// Implements [`Kernel::recombine`] with the parts of a row in registers.
     fn recombine(
         residues: &[&Quarter<i8>],
         moduli: &Moduli,
@@ -594,7 +596,7 @@ enabled! {
 }
 
 enabled! {
-    /// The two halves of 16 dwords.
+    /// Splits 16 dwords into two halves.
     #[inline]
     fn halves(v: __m512i) -> [__m256i; 2] {
         [_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64::<1>(v)]
@@ -602,8 +604,8 @@ enabled! {
 }
 
 enabled! {
-    /// Eight integers of least magnitude from their parts, which may lack multiples of P, rounded
-    /// once.
+    /// Returns eight integers of least magnitude as f64, within one unit in the last place, from
+    /// parts that add up to them modulo P.
     #[inline]
     fn combine(parts: [__m512d; 3], moduli: &Moduli) -> __m512d {
         let inverse = _mm512_set1_pd(moduli.inverse);
@@ -620,7 +622,7 @@ enabled! {
 }
 
 enabled! {
-    /// `x + y`, and what rounding took from it (Knuth 1969).
+    /// Returns `x + y` and its rounding error (Knuth 1969).
     #[inline]
     fn two_sum(x: __m512d, y: __m512d) -> (__m512d, __m512d) {
         let sum = _mm512_add_pd(x, y);
@@ -631,9 +633,9 @@ enabled! {
 }
 
 enabled! {
-    /// Dword (r, j) of a tile to dword (j, r).
+    /// Transposes a tile of 16 x 16 dwords.
     fn transpose(tile: &Residues, out: &mut Residues) {
-        // Four columns at a time; lane l of `quads[i]` is row 4 l + i.
+        // Four columns at a time; lane l of `quad(i)` is row 4 l + i.
         for g in 0..4 {
             let quad = |i: usize| {
                 // SAFETY: 16 bytes of row `row` < 16 of the tile.

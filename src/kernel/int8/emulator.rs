@@ -1,5 +1,5 @@
-//! AMX on machines without it, for tests: a handler of the trap that the CPU raises at the unknown
-//! instructions decodes and performs them (Intel SDM volume 2, chapters on AMX).
+//! Emulates AMX on machines without it, for tests: the CPU traps on the unknown instructions, and a
+//! handler of SIGILL decodes and performs them (Intel SDM volume 2, chapters on AMX).
 
 use std::cell::RefCell;
 use std::sync::OnceLock;
@@ -19,14 +19,14 @@ thread_local! {
         const { RefCell::new(Tiles { data: [[0; 1024]; 8], configured: false }) };
 }
 
-/// The AMX kernel; from now on this process has the instructions, slowly.
+/// Returns the AMX kernel, after installing the handler for this process; fails without
+/// AVX-512 VNNI, which the kernel needs too.
 pub(super) fn amx() -> Result<&'static Amx, &'static str> {
     static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
     let install = || {
         // SAFETY: the action is fully initialised, and the handler has the three arguments that
-        // SA_SIGINFO promises. It runs on the stack of the instruction that trapped, which has no
-        // red zone left: the assembly of the kernel is one block that the compiler keeps its locals
-        // away from.
+        // SA_SIGINFO promises. It runs on the stack of the thread that trapped, below the red zone,
+        // and the system restores the registers of that thread.
         unsafe {
             let mut action: libc::sigaction = std::mem::zeroed();
             action.sa_sigaction = handler as *const () as usize;
@@ -39,11 +39,11 @@ pub(super) fn amx() -> Result<&'static Amx, &'static str> {
 }
 
 extern "C" fn handler(_signal: c_int, _info: *mut siginfo_t, context: *mut c_void) {
-    // SAFETY: the system hands over the registers of the interrupted thread, alone ours until we
-    // return.
+    // SAFETY: the system passes the registers of the interrupted thread, which nobody else uses
+    // until the handler returns.
     let registers = unsafe { &mut (*context.cast::<ucontext_t>()).uc_mcontext.gregs };
     let at = registers[libc::REG_RIP as usize] as *const u8;
-    // SAFETY: the longest encoding is ten bytes, and code goes on after these instructions.
+    // SAFETY: the longest encoding is ten bytes, and more code follows these instructions.
     let code = unsafe { std::slice::from_raw_parts(at, 10) };
     match perform(code, registers) {
         Some(length) => registers[libc::REG_RIP as usize] += length,
@@ -54,7 +54,8 @@ extern "C" fn handler(_signal: c_int, _info: *mut siginfo_t, context: *mut c_voi
     }
 }
 
-/// Performs one instruction; its length.
+/// Performs one instruction and returns its length in bytes; `None` if it is not one that the
+/// kernel uses.
 fn perform(code: &[u8], registers: &[i64]) -> Option<i64> {
     // The three-byte VEX prefix of the map 0F38, W0, 128 bits.
     let [0xc4, extensions, fields, opcode, modrm, rest @ ..] = code else { return None };
@@ -73,7 +74,7 @@ fn perform(code: &[u8], registers: &[i64]) -> Option<i64> {
             let (address, length) = address(*extensions, mode, rm, rest, registers)?;
             // SAFETY: the operand of ldtilecfg is 64 bytes.
             let config = unsafe { std::slice::from_raw_parts(address.0 as *const u8, 64) };
-            // Only what the kernel asks for is emulated.
+            // Only the configuration of the kernel is emulated.
             let row_bytes = config[16..32].chunks(2).all(|c| c == [64, 0]);
             tiles.configured = config[0] == 1 && row_bytes && config[48..56] == [16; 8];
             tiles.configured.then_some(length)
@@ -121,7 +122,8 @@ fn perform(code: &[u8], registers: &[i64]) -> Option<i64> {
     })
 }
 
-/// Base and stride of a memory operand, and the length of the instruction.
+/// Returns the base and the stride of a memory operand and the length of the instruction, in bytes;
+/// `None` for an encoding that is not emulated.
 fn address(
     extensions: u8,
     mode: u8,

@@ -1,4 +1,4 @@
-//! Integers that exact sums are kept in.
+//! Integers of 128 and 256 bits, which hold exact sums.
 
 use std::fmt::Debug;
 
@@ -8,25 +8,26 @@ use crate::base::Plain;
 
 /// A signed integer of 128 or 256 bits.
 pub(crate) trait Integer: Plain + Default + PartialEq + Debug + 'static {
-    /// `sum of limbs[i] 2^(40 i)`, which fits; the limbs are of any sign.
+    /// Returns `sum of limbs[i] 2^(40 i)`, which must fit; limbs may be negative. An integer of 128
+    /// bits has three limbs, and the others must be zero.
     fn from_limbs(limbs: [i64; LIMBS]) -> Self;
 
-    /// `self + other`, which fits.
+    /// Returns `self + other`, which must fit.
     fn plus(self, other: Self) -> Self;
 
-    /// `-self`, which fits.
+    /// Returns `-self`, which must fit.
     fn negated(self) -> Self;
 
-    /// `self + other`, where it fits.
+    /// Returns `self + other`; `None` if it does not fit.
     fn checked_plus(self, other: Self) -> Option<Self>;
 
-    /// `self 2^bits`, where it fits.
+    /// Returns `self 2^bits`; `None` if its magnitude does not fit 127 or 255 bits.
     fn shifted_left(self, bits: u32) -> Option<Self>;
 
-    /// `a b`, where it fits.
+    /// Returns `a b`; `None` if it does not fit.
     fn product(a: i128, b: i128) -> Option<Self>;
 
-    /// The nearest f64.
+    /// Returns the nearest f64 (ties to even).
     fn to_f64(self) -> f64;
 }
 
@@ -74,7 +75,7 @@ pub(crate) struct I256 {
     pub low: u128,
 }
 
-// SAFETY: two integers of 128 bits, which take any bits, without padding.
+// SAFETY: two integers of 128 bits, valid for any bits, without padding.
 unsafe impl Plain for I256 {}
 
 impl I256 {
@@ -83,12 +84,12 @@ impl I256 {
         self.high < 0
     }
 
-    /// Returns `|self|`; the least number stays negative.
+    /// Returns `|self|`; the least number, -2^255, stays negative.
     pub fn magnitude(self) -> Self {
         if self.is_negative() { self.negated() } else { self }
     }
 
-    /// Zeros before the first one bit of a number that is not negative.
+    /// Returns the number of leading zero bits.
     pub fn leading_zeros(self) -> u32 {
         match self.high {
             0 => u128::BITS + self.low.leading_zeros(),
@@ -96,7 +97,7 @@ impl I256 {
         }
     }
 
-    /// For `bits` below 256; what is shifted out is lost.
+    /// Shifts left by `bits`, below 256, and drops the bits shifted out.
     fn shl(self, bits: u32) -> Self {
         match bits {
             0 => self,
@@ -108,7 +109,7 @@ impl I256 {
         }
     }
 
-    /// An integer that an f64 holds, below 2^255 in magnitude.
+    /// Converts an f64 that is an integer below 2^255 in magnitude, or -2^255.
     fn from_f64(value: f64) -> Self {
         let exponent = ((value.to_bits() >> 52) & 0x7ff) as i32 - 1075;
         let magnitude = if exponent <= 0 {
@@ -121,14 +122,14 @@ impl I256 {
     }
 
     /// Returns `self 2^exponent` as a sum of three f64, each the f64 nearest to the rest after
-    /// those before it.
+    /// those before it, rounded once more where it is subnormal.
     #[inline(always)]
     pub fn parts(self, exponent: i32) -> [f64; 3] {
         let parts = self.summed_parts().unwrap_or_else(|| self.rounded_parts());
         parts.map(|part| scaled(part, exponent))
     }
 
-    /// The three parts by integers.
+    /// Computes the three parts of `self` with integers.
     #[cold]
     fn rounded_parts(self) -> [f64; 3] {
         let mut rest = self;
@@ -139,20 +140,20 @@ impl I256 {
         })
     }
 
-    /// The three parts by sums in f64, several times as fast; `None` when one of them is near a
-    /// tie, which such sums break without a look at what is far below.
+    /// Computes the three parts with sums in f64, several times as fast; `None` when one of them is
+    /// near a tie, which such sums break without regard to the lowest bits.
     #[inline(always)]
     fn summed_parts(self) -> Option<[f64; 3]> {
         const PIECES: usize = 8;
         let Self { high, low } = self.magnitude();
         let words = [(high as u128 >> 64) as u64, high as u64, (low >> 64) as u64, low as u64];
-        // 32 bits each, which do not overlap, the highest first.
+        // Terms of 32 bits each that do not overlap, the highest first.
         let mut terms: [f64; PIECES] = std::array::from_fn(|k| {
             let half = (words[k / 2] >> (32 * (1 - k % 2))) as u32;
             f64::from(half) * power_of_two(32 * (PIECES - 1 - k) as i32)
         });
-        // A sum from the last to the first is a part, and its errors are the terms of the next one:
-        // each term is zero, or no smaller than the sum of those after it.
+        // A sum from the last term to the first is a part, and its errors are the terms of the next
+        // part: each term is zero, or no smaller than the sum of those after it.
         let parts: [f64; 4] = std::array::from_fn(|part| {
             let count = PIECES - part;
             let mut sum = terms[count - 1];
@@ -216,7 +217,7 @@ impl Integer for I256 {
         let [x0, x1, y0, y1] = [x & HALF, x >> 64, y & HALF, y >> 64];
         let (low, cross, other, high) = (x0 * y0, x0 * y1, x1 * y0, x1 * y1);
         let middle = (low >> 64) + (cross & HALF) + (other & HALF);
-        // Magnitudes of at most 2^127 each.
+        // No overflow: both magnitudes are at most 2^127.
         let high = high + (cross >> 64) + (other >> 64) + (middle >> 64);
         let magnitude = Self { high: high as i128, low: low & HALF | middle << 64 };
         Some(if (a < 0) != (b < 0) { magnitude.negated() } else { magnitude })
@@ -229,7 +230,7 @@ impl Integer for I256 {
         let magnitude = self.magnitude();
         let zeros = magnitude.leading_zeros();
         let top = magnitude.shl(zeros);
-        // 64 bits, of which the last one stands for all that follow.
+        // The top 64 bits, of which the last one is set if any bit below is (sticky).
         let rest = (top.high as u128) << 64 != 0 || top.low != 0;
         let bits = ((top.high as u128) >> 64) as u64 | u64::from(rest);
         let value = scaled(bits as f64, 192 - zeros as i32);
@@ -242,7 +243,7 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    /// A number of at most `bits` bits.
+    /// Returns a random number of at most `bits` bits and a sign.
     fn number(rng: &mut Rng, bits: u32) -> i128 {
         let random = (u128::from(rng.bits()) << 64 | u128::from(rng.bits())) >> 1;
         let size = (random >> (127 - bits)) as i128 >> (rng.bits() % u64::from(bits));

@@ -1,16 +1,16 @@
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
 
-/// The steps of the exact path, for one instruction set. All find the same numbers.
+/// The steps of the exact path, for one instruction set. All implementations agree.
 pub(crate) trait Kernel: Sync {
-    /// Bounds of the columns of a tile.
+    /// Computes bounds of the columns of a tile.
     fn norms_f64(&self, tile: &Tile<f64>) -> TileNorms;
-    /// As [`Kernel::norms_f64`].
+    /// Computes bounds of the columns of a tile.
     fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms;
 
-    /// Multiplies the columns by powers of two, rounds to integers (ties to even) of less than 2^62
-    /// in magnitude, and writes the residues modulo the i-th modulus into `out[i]`;
-    /// past the caches, if the kernel can, where these are too small for all of them (`far`).
+    /// Multiplies the columns by `powers`, rounds to integers (ties to even) below 2^62 in
+    /// magnitude, and writes their residues modulo the i-th modulus into `out[i]`. `far` says that
+    /// the residues fit no cache: a kernel that can then stores past the caches.
     fn convert_f64(
         &self,
         tile: &Tile<f64>,
@@ -19,7 +19,7 @@ pub(crate) trait Kernel: Sync {
         out: &mut [&mut Residues],
         far: bool,
     );
-    /// As [`Kernel::convert_f64`]; the integers are of less than 2^31.
+    /// Converts like [`Kernel::convert_f64`]; the integers are below 2^31 in magnitude.
     fn convert_f32(
         &self,
         tile: &Tile<f32>,
@@ -29,7 +29,8 @@ pub(crate) trait Kernel: Sync {
         far: bool,
     );
 
-    /// As [`Kernel::convert_f64`]; the integers are of at most 2^[`WIDE_BITS`](super::WIDE_BITS).
+    /// Converts like [`Kernel::convert_f64`]; the magnitudes of the integers are at most
+    /// 2^[`WIDE_BITS`](super::WIDE_BITS).
     fn convert_wide(
         &self,
         tile: &Tile<f64>,
@@ -44,11 +45,13 @@ pub(crate) trait Kernel: Sync {
         left.copy_from_slice(right);
     }
 
-    /// Computes the products of several panels: `residues[i]` becomes `left_i^T right` modulo one
-    /// number, plus what it was if `continued`, between -128 and 127.
+    /// Computes the products of several left panels: `residues[i]` becomes `left_i^T right`, plus
+    /// its old value if `continued`, modulo `operands.modulus`, between -128 and 127.
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]);
 
-    /// See [`super::recombine::quarter`].
+    /// Computes a quarter of a block of C from its residues: entry (i, j) is the integer of
+    /// [`integers`](super::integers) times `2^(rows[i] + columns[j])`, exact if 53 bits hold it and
+    /// else within one unit in the last place. A subnormal result is rounded once more.
     fn recombine(
         &self,
         residues: &[&Quarter<i8>],
@@ -58,30 +61,30 @@ pub(crate) trait Kernel: Sync {
         out: &mut Quarter<f64>,
     );
 
-    /// At least `count` multiplications of residues on registers alone, `None` where that means
-    /// nothing; how many.
+    /// Performs at least `count` multiplications of residues on registers alone, in a
+    /// [`Kernel::session`], and returns how many; `None` for a kernel without such a loop.
     fn spin(&self, _count: usize) -> Option<usize> {
         None
     }
 
-    /// Prepares the calling thread for [`Kernel::product`], until the session is dropped. Sessions
-    /// of one thread do not overlap.
+    /// Prepares the calling thread for [`Kernel::product`] until the session is dropped. Sessions
+    /// of one thread must not overlap.
     fn session(&self) -> Session {
         Session(None)
     }
 }
 
-/// What [`Kernel::product`] multiplies, modulo one number.
+/// The operands of [`Kernel::product`].
 #[derive(Clone, Copy)]
 pub(crate) struct Operands<'a> {
-    /// From [`Kernel::to_left`]: the slices of panel after panel, as many of each as `right` has.
+    /// Slices from [`Kernel::to_left`], panel after panel, as many of each panel as `right` has.
     pub left: &'a [Slice],
     /// The slices of a panel, at most [`DEPTH`].
     pub right: &'a [Slice],
-    /// The panel of the right side that follows; it may be fetched meanwhile.
+    /// The next panel of the right side, which may be prefetched.
     pub next: &'a [Slice],
     pub modulus: &'a Modulus,
-    /// Whether to add to the residues of earlier rows.
+    /// Whether to add the residues of earlier rows.
     pub continued: bool,
 }
 
@@ -89,7 +92,7 @@ impl<'a> Operands<'a> {
     /// Returns the slices of each of the left panels.
     ///
     /// # Panics
-    /// Unless there are `panels` of them, of the length of the right one.
+    /// Unless there are `panels` left panels, of the length of the right one.
     #[inline(always)]
     pub fn left_panels(&self, panels: usize) -> impl Iterator<Item = &'a [Slice]> {
         let (left, steps) = (self.left, self.right.len());
@@ -109,8 +112,8 @@ impl Drop for Session {
     }
 }
 
-/// [`Kernel::product`] of kernels that keep the sums of two panels in memory: `add` adds the
-/// product of two panels to sums, `reduce` takes residues of sums.
+/// Implements [`Kernel::product`] with the sums of a pair of panels in memory: `add` adds the
+/// product of two panels to sums, `reduce` reduces sums to residues.
 #[inline(always)]
 pub(super) fn product_by_pairs(
     operands: &Operands<'_>,

@@ -1,5 +1,5 @@
-//! How fast products are from each level of the memory: what [`Isa`] can do at best, and what its
-//! operands cost. For benchmarks.
+//! Measures the rate of products with operands in registers and in each level of the memory, for
+//! benchmarks.
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -11,11 +11,11 @@ use crate::base::{Result, Rng, Workspace};
 /// Where an operand comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// The first-level data cache: used again at once.
+    /// The first-level data cache: an operand of at most 32 KiB.
     First,
-    /// The second-level cache: 512 KiB, used again and again.
+    /// The second-level cache: an operand of 512 KiB.
     Second,
-    /// Beyond: 256 MiB.
+    /// Main memory: an operand of 256 MiB.
     Memory,
 }
 
@@ -32,33 +32,34 @@ impl fmt::Display for Level {
 /// The rate of products with operands at given levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rung {
-    /// Level of the left side: 1 panel in the first-level cache, or 16 in the second.
+    /// Level of the left side: one panel in the first-level cache, or 16 in the second.
     pub left: Level,
-    /// Level of the right side, one panel at a time.
+    /// Level of the right side, of which products take one panel at a time.
     pub right: Level,
     /// Whether residues of earlier rows are added.
     pub continued: bool,
-    /// Whether the operands are on huge pages, as far as the system gives some.
+    /// Whether huge pages were asked for; the system may refuse.
     pub huge_pages: bool,
-    /// Multiplications of residues a second, on the calling thread.
+    /// Multiplications of residues per second, on the calling thread.
     pub rate: f64,
 }
 
-/// Multiplications of residues a second on registers alone, and with operands at all levels.
+/// Rates of products on registers alone and with operands at each level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ladder {
-    /// `None` for instruction sets whose kernel is the compiler's.
+    /// Multiplications of residues per second on registers alone; `None` for AVX2 and the portable
+    /// kernel.
     pub registers: Option<f64>,
-    /// The fastest level first.
+    /// Those on huge pages first, each from the fastest level to the slowest.
     pub rungs: Vec<Rung>,
 }
 
 impl Ladder {
-    /// Measures each rung for about a tenth of a second: the fastest of several runs.
+    /// Measures each rung for about a tenth of a second and keeps the fastest run; takes 260 MiB of
+    /// memory. Measures the portable kernel if the machine refuses `isa` ([`Isa::refusal`]).
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory); it takes 600 MiB. A refused instruction
-    /// set ([`Isa::refusal`]) is measured as the portable one.
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
     ///
     /// ```no_run
     /// use catamaran::kernel::int8::{Isa, Ladder};
@@ -98,7 +99,8 @@ impl Ladder {
     }
 }
 
-/// Multiplications a second of the fastest of several runs of `work`, which says how many it did.
+/// Returns the highest rate, in multiplications per second, of the runs of `work` in a tenth of a
+/// second; `work` returns how many it did.
 fn fastest(mut work: impl FnMut() -> usize) -> f64 {
     const LENGTH: Duration = Duration::from_millis(100);
     let (begin, mut best) = (Instant::now(), 0.0_f64);
@@ -110,11 +112,11 @@ fn fastest(mut work: impl FnMut() -> usize) -> f64 {
     best
 }
 
-/// Panels of the left side in the second-level cache.
+/// Number of panels of a side in the second-level cache.
 const LEFT: usize = 16;
-/// Panels of the right side in memory.
+/// Number of panels of the right side in memory.
 const FAR: usize = 8192;
-/// Panels that a run takes on the right side.
+/// Number of right panels per run.
 const RUN: usize = 64;
 
 /// Operands, and residues for 16 x 16 pairs of panels.
@@ -131,7 +133,7 @@ impl Data {
         let len = SLICES * size_of::<Slice>() / size_of::<f64>();
         let mut memory =
             if huge_pages { Workspace::new(len)? } else { Workspace::on_small_pages(len)? };
-        // Data without a pattern: the CPU lowers its clock when many bits change.
+        // Random data, since the CPU lowers its clock when many bits change.
         let mut rng = Rng::new(1);
         memory.as_mut_slice().fill_with(|| f64::from_bits(rng.bits()));
         Ok(Self { memory, residues: vec![[[[0; WIDTH]; WIDTH]; 4]; LEFT * LEFT], next: 0 })
@@ -145,7 +147,7 @@ impl Data {
             let count = size_of_val(bytes) / size_of::<Slice>();
             std::slice::from_raw_parts(bytes.as_ptr().cast::<Slice>(), count)
         };
-        // In the first-level cache both sides have half of the steps, to fit.
+        // Half of the steps, so that both sides fit the first-level cache together.
         let depth = if right == Level::First && left == Level::First { DEPTH / 2 } else { DEPTH };
         let (lefts, rights) = slices.split_at(LEFT * DEPTH);
         let panels = if left == Level::First { 1 } else { LEFT };

@@ -1,9 +1,9 @@
 //! Exact products of integer matrices through their residues: the arithmetic of the exact path.
 //!
-//! Integers up to 2^80 in magnitude are taken modulo up to 28 numbers of 8 bits, the residues are
-//! multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem gives the
-//! products back (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). Since nothing is rounded,
-//! every [`Isa`] computes the same bytes, and so does any order of work.
+//! Integers up to 2^80 in magnitude are reduced modulo up to 28 moduli of at most 256, the residues
+//! are multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem
+//! reconstructs the products (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). This arithmetic
+//! is exact, so every [`Isa`] and every order of work gives the same bytes.
 
 #[cfg(target_arch = "x86_64")]
 mod amx;
@@ -57,7 +57,7 @@ pub enum Isa {
 }
 
 impl Isa {
-    /// All of them, the fastest first.
+    /// All instruction sets, the fastest first.
     pub const ALL: [Self; 4] = [Self::Amx, Self::Vnni, Self::Avx2, Self::Portable];
 
     /// Returns the short name: `amx`, `vnni`, `avx2` or `portable`.
@@ -91,8 +91,8 @@ impl Isa {
         }
     }
 
-    /// What the planner assumes of it. Estimates, as fast beside the rates of back ends as
-    /// measured.
+    /// Returns the rates that the planner assumes. They are estimates; their ratio to the rates of
+    /// the back ends is a measured one.
     pub(crate) fn rates(self) -> Rates {
         match self {
             Self::Amx => Rates { products: 1.8e12, conversions: 6e9, recombinations: 3e9 },
@@ -102,7 +102,7 @@ impl Isa {
         }
     }
 
-    /// The kernel; that of [`Isa::Portable`] when this one is refused.
+    /// Returns the kernel, or that of [`Isa::Portable`] if the machine can't use this one.
     pub(crate) fn kernel(self) -> &'static dyn Kernel {
         let portable: &'static dyn Kernel = &portable::Portable;
         match self {
@@ -117,8 +117,8 @@ impl Isa {
     }
 }
 
-/// Speed of one core, per second: multiplications of residues, conversions to a residue, and
-/// residues recombined.
+/// Rates of one core, per second: multiplications of residues, conversions of an entry to one
+/// residue, and residues recombined.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rates {
     pub products: f64,
@@ -126,7 +126,7 @@ pub(crate) struct Rates {
     pub recombinations: f64,
 }
 
-/// A scalar that the exact path takes: picks its variant of each step.
+/// A scalar of the exact path; it selects the variant of each step.
 pub trait Operand: Real + sealed::Steps {}
 
 impl Operand for f32 {}
@@ -138,7 +138,7 @@ pub(crate) mod sealed {
     use super::*;
 
     pub trait Steps: Sized {
-        /// log2 of the largest integer that entries may become.
+        /// log2 of the bound on the integers that entries are converted to.
         const INTEGER_BITS: i32;
         #[allow(private_interfaces)]
         fn norms(kernel: &dyn Kernel, tile: &Tile<Self>) -> TileNorms;

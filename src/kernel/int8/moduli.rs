@@ -1,62 +1,63 @@
 //! The moduli, and the constants of the arithmetic modulo them.
 
-/// Pairwise coprime, the largest first: products of residues fit in 15 bits. Below 129 the
-/// [`Modulus::inverse`] would not fit.
+/// The moduli, pairwise coprime, the largest first: products of residues are at most 2^14 in
+/// magnitude. Below 128 the [`Modulus::inverse`] would not fit 16 bits.
 const MODULI: [i32; MOST_MODULI] = [
     256, 255, 253, 251, 247, 241, 239, 233, 229, 227, 223, 217, 211, 199, 197, 193, 191, 181, 179,
     173, 167, 163, 157, 151, 149, 139, 137, 131,
 ];
 
-/// Moduli of the longest integers; their product has 213 bits.
+/// Number of moduli of the longest integers; their product has 214 bits.
 pub(crate) const MOST_MODULI: usize = 28;
 
-/// Moduli of the most accurate results in f64; their product has 118 bits.
+/// Number of moduli of the most accurate results in f64; their product has 118 bits.
 #[cfg(test)]
 pub(crate) const MOST_FLOAT_MODULI: usize = 15;
 
 /// Bits of each part of a number modulo P. Sums of 15 residues times a part stay below 2^52, so
-/// that they are exact in f64, and so is what is left of two such sums.
+/// that they and their differences are exact in f64.
 const PART_BITS: u32 = 41;
 
-/// Bits of the lower word of a wide number, which is signed; the higher one has 32.
+/// Bits of the lower word of a wide number, which is signed; the higher word has 32.
 pub(super) const WORD_BITS: u32 = 50;
 
-/// log2 of the largest wide number.
+/// log2 of the largest magnitude of a wide number.
 pub(crate) const WIDE_BITS: i32 = 80;
 
-/// Bits of a limb. Sums of 28 residues times a limb stay below 2^52, so that they are exact in
-/// f64, and so is what is left of two such sums.
+/// Bits of a limb. Sums of 28 residues times a limb stay below 2^52, so that they and their
+/// differences are exact in f64.
 pub(super) const LIMB_BITS: u32 = 40;
 
-/// Limbs of the product of all moduli.
+/// Number of limbs of the product of all moduli.
 pub(super) const LIMBS: usize = 6;
 
 /// One modulus, and how to reduce to it by dot products of bytes.
 ///
 /// A number is biased to be unsigned; its bytes are digits to the base 256. The dot product of the
-/// digits with `256^i mod p`, plus a constant, is congruent to the number and lies in `[0, 2^20)`.
-/// A second such product of the three bytes of that brings it to 16 bits, and a Barrett step to 8.
+/// digits with `256^i mod p`, plus a constant, is congruent to the number and lies in `[0, 2^19)`.
+/// A second such product, of the three bytes of the first, fits 16 bits, and a Barrett step
+/// reduces it to 8.
 #[derive(Debug, Clone)]
 pub(crate) struct Modulus {
-    /// 129..=256.
+    /// The modulus, 131..=256.
     pub p: i32,
     /// `256^i mod p`, symmetric.
     pub weights: [i8; 8],
-    /// `2^WORD_BITS 256^i mod p`, symmetric: of the higher word of a wide number.
+    /// `2^WORD_BITS 256^i mod p`, symmetric, for the higher word of a wide number.
     pub high_weights: [i8; 4],
-    /// Congruent to `-2^63`: takes the bias of a 64-bit number out, and makes the sum positive.
+    /// Congruent to `-2^63`: removes the bias of a 64-bit number, and makes the sum non-negative.
     pub start_64: i32,
-    /// The same for `-2^31` and 32-bit numbers.
+    /// Congruent to `-2^31`, for 32-bit numbers.
     pub start_32: i32,
-    /// The same for `-2^63 - 2^(WORD_BITS + 31)` and numbers of two words.
+    /// Congruent to `-2^63 - 2^(WORD_BITS + 31)`, for numbers of two words.
     pub start_wide: i32,
-    /// A multiple of p that centres the second sum.
+    /// A multiple of p that centres the second sum about zero.
     pub centre: i32,
-    /// About 2^22 / p. Less one: then no quotient is wrong (tested exhaustively).
+    /// 2^22 / p, rounded, less one: then every residue fits 8 bits (tested exhaustively).
     pub inverse: i16,
 }
 
-/// `v mod p` in `[-p/2, p/2)`.
+/// Returns `v mod p` in `[-p/2, p/2)`.
 fn symmetric(v: i128, p: i32) -> i32 {
     let r = v.rem_euclid(p.into()) as i32;
     if r > (p - 1) / 2 { r - p } else { r }
@@ -89,12 +90,13 @@ impl Modulus {
         }
     }
 
-    /// Returns the three factors of the second dot product, and a zero.
+    /// Returns the three weights of the second dot product, and a zero.
     pub fn second_weights(&self) -> [i8; 4] {
         [self.weights[0], self.weights[1], self.weights[2], 0]
     }
 
-    /// Between which numbers the second sum lies, without `centre`; its third byte is at most 7.
+    /// Returns the least and the largest second sum, without `centre`; the third byte of the first
+    /// sum is at most 7.
     fn second_range(weights: &[i32; 8]) -> (i32, i32) {
         let terms = [255 * weights[0], 255 * weights[1], 7 * weights[2]];
         (terms.iter().map(|t| t.min(&0)).sum(), terms.iter().map(|t| t.max(&0)).sum())
@@ -107,25 +109,25 @@ impl Modulus {
 /// an f64 that holds it exactly with its weight.
 #[derive(Debug, Clone)]
 pub(crate) struct Moduli {
-    /// In the order of residues.
+    /// The moduli, in the order of residues.
     pub list: Vec<Modulus>,
-    /// For each modulus the number below P that is 1 modulo it and 0 modulo the others.
+    /// For each modulus the number below P that is 1 modulo this one and 0 modulo the others.
     pub units: Vec<[f64; 3]>,
     /// P.
     pub product: [f64; 3],
     /// 1 / P, rounded.
     pub inverse: f64,
-    /// Norms up to this: the product of two is below P/2, with a margin for the rounding of
-    /// quotients.
+    /// The largest norm of a column: the product of two such norms is below P/2, with a margin for
+    /// the rounding of quotients.
     pub largest_norm: f64,
 }
 
-/// The first `count` moduli.
+/// Returns the first `count` moduli.
 fn first(count: usize) -> Vec<Modulus> {
     MODULI[..count].iter().map(|&p| Modulus::new(p)).collect()
 }
 
-/// The inverse of `residue` modulo p.
+/// Returns the inverse of `residue` modulo p.
 fn inverse(residue: i32, p: i32) -> i32 {
     (1..p).find(|i| residue * i % p == 1).expect("the moduli are coprime")
 }
@@ -164,15 +166,15 @@ impl Moduli {
 /// Integers below the product P are kept in limbs of 40 bits, the lowest first.
 #[derive(Debug, Clone)]
 pub(crate) struct IntegerModuli {
-    /// In the order of residues.
+    /// The moduli, in the order of residues.
     pub list: Vec<Modulus>,
-    /// For each modulus the number below P that is 1 modulo it and 0 modulo the others.
+    /// For each modulus the number below P that is 1 modulo this one and 0 modulo the others.
     pub units: Vec<[f64; LIMBS]>,
     /// P.
     pub product: [f64; LIMBS],
-    /// The unit of each limb divided by P, rounded.
+    /// The weight `2^(40 i)` of each limb divided by P, rounded.
     pub inverses: [f64; LIMBS],
-    /// Limbs that P has.
+    /// Number of limbs of P.
     pub limbs: usize,
 }
 
@@ -237,7 +239,7 @@ impl IntegerModuli {
     /// Returns the least number of moduli, 2 or more, for integers of magnitudes up to `2^bits`;
     /// `None` when all moduli together are not enough.
     pub fn count_for(bits: i32) -> Option<usize> {
-        // Of the signs one bit, and a margin for the rounding of quotients.
+        // One bit for the sign, and a margin for the rounding of quotients.
         (2..=MOST_MODULI).find(|&count| Self::bits(count) >= f64::from(bits) + 1.01)
     }
 }
@@ -257,7 +259,7 @@ mod tests {
         }
     }
 
-    /// The rounding product of 16-bit numbers, as the instruction does it.
+    /// Returns the rounding product of 16-bit numbers, as `vpmulhrsw` does.
     fn mulhrs(a: i32, b: i32) -> i32 {
         (((a * b + (1 << 14)) >> 15) as i16).into()
     }

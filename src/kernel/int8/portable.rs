@@ -1,4 +1,4 @@
-//! The kernel in plain Rust: for any CPU, and what the others are compared with.
+//! The kernel in plain Rust, for any CPU. Tests compare the other kernels with this one.
 
 use super::kernel::{Kernel, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
@@ -68,14 +68,14 @@ impl Kernel for Portable {
     }
 }
 
-/// As [`Kernel::convert_f64`].
+/// Implements [`Kernel::convert_f64`] and [`Kernel::convert_f32`].
 fn convert<T: Real>(
     tile: &Tile<T>,
     powers: &Powers<T>,
     moduli: &[Modulus],
     out: &mut [&mut Residues],
 ) {
-    // The bytes of the biased integers, of one place value after the other.
+    // Byte `d` of every biased integer is in `digits[d]`.
     let mut digits = [[[0_u8; WIDTH]; STEP]; 8];
     for (i, row) in tile.0.iter().enumerate() {
         for j in 0..WIDTH {
@@ -89,7 +89,8 @@ fn convert<T: Real>(
     residues(&digits, moduli, |m| (m.start_64, m.weights), out);
 }
 
-/// As [`Kernel::convert_wide`]: the bytes of the lower words, then those of the higher ones.
+/// Implements [`Kernel::convert_wide`]: digits are the bytes of the lower words, then those of the
+/// higher words.
 fn convert_wide(
     tile: &Tile<f64>,
     powers: &Powers<f64>,
@@ -114,8 +115,8 @@ fn convert_wide(
     residues(&digits, moduli, |m| (m.start_wide, weights(m)), out);
 }
 
-/// A number rounded to an integer, as `low + high 2^WORD_BITS`; exactly, as both are parts of its
-/// mantissa.
+/// Rounds a number to an integer and returns its words `[low, high]`: `low + high 2^WORD_BITS`.
+/// The split is exact, since both words are parts of the mantissa.
 fn words(value: f64) -> [i64; 2] {
     let unit = power_of_two(WORD_BITS as i32);
     let high = (value / unit).round_ties_even();
@@ -123,8 +124,8 @@ fn words(value: f64) -> [i64; 2] {
     [low as i64, high as i64]
 }
 
-/// The residues of numbers whose digits are given, of one place value after the other, with the
-/// start and the weights of each modulus.
+/// Computes the residues of numbers with the D digits `digits[d][i][j]`; `constants` returns the
+/// start and the weights of a modulus.
 fn residues<const D: usize>(
     digits: &[[[u8; WIDTH]; STEP]; D],
     moduli: &[Modulus],
@@ -147,7 +148,8 @@ fn residues<const D: usize>(
     }
 }
 
-/// Sums modulo one number, between -128 and 127; for wider registers too.
+/// Reduces sums to residues between -128 and 127. Inlined, so that the AVX2 kernel compiles it for
+/// its registers.
 #[inline(always)]
 pub(super) fn reduce(sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
     let [w0, w1, w2, w3, ..] = modulus.weights.map(i32::from);
@@ -159,8 +161,8 @@ pub(super) fn reduce(sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) 
     }
 }
 
-/// A sum of digits (see [`Modulus`]) to its residue, between -128 and 127. As a float it is exact,
-/// and the quotient is wrong by less than 2^-12.
+/// Reduces a sum of digits (see [`Modulus`]) to a residue between -128 and 127. As a float the sum
+/// is exact, and the quotient before rounding is wrong by less than 2^-12.
 #[inline(always)]
 fn finish(sum: i32, p: i32) -> i8 {
     let quotient = (sum as f32 * (1.0 / p as f32)).round_ties_even() as i32;

@@ -1,12 +1,12 @@
-//! From residues back to numbers: the Chinese remainder theorem in exact f64 arithmetic.
+//! Reconstructs numbers from residues: the Chinese remainder theorem in exact f64 arithmetic.
 
 use super::integer::Integer;
 use super::moduli::{IntegerModuli, LIMBS, Moduli};
 use super::tile::{Quarter, WIDTH, scaled};
 use crate::base::widest;
 
-/// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20,
-/// with these residues. All arithmetic is exact.
+/// Computes exactly the integers R with these residues, for |R| at most P/2 less one part in 2^20,
+/// a margin for the rounding of quotients.
 pub(crate) fn integers<I: Integer>(
     residues: &[&Quarter<i8>],
     moduli: &IntegerModuli,
@@ -23,7 +23,7 @@ pub(crate) fn integers<I: Integer>(
     );
 }
 
-/// [`integers`] of L limbs: `V = sum residue * unit` is congruent to R, so
+/// Does [`integers`] with L limbs: `V = sum residue * unit` is congruent to R, so
 /// `R = V - round(V / P) P`, limb by limb.
 #[inline(always)]
 fn integers_of<I: Integer, const L: usize>(
@@ -58,11 +58,11 @@ fn integers_of<I: Integer, const L: usize>(
     }
 }
 
-/// The three parts of the integers of row `i` of a quarter.
+/// Returns the three parts of the integers of row `i` of a quarter, the highest first.
 ///
-/// `V = sum residue * unit` is congruent to R; so `R = V - round(V / P) P`. Each of the three parts
+/// `V = sum residue * unit` is congruent to R, so `R = V - round(V / P) P`. Each of the three parts
 /// of the sum and of the product has fewer than 53 bits, so that they and their differences are
-/// exact, with fused multiplications or without (`FUSED`).
+/// exact, with fused multiply-add (`FUSED`) or without.
 #[inline(always)]
 fn row<const FUSED: bool>(
     residues: &[&Quarter<i8>],
@@ -87,8 +87,7 @@ fn row<const FUSED: bool>(
     parts
 }
 
-/// A quarter of a block of C from its residues: for row i and column j the integer of [`integers`]
-/// times `2^(rows[i] + columns[j])`, rounded once, and a second time where the result is subnormal.
+/// Implements [`Kernel::recombine`](super::Kernel::recombine), with fused multiply-add if `FUSED`.
 #[inline(always)]
 pub(super) fn quarter<const FUSED: bool>(
     residues: &[&Quarter<i8>],
@@ -113,7 +112,7 @@ fn multiply_add<const FUSED: bool>(x: f64, y: f64, z: f64) -> f64 {
     if FUSED { x.mul_add(y, z) } else { x * y + z }
 }
 
-/// `x + y`, and what rounding took from it (Knuth 1969).
+/// Returns `x + y` and its rounding error (Knuth 1969).
 #[inline(always)]
 fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;

@@ -2,14 +2,15 @@
 
 use super::moduli::Modulus;
 use super::sealed::Steps;
-use super::tile::power_of_two;
+use super::tile::{self, power_of_two};
 use super::*;
 use crate::base::Rng;
 
-/// What the others are compared with.
+/// The kernel that the others are compared with.
 pub(crate) static PORTABLE: portable::Portable = portable::Portable;
 
-/// Every kernel that can run here. AMX is emulated where it is absent.
+/// Returns every kernel that can run here, with its name. Without AMX, Linux with AVX-512 VNNI
+/// emulates it.
 pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
     #[allow(unused_mut)]
     let mut found: Vec<(&'static str, &'static dyn Kernel)> = vec![("portable", &PORTABLE)];
@@ -41,7 +42,7 @@ pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
 }
 
 fn byte(rng: &mut Rng) -> i8 {
-    // The extremes are what sums overflow with.
+    // Extremes are frequent, since they overflow sums.
     match rng.bits() % 8 {
         0 => i8::MIN,
         1 => i8::MAX,
@@ -53,7 +54,7 @@ fn slices(count: usize, rng: &mut Rng) -> Vec<Slice> {
     (0..count).map(|_| [[(); STEP * WIDTH]; 2].map(|tile| tile.map(|()| byte(rng)))).collect()
 }
 
-/// Entry of row `k` and column `j` of a panel.
+/// Returns the entry of row `k` and column `j` of a panel.
 fn entry(panel: &[Slice], k: usize, j: usize) -> i64 {
     let tile = &panel[k / STEP][j / WIDTH];
     tile[64 * (k % STEP / 4) + 4 * (j % WIDTH) + k % 4].into()
@@ -63,8 +64,8 @@ fn place<T: Copy>(block: &Block<T>, i: usize, j: usize) -> T {
     block[2 * (i / WIDTH) + j / WIDTH][i % WIDTH][j % WIDTH]
 }
 
-/// Multiplies `panels` panels, one after another in `left`, by `right`; old residues are kept if
-/// `continued`.
+/// Checks the products of the panels in `left`, one after another, with `right`, plus the residues
+/// `old` if `continued`.
 fn check_product(
     (name, kernel): (&str, &dyn Kernel),
     modulus: &Modulus,
@@ -136,7 +137,7 @@ fn the_largest_sums_are_reduced_by_every_modulus() {
     }
 }
 
-/// Entries whose scaled values are integers of all sizes, halves, zeros.
+/// Returns random entries of all sizes up to 2^INTEGER_BITS, among them zeros and ties of rounding.
 fn tile<T: Operand>(rng: &mut Rng) -> Tile<T> {
     let mut tile = Tile::zeros();
     for (i, row) in tile.0.iter_mut().enumerate() {
@@ -260,7 +261,7 @@ fn integers_of_many_bits_come_back_from_their_residues() {
     let mut rng = Rng::new(6);
     for count in [2, 5, 6, 11, 15, 16, 20, 23, MOST_MODULI] {
         let moduli = IntegerModuli::new(count);
-        // As products, whose residues are those of their factors.
+        // Integers as products, since the residues of their factors are easy to compute.
         let most = (IntegerModuli::bits(count) - 1.1) / 2.0;
         let factor = |rng: &mut Rng| {
             let size = (rng.uniform() * power_of_two(most as i32)) as i128;
@@ -297,7 +298,7 @@ fn integers_of_many_bits_come_back_from_their_residues() {
     }
 }
 
-/// `v 2^e`, correctly rounded from an integer of up to 126 bits.
+/// Returns `v 2^e` rounded, for an integer of up to 126 bits; a subnormal is rounded twice.
 fn scaled(v: i128, e: i32) -> f64 {
     let rounded = v as f64;
     rounded * power_of_two(e >> 1) * power_of_two(e - (e >> 1))
@@ -323,7 +324,7 @@ fn numbers_come_back_from_their_residues() {
             } * if rng.sign() > 0.0 { 1 } else { -1 };
             *number = (*number).clamp(-limit, limit);
         }
-        // Any representative of a residue that is a byte will do.
+        // Residues may be any representative that fits a byte.
         let residues: Vec<Quarter<i8>> = moduli
             .list
             .iter()
@@ -411,7 +412,7 @@ fn norms_bound_every_column_closely() {
     for j in [1, 2, 5, 15] {
         let e = expected.exponents[j];
         let column = || tile.0.iter().map(|row| row[j].abs());
-        // Scaled in two steps, as one factor may be no number.
+        // Scaled in two steps, since one factor may overflow or underflow.
         let unit = |x: f64| x * power_of_two(-e >> 1) * power_of_two(-e - (-e >> 1));
         let largest = column().map(unit).fold(0.0, f64::max);
         assert!((0.5..1.0).contains(&largest), "column {j}: {largest}");
@@ -446,7 +447,22 @@ fn tiles_are_read_from_any_layout_and_padded_with_zeros() {
 }
 
 #[test]
-fn a_refused_instance_says_why_and_falls_back() {
+fn values_of_256_bits_are_scaled_over_the_whole_range() {
+    let cases = [
+        (power_of_two(250), -1310, power_of_two(-1000) * power_of_two(-60)),
+        (-power_of_two(255), -1329, -power_of_two(-1000) * power_of_two(-74)),
+        (power_of_two(255), -1331, 0.0),
+        (power_of_two(255), -5000, 0.0),
+        (power_of_two(-1022), 2000, power_of_two(978)),
+        (-1.0, 5000, f64::NEG_INFINITY),
+    ];
+    for (value, exponent, expected) in cases {
+        assert_eq!(tile::scaled(value, exponent), expected, "{value} 2^{exponent}");
+    }
+}
+
+#[test]
+fn a_refused_instruction_set_says_why_and_falls_back() {
     for isa in Isa::ALL {
         match isa.refusal() {
             None => println!("{}: used", isa.name()),

@@ -1,21 +1,21 @@
-//! What moves between the steps: tiles of the operands, of residues and of sums.
+//! The data of the steps: tiles of the operands, of residues and of sums.
 
 use faer::MatRef;
 
 use crate::base::Real;
 
-/// Rows of a tile: the depth of one step of a product.
+/// Rows of a tile, and of one step of a product.
 pub(crate) const STEP: usize = 64;
 /// Columns of a tile.
 pub(crate) const WIDTH: usize = 16;
 /// Columns of a panel: two tiles.
 pub(crate) const PANEL: usize = 2 * WIDTH;
-/// The most steps of one product: a panel of the right side stays in the first-level cache, and
-/// sums of 1024 products of residues stay below 2^25.
+/// The most steps of one product: a panel of the right side (32 KiB) stays in the first-level
+/// cache, and sums of 1024 products of residues stay below 2^25.
 pub(crate) const DEPTH: usize = 16;
 /// 16 x 16 entries of C, row by row.
 pub(crate) type Quarter<T> = [[T; WIDTH]; WIDTH];
-/// 32 x 32 entries of C: the quarters of the first 16 rows, then those of the others.
+/// 32 x 32 entries of C: the two quarters of the first 16 rows, then those of the last 16.
 pub(crate) type Block<T> = [Quarter<T>; 4];
 
 /// 64 x 16 entries of an operand, row by row; zeros where the operand ends.
@@ -35,7 +35,7 @@ impl<T: Real> Tile<T> {
         Self([[T::ZERO; WIDTH]; STEP])
     }
 
-    /// Reads the tile whose first entry is `a[(row, col)]`, even if that is beyond the end.
+    /// Reads the tile whose first entry is `a[(row, col)]`; entries beyond the end of `a` are zero.
     pub fn load(&mut self, a: MatRef<'_, T>, row: usize, col: usize) {
         let rows = STEP.min(a.nrows().saturating_sub(row));
         let cols = WIDTH.min(a.ncols().saturating_sub(col));
@@ -48,7 +48,7 @@ impl<T: Real> Tile<T> {
         let a = a.submatrix(row, col, rows, cols);
         if a.col_stride() == 1 {
             for (i, line) in self.0[..rows].iter_mut().enumerate() {
-                // The rows of a tile are too far apart for the CPU to guess what comes next.
+                // Prefetches the next tile: its rows are too far apart for the hardware to do so.
                 fetch_lines(a.ptr_at(i, 0).wrapping_add(2 * WIDTH), 2);
                 // SAFETY: row `i` of the view is `cols` adjacent elements.
                 let source = unsafe { std::slice::from_raw_parts(a.ptr_at(i, 0), cols) };
@@ -75,7 +75,7 @@ impl<T: Real> Tile<T> {
     }
 }
 
-/// Asks for `count` cache lines from `at` on, which may be any address.
+/// Prefetches `count` cache lines from `at` on, which may be any address.
 #[inline(always)]
 pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
     #[cfg(target_arch = "x86_64")]
@@ -88,8 +88,8 @@ pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
     let _ = (at, count);
 }
 
-/// Powers of two, one per column of a tile, in two factors: `2^exponent` alone may be no finite
-/// number.
+/// Powers of two, one per column of a tile, in two factors, since `2^exponent` may overflow or
+/// underflow.
 #[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Powers<T> {
@@ -107,28 +107,30 @@ impl<T: Real> Powers<T> {
     }
 }
 
-/// `2^e`, exactly, for e in `-1022..=1023`.
+/// Returns `2^e` exactly, for e in `-1022..=1023`.
 #[inline(always)]
 pub(crate) fn power_of_two(e: i32) -> f64 {
     f64::from_bits(((e + 1023) as u64) << 52)
 }
 
-/// `value 2^exponent`, rounded where it is subnormal.
+/// Returns `value 2^exponent`, rounded where it is subnormal.
 #[inline(always)]
 pub(crate) fn scaled(value: f64, exponent: i32) -> f64 {
-    // Two factors: one may be no finite number. Below -1300 every value vanishes.
-    let exponent = exponent.clamp(-1300, 2040);
+    // Two factors, since one may overflow or underflow. Below -1400 every value up to 2^255
+    // vanishes.
+    let exponent = exponent.clamp(-1400, 2040);
     let (first, second) = (exponent >> 1, exponent - (exponent >> 1));
     value * power_of_two(first) * power_of_two(second)
 }
 
-/// Bounds of the columns of a tile, of which norms are made in any order.
+/// Bounds of the columns of a tile, which add up to bounds of norms in any order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TileNorms {
-    /// The largest exponent: every entry is below 2^e. [`EMPTY`] for zeros, [`NON_FINITE`] when an
-    /// entry is NaN or infinite.
+    /// The least e such that every entry is below 2^e in magnitude: [`EMPTY`] for zeros,
+    /// [`NON_FINITE`] if an entry is NaN or infinite.
     pub exponents: [i32; WIDTH],
-    /// The sum of the squares of the entries, divided by 2^(e - 20) and rounded up to integers.
+    /// The sum of the squares of the magnitudes of the entries, each first divided by 2^(e - 20)
+    /// and rounded up to an integer. Unspecified for [`NON_FINITE`].
     pub squares: [f64; WIDTH],
 }
 
@@ -137,14 +139,15 @@ pub(crate) const EMPTY: i32 = i32::MIN;
 /// Exponent of a column with a NaN or an infinity.
 pub(crate) const NON_FINITE: i32 = i32::MAX;
 
-/// Bits of an entry that norms look at. Squares of 64 of them are exact sums in f64.
+/// Bits of an entry that norms look at: the sum of the squares of 64 such integers is exact in
+/// f64.
 pub(crate) const NORM_BITS: i32 = 20;
 
-/// The bits of an f64 without its sign.
+/// Mask of the bits of an f64 without its sign.
 pub(super) const MAGNITUDE: u64 = !0 >> 1;
 
-/// [`TileNorms::exponents`] from the bits of the largest magnitude of each column, and the powers
-/// that its entries are multiplied by before they are rounded up.
+/// Returns [`TileNorms::exponents`] for the bits of the largest magnitude of each column, and the
+/// powers that its entries are multiplied by before they are rounded up.
 #[inline(always)]
 pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64>) {
     const INFINITY: u64 = 0x7ff << 52;
@@ -158,8 +161,8 @@ pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64
     (exponents, Powers::new(exponents.map(known)))
 }
 
-/// The bounds of the columns of a tile. All sums are exact, so that every instruction set finds the
-/// same.
+/// Computes the bounds of the columns of a tile. All sums are exact, so that every instruction set
+/// finds the same bounds.
 #[inline(always)]
 pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
     let mut largest = [0; WIDTH];
