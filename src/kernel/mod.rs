@@ -1,10 +1,10 @@
-//! Kernels: the arithmetic that everything above is made of, per instruction set.
+//! Kernels: the innermost arithmetic of every product, for each instruction set.
 
 pub mod int8;
 pub mod packed;
 
-/// Shows the stores past the caches that this thread has made, if it has made any, to other threads
-/// before every later store.
+/// Orders the non-temporal stores (past the caches) of this thread before its later stores, for
+/// other threads. Does nothing unless `past_caches`.
 #[inline]
 fn finish_stores(past_caches: bool) {
     if past_caches {

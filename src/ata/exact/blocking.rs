@@ -33,6 +33,20 @@ impl Blocking {
         let cols = right.clamp(1, COLS);
         Self { rows, cols, depth }
     }
+
+    /// Halves the blocks along the side where that costs less; returns whether it did. Narrow
+    /// blocks rearrange the left side more often, low ones load the right side more often.
+    pub fn halve(&mut self) -> bool {
+        let Self { rows, cols, .. } = self;
+        let side = match (*rows, *cols) {
+            (_, 17..) => cols,
+            (9.., _) => rows,
+            (_, 9..) => cols,
+            _ => return false,
+        };
+        *side = side.div_ceil(2);
+        true
+    }
 }
 
 #[cfg(test)]

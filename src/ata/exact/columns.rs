@@ -148,7 +148,7 @@ pub(super) fn for_tiles<T: Operand>(
     let inner = if by_rows { columns.len() } else { bands.len() };
     let total = bands.len() * columns.len();
     /// Tiles of a ticket: fewer are not worth one.
-    const RUN: usize = 64;
+    const RUN: usize = 16;
     par.map_blocks(total, RUN, |tiles| {
         let mut tile = Tile::zeros();
         for i in tiles {

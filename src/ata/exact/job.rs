@@ -40,27 +40,30 @@ impl<S: Sink> Job<'_, '_, S> {
     /// Writes the blocks of a batch from their residues.
     pub fn recombine(&self, workers: &mut [Worker<'_>], kernel: &dyn Kernel, batch: &Batch) {
         let by_rows = self.sink.is_by_rows();
-        let lines: Vec<(&Unit, usize)> = batch
+        // The blocks of a line: those of row panel or column panel `line` of a unit.
+        let of_line = |unit: &Unit, line: usize| match by_rows {
+            true => self.layout.cols_of(unit, line),
+            false => self.layout.rows_of(unit, line),
+        };
+        let lines_of = |unit: &Unit| match by_rows {
+            true => unit.rows.clone(),
+            false => unit.cols.clone(),
+        };
+        let mut lines: Vec<(&Unit, usize)> = batch
             .units
             .iter()
-            .flat_map(|unit| {
-                let line = if by_rows { &unit.rows } else { &unit.cols };
-                line.clone().map(move |line| (unit, line))
-            })
+            .flat_map(|unit| lines_of(unit).map(move |line| (unit, line)))
             .collect();
+        // The longest first, so that the short ones fill the gaps at the end.
+        lines.sort_by_key(|(unit, line)| std::cmp::Reverse(of_line(unit, *line).len()));
         tickets(workers, lines.len(), |_, at| {
             let (unit, line) = lines[at];
-            let write = |i: usize, j: usize| {
-                // SAFETY: no thread writes the residues now; a block of C is in one line of one
-                // unit.
-                unsafe { self.write(kernel, batch, unit, (i, j)) }
-            };
             let work = || {
-                if by_rows {
-                    let end = self.layout.last_col(unit, line);
-                    (unit.cols.start..end).for_each(|j| write(line, j));
-                } else {
-                    (self.layout.first_row(unit, line)..unit.rows.end).for_each(|i| write(i, line));
+                for other in of_line(unit, line) {
+                    let block = if by_rows { (line, other) } else { (other, line) };
+                    // SAFETY: no thread writes the residues now; a block of C is in one line of one
+                    // unit.
+                    unsafe { self.write(kernel, batch, unit, block) };
                 }
             };
             self.clock.time(|s| &mut s.recombination, 1, work);

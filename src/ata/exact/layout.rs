@@ -142,6 +142,23 @@ impl Layout {
         Self { symmetric, same, moduli, left, right, steps, chunk, groups, batch, blocking }
     }
 
+    /// Halves the blocks until there are several for each of `threads` threads, which wait for each
+    /// other at the end of a batch.
+    pub fn for_threads(mut self, threads: usize) -> Self {
+        /// Products of blocks in a batch, for each thread. Measured with 16 threads.
+        const SHARE: usize = 8;
+        while threads > 1 && self.products_in_batch() < SHARE * threads && self.blocking.halve() {}
+        self
+    }
+
+    /// Returns the mean number of products of blocks, of all moduli, in a batch.
+    fn products_in_batch(&self) -> usize {
+        let pairs = self.pairs().into_iter();
+        let batches: Vec<Batch> = pairs.flat_map(|pair| self.batches(pair)).collect();
+        let units: usize = batches.iter().map(|batch| batch.units.len()).sum();
+        self.moduli * units / batches.len().max(1)
+    }
+
     /// Returns whether C is the sum over several chunks.
     pub fn accumulates(&self) -> bool {
         self.chunk < self.steps
@@ -256,17 +273,19 @@ impl Layout {
 
     /// Returns the number of pairs of panels in a block.
     pub fn cost(&self, unit: &Unit) -> usize {
-        unit.cols.clone().map(|col| unit.rows.end.saturating_sub(self.first_row(unit, col))).sum()
+        unit.cols.clone().map(|col| self.rows_of(unit, col).len()).sum()
     }
 
-    /// Returns the end of the column panels that panel `row` of the rows of a block needs.
-    pub fn last_col(&self, unit: &Unit, row: usize) -> usize {
-        if self.symmetric { unit.cols.end.min(row + 1) } else { unit.cols.end }
+    /// Returns the row panels of a block that its column panel `col` needs.
+    pub fn rows_of(&self, unit: &Unit, col: usize) -> Range<usize> {
+        let first = if self.symmetric { unit.rows.start.max(col) } else { unit.rows.start };
+        first.min(unit.rows.end)..unit.rows.end
     }
 
-    /// Returns the first panel of rows that column panel `col` of a block needs.
-    pub fn first_row(&self, unit: &Unit, col: usize) -> usize {
-        if self.symmetric { unit.rows.start.max(col) } else { unit.rows.start }
+    /// Returns the column panels of a block that its row panel `row` needs.
+    pub fn cols_of(&self, unit: &Unit, row: usize) -> Range<usize> {
+        let end = if self.symmetric { unit.cols.end.min(row + 1) } else { unit.cols.end };
+        unit.cols.start..end.max(unit.cols.start)
     }
 }
 

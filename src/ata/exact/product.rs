@@ -72,7 +72,7 @@ impl Round<'_, '_> {
                 kernel.to_left(self.left.slices(l, i, steps.clone()), left);
             }
             for j in unit.cols.clone() {
-                let rows = layout.first_row(unit, j)..unit.rows.end;
+                let rows = layout.rows_of(unit, j);
                 let left = &left[(rows.start - unit.rows.start) * depth..][..rows.len() * depth];
                 let [right, next] = [j, (j + 1).min(unit.cols.end - 1)]
                     .map(|j| self.right.slices(l, j, steps.clone()));

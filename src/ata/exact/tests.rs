@@ -275,7 +275,7 @@ fn every_pair_of_panels_has_a_place_of_its_own_in_its_batch() {
                     let mut taken = vec![false; batch.places];
                     for unit in &batch.units {
                         for j in unit.cols.clone() {
-                            for i in layout.first_row(unit, j)..unit.rows.end {
+                            for i in layout.rows_of(unit, j) {
                                 let place = &mut taken[unit.place(i, j)];
                                 assert!(!std::mem::replace(place, true), "{layout:?}: ({i}, {j})");
                             }

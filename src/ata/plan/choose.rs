@@ -219,7 +219,8 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     let moduli = exact_moduli::<T>(options.accuracy);
     let sides = [m, n, k];
     let (symmetric, same) = (op.symmetric(), problem.same());
-    let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
+    let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same)
+        .for_threads(options.par.threads());
     // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
@@ -372,7 +373,7 @@ fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
 /// than half of C, at most what the third-level cache of a core holds, and at least a chunk that
 /// pays off. Of `memory` two chunks leave a quarter for the sums.
 fn packing_budget<T>(n: usize, k: usize, memory: Option<usize>) -> usize {
-    const LEAST: usize = 256 << 10;
+    const LEAST: usize = 2 << 20;
     const MOST: usize = 64 << 20;
     let most = memory.map_or(MOST, |bytes| (bytes / 8 * 3).clamp(LEAST, MOST));
     (n * k / 6).clamp(LEAST / size_of::<T>(), most / size_of::<T>())

@@ -88,7 +88,8 @@ impl FusedCost {
         /// Share of the time for additions to C that products do not hide.
         const SEEN: f64 = 0.5;
         let Shape { depth, rows, cols, same } = product.shape;
-        let blocking = Blocking::new(self.geometry, self.scalar_bytes, product.shape, self.budget);
+        let blocking =
+            Blocking::new(self.geometry, self.scalar_bytes, product.shape, self.budget, 1);
         let work = product.work(self.symmetric);
         let area = |b: &super::fused::Block| b.rows.len() as f64 * b.cols.len() as f64;
         let read: f64 = product.left.iter().chain(&product.right).map(area).sum();

@@ -1,4 +1,4 @@
-//! Extents: of tiles, of pieces of matrices, of cache lines.
+//! Extents of tiles, of pieces of matrices and of cache lines.
 
 use std::ops::Range;
 
@@ -7,20 +7,20 @@ use std::ops::Range;
 pub(crate) struct Geometry {
     /// Scalars of a vector.
     pub lanes: usize,
-    /// Rows of a tile; they divide the width.
+    /// Rows of a tile; a divisor of the width.
     pub rows: usize,
     /// Columns of a tile, and of a panel.
     pub width: usize,
 }
 
-/// Rows and columns.
+/// Ranges of rows and columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Area {
     pub rows: Range<usize>,
     pub cols: Range<usize>,
 }
 
-/// The i-th piece of `range`, cut into pieces of `length`.
+/// Returns the i-th piece of `range`, cut into pieces of `length`.
 pub(super) fn piece(range: &Range<usize>, i: usize, length: usize) -> Range<usize> {
     let start = range.start + i * length;
     start..range.end.min(start + length)
@@ -29,12 +29,12 @@ pub(super) fn piece(range: &Range<usize>, i: usize, length: usize) -> Range<usiz
 /// Bytes of a cache line.
 pub(super) const CACHE_LINE: usize = 64;
 
-/// Scalars of a cache line.
+/// Returns the number of scalars of a cache line.
 pub(super) const fn line_len<T>() -> usize {
     CACHE_LINE / size_of::<T>()
 }
 
-/// Cache lines to fetch: some at each of several places.
+/// Cache lines to prefetch: some at each of several places.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stream<T> {
     pub start: *const T,

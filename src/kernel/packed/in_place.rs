@@ -1,4 +1,4 @@
-//! Products of matrices that are read where they are: no packing, nothing beyond their edges is
+//! Products of matrices that are read in place, without packing. Nothing beyond their edges is
 //! read.
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
@@ -12,18 +12,18 @@ use super::write::{write, write_registers};
 
 /// A rectangle of a product, whose sides may be read in place.
 pub(crate) struct InPlace<'r, T> {
-    /// Rows of both sides.
+    /// Rows of both sides to sum over.
     pub steps: usize,
-    /// From column 0 on; packed sides have one panel.
+    /// Starts at column 0. A packed side has one panel.
     pub left: Side<T>,
     pub right: Side<T>,
-    /// Rows and columns of the product; the first row is the first one of a tile.
+    /// Rows and columns of the product; the first row is the first row of a tile.
     pub rows: Range<usize>,
     pub cols: Range<usize>,
     /// The sums of the tiles, ROWS x WIDTH each: one tile for all when `kept` is false.
     pub sums: *mut T,
     pub kept: bool,
-    /// Whether the sums hold those of earlier steps.
+    /// Whether the sums hold the result of earlier steps, to be added to.
     pub add: bool,
     /// The targets of the product.
     pub targets: &'r [Target<T>],
@@ -31,18 +31,17 @@ pub(crate) struct InPlace<'r, T> {
     pub last: bool,
 }
 
-/// Computes what the targets want of the rectangle, and writes it if it is complete.
+/// Implements [`Kernel::multiply_in_place`](super::kernel::Kernel::multiply_in_place).
 ///
 /// # Safety
-/// The sides hold `steps` rows and these columns, the sums a tile per tile (or one); nobody else
-/// uses the sums and these entries of the targets.
+/// As for the method.
 #[inline(always)]
 pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUNT: usize>(
     product: &InPlace<'_, V::Scalar>,
 ) {
     let InPlace { steps, left, right, ref cols, targets, .. } = *product;
     let mut sums = product.sums;
-    // What is neither read again nor written twice need not go through memory.
+    // Sums that are not read again and go to one target are written from registers.
     let direct = match targets {
         [target] if V::MASKED_STORES && product.last && !product.kept && target.is_plain() => {
             Some(target)
@@ -89,8 +88,8 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     }
 }
 
-/// `height` rows and `count` vectors of a tile, of which the last one has the lanes `tail`: nothing
-/// else is read. The sums go to the target at `(row, col)`, or to memory.
+/// Computes `height` rows and `count` vectors of a tile, the last vector in the lanes `tail`, and
+/// reads nothing else. Writes the sums to `target` at `(row, col)`, or without a target to memory.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].

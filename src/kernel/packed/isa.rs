@@ -1,4 +1,4 @@
-//! The instruction sets, and which of them this machine has.
+//! The instruction sets, and which of them this machine supports.
 
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
@@ -23,7 +23,7 @@ pub enum Isa {
 }
 
 impl Isa {
-    /// All of them, the fastest first.
+    /// All instruction sets, the fastest first.
     pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
 
     /// Returns the short name: `avx512`, `avx2` or `portable`.

@@ -9,24 +9,30 @@ use super::tile::Row;
 
 /// The steps of a packed product, for one instruction set and scalar.
 pub(crate) trait Kernel<T>: Sync {
+    /// Returns the extents of the tiles.
     fn geometry(&self) -> Geometry;
 
-    /// See `tile::multiply_row`.
+    /// Computes a row of tiles, and writes it to the targets if it is complete.
     ///
     /// # Safety
-    /// As there.
+    /// The sides hold `steps` rows, the sums a tile per panel (one tile unless `kept`); nobody else
+    /// uses the sums and these entries of the targets.
     unsafe fn multiply_row(&self, row: &Row<'_, T>);
 
-    /// See `in_place::multiply_in_place`.
+    /// Computes the entries of the rectangle that the targets want, and writes them if they are
+    /// complete.
     ///
     /// # Safety
-    /// As there.
+    /// The sides hold `steps` rows and these columns, the sums all tiles (one tile unless `kept`);
+    /// nobody else uses the sums and these entries of the targets.
     unsafe fn multiply_in_place(&self, product: &InPlace<'_, T>);
 
-    /// See `pack::pack`.
+    /// Writes the panels that hold columns `area.cols` of the sum of `sources`, rows `area.rows`:
+    /// the i-th panel at `out.start + i * out.stride`, row after row, WIDTH columns each. Entries
+    /// that a source lacks are zero, and so are the columns that pad the last panel.
     ///
     /// # Safety
-    /// As there.
+    /// `out` has room for all panels.
     unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: Panels<T>);
 }
 

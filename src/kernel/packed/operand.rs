@@ -1,4 +1,4 @@
-//! The scalars that kernels exist for.
+//! The scalars that have kernels.
 
 use super::isa::Isa;
 use super::kernel::Kernel;
@@ -17,7 +17,7 @@ pub(crate) mod sealed {
     use super::*;
 
     pub trait Kernels: Sized {
-        /// Returns the kernel of an isa; that of [`Isa::Portable`] when this machine refuses it.
+        /// Returns the kernel of an isa, or that of [`Isa::Portable`] if this machine can't use it.
         #[allow(private_interfaces)]
         fn kernel(isa: Isa) -> &'static dyn Kernel<Self>;
     }

@@ -1,4 +1,4 @@
-//! What is multiplied.
+//! The operands and extents of products.
 
 use faer::MatRef;
 
@@ -12,7 +12,7 @@ use crate::base::Real;
 pub(crate) struct Source<'a, T> {
     pub coefficient: T,
     pub matrix: MatRef<'a, T>,
-    /// What each column is multiplied by: powers of two, so that nothing is rounded.
+    /// Factors of the columns: powers of two, so that nothing is rounded.
     pub scale: Option<&'a [T]>,
 }
 
@@ -25,7 +25,7 @@ impl<T: Real> Source<'_, T> {
         complete && matrix.col_stride() == 1 && *coefficient == T::ONE && scale.is_none()
     }
 
-    /// Returns the side that tiles read straight from the matrix, from `first_row` on, in panels of
+    /// Returns the side that tiles read in place from the matrix, from `first_row` on, in panels of
     /// `width` columns.
     pub fn in_place(&self, first_row: usize, width: usize) -> Side<T> {
         Side {
@@ -42,15 +42,16 @@ impl<T: Real> Source<'_, T> {
 /// `targets += (sum left)^T (sum right)`, over all rows of the sources.
 #[derive(Debug, Clone)]
 pub(crate) struct Product<'a, T> {
-    /// The columns are rows of the product; `shape` says how many.
+    /// Sources whose columns are the rows of the product; `shape` gives their number.
     pub left: Vec<Source<'a, T>>,
-    /// Empty when it is the same as the left side.
+    /// Sources of the right side; empty if it is the same as the left side.
     pub right: Vec<Source<'a, T>>,
     pub targets: Vec<Target<T>>,
     pub shape: Shape,
 }
 
-/// Extents of a product: what a source or a target lacks counts as zero, or is dropped.
+/// Extents of a product. Entries that a source lacks are zero; entries that a target lacks are
+/// dropped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shape {
     /// Rows of the sources.
@@ -59,12 +60,12 @@ pub(crate) struct Shape {
     pub rows: usize,
     /// Columns of the product.
     pub cols: usize,
-    /// One side serves as both.
+    /// Whether the left side is also the right side.
     pub same: bool,
 }
 
-/// Panels of a side, at most, that is not packed but read in place: with more of them rows are read
-/// so often that packing pays. Measured on Zen 4.
+/// Most panels of a side that is read in place: with more panels, rows are read so often that
+/// packing pays. Measured on Zen 4.
 const PANELS_IN_PLACE: usize = 2;
 
 impl<'a, T: Real> Product<'a, T> {
@@ -73,7 +74,7 @@ impl<'a, T: Real> Product<'a, T> {
         if side == 0 || self.shape.same { &self.left } else { &self.right }
     }
 
-    /// Returns whether tiles read both sides straight from matrices.
+    /// Returns whether tiles read both sides in place.
     pub fn in_place(&self, geometry: Geometry) -> bool {
         let Shape { depth, rows, cols, .. } = self.shape;
         let plain = |side, width| matches!(self.sources(side), [s] if s.is_plain(depth, width));

@@ -1,4 +1,4 @@
-//! Packing: signed sums of blocks into panels of WIDTH columns.
+//! Packs signed sums of blocks into panels of WIDTH columns.
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 
@@ -14,7 +14,7 @@ pub(crate) struct Panels<T> {
     pub start: *mut T,
     /// Scalars from one panel to the next.
     pub stride: usize,
-    /// Whether to write past the caches; `start` must be the start of a cache line then.
+    /// Whether to write past the caches; then `start` must be the start of a cache line.
     pub past_caches: bool,
 }
 
@@ -30,13 +30,10 @@ impl<T> Panels<T> {
     }
 }
 
-/// Writes the panels that hold columns `area.cols` of the sum of `sources`, rows `area.rows`: the
-/// i-th panel at `out.start + i * out.stride`, row after row, WIDTH columns each. What a source
-/// lacks counts as zero, and so do the columns between the end of the area and that of its last
-/// panel.
+/// Implements [`Kernel::pack`](super::kernel::Kernel::pack).
 ///
 /// # Safety
-/// `out` has room for all panels.
+/// As for the method.
 #[inline(always)]
 pub(super) unsafe fn pack<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
@@ -49,8 +46,8 @@ pub(super) unsafe fn pack<V: Vectors>(
         let scaled = sources.iter().filter(|s| s.scale.is_some()).count();
         let shortest = sources.iter().map(|s| s.matrix.nrows()).min().unwrap_or(0);
         let narrowest = sources.iter().map(|s| s.matrix.ncols()).min().unwrap_or(0);
-        // What can be taken row by row: rows that all sources have, and all columns or whole
-        // panels.
+        // The part that is packed row by row: rows that all sources have, and all columns or
+        // whole panels.
         let rows = shortest.min(area.rows.end).saturating_sub(area.rows.start);
         let columns = match narrowest.min(area.cols.end).saturating_sub(area.cols.start) {
             _ if !by_rows || rows == 0 => 0,
@@ -90,11 +87,11 @@ pub(super) unsafe fn pack<V: Vectors>(
     }
 }
 
-/// Rows ahead that sources are asked for.
+/// Distance of prefetches from sources, in rows.
 const ROWS_AHEAD: usize = 6;
 
-/// Does [`pack`] from N sources stored by rows, which have all of the area; `SCALED` sources have a
-/// scale.
+/// Packs an area that N sources stored by rows have in full; all of them have a scale if `SCALED`,
+/// else none.
 #[inline(always)]
 unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
     sources: &[Source<'_, V::Scalar>; N],
@@ -103,7 +100,7 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
 ) {
     // SAFETY: the caller's promise.
     unsafe {
-        // A row of a panel that ends within a line would leave the line half written.
+        // Rows of panels must be whole cache lines: a partly written line is slow to store.
         let past_caches = out.past_caches && V::WIDTH.is_multiple_of(line_len::<V::Scalar>());
         debug_assert!(!past_caches || out.start.addr().is_multiple_of(CACHE_LINE));
         let (columns, first) = (area.cols.len(), area.cols.start);
@@ -148,7 +145,8 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
     }
 }
 
-/// Returns a vector of the sum of the sources, whose rows and scales begin at `rows` and `scales`.
+/// Returns the vector at column `at` of the sum of the sources, whose rows and scales begin at
+/// `rows` and `scales`; only the lanes of `mask` are read, if any.
 #[inline(always)]
 unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
     sources: &[Source<'_, V::Scalar>; N],
@@ -178,7 +176,7 @@ unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
     }
 }
 
-/// Does [`pack_rows`] for any number of sources.
+/// Packs like [`pack_rows`], from any number of sources with or without scales.
 #[inline(always)]
 unsafe fn pack_many_rows<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
@@ -210,21 +208,21 @@ unsafe fn pack_many_rows<V: Vectors>(
     }
 }
 
-/// Returns the address of the same columns some rows further down.
+/// Returns the address [`ROWS_AHEAD`] rows below entry (row, col), for a prefetch.
 #[inline(always)]
 fn ahead_of<T>(source: &Source<'_, T>, row: usize, col: usize) -> *const T {
     let down = (row + ROWS_AHEAD) as isize * source.matrix.row_stride();
     source.matrix.as_ptr().wrapping_offset(down).wrapping_add(col)
 }
 
-/// Does [`pack`] for edges and for sources stored in any way.
+/// Packs an area from sources of any strides, which may end inside the area.
 #[inline(always)]
 unsafe fn pack_elements<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
     area: &Area,
     out: Panels<V::Scalar>,
 ) {
-    /// Rows taken together, so that columns stored one after another are read in order.
+    /// Rows per pass, so that matrices stored by columns are read in order.
     const ROWS: usize = 16;
     // SAFETY: the caller's promise; only entries inside of a source are read.
     unsafe {

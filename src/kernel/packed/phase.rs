@@ -1,5 +1,5 @@
-//! A product cut into pieces, and what each piece does: pack some panels, or compute a rectangle of
-//! tiles.
+//! Plans the pieces of a product, and runs them: a piece packs some panels, or computes a rectangle
+//! of tiles.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::target::{Target, wanted_of};
 use super::tile::{Row, Side};
 use crate::base::{Latch, Real, SharedPtr};
 
-/// What a phase does with a chunk.
+/// The step that a phase performs on a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
     Pack,
@@ -25,15 +25,17 @@ pub(super) struct Plan<'a, T> {
     pub product: &'a Product<'a, T>,
     geometry: Geometry,
     pub blocking: Blocking,
-    /// Panels of each side that are packed: none of those that are read in place, none of the right
-    /// one where it is the same as the left one.
+    /// Panels of each side that are packed: none of sides that are read in place, and none of a
+    /// right side that is the same as the left one.
     left_panels: usize,
     right_panels: usize,
+    /// Panels that one ticket packs.
+    group: usize,
     in_place: bool,
-    /// Whether packed chunks are larger than the caches.
+    /// Whether packed chunks are written past the caches ([`CACHED_BYTES`]).
     past_caches: bool,
     items: Vec<Item>,
-    /// The targets after the first chunk.
+    /// The targets for the chunks after the first one, which add to it.
     later: Vec<Target<T>>,
 }
 
@@ -42,7 +44,7 @@ pub(super) struct Plan<'a, T> {
 struct Item {
     rows: Range<usize>,
     cols: Range<usize>,
-    /// Entries that somebody wants, roughly.
+    /// Estimate of the entries that some target wants.
     cost: usize,
 }
 
@@ -50,18 +52,26 @@ struct Item {
 /// is multiplied: writing it past the caches then saves reading its lines first. Measured on Zen 5.
 const CACHED_BYTES: usize = 16 << 20;
 
-/// Panels of a piece of packing.
-const GROUP: usize = 8;
+/// Largest number of panels that one ticket packs.
+const MOST_IN_GROUP: usize = 8;
+
+/// Tickets to aim for in the packing of a chunk, for each thread.
+const PACKING_SHARE: usize = 4;
 
 impl<'a, T: Real> Plan<'a, T> {
-    /// Plans a product that packs at most `budget` scalars if that is possible.
-    pub fn new(geometry: Geometry, product: &'a Product<'a, T>, budget: usize) -> Self {
+    /// Plans a product on `threads` threads; `budget` as for [`Blocking::new`].
+    pub fn new(
+        geometry: Geometry,
+        product: &'a Product<'a, T>,
+        budget: usize,
+        threads: usize,
+    ) -> Self {
         let shape = product.shape;
-        let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
+        let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget, threads);
         let (left_panels, right_panels) =
             (shape.rows.div_ceil(geometry.width), shape.cols.div_ceil(geometry.width));
         let mut items = Vec::new();
-        // Items in a row share their right side, which then is in the cache already.
+        // Consecutive items share their right side, which is then in the cache.
         for j in (0..right_panels).step_by(blocking.panels) {
             for i in (0..left_panels).step_by(blocking.panels) {
                 let rows = i..left_panels.min(i + blocking.panels);
@@ -72,12 +82,14 @@ impl<'a, T: Real> Plan<'a, T> {
                 }
             }
         }
-        // The smaller ones last, to fill the gaps at the end.
+        // Small items last, so that all threads finish at about the same time.
         items.sort_by_key(|item| std::cmp::Reverse(item.cost));
         let later = product.targets.iter().map(|t| t.accumulating()).collect();
         let in_place = product.in_place(geometry);
         let left_panels = if in_place { 0 } else { left_panels };
         let right_panels = if in_place || shape.same { 0 } else { right_panels };
+        let packed_panels = (left_panels + right_panels) * (blocking.chunk / blocking.depth);
+        let group = (packed_panels / (PACKING_SHARE * threads)).clamp(1, MOST_IN_GROUP);
         let packed_bytes = blocking.packed_len(geometry, shape) * size_of::<T>();
         Self {
             product,
@@ -85,6 +97,7 @@ impl<'a, T: Real> Plan<'a, T> {
             blocking,
             left_panels,
             right_panels,
+            group,
             in_place,
             past_caches: packed_bytes > CACHED_BYTES,
             items,
@@ -97,7 +110,8 @@ impl<'a, T: Real> Plan<'a, T> {
         !self.items.is_empty()
     }
 
-    /// Entries of a rectangle of panels that a target wants.
+    /// Returns an estimate of the entries of a rectangle of panels that some target wants; zero if
+    /// none does.
     fn wanted(
         geometry: Geometry,
         product: &Product<'_, T>,
@@ -114,20 +128,20 @@ impl<'a, T: Real> Plan<'a, T> {
         rows.clone().map(|panel| width * most(panel)).sum()
     }
 
-    /// Returns the number of tickets, units of work for one thread, of a step for these rows.
+    /// Returns the number of tickets (units of work for one thread) of a step for these rows.
     pub fn tickets(&self, step: Step, rows: &Range<usize>) -> usize {
         match step {
             Step::Multiply => self.items.len(),
             Step::Pack => {
-                let (left, right) = self.groups();
+                let [left, right] = self.groups();
                 rows.len().div_ceil(self.blocking.depth) * (left + right)
             }
         }
     }
 
-    /// Groups of panels of each side that are packed.
-    fn groups(&self) -> (usize, usize) {
-        (self.left_panels.div_ceil(GROUP), self.right_panels.div_ceil(GROUP))
+    /// Returns the number of groups of panels that are packed, left and right.
+    fn groups(&self) -> [usize; 2] {
+        [self.left_panels, self.right_panels].map(|panels| panels.div_ceil(self.group))
     }
 }
 
@@ -142,24 +156,24 @@ pub(super) struct Phase<'p, 'a, T> {
 }
 
 impl<T: Real> Phase<'_, '_, T> {
-    /// An address in the packed chunk.
+    /// Returns the address of scalar `offset` of the packed chunk.
     fn at(&self, offset: usize) -> *mut T {
         self.packed.at(offset as isize)
     }
 
-    /// The rows of block `b`.
+    /// Returns the rows of block `b`.
     fn block_rows(&self, b: usize) -> Range<usize> {
         piece(&self.rows, b, self.plan.blocking.depth)
     }
 
-    /// Where the packed panels of block `b` begin, left and right.
+    /// Returns the offsets at which the packed panels of block `b` begin, left and right.
     fn packed_starts(&self, b: usize) -> [usize; 2] {
         let Plan { geometry, blocking, left_panels, right_panels, .. } = self.plan;
         let left = b * blocking.depth * (left_panels + right_panels) * geometry.width;
         [left, left + self.block_rows(b).len() * left_panels * geometry.width]
     }
 
-    /// Both sides of block `b`.
+    /// Returns the left and the right side of block `b`.
     fn sides(&self, b: usize) -> [Side<T>; 2] {
         let Plan { geometry, product, in_place, .. } = self.plan;
         let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
@@ -175,13 +189,13 @@ impl<T: Real> Phase<'_, '_, T> {
         [left, if product.shape.same { left } else { side(1) }]
     }
 
-    /// Packs the i-th group of panels.
+    /// Packs the i-th group of panels. Returns 0: packing does not count as progress.
     ///
     /// # Safety
     /// Nobody else uses that part of the memory.
     pub unsafe fn pack(&self, kernel: &dyn Kernel<T>, i: usize) -> f64 {
         let Plan { geometry, product, past_caches, .. } = self.plan;
-        let (left_groups, right_groups) = self.plan.groups();
+        let [left_groups, right_groups] = self.plan.groups();
         let (b, group) = (i / (left_groups + right_groups), i % (left_groups + right_groups));
         let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
         let (side, group, width) = if group < left_groups {
@@ -190,15 +204,16 @@ impl<T: Real> Phase<'_, '_, T> {
             (1, group - left_groups, product.shape.cols)
         };
         let panel_stride = rows.len() * geometry.width;
-        let start = self.at(starts[side] + group * GROUP * panel_stride);
+        let start = self.at(starts[side] + group * self.plan.group * panel_stride);
         let out = Panels { past_caches: *past_caches, ..Panels::new(start, panel_stride) };
-        let cols = piece(&(0..width), group, GROUP * geometry.width);
-        // SAFETY: the group's panels lie in the memory, which `packed_len` has measured.
+        let cols = piece(&(0..width), group, self.plan.group * geometry.width);
+        // SAFETY: the panels of the group lie in the chunk, which has `packed_len` scalars.
         unsafe { kernel.pack(product.sources(side), &Area { rows, cols }, out) };
         0.0
     }
 
-    /// Computes and writes the i-th item; how many products of scalars that is.
+    /// Computes and writes the i-th item. Returns about how many scalar multiplications its wanted
+    /// entries take.
     ///
     /// # Safety
     /// The panels are packed, and nobody else uses the item's entries of the targets.
@@ -208,7 +223,7 @@ impl<T: Real> Phase<'_, '_, T> {
         let targets = if self.rows.start == 0 { &product.targets } else { later };
         let Geometry { rows: height, width, .. } = *geometry;
         let blocks = self.rows.len().div_ceil(blocking.depth).max(1);
-        // Between blocks of rows the sums of all tiles have to be kept.
+        // The sums of all tiles are kept from one block of rows to the next.
         let kept = blocks > 1;
         let row_len = item.cols.len() * height * width;
         let first_row = item.rows.start * width / height;

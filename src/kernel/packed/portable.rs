@@ -1,4 +1,5 @@
-//! Plain Rust: arrays for vectors, which compilers put into the registers of any CPU.
+//! The kernels in plain Rust: vectors are arrays, which compilers put into the registers of any
+//! CPU.
 
 use super::kernel::instantiate;
 use super::vectors::Vectors;
@@ -6,7 +7,7 @@ use crate::base::Real;
 
 pub(super) struct Portable;
 
-/// Vectors of N scalars: 16 bytes, what every x86-64 has.
+/// Vectors of N scalars: of 16 bytes, which every x86-64 CPU has.
 pub(super) struct Array<T, const N: usize>(std::marker::PhantomData<T>);
 
 impl<T: Real, const N: usize> Vectors for Array<T, N> {
@@ -52,7 +53,7 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
     }
     #[inline(always)]
     unsafe fn mul_add(a: [T; N], b: [T; N], c: [T; N]) -> [T; N] {
-        // Two roundings: without the instruction a fused one is a call.
+        // Two roundings: without the instruction, a fused multiply-add is a function call.
         std::array::from_fn(|i| a[i] * b[i] + c[i])
     }
     #[inline(always)]

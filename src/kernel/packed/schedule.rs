@@ -1,11 +1,11 @@
-//! Runs products one after another, each by all threads: chunk by chunk of the rows, pack, then
-//! multiply. Threads share what is packed.
+//! Runs products one after another, each on all threads: packs a chunk of the rows, then multiplies
+//! it. Threads share packed chunks.
 //!
-//! Pieces of work have numbers, tickets. A thread takes the next ticket, and waits when it needs
-//! pieces that are not done. Threads that run hold the tickets of these pieces, so that nothing
-//! hangs even if fewer threads exist than were asked for. There are two buffers for packed chunks:
-//! a thread that finds no more to multiply packs the next chunk while others still multiply this
-//! one.
+//! Pieces of work are numbered (tickets). A thread takes the next ticket, and waits for the earlier
+//! phases that its piece needs. Running threads hold the tickets of those phases, so that no thread
+//! waits for ever even if fewer threads exist than were requested. There are two buffers for packed
+//! chunks: a thread that finds no more to multiply packs the next chunk while others still multiply
+//! this one.
 
 use std::ops::ControlFlow;
 
@@ -20,30 +20,34 @@ use crate::base::{Arena, Latch, Par, Real, SharedPtr, Tracker, tickets};
 pub(crate) struct Job<'a, T: 'static> {
     pub kernel: &'static dyn Kernel<T>,
     pub products: &'a [Product<'a, T>],
-    /// Scalars that packed operands may take, if that is possible.
+    /// Scalars that a packed chunk may take, as for [`Blocking::new`].
     pub budget: usize,
-    /// Told of work done (products of scalars).
+    /// Receives the work done, in scalar multiplications.
     pub progress: &'a Tracker<'a>,
 }
 
-/// Scalars of scratch that [`run`] needs for products of these shapes on so many threads.
+/// Returns the scalars of scratch that [`run`] needs for products of these shapes, on `threads`
+/// threads or on one.
 pub(crate) fn scratch_len<T: Real>(
     geometry: Geometry,
     shapes: impl Iterator<Item = Shape>,
     budget: usize,
     threads: usize,
 ) -> usize {
-    let (mut packed, mut sums, mut chunks) = (0, 0, 0);
+    let (mut packed, mut sums, mut chunks) = (0, line_len::<T>(), 0);
     for shape in shapes {
-        let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
+        let blocking = |threads| Blocking::new(geometry, size_of::<T>(), shape, budget, threads);
+        let all = |threads| threads * (blocking(threads).sums_len(geometry) + line_len::<T>());
+        // A single thread computes larger items.
+        sums = sums.max(all(1)).max(all(threads));
+        let blocking = blocking(threads);
         packed = packed.max(blocking.packed_len(geometry, shape));
-        sums = sums.max(blocking.sums_len(geometry));
         chunks += blocking.chunks(shape);
     }
-    chunks.min(BUFFERS) * (packed + line_len::<T>()) + threads * (sums + line_len::<T>())
+    chunks.min(BUFFERS) * (packed + line_len::<T>()) + sums
 }
 
-/// Chunks in memory at a time.
+/// Packed chunks in memory at a time.
 const BUFFERS: usize = 2;
 
 /// Takes the next `len` scalars of the arena, from the start of a cache line on.
@@ -55,19 +59,19 @@ pub(super) fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a 
 
 /// Runs the products in order, on `par` threads.
 ///
-/// Entries of the targets belong to the caller's borrow ([`super::Destination`]); the result does
-/// not depend on the number of threads.
+/// The result does not depend on the number of threads. `scratch` has at least [`scratch_len`]
+/// scalars.
 ///
 /// # Safety
-/// Nobody else uses the matrices that the targets come from.
+/// Nobody else uses the matrices that the targets come from ([`super::Destination`]).
 pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) {
     let geometry = job.kernel.geometry();
-    // Products of which nothing is wanted would be packed for nobody; and phases wait for those
-    // before them by waiting for their pieces, of which there must be some.
+    // Skips products of which nothing is wanted: they would be packed in vain, and a phase without
+    // pieces would not make later phases wait for earlier ones.
     let plans: Vec<_> = job
         .products
         .iter()
-        .map(|product| Plan::new(geometry, product, job.budget))
+        .map(|product| Plan::new(geometry, product, job.budget, par.threads()))
         .filter(Plan::is_wanted)
         .collect();
     let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
@@ -105,15 +109,15 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
             phases[needed].done.wait();
         }
         let work = {
-            // Counted even if it panics: the others would wait for ever.
+            // Counts down even on a panic: other threads would wait for ever.
             let _done = Finally(|| phase.done.count_down());
             let i = ticket - phase.tickets.start;
             if job.progress.state().is_break() {
-                // All tickets are handed out, for some wait for others.
+                // The remaining tickets are handed out too, since threads wait for them.
                 return ControlFlow::Continue(());
             }
-            // SAFETY: what this phase needs is done, each ticket is handed out once, and pieces of
-            // a phase write disjoint memory: panels, or entries of C.
+            // SAFETY: the phases that this one needs are done, each ticket is handed out once, and
+            // pieces of a phase write disjoint memory: panels, or entries of C.
             unsafe {
                 match phase.step {
                     Step::Pack => phase.pack(job.kernel, i),
@@ -122,15 +126,16 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
             }
         };
         if work > 0.0 {
-            // The next tickets look at the state; nobody waits for this one any more.
+            // The result is ignored, since later tickets check the state.
             let _ = job.progress.add(work);
         }
         ControlFlow::Continue(())
     });
 }
 
-/// The phases that have to be done before phase `p`: packing, the one that read the buffer before;
-/// multiplying, the packing of the chunk, and the one before, which writes the same entries of C.
+/// Returns the phases that must be done before phase `p`. Packing (even `p`) waits for the phase
+/// that last read its buffer; multiplying waits for the packing of its chunk and for the previous
+/// multiplication, which may write the same entries of C.
 fn needed_by(p: usize) -> impl Iterator<Item = usize> {
     let back: &[usize] = if p.is_multiple_of(2) { &[2 * BUFFERS - 1] } else { &[1, 2] };
     back.iter().filter_map(move |back| p.checked_sub(*back))

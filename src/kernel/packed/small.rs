@@ -1,5 +1,5 @@
-//! Small products, which are over before threads wake up: on the calling thread, without
-//! preparations, read in place or packed on the stack.
+//! Small products, which finish before threads wake up: on the calling thread, without a plan, with
+//! operands read in place or packed on the stack.
 
 use std::mem::MaybeUninit;
 
@@ -14,34 +14,34 @@ use super::tile::{Row, Side};
 use super::write::LARGEST_TILE;
 use crate::base::Real;
 
-/// Scalars that a chunk is packed into.
+/// Scalars of the memory on the stack that a chunk is packed into.
 const PACKED: usize = 9216;
 
 /// Columns of the widest panel, f32 with AVX-512.
 const WIDEST: usize = 48;
 
-/// Products of scalars of a small product, at most: about 30 microseconds.
+/// Most scalar multiplications of a small product: about 30 microseconds.
 const WORK: usize = 1 << 20;
 
-/// Rows of A that are packed at a time, at least, if there are as many: fewer steps are slow.
+/// Least number of rows packed at a time, if there are as many: fewer steps are slow.
 const LEAST_DEPTH: usize = 32;
 
-/// Whether [`run_small`] is the way to go: for little work on few columns. Asked in every call,
-/// hence without divisions.
+/// Returns whether to use [`run_small`]: for little work on few columns. Without divisions, since
+/// every call of a product asks.
 #[inline]
 pub(crate) fn is_small(shape: Shape) -> bool {
     let Shape { depth: m, rows, cols, same } = shape;
-    // Whole panels, of any kernel.
+    // Padded to whole panels of any kernel.
     let columns = rows.saturating_add(if same { 0 } else { cols }).saturating_add(2 * WIDEST);
     m.saturating_mul(rows).saturating_mul(cols) <= WORK
         && m.min(LEAST_DEPTH).saturating_mul(columns) <= PACKED
 }
 
-/// Memory on a cache line of its own, whatever it holds.
+/// Uninitialised memory, aligned to a cache line.
 #[repr(align(64))]
 struct Aligned<M>(MaybeUninit<M>);
 
-/// One small product.
+/// Computes a small product ([`is_small`]).
 ///
 /// # Safety
 /// Nobody else uses the matrix that the target comes from.
@@ -63,7 +63,7 @@ pub(crate) unsafe fn run_small<T: Real>(
     }
 }
 
-/// A product of matrices that are read in place.
+/// Computes a product of matrices that are read in place.
 ///
 /// # Safety
 /// As for [`run_small`].
@@ -93,15 +93,15 @@ unsafe fn multiply_in_place<T: Real>(
             targets: &targets,
             last: true,
         };
-        // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that the
-        // target is ours.
+        // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that
+        // nobody else uses the target.
         unsafe { kernel.multiply_in_place(&product) };
         targets = [targets[0].accumulating()];
     }
 }
 
-/// A product of matrices that are packed on the stack. Not inlined, so that other products do not
-/// carry its memory.
+/// Computes a product of matrices that are packed on the stack. Not inlined, so that other products
+/// do not reserve its memory.
 ///
 /// # Safety
 /// As for [`run_small`].
@@ -118,8 +118,8 @@ unsafe fn multiply_packed<T: Real>(
     let mut memory = Aligned::<[T; PACKED]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
     let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
-    // Rows that fit the memory. Without rows any number of columns is little work, and none of them
-    // fit.
+    // Rows that fit the memory. A product without rows is small whatever its columns, so that not
+    // even one row may fit.
     let columns = Blocking::packed_columns(kernel.geometry(), shape);
     let most = (PACKED / columns.max(1)).clamp(1, DEPTH);
     let steps = m.div_ceil(m.div_ceil(most).max(1)).max(1);
@@ -161,7 +161,7 @@ unsafe fn multiply_packed<T: Real>(
                 corner,
             };
             // SAFETY: whole panels have been written, the sums hold a tile; the caller promises
-            // that the target is ours.
+            // that nobody else uses the target.
             unsafe { kernel.multiply_row(&row) };
         }
         targets = [targets[0].accumulating()];

@@ -1,4 +1,4 @@
-//! Where products go: blocks of a matrix.
+//! The targets of products: blocks of a matrix.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::geometry::{Stream, line_len};
 use super::vectors::low_bits;
 use crate::base::{Disjoint, Real, SharedPtr};
 
-/// Which entries of C are wanted; the others are neither read nor written.
+/// The part of C that is wanted; other entries are neither read nor written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
     All,
@@ -18,7 +18,8 @@ pub(crate) enum Part {
     Upper,
 }
 
-/// A block of C that receives `C := beta C + coefficient product`, as much of the product as fits.
+/// A block of C that receives `C := beta C + coefficient product`. Entries of the product outside
+/// the block are dropped.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Target<T> {
     pub coefficient: T,
@@ -28,15 +29,14 @@ pub(crate) struct Target<T> {
     pub row_stride: isize,
     pub col_stride: isize,
     pub part: Part,
-    /// Row less column of the block's corner in C: where the diagonal runs.
+    /// Row minus column, in C, of the first entry of the block: the position of the diagonal.
     pub diagonal: isize,
     start: SharedPtr<T>,
-    /// What rows and columns of the product are divided by, because its sources were multiplied by
-    /// it.
+    /// Divisors of the rows and columns of the product, by which its sources were multiplied.
     scales: Option<Scales<T>>,
 }
 
-/// Powers of two, one for each row and column of a target, which keeps them alive.
+/// Powers of two, one for each row and column of a target; borrowed by its [`Destination`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scales<T> {
     pub rows: SharedPtr<T>,
@@ -44,7 +44,7 @@ pub(super) struct Scales<T> {
 }
 
 impl<T> Scales<T> {
-    /// Returns the scales of the tile with this corner.
+    /// Returns the scales from this row and column on.
     #[inline(always)]
     pub fn at(self, row: usize, col: usize) -> Self {
         let from = |scales: SharedPtr<T>, i: usize| SharedPtr::new(scales.at(i as isize));
@@ -52,15 +52,15 @@ impl<T> Scales<T> {
     }
 }
 
-/// The columns of a tile that are wanted, relative to its first one: between two diagonals and the
-/// end of the target.
+/// The columns of a tile that are wanted, relative to its first column: between two diagonals and
+/// the end of the target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WantedColumns {
-    /// First column of row 0; each row begins one further right.
+    /// First column of row 0; each row begins one column later.
     first: isize,
-    /// End of row 0; each row ends one further right.
+    /// End of row 0; each row ends one column later.
     limit: isize,
-    /// End of all rows.
+    /// Upper bound on the end of every row.
     end: isize,
 }
 
@@ -81,7 +81,8 @@ impl WantedColumns {
     }
 }
 
-/// A matrix, to take targets from: they may overlap, the products that write them are in order.
+/// A matrix that targets are taken from. Targets may overlap, since products run one after
+/// another.
 pub(crate) struct Destination<'a, T> {
     matrix: Disjoint<'a, T>,
     part: Part,
@@ -89,13 +90,16 @@ pub(crate) struct Destination<'a, T> {
 }
 
 impl<'a, T: Real> Destination<'a, T> {
-    /// Creates a destination of which `part` is wanted.
+    /// Creates a destination of which only `part` is written.
     pub fn new(matrix: MatMut<'a, T>, part: Part) -> Self {
         Self { matrix: Disjoint::new(matrix), part, scales: None }
     }
 
-    /// Divides rows and columns of products by these powers of two, which were factors of the
-    /// sources ([`super::Source`]); what is divided by infinity becomes zero.
+    /// Divides rows and columns of products by these powers of two, the scales of the sources
+    /// ([`super::Source`]); division by infinity gives zero.
+    ///
+    /// # Panics
+    /// Unless there is one scale for each row and column.
     pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
         assert_eq!((rows.len(), cols.len()), (self.matrix.nrows(), self.matrix.ncols()));
         self.scales = Some((rows, cols));
@@ -111,7 +115,7 @@ impl<'a, T: Real> Destination<'a, T> {
         coefficient: T,
         beta: T,
     ) -> Target<T> {
-        // Read only; the type is for its address.
+        // Never written, although the pointer is mutable.
         let scale = |s: &[T]| SharedPtr::new(s.as_ptr().cast_mut());
         Target {
             coefficient,
@@ -143,8 +147,8 @@ impl<T> Target<T> {
         }
     }
 
-    /// Returns the columns that any row of `rows` wants, from the first to the last; `0..0` for
-    /// none, and no tile is computed then.
+    /// Returns the columns that any row of `rows` wants, from the first to the last; `0..0` if none
+    /// is wanted, so that no tile is computed.
     #[inline(always)]
     pub fn wanted_of(&self, rows: Range<usize>) -> Range<usize> {
         let end = rows.end.min(self.rows);
@@ -156,7 +160,7 @@ impl<T> Target<T> {
         if wanted.is_empty() { 0..0 } else { wanted }
     }
 
-    /// What is wanted of the rows of a tile with this corner and width.
+    /// Returns the wanted columns of each row of a tile with this corner and width.
     #[inline(always)]
     pub(super) fn columns_from(&self, row: usize, col: usize, width: usize) -> WantedColumns {
         let diagonal = row as isize + self.diagonal - col as isize;
@@ -182,13 +186,13 @@ impl<T> Target<T> {
             }
     }
 
-    /// Whether rows of it are contiguous, and written as they are.
+    /// Returns whether the rows of the block are contiguous and the block has no scales.
     #[inline(always)]
     pub(super) fn is_plain(&self) -> bool {
         self.col_stride == 1 && self.scales.is_none()
     }
 
-    /// What its rows and columns are divided by.
+    /// Returns the divisors of rows and columns, if any.
     #[inline(always)]
     pub(super) fn scales(&self) -> Option<Scales<T>>
     where
@@ -203,14 +207,15 @@ impl<T> Target<T> {
         self.start.at(i as isize * self.row_stride + j as isize * self.col_stride)
     }
 
-    /// Returns the memory that writing a tile of `height` x `width` at `(row, col)` will read.
+    /// Returns the memory to prefetch before a tile of `height` x `width` is written at
+    /// `(row, col)`: none unless rows are contiguous.
     #[inline(always)]
     pub fn stream(&self, height: usize, width: usize, row: usize, col: usize) -> Stream<T> {
         let lines = if self.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 };
         Stream { start: self.at(row, col), stride: self.row_stride, count: height, lines }
     }
 
-    /// Returns the same block for after the first product: later products are added to it.
+    /// Returns the same block with beta 1, for products that are added to the first one.
     pub fn accumulating(self) -> Self
     where
         T: Real,
@@ -237,7 +242,7 @@ impl<T> Target<T> {
     }
 }
 
-/// The columns that some target wants of these rows.
+/// Returns the columns of these rows that any target wants, from the first to the last.
 pub(super) fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
     let wanted = targets.iter().map(|t| t.wanted_of(rows.clone())).filter(|w| !w.is_empty());
     wanted.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
@@ -249,7 +254,8 @@ mod tests {
 
     use super::*;
 
-    /// An empty range further on made the small products compute a tile beyond its memory.
+    /// Checks that empty ranges begin at 0: one further on made small products compute a tile
+    /// beyond its memory.
     #[test]
     fn nothing_is_wanted_from_column_zero_on() {
         let mut c = Mat::<f32>::zeros(40, 40);

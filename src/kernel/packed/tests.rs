@@ -1,4 +1,4 @@
-//! One suite for every isa, against the definition in integers, which nothing rounds.
+//! One suite for every isa, against the definition in integers, which are exact.
 
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +11,7 @@ use super::schedule::aligned;
 use super::*;
 use crate::base::{Arena, Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
 
-/// The isas that this machine has.
+/// Returns the isas that this machine supports, and prints why it skips the others.
 fn isas() -> impl Iterator<Item = Isa> {
     Isa::ALL.into_iter().filter(|isa| match isa.refusal() {
         None => true,
@@ -22,7 +22,7 @@ fn isas() -> impl Iterator<Item = Isa> {
     })
 }
 
-/// What no product has: found in memory that nobody may write.
+/// A value that no product has; it fills memory that must not be written.
 const POISON: f64 = -7_654_321.0;
 
 /// A budget that no test exceeds.
@@ -40,18 +40,18 @@ fn integer(rng: &mut Rng) -> f64 {
     (rng.uniform() * 9.0).floor() - 4.0
 }
 
-/// How a matrix lies in memory.
+/// The order of a matrix in memory.
 #[derive(Debug, Clone, Copy)]
 enum Layout {
     Rows,
     Columns,
     PaddedRows,
     PaddedColumns,
-    /// No line is contiguous.
+    /// Neither rows nor columns are contiguous.
     Spread,
-    /// Rows from the last to the first, each in order.
+    /// Rows from the last to the first, each forwards.
     ReversedRows,
-    /// Everything backwards.
+    /// Rows from the last to the first, each backwards.
     Reversed,
 }
 
@@ -65,7 +65,7 @@ const LAYOUTS: [Layout; 7] = [
     Layout::Reversed,
 ];
 
-/// A matrix amid memory that is not its own.
+/// A matrix inside memory that also holds other entries.
 #[derive(Debug, Clone)]
 struct Stored<T> {
     memory: Vec<T>,
@@ -76,11 +76,11 @@ struct Stored<T> {
     col_stride: isize,
 }
 
-/// The work that all of a case counts as: more than there is.
+/// The total that the progress of a case is measured against: more than any case has.
 const WORK: f64 = 1e12;
 
 impl<T: Real> Stored<T> {
-    /// Entries are `entry(i, j)`, and the memory around them holds `around`.
+    /// Creates a matrix with entries `entry(i, j)`; the memory around them holds `around`.
     fn new(
         layout: Layout,
         rows: usize,
@@ -136,18 +136,18 @@ impl<T: Real> Stored<T> {
         unsafe { MatMut::from_raw_parts_mut(start, rows, cols, row_stride, col_stride) }
     }
 
-    /// All of the memory.
+    /// Returns the bits of all of the memory.
     fn memory_bits(&self) -> Vec<u64> {
         self.memory.iter().map(|x| x.to_f64().to_bits()).collect()
     }
 
-    /// The same, with zeros of one sign.
+    /// Returns the bits of all of the memory, with positive zeros.
     fn bits(&self) -> Vec<u64> {
         self.memory.iter().map(|x| (x.to_f64() + 0.0).to_bits()).collect()
     }
 }
 
-/// The source of a case, in one place.
+/// Returns a source without a scale.
 fn source<T>(coefficient: T, matrix: MatRef<'_, T>) -> Source<'_, T> {
     Source { coefficient, matrix, scale: None }
 }
@@ -168,7 +168,7 @@ struct Spec<T> {
     right: Vec<(f64, Stored<T>)>,
     outputs: Vec<Output>,
     shape: Shape,
-    /// Handed over for the transposed targets.
+    /// Whether the product is run for the transposed targets.
     transposed: bool,
 }
 
@@ -190,7 +190,7 @@ impl<T: Operand> Spec<T> {
         if self.transposed { product.transposed() } else { product }
     }
 
-    /// The product by the definition, and the sums of absolute values of its terms.
+    /// Computes the product by the definition, and the sums of absolute values of its terms.
     fn naive(&self) -> [Vec<f64>; 2] {
         let Shape { depth, rows, cols, same } = self.shape;
         let sum = |side: &[(f64, Stored<T>)], width: usize| {
@@ -239,7 +239,7 @@ impl<T: Operand> Case<T> {
         }
     }
 
-    /// C afterwards by the definition, and the sums of absolute values behind it.
+    /// Computes the result by the definition, and the same with absolute values of all terms.
     fn expected(&self) -> [Stored<T>; 2] {
         let (mut c, mut sizes) = (self.c.clone(), self.c.clone());
         for spec in &self.specs {
@@ -265,10 +265,10 @@ impl<T: Operand> Case<T> {
         [c, sizes]
     }
 
-    /// C after [`run`] in scratch of the very length asked for, full of NaN; and whether it
-    /// finished.
+    /// Returns C after [`run`] in scratch of exactly [`scratch_len`] scalars, filled with NaN; and
+    /// whether the run finished.
     fn run(&self, isa: Isa, threads: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
-        /// Places on either side of the scratch; an odd number, so that nothing is aligned.
+        /// Elements on either side of the scratch; an odd number, so that nothing is aligned.
         const GUARD: usize = 131;
         let kernel = T::kernel(isa);
         let mut c = self.c.clone();
@@ -289,7 +289,7 @@ impl<T: Operand> Case<T> {
         (c, tracker.finish().is_ok())
     }
 
-    /// Every isa gives the integers of the definition, and leaves all else as it was.
+    /// Checks that every isa gives the integers of the definition and changes nothing else.
     fn check(&self, threads: &[usize]) {
         let expected = self.expected()[0].bits();
         for isa in isas() {
@@ -314,7 +314,7 @@ impl<T: Operand> Case<T> {
     }
 }
 
-/// Blocks of C over a grid, each once, some of them a row or a column short.
+/// Returns the blocks of a grid in C as outputs, some of them a row or a column short.
 fn outputs(
     grid: (usize, usize),
     shape: Shape,
@@ -338,7 +338,8 @@ fn outputs(
     outputs
 }
 
-/// C for some outputs: integers, but NaN where beta is zero, and poison where nobody writes.
+/// Creates C for some outputs: integers, but NaN where beta is zero, and poison where no output
+/// writes.
 fn destination<T: Real>(layout: Layout, part: Part, specs: &[Spec<T>], rng: &mut Rng) -> Stored<T> {
     let all = || specs.iter().flat_map(|s| &s.outputs);
     let rows = all().map(|o| o.rows.end).max().unwrap_or(0) + 1;
@@ -357,7 +358,7 @@ fn destination<T: Real>(layout: Layout, part: Part, specs: &[Spec<T>], rng: &mut
     })
 }
 
-/// `count` signed sources, of which some lack a row or a column.
+/// Returns `count` signed sources, of which some lack a row or a column.
 fn side<T: Real>(count: usize, depth: usize, width: usize, rng: &mut Rng) -> Vec<(f64, Stored<T>)> {
     let all_by_rows = below(rng, 2) == 0;
     let one = |i: usize| {
@@ -372,7 +373,8 @@ fn side<T: Real>(count: usize, depth: usize, width: usize, rng: &mut Rng) -> Vec
 
 const PARTS: [Part; 3] = [Part::All, Part::Lower, Part::Upper];
 
-/// A product of `sources` sums into `grid` blocks of C.
+/// Returns a product of sums of so many `sources` (left and right) into the blocks of a `grid` in
+/// C.
 fn spec<T: Real>(
     shape: Shape,
     sources: (usize, usize),
@@ -491,7 +493,7 @@ fn depths_of_several_blocks_and_chunks_are_exact() {
     in_both_precisions!(check_depths);
 }
 
-/// Chunks of more than 16 MiB: narrow products, so that the oracle is fast.
+/// Checks chunks of more than 16 MiB, of narrow products, so that the reference is fast.
 fn check_past_caches<T: Operand>(rng: &mut Rng) {
     for (rows, cols) in [(4, 700), (700, 5)] {
         let product = spec(general(6200, rows, cols), (2, 1), (2, 1), rng);
@@ -526,7 +528,8 @@ fn check_unwanted<T: Operand>(rng: &mut Rng) {
     assert_eq!(c.memory_bits(), before);
 }
 
-/// Threads wait for a phase by waiting for its pieces: one without pieces would hold nobody back.
+/// Checks that products of which nothing is wanted are skipped: threads wait for a phase by waiting
+/// for its pieces, so a phase without pieces would not make them wait.
 #[test]
 fn what_nobody_wants_is_not_packed() {
     in_both_precisions!(check_unwanted);
@@ -581,12 +584,12 @@ fn check_sequences<T: Operand>(rng: &mut Rng) {
             let shape = general(below(rng, 60), 20 + below(rng, 40), 20 + below(rng, 40));
             let mut next = spec(shape, (1 + below(rng, 3), 1), (2, 1), rng);
             for output in &mut next.outputs {
-                // What came before stays small enough to be exact.
+                // Factors of magnitude 1 keep the numbers small enough to be exact.
                 output.beta = if i == 0 { output.beta } else { pick(rng, &[1.0, -1.0]) };
             }
             specs.push(next);
         }
-        // Their blocks overlap: what the first leaves out has to hold numbers.
+        // The blocks overlap: entries that the first product leaves out must hold numbers.
         let mut case = case::<T>(specs, 3000, rng);
         for i in 0..case.c.rows {
             for j in 0..case.c.cols {
@@ -602,7 +605,7 @@ fn products_with_overlapping_targets_run_in_order() {
     in_both_precisions!(check_sequences);
 }
 
-/// A case of random reals.
+/// Returns a case of random reals.
 fn reals<T: Operand>(depth: usize, side: usize, budget: usize, rng: &mut Rng) -> Case<T> {
     let mut real =
         |layout, rows, cols| Stored::new(layout, rows, cols, f64::NAN, |_, _| rng.normal());
@@ -623,7 +626,7 @@ fn check_reals<T: Operand>(rng: &mut Rng) {
     for (depth, budget) in [(1, PLENTY), (50, PLENTY), (331, PLENTY), (700, 1), (700, PLENTY)] {
         let case = reals::<T>(depth, 83, budget, rng);
         let [expected, sizes] = case.expected();
-        // Each product and sum, the factors, and as much for the reference, which is in f64.
+        // One rounding per product, sum and factor, and as many of the reference in f64.
         let bound = 2.0 * (depth + 6) as f64 * T::UNIT_ROUNDOFF;
         for isa in isas() {
             let (c, _) = case.run(isa, 1, Progress::none());
@@ -682,7 +685,7 @@ fn check_cancelling<T: Operand>(rng: &mut Rng) {
                 };
                 let (_, finished) = case.run(isa, threads, (&progress).into());
                 assert!(!finished, "{}, {threads} threads, {allowed} calls", isa.name());
-                // Each thread may be amid one piece.
+                // Each thread may be in the middle of one piece.
                 assert!(calls.into_inner() <= allowed + threads);
             }
         }
@@ -708,7 +711,7 @@ fn more_workers_than_threads_finish() {
     let mut rng = Rng::new(4);
     let specs = vec![spec::<f64>(general(50, 200, 200), (1, 1), (1, 1), &mut rng)];
     let case = case(specs, PLENTY, &mut rng);
-    // A pool that is too small, and one whose threads are busy with each other's workers.
+    // A pool that is too small, and one whose threads run several products at once.
     ThreadPool::new(1, Pin::No).expect("a thread").run(|| case.check(&[3, 17]));
     ThreadPool::new(2, Pin::No).expect("threads").run(|| {
         rayon::join(
@@ -747,7 +750,8 @@ fn check_blocking<T: Operand>(rng: &mut Rng) {
             let same = extent(4.0) == 0;
             let shape = if same { square(depth, rows) } else { general(depth, rows, cols) };
             let budget = extent(1e9);
-            let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
+            let threads = 1 + extent(64.0);
+            let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget, threads);
             let Blocking { depth: block, panels, chunk } = blocking;
             let what = format!("{blocking:?} of {shape:?} in {budget}");
             assert!(block >= 1 && panels >= 1 && chunk >= block, "{what}");
@@ -854,14 +858,14 @@ fn small_products_are_exact() {
     in_both_precisions!(check_small);
 }
 
-/// `x 2^exponent`, infinite or zero where that is out of range.
+/// Returns `x 2^exponent`, infinite or zero if that is out of range.
 fn scaled(x: f64, exponent: i32) -> f64 {
     let half = exponent / 2;
     x * f64::from(half).exp2() * f64::from(exponent - half).exp2()
 }
 
 fn check_scales<T: Operand>(rng: &mut Rng) {
-    // All quotients are normal numbers, or far outside of the range.
+    // All quotients are normal numbers, or far out of range.
     let exponents: &[i32] = match size_of::<T>() {
         8 => &[-1000, -990, -500, 0, 3, 500, 990, 1000],
         _ => &[-120, -100, -60, 0, 3, 60, 100, 115],
@@ -882,7 +886,7 @@ fn check_scales<T: Operand>(rng: &mut Rng) {
                         (1.0, Stored::new(Layout::Rows, DEPTH, side, f64::NAN, entry))
                     })
                     .collect();
-                // Products of a column of zeros are zero, whatever rounding leaves of them.
+                // An infinite scale must give zeros, as for a column of zeros that rounding filled.
                 let zero = below(rng, side);
                 let mut divisors = scales.clone();
                 divisors[zero] = T::from_f64(f64::INFINITY);

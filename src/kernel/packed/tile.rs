@@ -1,4 +1,4 @@
-//! Tiles of products: the innermost loop.
+//! Computes tiles of products: the innermost loop.
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 
@@ -10,8 +10,8 @@ use super::vectors::{Vectors, low_bits};
 use super::write::write;
 use crate::base::Real;
 
-/// One side of a product as tiles read it: panels of WIDTH columns. Packed panels are whole, padded
-/// with zeros; a matrix that is read in place ends where it ends.
+/// One side of a product as tiles read it: panels of WIDTH columns. Packed panels are padded with
+/// zeros; the last panel of a matrix that is read in place may be narrower.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Side<T> {
     pub start: *const T,
@@ -24,7 +24,7 @@ pub(crate) struct Side<T> {
 impl<T> Side<T> {
     /// Returns the same side from column `col` on, in panels of `width` columns.
     pub fn at_column(self, col: usize, width: usize) -> Self {
-        // In place, panels follow each other as columns do: no division.
+        // Panels that are read in place are adjacent, which saves a division.
         let offset = match self.panel_stride == width {
             true => col,
             false => col / width * self.panel_stride + col % width,
@@ -33,21 +33,21 @@ impl<T> Side<T> {
     }
 }
 
-/// Most targets whose entries are prefetched while a tile is computed: it has no steps for more.
+/// Most targets whose entries are prefetched while a tile is computed; a tile lacks steps for more.
 const MOST_FETCHED: usize = 4;
 
-/// A row of tiles: ROWS columns of the left side times some panels of the right side, one after
-/// another.
+/// A row of tiles: ROWS columns of the left side times consecutive panels of the right side.
 pub(crate) struct Row<'r, T> {
-    /// Rows of both sides.
+    /// Rows of both sides to sum over.
     pub steps: usize,
-    /// From the first column of the tiles on.
+    /// Starts at the column for the first row of the tiles.
     pub left: Side<T>,
-    /// From the first of `panels` on.
+    /// Starts at the first of `panels`.
     pub right: Side<T>,
-    /// What the next row begins with, to be fetched meanwhile.
+    /// The left side of the next row of tiles, to be prefetched.
     pub next_left: *const T,
-    /// A part of what the next steps begin with, to be fetched too: this many lines per tile.
+    /// A part of the right side of the next block of rows, to be prefetched: `next_lines` cache
+    /// lines per tile.
     pub next_right: *const T,
     pub next_lines: usize,
     pub panels: Range<usize>,
@@ -56,19 +56,18 @@ pub(crate) struct Row<'r, T> {
     /// The sums of the tiles, ROWS x WIDTH each: one tile for all when `kept` is false.
     pub sums: *mut T,
     pub kept: bool,
-    /// Whether the sums hold those of earlier steps.
+    /// Whether the sums hold the result of earlier steps, to be added to.
     pub add: bool,
-    /// Where the sums go when they are complete; empty before.
+    /// The targets of the sums; empty until the sums are complete.
     pub targets: &'r [Target<T>],
-    /// First row of the product.
+    /// The row of the product where the tiles begin.
     pub corner: usize,
 }
 
-/// Computes a row of tiles, and writes it if it is complete.
+/// Implements [`Kernel::multiply_row`](super::kernel::Kernel::multiply_row).
 ///
 /// # Safety
-/// The sides hold `steps` rows, the sums a tile per panel (or one); nobody else uses the sums and
-/// these entries of the targets.
+/// As for the method.
 #[inline(always)]
 pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: usize>(
     row: &Row<'_, V::Scalar>,
@@ -78,7 +77,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
         if col >= row.wanted.end || col + V::WIDTH <= row.wanted.start {
             continue;
         }
-        // The vectors of the panel that somebody wants.
+        // The vectors of the panel that some target wants.
         let first = row.wanted.start.saturating_sub(col) / V::LANES;
         let rest = (row.wanted.end - col).min(V::WIDTH);
         let count = rest.div_ceil(V::LANES) - first;
@@ -94,7 +93,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                 sums: sums.add(first * V::LANES),
                 add: row.add,
             };
-            // Lines of the next left side that each tile fetches.
+            // Rows of the next left side that each tile prefetches.
             let share = row.steps.div_ceil(row.panels.len());
             let left = Stream {
                 start: row.next_left.wrapping_add(j * share * V::WIDTH),
@@ -109,7 +108,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                 count: row.next_lines,
                 lines: 1,
             };
-            // First what this tile will need itself.
+            // Targets first, since this tile needs them itself.
             let mut streams = [left; MOST_FETCHED + 1];
             streams[0] = right;
             for (stream, target) in streams.iter_mut().zip(row.targets).take(MOST_FETCHED) {
@@ -133,7 +132,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
     }
 }
 
-/// The operands of one tile, and where its sums go.
+/// The operands and the sums of one tile.
 #[derive(Clone, Copy)]
 pub(super) struct Tile<T> {
     pub steps: usize,
@@ -141,22 +140,22 @@ pub(super) struct Tile<T> {
     pub left_stride: isize,
     pub right: *const T,
     pub right_stride: isize,
-    /// Rows of WIDTH.
+    /// ROWS x WIDTH, row by row.
     pub sums: *mut T,
-    /// Whether the sums hold those of earlier steps.
+    /// Whether the sums hold the result of earlier steps, to be added to.
     pub add: bool,
 }
 
-/// Steps between the places of a [`Stream`].
+/// Steps from one place of a [`Stream`] to the next.
 const PACE: usize = 4;
 
-/// Steps ahead that operands are asked for.
+/// Distance of prefetches from operands, in steps.
 const AHEAD: isize = 16;
 
 impl<T: Real> Tile<T> {
     /// Computes `left^T right`, ROWS columns of the left side times N vectors of the right side, in
-    /// registers. Meanwhile it prefetches `ahead`, a little every few steps, since one burst would
-    /// delay the operands. The last vector has the lanes `tail` when `MASKED`, else all.
+    /// registers. Meanwhile prefetches `ahead`, a little every few steps, since one burst would
+    /// delay the operands. The last vector has the lanes `tail` if `MASKED`, else all.
     ///
     /// # Safety
     /// Both sides hold `steps` rows.
@@ -193,10 +192,10 @@ impl<T: Real> Tile<T> {
         }
     }
 
-    /// One step of [`Tile::multiply`].
+    /// Adds the products of one row of both sides to the tile and advances to the next row.
     ///
     /// # Safety
-    /// As there.
+    /// Both sides hold this row.
     #[inline(always)]
     unsafe fn step<V, const ROWS: usize, const N: usize, const MASKED: bool>(
         &mut self,
@@ -226,11 +225,11 @@ impl<T: Real> Tile<T> {
         }
     }
 
-    /// Stores `sums := tile`, or adds `sums += tile` when `self.add`. The tile began at zero, so
-    /// that roundings stay those of short sums.
+    /// Stores `sums := tile`, or adds `sums += tile` if `self.add`. The tile began at zero, so that
+    /// rounding errors are those of short sums.
     ///
     /// # Safety
-    /// The sums hold ROWS x WIDTH.
+    /// The sums have room for ROWS rows of WIDTH.
     #[inline(always)]
     pub unsafe fn store<V, const ROWS: usize, const N: usize>(self, tile: [[V::Vector; N]; ROWS])
     where

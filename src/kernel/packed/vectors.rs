@@ -1,4 +1,4 @@
-//! What an instruction set has to offer: all that the algorithm is written in.
+//! The operations on vectors that the algorithm is written in.
 
 use crate::base::Real;
 
@@ -6,30 +6,36 @@ use crate::base::Real;
 pub(super) trait Vectors {
     type Scalar: Real;
     type Vector: Copy;
-    /// Some lanes of a vector.
+    /// A subset of the lanes of a vector.
     type Mask: Copy;
-    /// Scalars of a vector.
+    /// Number of scalars of a vector.
     const LANES: usize;
-    /// Rows of a tile: 4 or 8.
+    /// Number of rows of a tile: 4 or 8.
     const ROWS: usize;
-    /// Vectors of a row of a tile: 2 or 3.
+    /// Number of vectors of a row of a tile: 2 or 3.
     const COUNT: usize;
-    /// Whether masked stores cost about what plain ones do.
+    /// Whether masked stores cost about as much as plain ones.
     const MASKED_STORES: bool;
-    /// Columns of a tile, and of a panel.
+    /// Number of columns of a tile, and of a panel.
     const WIDTH: usize = Self::LANES * Self::COUNT;
 
+    /// Returns a vector with `x` in every lane.
+    ///
     /// # Safety
-    /// The CPU has the instructions; so for all of these.
+    /// The CPU has the instructions, as for every function of this trait.
     unsafe fn splat(x: Self::Scalar) -> Self::Vector;
+    /// Loads a vector, from any scalar on.
+    ///
     /// # Safety
     /// `from` points to [`Vectors::LANES`] scalars.
     unsafe fn load(from: *const Self::Scalar) -> Self::Vector;
+    /// Stores a vector, from any scalar on.
+    ///
     /// # Safety
     /// `to` points to room for [`Vectors::LANES`] scalars.
     unsafe fn store(to: *mut Self::Scalar, vector: Self::Vector);
-    /// Stores past the caches: other threads may see the vector only after
-    /// [`finish_stores`](crate::kernel::finish_stores).
+    /// Stores a vector past the caches, by default as [`Vectors::store`] does. Other threads may
+    /// read the vector only after [`finish_stores`](crate::kernel::finish_stores).
     ///
     /// # Safety
     /// As for [`Vectors::store`]; `to` is aligned to a vector.
@@ -37,48 +43,58 @@ pub(super) trait Vectors {
         // SAFETY: the caller's promise.
         unsafe { Self::store(to, vector) }
     }
-    /// The mask of the lanes whose bits are set; bits beyond the lanes do not matter.
+    /// Returns the mask of the lanes whose bits are set; bits beyond the lanes are ignored.
     ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn mask(bits: u64) -> Self::Mask;
     /// Loads the lanes of the mask; the others are zero.
     ///
     /// # Safety
     /// The scalars of these lanes exist.
     unsafe fn load_masked(from: *const Self::Scalar, mask: Self::Mask) -> Self::Vector;
-    /// Stores the lanes of the mask; nothing else is touched.
+    /// Stores the lanes of the mask; nothing else is written.
     ///
     /// # Safety
     /// There is room for these lanes.
     unsafe fn store_masked(to: *mut Self::Scalar, mask: Self::Mask, vector: Self::Vector);
-    /// `a b + c`.
+    /// Returns `a b + c`, rounded once by AVX2 and AVX-512 and twice by the portable vectors.
     ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// Returns `a + b`.
+    ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Returns `a b`.
+    ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn mul(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Returns `a / b`.
+    ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Returns the smaller of each pair of lanes.
+    ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn min(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Returns the larger of each pair of lanes.
+    ///
     /// # Safety
-    /// As above.
+    /// As for [`Vectors::splat`].
     unsafe fn max(a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Asks for a cache line; any address will do.
+    /// Prefetches a cache line into the first-level cache; any address is allowed.
     fn prefetch(_address: *const Self::Scalar) {}
-    /// The same, for the second-level cache.
+    /// Prefetches a cache line into the second-level cache; any address is allowed.
     fn prefetch_far(_address: *const Self::Scalar) {}
 }
 
-/// The lowest `count` bits, at most 63.
+/// Returns a number with the lowest `count` bits set, at most 63.
 #[inline(always)]
 pub(super) fn low_bits(count: usize) -> u64 {
     (1 << count) - 1

@@ -1,4 +1,4 @@
-//! Finished tiles go to blocks of C.
+//! Writes finished tiles to blocks of C.
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 
@@ -13,7 +13,7 @@ use crate::base::Real;
 pub(super) const LARGEST_TILE: usize = 8 * 48;
 
 /// Adds a tile of `height` x `width`, whose corner is entry `(row, col)` of the product, to a block
-/// of C: `C := beta C + coefficient sums`, where C is inside and wanted.
+/// of C: `C := beta C + coefficient sums`, for the wanted entries inside the block.
 ///
 /// # Safety
 /// `sums` holds rows of WIDTH, computed where they are wanted; nobody else uses these entries of C.
@@ -48,7 +48,7 @@ pub(super) unsafe fn write<V: Vectors>(
     }
 }
 
-/// [`write()`] of a whole tile, stored by rows.
+/// Writes a whole tile like [`write()`], to a target stored by rows.
 #[inline(always)]
 unsafe fn write_all<V: Vectors>(
     sums: *const V::Scalar,
@@ -77,7 +77,7 @@ unsafe fn write_all<V: Vectors>(
     }
 }
 
-/// [`write()`] of the entries wanted of a tile, stored by rows.
+/// Writes the wanted entries of a tile like [`write()`], to a target stored by rows.
 #[inline(always)]
 unsafe fn write_wanted<V: Vectors>(
     sums: *const V::Scalar,
@@ -118,8 +118,8 @@ unsafe fn write_wanted<V: Vectors>(
     }
 }
 
-/// [`write()`] of N vectors in each of ROWS rows, straight from registers into a target without
-/// scales that is stored by rows.
+/// Writes N vectors in each of ROWS rows like [`write()`], directly from registers to a target
+/// without scales that is stored by rows.
 ///
 /// # Safety
 /// As for [`write()`].
@@ -135,7 +135,7 @@ pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usi
         let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
         let columns = target.columns_from(row, col, N * V::LANES);
         let start = target.at(row, col);
-        // A loop for each case, short enough to be unrolled: only then the sums stay in registers.
+        // A loop for each case, short enough to be unrolled, so that the sums stay in registers.
         macro_rules! each_vector {
             ($sum:expr) => {
                 for i in 0..ROWS {
@@ -157,7 +157,7 @@ pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usi
     }
 }
 
-/// [`write()`] one entry after another, for any strides.
+/// Writes a tile like [`write()`], one entry after another, to a target of any strides.
 #[inline(always)]
 unsafe fn write_elements<V: Vectors>(
     sums: *const V::Scalar,
@@ -181,15 +181,15 @@ unsafe fn write_elements<V: Vectors>(
     }
 }
 
-/// Divides `height` rows and the columns `wanted` of a tile by their scales.
+/// Divides `height` rows and the columns `wanted` of a tile by their scales into `out`.
 ///
-/// The quotient by both scales is exact unless it leaves the range of normal numbers, and what
-/// comes in between leaves it only then: a factor above 1 and one below 1 are multiplied by each
-/// other first, two factors on the same side of 1 are applied one after the other.
+/// The result is exact unless it leaves the range of normal numbers. Intermediate results leave
+/// that range only with it: a factor above 1 and one below 1 are first multiplied by each other,
+/// two factors on the same side of 1 are applied one after the other.
 ///
 /// # Safety
-/// `sums` and `out` hold rows of WIDTH; there are scales for these rows and columns: powers of two
-/// whose inverses are numbers, or infinities, which make zeros.
+/// `sums` and `out` hold rows of WIDTH, and there are scales for these rows and columns: powers of
+/// two whose inverses are finite, or infinities, which give zeros.
 #[inline(always)]
 unsafe fn unscale<V: Vectors>(
     sums: *const V::Scalar,

@@ -1,11 +1,11 @@
-//! AVX-512 and AVX2, with FMA and BMI2.
+//! The kernels for AVX-512 and AVX2, with FMA and BMI2.
 
 use std::arch::x86_64::*;
 
 use super::kernel::instantiate;
 use super::vectors::Vectors;
 
-/// `Vectors` of one register type.
+/// Implements `Vectors` for one register type.
 macro_rules! vectors {
     (
         $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr, masked_stores: $masked_stores:expr,
@@ -113,7 +113,7 @@ unsafe fn mask_16_bits(bits: u64) -> __mmask16 {
     bits as __mmask16
 }
 
-/// Ones in the 64-bit lanes whose bits are set.
+/// Returns a mask with all bits of the 64-bit lanes whose bits are set.
 #[inline(always)]
 unsafe fn mask_4_lanes(bits: u64) -> __m256i {
     // SAFETY: the caller has AVX2.
@@ -123,7 +123,7 @@ unsafe fn mask_4_lanes(bits: u64) -> __m256i {
     }
 }
 
-/// Ones in the 32-bit lanes whose bits are set.
+/// Returns a mask with all bits of the 32-bit lanes whose bits are set.
 #[inline(always)]
 unsafe fn mask_8_lanes(bits: u64) -> __m256i {
     // SAFETY: the caller has AVX2.
@@ -145,7 +145,7 @@ unsafe fn load_f32x16(from: *const f32, mask: __mmask16) -> __m512 {
     unsafe { _mm512_maskz_loadu_ps(mask, from) }
 }
 
-// 8 x 3 sums, 3 vectors of the right panel and one of the left: 28 of 32 registers.
+// 8 x 3 sums, 3 vectors of the right panel and 1 of the left: 28 of 32 registers.
 vectors!(
     Avx512F64, f64, __m512d, 8, rows: 8, masked_stores: true,
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_stream_pd,
@@ -158,8 +158,8 @@ vectors!(
     __mmask16, mask_16_bits, load_f32x16, _mm512_mask_storeu_ps,
     _mm512_fmadd_ps, _mm512_add_ps, _mm512_mul_ps, _mm512_div_ps, _mm512_min_ps, _mm512_max_ps
 );
-// 4 x 3 sums, 3 and 1: all 16 registers. Panels are not written past the caches: their rows end
-// within lines.
+// 4 x 3 sums, 3 vectors of the right panel and 1 of the left: all 16 registers. Panels are not
+// written past the caches, since their rows end within cache lines.
 vectors!(
     Avx2F64, f64, __m256d, 4, rows: 4, masked_stores: false,
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_storeu_pd,
@@ -173,7 +173,7 @@ vectors!(
     _mm256_fmadd_ps, _mm256_add_ps, _mm256_mul_ps, _mm256_div_ps, _mm256_min_ps, _mm256_max_ps
 );
 
-/// Exists only where the CPU has AVX-512: what makes its kernels sound.
+/// The kernels for AVX-512. A value exists only if the CPU has it, so the kernels are sound.
 pub(super) struct Avx512(());
 
 impl Avx512 {
@@ -189,7 +189,8 @@ impl Avx512 {
     }
 }
 
-/// Exists only where the CPU has AVX2, FMA and BMI2: what makes its kernels sound.
+/// The kernels for AVX2. A value exists only if the CPU has AVX2, FMA and BMI2, so the kernels are
+/// sound.
 pub(super) struct Avx2(());
 
 impl Avx2 {

@@ -1,4 +1,4 @@
-//! Rates in the user's cache directory.
+//! Saves and loads rates in the user's cache directory.
 
 use std::env;
 use std::io;
@@ -37,8 +37,8 @@ impl Rates {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] with the file, and the line where one is at fault, when it can't be read, is
-    /// broken, or is of another CPU or isa ([`Rates::parse`]).
+    /// [`Error::Io`] with the path, and the line if one is at fault, when the file can't be read,
+    /// is malformed, or is of another CPU, isa or kind of build ([`Rates::parse`]).
     pub fn load(path: &Path, isa: Isa) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
         Self::parse(&text, isa).map_err(|(line, what)| Error::Io {
@@ -49,7 +49,7 @@ impl Rates {
         })
     }
 
-    /// Writes them to [`Rates::path`], in one step, and says where that is.
+    /// Writes the rates to [`Rates::path`] atomically, and returns the path.
     ///
     /// ```no_run
     /// use catamaran::kernel::packed::{Isa, Rates};
@@ -61,8 +61,8 @@ impl Rates {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] when there is no such directory to be had, [`Error::Io`] when it can't
-    /// be written.
+    /// [`Error::Argument`] when the environment names no directory, [`Error::Io`] when the file
+    /// can't be written.
     pub fn save(&self, isa: Isa) -> Result<PathBuf> {
         let why = "the environment names none: set XDG_CACHE_HOME or HOME (Windows: LOCALAPPDATA)";
         let none = || Error::Argument { what: "cache directory", why: why.into() };
@@ -70,7 +70,7 @@ impl Rates {
     }
 
     fn save_in(&self, directory: &Path, isa: Isa) -> Result<PathBuf> {
-        // Of this call only: other threads and processes may save too.
+        // A temporary file for this call only: other threads and processes may save too.
         static CALLS: AtomicUsize = AtomicUsize::new(0);
         let call = CALLS.fetch_add(1, Ordering::Relaxed);
         let path = file_in(directory, isa);
@@ -95,9 +95,9 @@ fn file_in(directory: &Path, isa: Isa) -> PathBuf {
     directory.join(format!("rates-{}.txt", isa.name()))
 }
 
-/// The directory of our files.
+/// Returns the directory of the cache files, which need not exist.
 fn directory() -> Option<PathBuf> {
-    // A relative path would mean another place in every folder.
+    // A relative path would name another directory in every working directory.
     let named = |variable| env::var_os(variable).map(PathBuf::from).filter(|p| p.is_absolute());
     let home = || env::home_dir().filter(|p| p.is_absolute());
     let caches = if cfg!(windows) {

@@ -1,4 +1,4 @@
-//! Measuring rates: the kernel's own steps, on one core, with the pieces that the schedule makes.
+//! Measures rates: the steps of a kernel, on one core, on pieces like those of the schedule.
 
 use std::time::Instant;
 
@@ -15,27 +15,28 @@ use crate::kernel::packed::pack::Panels;
 use crate::kernel::packed::target::{Destination, Part, Target};
 use crate::kernel::packed::tile::{Row, Side};
 
-/// Rows and columns of the matrix that fits no cache: 133 MB. No power of two, whose rows would all
-/// fall on the same few places of a cache.
+/// Rows and columns of the matrix that fits no cache: 133 MB. Not a power of two, since its rows
+/// would then compete for the same few sets of a cache.
 const SIDE: usize = 4080;
 
-/// Rows packed at a time: with all columns, panels of 8 MB.
+/// Rows packed at a time; panels of all columns take 8 MB.
 const DEPTH: usize = 256;
 
-/// Columns packed at a time, and sides of an item, at most: whole panels of every isa.
+/// Most columns packed at a time, and most columns of an item: whole panels of every isa.
 const ITEM: usize = 120;
 
 /// Blocks that are summed while packed: enough to see what reading costs.
 const SOURCES: usize = 2;
 
-/// Timed pieces of a measurement, of which the median counts.
+/// Timed windows of a measurement, of which the median is the result.
 const WINDOWS: usize = 25;
 
-/// Seconds of each, at least: short enough to be spared by other programs now and then.
+/// Least seconds of a window, short enough that other programs interrupt few windows.
 const WINDOW: f64 = 2e-3;
 
 impl Rates {
-    /// Measures them on the calling thread, in about half a second, with 142 MB of memory; f64.
+    /// Measures the rates for f64 on the calling thread, in about half a second, with 142 MB of
+    /// memory.
     ///
     /// ```no_run
     /// use catamaran::{AtaOptions, blas, kernel::packed::{Isa, Rates}};
@@ -71,7 +72,7 @@ impl Rates {
     }
 }
 
-/// A kernel and memory to try it on.
+/// A kernel and the memory it is measured on.
 struct Bench<'a> {
     kernel: &'static dyn Kernel<f64>,
     geometry: Geometry,
@@ -86,7 +87,7 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     fn new(kernel: &'static dyn Kernel<f64>, matrix: &'a mut [f64], panels: &'a mut [f64]) -> Self {
         assert_eq!((matrix.len(), panels.len()), (SIDE * SIDE, DEPTH * SIDE));
-        // Pages that nobody has written may all be one page of zeros.
+        // Writes every page: pages never written may all map to one page of zeros.
         for memory in [&mut *matrix, &mut *panels] {
             memory.iter_mut().enumerate().for_each(|(i, x)| *x = (i % 251) as f64 / 251.0);
         }
@@ -96,7 +97,8 @@ impl<'a> Bench<'a> {
         Self { kernel, geometry, item, matrix, panels }
     }
 
-    /// Flops per second of an item: its panels and its sums lie in the second-level cache.
+    /// Measures the flops per second of an item whose panels and sums lie in the second-level
+    /// cache.
     fn flops(&mut self) -> f64 {
         let Self { kernel, geometry, item, .. } = *self;
         let Geometry { rows, width, .. } = geometry;
@@ -113,23 +115,24 @@ impl<'a> Bench<'a> {
                     add: true,
                     ..row(DEPTH, [left, right], corner, 0..item / width, &[])
                 };
-                // SAFETY: whole panels of DEPTH rows, and tiles after them; `new` has measured
-                // their memory.
+                // SAFETY: whole panels of DEPTH rows, and tiles after them, for which `new` has
+                // asserted that there is room.
                 unsafe { kernel.multiply_row(&row) };
             }
             (2 * DEPTH * item * item) as f64
         })
     }
 
-    /// Bytes per second written into panels, from a source that lies in the second-level cache.
+    /// Measures the bytes per second written into panels, from a source that lies in the
+    /// second-level cache.
     fn pack_bytes(&mut self) -> f64 {
         let sources = [source(self.matrix, 0)];
         let columns = 0..self.item;
         median_rate(|| pack(self.kernel, &sources, self.panels, |_| columns.clone(), self.item))
     }
 
-    /// Bytes per second read, from the time of packing sums of sources that lie in no cache, less
-    /// that of writing.
+    /// Measures the bytes per second read: from the time to pack sums of sources that lie in no
+    /// cache, less the time of writing at `pack_bytes`.
     fn read_bytes(&mut self, pack_bytes: f64) -> f64 {
         let item = self.item;
         let mut block = 0;
@@ -138,13 +141,14 @@ impl<'a> Bench<'a> {
             block += SOURCES;
             pack(self.kernel, &sources, self.panels, |i| i * item..(i + 1) * item, item)
         });
-        // Seconds for a byte of the panels.
+        // Seconds per byte of the panels.
         let (all, writing) = (1.0 / packed, 1.0 / pack_bytes);
-        // Reading is no small part of it, whatever the noise.
+        // Reading takes at least a quarter of the time, whatever the noise.
         (SOURCES as f64 / (all - writing).max(all / 4.0)).round()
     }
 
-    /// Bytes per second read and written by adding the tiles of one item after another.
+    /// Measures the bytes per second read and written when the tiles of one item after another are
+    /// added to the matrix.
     fn update_bytes(&mut self) -> f64 {
         let Self { kernel, geometry, item, .. } = *self;
         let Geometry { rows, width, .. } = geometry;
@@ -160,7 +164,7 @@ impl<'a> Bench<'a> {
             let panels = first_col / width..(first_col + item) / width;
             for corner in (first_row..first_row + item).step_by(rows) {
                 let row = Row { sums, ..row(0, sides, corner, panels.clone(), &targets) };
-                // SAFETY: without steps nothing is read, one tile is used; the matrix is borrowed.
+                // SAFETY: without steps no side is read, one tile is used; the matrix is borrowed.
                 unsafe { kernel.multiply_row(&row) };
             }
             (2 * item * item * size_of::<f64>()) as f64
@@ -168,12 +172,12 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Packed panels of so many rows.
+/// Returns a side of packed panels of `steps` rows.
 fn side(start: *const f64, steps: usize, geometry: Geometry) -> Side<f64> {
     Side { start, row_stride: geometry.width as isize, panel_stride: steps * geometry.width }
 }
 
-/// A row of tiles that fetches nothing for others.
+/// Returns a row of tiles that prefetches no right side.
 fn row<'r>(
     steps: usize,
     [left, right]: [Side<f64>; 2],
@@ -198,7 +202,7 @@ fn row<'r>(
     }
 }
 
-/// A block of DEPTH rows; the numbers of blocks go round.
+/// Returns a block of DEPTH rows; the number of the block wraps around.
 fn source(matrix: &[f64], block: usize) -> Source<'_, f64> {
     let matrix = MatRef::from_row_major_slice(matrix, SIDE, SIDE);
     let first = block % (SIDE / DEPTH) * DEPTH;
@@ -206,7 +210,7 @@ fn source(matrix: &[f64], block: usize) -> Source<'_, f64> {
 }
 
 /// Fills the panels, `item` columns at a time: the i-th time with the columns `columns(i)` of the
-/// sum of the sources. How many bytes that are.
+/// sum of the sources. Returns the number of bytes written.
 fn pack(
     kernel: &dyn Kernel<f64>,
     sources: &[Source<'_, f64>],
@@ -226,9 +230,10 @@ fn pack(
     bytes as f64
 }
 
-/// Units per second of `work`, which says how many it did: the median of some windows.
+/// Returns the median rate of `work` over [`WINDOWS`] windows, in units per second; `work` returns
+/// how many units it did.
 fn median_rate(mut work: impl FnMut() -> f64) -> f64 {
-    // The first time is not typical.
+    // The first call is not typical.
     work();
     let mut rates = [0.0; WINDOWS];
     for rate in &mut rates {

@@ -1,4 +1,4 @@
-//! How fast the kernels are on this machine: built-in numbers, measured ones, and a file of them.
+//! Rates of the kernels on this machine: built-in, measured, or read from a file.
 
 mod cache;
 mod cpu;
@@ -7,17 +7,16 @@ mod text;
 
 use super::isa::Isa;
 
-/// Speed of one core with one instruction set, for the planner. Estimates: a wrong one costs time,
-/// never correctness.
+/// Rates of one core with one instruction set, for the planner. A wrong rate costs time, never
+/// correctness.
 ///
-/// There is no global state: rates that were measured and saved are read on request only
-/// ([`Rates::cached`]).
+/// There is no global state: saved rates are read on request only ([`Rates::cached`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
-    /// Flops per second (a multiply-add counts two) of tiles whose operands are in the caches, f64;
-    /// f32 runs at twice that.
+    /// Flops per second (a multiply-add counts two) of f64 tiles whose operands are in the caches;
+    /// f32 is assumed to run twice as fast.
     pub flops: f64,
-    /// Bytes per second that packing reads from matrices which fit no cache.
+    /// Bytes per second that packing reads from matrices that fit no cache.
     pub read_bytes: f64,
     /// Bytes per second that packing writes into panels.
     pub pack_bytes: f64,
@@ -27,7 +26,7 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Returns the built-in rates, which apply where nothing was measured.
+    /// Returns the built-in rates, for machines without measured rates.
     ///
     /// ```
     /// use catamaran::kernel::packed::{Isa, Rates};

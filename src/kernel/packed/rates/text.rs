@@ -1,9 +1,9 @@
-//! The text form of rates: a line that says whose they are, then lines `key = value`.
+//! The text form of rates: a line that names the CPU and the isa, then lines `key = value`.
 
 use super::{Rates, cpu};
 use crate::kernel::packed::isa::Isa;
 
-/// A fault of a text: its line, from 1, and what is wrong.
+/// A fault of a text: its line (from 1), if any, and the reason.
 pub(super) type Fault = (Option<usize>, String);
 
 /// The keys, in the order of the fields.
@@ -23,7 +23,7 @@ impl Rates {
         header(isa, cpu) + "\n" + &lines.collect::<String>()
     }
 
-    /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
+    /// Parses text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
     ///
     /// ```
     /// use catamaran::kernel::packed::{Isa, Rates};
@@ -34,9 +34,9 @@ impl Rates {
     /// ```
     ///
     /// # Errors
-    /// The line at fault (from 1; `None` for a key that is not there) and what is wrong with it:
-    /// another CPU, isa or kind of build, a key that is unknown, missing or there twice, a value
-    /// that is not a finite number above 0.
+    /// The line at fault (from 1; `None` for a missing key) and the reason: another CPU, isa or
+    /// kind of build, a line of another form, an unknown, missing or repeated key, or a value that
+    /// is not a finite number above 0.
     pub fn parse(text: &str, isa: Isa) -> Result<Self, (Option<usize>, String)> {
         Self::parse_of(text, isa, &cpu::name())
     }
@@ -68,9 +68,9 @@ impl Rates {
     }
 }
 
-/// The first line.
+/// Returns the first line of the text.
 fn header(isa: Isa, cpu: &str) -> String {
-    // Slow code is no measure of fast code.
+    // Rates of a debug build must not be used by a release build.
     let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
     format!("catamaran rates of {} on {cpu}{build}", isa.name())
 }
