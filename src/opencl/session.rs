@@ -117,15 +117,18 @@ impl Device {
     /// Allocates memory for `len` numbers, at least for one.
     pub(super) fn buffer<T: Number>(&self, len: usize) -> Result<Buffer<T>> {
         let len = len.max(1);
+        let bytes = len.saturating_mul(size_of::<T>());
+        // NVIDIA's driver accepts a buffer of any size, and fails when it is used.
+        if bytes as u64 > self.info().memory {
+            return Err(Error::OutOfMemory { bytes });
+        }
         // SAFETY: the memory belongs to the device, and no pointer of the host refers to it.
         unsafe { Buffer::create(&self.0.context, CL_MEM_READ_WRITE, len, ptr::null_mut()) }.map_err(
             |e| match e.0 {
                 CL_MEM_OBJECT_ALLOCATION_FAILURE
                 | CL_OUT_OF_HOST_MEMORY
                 | CL_OUT_OF_RESOURCES
-                | CL_INVALID_BUFFER_SIZE => {
-                    Error::OutOfMemory { bytes: len.saturating_mul(size_of::<T>()) }
-                }
+                | CL_INVALID_BUFFER_SIZE => Error::OutOfMemory { bytes },
                 _ => self.failed("memory", e),
             },
         )
@@ -280,6 +283,9 @@ pub(super) mod tests {
         let mut got = vec![0; 257];
         device.read(&buffer, &mut got).unwrap();
         assert_eq!(got, sent);
-        assert!(device.buffer::<f32>(usize::MAX / 8).is_err());
+        for len in [usize::MAX / 8, 1 << 45] {
+            let refused = device.buffer::<f32>(len).map(drop).unwrap_err();
+            assert!(matches!(refused, Error::OutOfMemory { bytes } if bytes == 4 * len));
+        }
     }
 }
