@@ -242,6 +242,14 @@ fn report_result(
         before = before;
         "{intersecting} faces, {before} before"
     )?;
+    report_quality(found)?;
+    report_difference(Difference::between(&input.mesh, &found.mesh, par)?)?;
+    let length = edge_length_for(found.mesh.area(), vertices)?;
+    report!("edges", length = length; "{length:.4e} long if all triangles were equilateral")
+}
+
+/// Reports the uniformity of a result, and that of its largest component if there are several.
+fn report_quality(found: &Decimation) -> Result<()> {
     let quality = Quality::of(&found.mesh);
     row!(
         "quality",
@@ -267,7 +275,11 @@ fn report_result(
              {mean_quality:.3}"
         )?;
     }
-    let difference = Difference::between(&input.mesh, &found.mesh, par)?;
+    Ok(())
+}
+
+/// Reports the distances of a result from its input.
+fn report_difference(difference: Difference) -> Result<()> {
     let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
     report!(
         "hausdorff": "Hausdorff",
@@ -280,9 +292,7 @@ fn report_result(
         distance = chamfer,
         as_printed = printed_chamfer;
         "{chamfer:.4e}, eq. 5.8 as printed {printed_chamfer:.4e}"
-    )?;
-    let length = edge_length_for(found.mesh.area(), vertices)?;
-    report!("edges", length = length; "{length:.4e} long if all triangles were equilateral")
+    )
 }
 
 /// Reports the topology of a mesh; `None` stands for a mesh that is not a manifold.

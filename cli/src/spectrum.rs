@@ -102,16 +102,16 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 impl Args {
-    /// Refuses `--via-decimation` where it does not work.
-    fn check_decimation(&self, ranks: &Ranks) -> Result<()> {
-        if self.via_decimation.is_none() {
-            return Ok(());
-        }
-        if ranks.size() > 1 {
+    /// Refuses `--via-decimation` and `--memory` where they do not work.
+    fn check(&self, ranks: &Ranks) -> Result<()> {
+        if self.via_decimation.is_some() && ranks.size() > 1 {
             bail!("--via-decimation runs in one process: use --threads instead of mpirun");
         }
-        if self.boundary == Edge::Dirichlet {
+        if self.via_decimation.is_some() && self.boundary == Edge::Dirichlet {
             bail!("--via-decimation needs --boundary neumann");
+        }
+        if self.memory.is_some() && ranks.size() > 1 {
+            bail!("--memory limits one process: it can't be combined with mpirun");
         }
         Ok(())
     }
@@ -167,19 +167,66 @@ fn report_pairs(args: &Args, results: &Results<'_>, time: Duration) -> Result<()
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    args.check_decimation(ranks)?;
-    if args.memory.is_some() && ranks.size() > 1 {
-        bail!("--memory limits one process: it can't be combined with mpirun");
-    }
+    args.check(ranks)?;
     let path = args.output.as_deref().filter(|_| ranks.is_first());
     let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
     let picture = match ranks.is_first() {
         true => args.picture.create(args.force)?,
         false => None,
     };
-    let par = args.laplacian.par();
-    let name = args.input.display();
+    let (mesh, operator) = assemble(args)?;
 
+    let start = Instant::now();
+    let bar = Bar::new("spectrum");
+    let watch = |fraction| bar.update(fraction);
+    let tolerance = args.tolerance.unwrap_or(EigenOptions::default().tolerance);
+    let options = EigenOptions::new()
+        .k(args.k)
+        .shift(args.shift)
+        .tolerance(tolerance)
+        .verify_count(args.verify)
+        .par(args.laplacian.par())
+        .progress(&watch);
+    let mut results = Results::new(output, &operator, args.k)?;
+    let (found, mesh) = match args.via_decimation {
+        Some(n) => {
+            let found = via_decimation(&mesh, n, &operator, &options);
+            (found.and_then(|pairs| results.take(&pairs, ranks)), Some(mesh))
+        }
+        None => {
+            // Only pictures need the mesh from here on.
+            let mesh = picture.is_some().then_some(mesh);
+            let (stiffness, mass) = (&operator.stiffness, &operator.mass);
+            let take = |slice| results.take(&slice, ranks);
+            (ranks.eigenpairs(stiffness, mass, &options, args.memory.unwrap_or(MEMORY), take), mesh)
+        }
+    };
+    found.map_err(|error| {
+        let name = args.input.display();
+        let context = match error {
+            catamaran::Error::NotConverged { .. } => {
+                format!("{name}: residuals of {tolerance:e} were not reached")
+            }
+            _ => name.to_string(),
+        };
+        anyhow::Error::from(error).context(context)
+    })?;
+    drop(bar);
+    report_pairs(args, &results, start.elapsed())?;
+    if let (Some(picture), Some(mesh)) = (picture, mesh) {
+        results.draw(args, &mesh, picture)?;
+    }
+    let worst = results.worst.unwrap_or_default();
+    results.finish()?;
+    if args.via_decimation.is_some() {
+        return Ok(());
+    }
+    check_residual(args, ranks, worst, tolerance)
+}
+
+/// Reads the mesh and computes the matrices of its Laplacian.
+fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
+    let name = args.input.display();
     let start = Instant::now();
     let file = args.laplacian.repair.read(&args.input)?;
     let options = args.laplacian_options();
@@ -200,54 +247,23 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         "{entries} entries, in {}",
         seconds(time)
     )?;
+    Ok((file.mesh, operator))
+}
 
-    let start = Instant::now();
-    let bar = Bar::new("spectrum");
-    let watch = |fraction| bar.update(fraction);
-    let tolerance = args.tolerance.unwrap_or(EigenOptions::default().tolerance);
-    let options = EigenOptions::new()
-        .k(args.k)
-        .shift(args.shift)
-        .tolerance(tolerance)
-        .verify_count(args.verify)
-        .par(par)
-        .progress(&watch);
-    let mut results = Results::new(output, &operator, args.k)?;
-    let (found, mesh) = match args.via_decimation {
-        Some(n) => {
-            let found = via_decimation(&file.mesh, n, &operator, &options);
-            (found.and_then(|pairs| results.take(&pairs, ranks)), Some(file.mesh))
-        }
-        None => {
-            // Only pictures need the mesh from here on.
-            let mesh = picture.is_some().then_some(file.mesh);
-            let (stiffness, mass) = (&operator.stiffness, &operator.mass);
-            let take = |slice| results.take(&slice, ranks);
-            (ranks.eigenpairs(stiffness, mass, &options, args.memory.unwrap_or(MEMORY), take), mesh)
-        }
-    };
-    found.map_err(|error| match error {
-        catamaran::Error::NotConverged { .. } => anyhow::Error::from(error)
-            .context(format!("{name}: residuals of {tolerance:e} were not reached")),
-        other => anyhow::Error::from(other).context(name.to_string()),
-    })?;
-    drop(bar);
-    report_pairs(args, &results, start.elapsed())?;
-    if let (Some(picture), Some(mesh)) = (picture, mesh) {
-        let titles: Vec<_> = results.values.iter().map(|value| format!("{value:.4}")).collect();
-        let panel =
-            |(values, title)| (&mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title));
-        let panels: Vec<_> = results.drawn.iter().zip(&titles).map(panel).collect();
-        args.picture.draw(picture, &args.input, &panels)?;
-    }
-    let (worst, largest) = results.worst.unwrap_or_default();
-    results.finish()?;
-    if largest <= tolerance || args.via_decimation.is_some() {
+/// Refuses a largest residual above --tolerance; above the default tolerance there is a note.
+fn check_residual(
+    args: &Args,
+    ranks: &Ranks,
+    (pair, residual): (usize, f64),
+    tolerance: f64,
+) -> Result<()> {
+    if residual <= tolerance {
         return Ok(());
     }
     let missed = format!(
-        "{name}: eigenpair {worst} (from 0) has a residual of {largest:.1e}, above the tolerance \
-         of {tolerance:e}: rounding does not let the solver reach less"
+        "{}: eigenpair {pair} (from 0) has a residual of {residual:.1e}, above the tolerance of \
+         {tolerance:e}: rounding does not let the solver reach less",
+        args.input.display()
     );
     if args.tolerance.is_some() {
         // The first process has written all results by then.
@@ -342,6 +358,15 @@ impl<'a> Results<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Draws the first eigenfunctions on the mesh.
+    fn draw(&self, args: &Args, mesh: &TriMesh, picture: Output) -> Result<()> {
+        let titles: Vec<_> = self.values.iter().map(|value| format!("{value:.4}")).collect();
+        let panel =
+            |(values, title)| (mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title));
+        let panels: Vec<_> = self.drawn.iter().zip(&titles).map(panel).collect();
+        args.picture.draw(picture, &args.input, &panels)
     }
 
     fn finish(self) -> Result<()> {

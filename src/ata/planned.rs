@@ -107,7 +107,8 @@ pub fn planned_scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
     scratch_len::<T>(plan, par)
 }
 
-fn of_another(wanted: &str) -> Error {
+/// Returns the error for a plan of another product or scalar than `wanted`.
+pub(super) fn of_another(wanted: &str) -> Error {
     Error::Argument { what: "plan", why: format!("is not a plan of {wanted}") }
 }
 

@@ -1,6 +1,8 @@
 //! Basics for all modules: scalars, errors, threads, workspaces, progress, random numbers.
 
 mod builder;
+#[cfg(feature = "geometry")]
+mod checks;
 mod disjoint;
 mod error;
 mod par;
@@ -15,6 +17,8 @@ mod version;
 mod workspace;
 
 pub(crate) use builder::builder;
+#[cfg(feature = "geometry")]
+pub(crate) use checks::{at_least, at_least_zero, positive};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub(crate) use par::{Latch, tickets};

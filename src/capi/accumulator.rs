@@ -94,7 +94,7 @@ pub unsafe extern "C" fn cata_accumulator_new(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (params, place) =
-            unsafe { (read_or_zeros(params)?, output("accumulator", accumulator)?) };
+            unsafe { (read_or_zeros("params", params)?, output("accumulator", accumulator)?) };
         let centered = flag("params.centered", params.centered)?;
         let bounds = || {
             // SAFETY: the caller's promise.
@@ -136,7 +136,11 @@ pub unsafe extern "C" fn cata_accumulator_read(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (path, params, place) = unsafe {
-            (self::path("path", path)?, read_or_zeros(params)?, output("accumulator", accumulator)?)
+            (
+                self::path("path", path)?,
+                read_or_zeros("params", params)?,
+                output("accumulator", accumulator)?,
+            )
         };
         *place = cata_accumulator::boxed(read_accumulator(&path)?, &params);
         Ok(())
@@ -349,7 +353,7 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
             (
                 own,
                 LeastSquaresOutputs::new(layout, n - k, k, x, ldx, result)?,
-                read_or_zeros(params)?,
+                read_or_zeros("params", params)?,
             )
         };
         let options = outputs.options(&params)?;
@@ -388,7 +392,7 @@ pub unsafe extern "C" fn cata_accumulator_pca(
                 [explained_variance, explained_variance_ratio, singular_values, mean, scale];
             let outputs =
                 ComponentOutputs::new(layout, n, count, components, ldcomponents, vectors)?;
-            (own, outputs, read_or_zeros(params)?)
+            (own, outputs, read_or_zeros("params", params)?)
         };
         let options = outputs.options(&params)?;
         outputs.write(&PrincipalComponents::from_gram(&own.extended()?, &options)?);

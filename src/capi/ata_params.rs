@@ -109,7 +109,7 @@ pub(super) unsafe fn with_options(
         return work(&options);
     }
     // SAFETY: the caller's promise.
-    let params = unsafe { read(params) }?;
+    let params = unsafe { read("params", params) }?;
     at_most("params.leaf", params.leaf, MOST_LEAF)?;
     at_most("params.tasks", params.tasks, MOST_TASKS)?;
     let mut options = options

@@ -470,7 +470,7 @@ pub(super) unsafe fn with_basis_options<X>(
     let (mut threads, mut watch) = (Par::all(), None);
     if !params.is_null() {
         // SAFETY: the caller's promise.
-        let params = unsafe { read(params) }?;
+        let params = unsafe { read("params", params) }?;
         threads = par(params.threads);
         method = known_method(params.method, method)?;
         if params.order > 0 {

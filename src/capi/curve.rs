@@ -215,7 +215,7 @@ pub unsafe extern "C" fn cata_curve_solver_find(
         let (mut options, mut smooth, mut watch) = (CurveOptions::default(), false, None);
         if !params.is_null() {
             // SAFETY: the caller's promise.
-            let params = unsafe { read(params) }?;
+            let params = unsafe { read("params", params) }?;
             fill(&mut options, &params)?;
             smooth = flag("params.smooth", params.smooth)?;
             watch = watcher(params.progress, params.progress_user);

@@ -404,7 +404,7 @@ unsafe fn with_options<X>(
     let mut watch = None;
     if !params.is_null() {
         // SAFETY: the caller's promise.
-        let params = unsafe { read(params) }?;
+        let params = unsafe { read("params", params) }?;
         options.par = par(params.threads);
         options.method = match params.method {
             CATA_DECIMATION_UNIFORM => Method::Uniform,

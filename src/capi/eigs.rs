@@ -327,7 +327,7 @@ pub(super) unsafe fn with_eigen_options<X>(
     let mut watch = None;
     if !params.is_null() {
         // SAFETY: the caller's promise.
-        let params = unsafe { read(params) }?;
+        let params = unsafe { read("params", params) }?;
         options.par = par(params.threads);
         options.seed = params.seed;
         options.verify_count = flag("params.verify_count", params.verify_count)?;

@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_svd(
             let a = rows_of("a", layout, m, n, a, lda)?;
             let values = optional_slice_mut("values", values, most)?;
             let v = optional_matrix_mut("v", layout, n, most, v, ldv)?;
-            (a, values, v, read_or_zeros(params)?)
+            (a, values, v, read_or_zeros("params", params)?)
         };
         if most == 0 {
             return Ok(());
@@ -156,7 +156,7 @@ pub unsafe extern "C" fn cata_gram_extended(
                 optional_matrix_mut("low", layout, n, n, low, ldlow)?,
             ];
             let exact = optional_output("exact", exact)?;
-            (a, weights?, parts, exact, read_or_zeros(params)?)
+            (a, weights?, parts, exact, read_or_zeros("params", params)?)
         };
         // Without columns m may exceed the address space.
         let (a, weights) = if n == 0 { (a.subrows(0, 0), None) } else { (a, weights) };
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn cata_gram_correlation(
         // SAFETY: the caller's promise.
         let (a, c, params) = unsafe {
             let a = rows_of("a", layout, m, n, a, lda)?;
-            (a, matrix_mut("c", layout, n, n, c, ldc)?, read_or_zeros(params)?)
+            (a, matrix_mut("c", layout, n, n, c, ldc)?, read_or_zeros("params", params)?)
         };
         let gram = of_matrix("a", a, Center::Mean, &params)?;
         fill(c, correlation(&gram)?.as_ref());
@@ -233,7 +233,7 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
         let (q, max, frobenius, params) = unsafe {
             let q = rows_of("q", layout, m, n, q, ldq)?;
             let max = optional_output("max", max)?;
-            (q, max, optional_output("frobenius", frobenius)?, read_or_zeros(params)?)
+            (q, max, optional_output("frobenius", frobenius)?, read_or_zeros("params", params)?)
         };
         let found = orthogonality(&of_matrix("q", q, Center::No, &params)?)?;
         if let Some(max) = max {
@@ -280,7 +280,7 @@ pub unsafe extern "C" fn cata_gram_cholesky_qr(
         // SAFETY: the caller's promise.
         let (a, r, params) = unsafe {
             let a = matrix_mut("a", layout, m, n, a, lda)?;
-            (a, optional_matrix_mut("r", layout, n, n, r, ldr)?, read_or_zeros(params)?)
+            (a, optional_matrix_mut("r", layout, n, n, r, ldr)?, read_or_zeros("params", params)?)
         };
         if n == 0 {
             return Ok(());

@@ -199,7 +199,7 @@ impl LeastSquaresCall<'_> {
             let b = matrix("b", layout, m, k, b, ldb)?;
             let weights = optional_slice("weights", weights, m)?;
             let outputs = LeastSquaresOutputs::new(layout, n, k, x, ldx, result)?;
-            let params = read_or_zeros(params)?;
+            let params = read_or_zeros("params", params)?;
             let options = outputs.options(&params)?;
             Ok(Self { a, b, weights, options, params, outputs })
         }
@@ -239,9 +239,7 @@ impl LeastSquaresOutputs<'_> {
     ) -> Result<Self, Failure> {
         // SAFETY: the caller's promise.
         unsafe {
-            let arrays = read_or_zeros(result.cast_const()).map_err(|failure| {
-                Failure::new(failure.status, failure.message.replace("params", "result"))
-            })?;
+            let arrays = read_or_zeros("result", result.cast_const())?;
             let errors = arrays.standard_errors;
             // An error of the leading dimension names that of X, which is the same argument.
             let standard_errors = optional_matrix_mut("x", layout, n, k, errors, ldx)?;

@@ -120,7 +120,7 @@ pub unsafe extern "C" fn cata_newton_new(
         if !params.is_null() {
             // SAFETY: the caller's promise.
             let (params, roots) = unsafe {
-                let params = read(params)?;
+                let params = read("params", params)?;
                 check_size::<f64>("params.roots", params.root_count, 2)?;
                 (params, slice("params.roots", params.roots, 2 * params.root_count)?)
             };

@@ -204,7 +204,7 @@ pub(super) unsafe fn with_ortho_options<X>(
     let (mut watch, mut method) = (None, CATA_ORTHO_REORTHOGONALIZED);
     if !params.is_null() {
         // SAFETY: the caller's promise.
-        let params = unsafe { read(params) }?;
+        let params = unsafe { read("params", params) }?;
         method = known_method(params.method, CATA_ORTHO_REORTHOGONALIZED)?;
         if method == CATA_ORTHO_SINGLE_PASS {
             options = GramSchmidtOptions::single_pass();

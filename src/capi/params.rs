@@ -54,18 +54,19 @@ fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failur
 ///
 /// # Safety
 /// `params` points to as many readable bytes as its `struct_size` says.
-pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> {
-    let params = pointer::checked("params", params, 1)?;
+pub(super) unsafe fn read<T: Versioned>(what: &str, params: *const T) -> Result<T, Failure> {
+    let params = pointer::checked(what, params, 1)?;
     let mut known = MaybeUninit::<T>::zeroed();
     // SAFETY: struct_size comes first in every version, and the bytes up to it are the caller's
     // promise; no more of them are touched. All fields may be 0.
     unsafe {
         let size = params.cast::<usize>().read();
-        check_struct_size::<T>("params", size)?;
+        check_struct_size::<T>(what, size)?;
         let shared = size.min(size_of::<T>());
         let bytes = params.cast::<u8>();
         if std::slice::from_raw_parts(bytes.add(shared), size - shared).iter().any(|&b| b != 0) {
-            let why = "params: a field that this version of the library does not know is set";
+            let why =
+                format!("{what}: a field that this version of the library does not know is set");
             return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
         }
         bytes.copy_to_nonoverlapping(known.as_mut_ptr().cast(), shared);
@@ -78,13 +79,16 @@ pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> 
 /// # Safety
 /// `params` is NULL or as for [`read`].
 #[cfg(feature = "capi")]
-pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, Failure> {
+pub(super) unsafe fn read_or_zeros<T: Versioned>(
+    what: &str,
+    params: *const T,
+) -> Result<T, Failure> {
     if params.is_null() {
         // SAFETY: all fields of such a struct may be 0.
         return Ok(unsafe { MaybeUninit::zeroed().assume_init() });
     }
     // SAFETY: passed on to the caller.
-    unsafe { read(params) }
+    unsafe { read(what, params) }
 }
 
 /// Writes a struct of the caller's version, but for its `struct_size`: the fields that both
@@ -148,7 +152,7 @@ mod tests {
     fn read_words(words: &[usize]) -> Result<Second, Failure> {
         let words = of_version(words);
         // SAFETY: as many words as the first one says, or it is refused.
-        unsafe { read(words.as_ptr().cast::<Second>()) }
+        unsafe { read("params", words.as_ptr().cast::<Second>()) }
     }
 
     #[test]

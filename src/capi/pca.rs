@@ -97,7 +97,7 @@ pub unsafe extern "C" fn cata_pca(
                 [explained_variance, explained_variance_ratio, singular_values, mean, scale];
             let outputs =
                 ComponentOutputs::new(layout, n, count, components, ldcomponents, vectors)?;
-            (a, outputs, read_or_zeros(params)?)
+            (a, outputs, read_or_zeros("params", params)?)
         };
         let options = outputs.options(&params)?;
         if n == 0 {

@@ -508,7 +508,7 @@ unsafe fn model(
     let (mut threads, mut progress, mut user) = (0, None, std::ptr::null_mut());
     if !params.is_null() {
         // SAFETY: the caller's promise.
-        let params = unsafe { read(params) }?;
+        let params = unsafe { read("params", params) }?;
         (threads, progress, user) = (params.threads, params.progress, params.progress_user);
         options.loss = params.loss;
         options.intake = params.intake;

@@ -21,12 +21,17 @@ pub(super) enum Layout {
 
 impl Layout {
     pub(super) fn new(layout: i32) -> Result<Self, Failure> {
+        Self::named("layout", layout)
+    }
+
+    /// Returns the layout that the argument `what` has.
+    pub(super) fn named(what: &str, layout: i32) -> Result<Self, Failure> {
         match layout {
             CATA_ROW_MAJOR => Ok(Self::RowMajor),
             CATA_COL_MAJOR => Ok(Self::ColMajor),
             other => Err(Failure::new(
                 CATA_ERR_ARGUMENT,
-                format!("layout: must be CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102), is {other}"),
+                format!("{what}: must be CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102), is {other}"),
             )),
         }
     }

@@ -147,13 +147,9 @@ pub(super) unsafe fn cyclic(
     unsafe {
         collective(world, Operation::Cyclic, |entrance| {
             let uplo = uplo_from(uplo)?;
-            let order = match Layout::new(grid_order) {
-                Ok(Layout::RowMajor) => GridOrder::Rows,
-                Ok(Layout::ColMajor) => GridOrder::Columns,
-                Err(failure) => {
-                    let why = failure.message.replacen("layout", "grid_order", 1);
-                    return Err(Failure::new(failure.status, why));
-                }
+            let order = match Layout::named("grid_order", grid_order)? {
+                Layout::RowMajor => GridOrder::Rows,
+                Layout::ColMajor => GridOrder::Columns,
             };
             let grid = Grid::new(grid_rows, grid_cols, order)?;
             let rank = entrance.world.rank();

@@ -97,7 +97,7 @@ pub unsafe extern "C" fn cata_plant_rods_new(
         let (mut progress, mut user) = (None, std::ptr::null_mut());
         if !params.is_null() {
             // SAFETY: the caller's promise.
-            let params = unsafe { read(params) }?;
+            let params = unsafe { read("params", params) }?;
             (progress, user) = (params.progress, params.progress_user);
             if params.gravity != [0.0; 3] {
                 options.gravity = params.gravity;

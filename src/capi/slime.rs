@@ -155,7 +155,7 @@ pub unsafe extern "C" fn cata_slime_new(
         let (mesh, slime) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("slime", slime)?) };
         // SAFETY: the caller's promise.
-        let params = unsafe { read_or_zeros(params) }?;
+        let params = unsafe { read_or_zeros("params", params) }?;
         let options = options(&params)?;
         options.check()?;
         // SAFETY: the caller's promise.

@@ -181,7 +181,7 @@ pub unsafe extern "C" fn cata_unions_locate(
         let (mut watch, mut threads) = (None, Par::all());
         if !params.is_null() {
             // SAFETY: the caller's promise.
-            let params = unsafe { read(params) }?;
+            let params = unsafe { read("params", params) }?;
             threads = par(params.threads);
             watch = watcher(params.progress, params.progress_user);
         }

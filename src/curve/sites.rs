@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use super::refinement::Refinement;
 use super::result::Steiner;
 use crate::base::{Error, Result};
-use crate::mesh::vector::{Vector, cross, distance, dot, norm, sub};
+use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, norm, sub};
 use crate::mesh::{Refined, TriMesh};
 
 /// Barycentric coordinates below this count as 0: the point is on an edge, or at a vertex.
@@ -184,7 +184,7 @@ fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Resu
 /// without area.
 fn shares(corners: [Vector; 3], point: Vector) -> [f64; 3] {
     let [a, b, c] = corners;
-    let normal = cross(sub(b, a), sub(c, a));
+    let normal = doubled_normal(corners);
     let unit = normal.map(|x| x / dot(normal, normal));
     let area = |p, q| dot(cross(sub(p, point), sub(q, point)), unit);
     if norm(normal) > 0.0 { [area(b, c), area(c, a), area(a, b)] } else { [f64::NAN; 3] }

@@ -9,7 +9,7 @@ use super::search::Search;
 use super::split::split;
 use super::surface::Surface;
 use super::tour::{Costs, tour};
-use crate::base::{Error, Progress, Result, builder, reserved};
+use crate::base::{Error, Progress, Result, at_least, builder, reserved};
 use crate::mesh::vector::distance;
 use crate::mesh::{Components, TriMesh};
 
@@ -199,9 +199,7 @@ impl<'m> CurveSolver<'m> {
             return refused("samples", format!("must be at least {LEAST}, are {}", samples.len()));
         }
         if options.mode == Mode::Faithful {
-            if options.candidates == 0 {
-                return refused("candidates", "must be at least 1, is 0".into());
-            }
+            at_least("candidates", options.candidates, 1)?;
             if options.start >= samples.len() {
                 let why = format!("must be below {}, is {}", samples.len(), options.start);
                 return refused("start", why);

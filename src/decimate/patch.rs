@@ -2,7 +2,7 @@
 //! manifold.
 
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
-use crate::mesh::vector::{Vector, cross, distance, dot, middle, sub, unit};
+use crate::mesh::vector::{Vector, distance, dot, doubled_normal, middle, unit};
 
 /// Largest number of faces that were added after the tree was built, and that are searched one by
 /// one.
@@ -206,8 +206,7 @@ impl Patch {
 
     /// Returns twice the area of a face times its normal.
     pub fn normal(&self, face: [u32; 3]) -> Vector {
-        let [a, b, c] = face.map(|v| self.positions[v as usize]);
-        cross(sub(b, a), sub(c, a))
+        doubled_normal(face.map(|v| self.positions[v as usize]))
     }
 
     /// Returns whether the edge can collapse without a change of the topology: the links of its
@@ -246,8 +245,7 @@ impl Patch {
             if but.is_some_and(|b| face.contains(&b)) {
                 return true;
             }
-            let [x, y, z] = self.corners_with(face, [a, a], p);
-            let new = cross(sub(y, x), sub(z, x));
+            let new = doubled_normal(self.corners_with(face, [a, a], p));
             dot(unit(new), unit(self.normal(face))) > 0.2
         })
     }

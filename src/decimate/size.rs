@@ -1,6 +1,6 @@
 //! Relations between the numbers of vertices and faces and the length of edges.
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, at_least, positive};
 use crate::mesh::vector::distance;
 use crate::mesh::{Edges, TriMesh};
 
@@ -20,10 +20,8 @@ use crate::mesh::{Edges, TriMesh};
 /// # Errors
 /// [`Error::Argument`] when n is 0, or the area is not positive and finite.
 pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
-    if n == 0 {
-        return Err(Error::Argument { what: "n", why: "must be at least 1, is 0".into() });
-    }
-    check_positive("area", area)?;
+    at_least("n", n, 1)?;
+    positive("area", area)?;
     Ok((2.0 * area / (n as f64 * 3f64.sqrt())).sqrt())
 }
 
@@ -41,8 +39,8 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
 /// [`Error::Argument`] when the length or the area is not positive and finite, or the number of
 /// vertices is more than a mesh can have.
 pub fn vertices_for_edge_length(area: f64, length: f64) -> Result<usize> {
-    check_positive("area", area)?;
-    check_positive("length", length)?;
+    positive("area", area)?;
+    positive("length", length)?;
     let n = 2.0 * area / (3f64.sqrt() * length * length);
     if n >= f64::from(u32::MAX) {
         let why = format!("{length:e} needs {n:.1e} vertices, more than a mesh can have");
@@ -65,9 +63,7 @@ pub fn vertices_for_edge_length(area: f64, length: f64) -> Result<usize> {
 /// # Errors
 /// [`Error::Argument`] when `faces` is 0, or the mesh has no area.
 pub fn vertices_for_faces(mesh: &TriMesh, faces: usize) -> Result<usize> {
-    if faces == 0 {
-        return Err(Error::Argument { what: "faces", why: "must be at least 1, is 0".into() });
-    }
+    at_least("faces", faces, 1)?;
     // 3 F = 2 E - B and V - E + F = chi, with B edges on the boundary.
     let edges = Edges::new(mesh);
     let lengths = edges.boundary().map(|e| {
@@ -79,11 +75,4 @@ pub fn vertices_for_faces(mesh: &TriMesh, faces: usize) -> Result<usize> {
     let chi = mesh.euler_characteristic(&edges) as f64;
     let n = (faces as f64 + boundary / length) / 2.0 + chi;
     Ok(n.round().max(1.0) as usize)
-}
-
-fn check_positive(what: &'static str, value: f64) -> Result<()> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
 }

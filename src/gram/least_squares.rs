@@ -7,6 +7,7 @@ use super::refine::{Outcome, Refined};
 use super::row_space::RowSpace;
 use crate::ata::ExtendedGram;
 use crate::base::{Error, Par, Result, builder};
+use crate::dense::zeros;
 
 /// What happens when columns of A depend on others, as far as the precision can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -153,6 +154,16 @@ impl Problem<'_> {
         self.gram.entry(column, self.n + q).map(|part| scaled(part, exponent))
     }
 
+    /// Returns `A^T B`, scaled, in the order of the factor and without dependent columns.
+    fn right_sides(&self, factor: &PivotedCholesky) -> Result<Columns<3>> {
+        let targets = self.exponents.len();
+        let mut right = Columns::new(factor.rank, targets)?;
+        for q in 0..targets {
+            (0..factor.rank).for_each(|i| right.set(i, q, self.right(factor, i, q)));
+        }
+        Ok(right)
+    }
+
     /// Returns the square of a target, scaled.
     fn square(&self, q: usize) -> [f64; 3] {
         let at = self.n + q;
@@ -187,6 +198,62 @@ impl Problem<'_> {
             if square > noise { square } else { 0.0 }
         };
         (0..self.exponents.len()).map(residual).collect()
+    }
+
+    /// Returns [`LeastSquares::residual_norms`], from [`Problem::residuals`].
+    fn residual_norms(&self, squares: &[f64]) -> Vec<f64> {
+        let norms = squares.iter().zip(&self.exponents);
+        norms.map(|(square, &exponent)| scaled(square.sqrt(), exponent)).collect()
+    }
+
+    /// Returns [`LeastSquares::r_squared`], from [`Problem::residuals`].
+    fn r_squared(&self, squares: &[f64]) -> Vec<f64> {
+        let share = |(q, &square): (usize, &f64)| {
+            if square == 0.0 { 1.0 } else { 1.0 - square / self.square(q)[0] }
+        };
+        squares.iter().enumerate().map(share).collect()
+    }
+
+    /// Returns the two parts of the coefficients, n x k, from those of the scaled targets, by rows
+    /// in the order of the factor.
+    fn coefficients(
+        &self,
+        factor: &PivotedCholesky,
+        x: &Columns<2>,
+    ) -> Result<(Mat<f64>, Mat<f64>)> {
+        let targets = self.exponents.len();
+        let (mut high, mut low) = (zeros(self.n, targets)?, zeros(self.n, targets)?);
+        for (i, &column) in factor.order().iter().enumerate() {
+            for q in 0..targets {
+                let value = x.double(q, i).scaled(self.exponents[q]);
+                (high[(column, q)], low[(column, q)]) = (value.hi, value.lo);
+            }
+        }
+        Ok((high, low))
+    }
+}
+
+/// Completes solutions of the scaled equations, which have no dependent columns.
+struct Completion<'a> {
+    factor: &'a PivotedCholesky,
+    /// None without dependent columns.
+    row_space: Option<RowSpace>,
+    par: Par,
+}
+
+impl Completion<'_> {
+    /// Adds the dependent columns to solutions, by rows in the order of the factor, and undoes the
+    /// scaling of all columns.
+    fn of(&self, rows: &Columns<2>) -> Result<Columns<2>> {
+        let mut all = Columns::new(rows.rows, self.factor.n())?;
+        for i in 0..self.factor.rank {
+            (0..rows.rows).for_each(|q| all.set(q, i, rows.get(q, i)));
+        }
+        self.factor.rescale(&mut all);
+        if let Some(row_space) = &self.row_space {
+            row_space.project(&mut all, self.par)?;
+        }
+        Ok(all)
     }
 }
 
@@ -227,74 +294,40 @@ impl LeastSquares {
         let least = tolerance(n, gram.is_exact());
         let factor = PivotedCholesky::of(n, least, Pivoting::Scaled, par, entry)?;
         let rank = factor.rank();
-        if rank < n && options.rank_deficiency == RankDeficiency::Refuse {
-            let verb = if n - rank == 1 { "depends" } else { "depend" };
-            let why = format!("{} {verb} on others", named(factor.dependent()));
-            return Err(Error::Argument { what: "A", why });
+        if options.rank_deficiency == RankDeficiency::Refuse {
+            refuse_dependent(factor.dependent())?;
         }
         let refined = Refined::new(&factor, par, entry)?;
-        let mut right = Columns::new(rank, targets)?;
-        for q in 0..targets {
-            (0..rank).for_each(|i| right.set(i, q, problem.right(&factor, i, q)));
-        }
+        let right = problem.right_sides(&factor)?;
         let (x, outcome) = refined.solve(&right)?;
         let squares = problem.residuals(&factor, &x, &refined.residual(&right, &x)?);
         let row_space = match rank < n {
             true => Some(RowSpace::new(&factor, &refined, par, entry)?),
             false => None,
         };
-        // Adds the dependent columns, and undoes the scaling.
-        let unscaled = |rows: &Columns<2>| {
-            let mut all = Columns::new(rows.rows, n)?;
-            for i in 0..rank {
-                (0..rows.rows).for_each(|q| all.set(q, i, rows.get(q, i)));
-            }
-            factor.rescale(&mut all);
-            if let Some(row_space) = &row_space {
-                row_space.project(&mut all, par)?;
-            }
-            Ok::<_, Error>(all)
-        };
-        let x = unscaled(&x)?;
-        let (mut high, mut low) =
-            (crate::dense::zeros(n, targets)?, crate::dense::zeros(n, targets)?);
-        for (i, &column) in factor.order().iter().enumerate() {
-            for q in 0..targets {
-                let value = x.double(q, i).scaled(problem.exponents[q]);
-                (high[(column, q)], low[(column, q)]) = (value.hi, value.lo);
-            }
-        }
+        let completion = Completion { factor: &factor, row_space, par };
+        let (coefficients, coefficients_low) =
+            problem.coefficients(&factor, &completion.of(&x)?)?;
         let centered = u64::from(!gram.mean().is_empty());
-        let mut found =
-            Self {
-                intercepts: vec![0.0; targets],
-                residual_norms: (0..targets)
-                    .map(|q| scaled(squares[q].sqrt(), problem.exponents[q]))
-                    .collect(),
-                r_squared: (0..targets)
-                    .map(|q| {
-                        if squares[q] == 0.0 {
-                            1.0
-                        } else {
-                            1.0 - squares[q] / problem.square(q)[0]
-                        }
-                    })
-                    .collect(),
-                coefficients: high,
-                coefficients_low: low,
-                standard_errors: Mat::new(),
-                intercept_errors: Vec::new(),
-                rank,
-                dependent: factor.dependent().to_vec(),
-                condition: factor.condition()?,
-                degrees_of_freedom: gram.rows().saturating_sub(rank as u64 + centered),
-                digits: digits(&factor, gram.is_exact(), outcome)?,
-            };
+        let mut found = Self {
+            intercepts: vec![0.0; targets],
+            residual_norms: problem.residual_norms(&squares),
+            r_squared: problem.r_squared(&squares),
+            coefficients,
+            coefficients_low,
+            standard_errors: Mat::new(),
+            intercept_errors: Vec::new(),
+            rank,
+            dependent: factor.dependent().to_vec(),
+            condition: factor.condition()?,
+            degrees_of_freedom: gram.rows().saturating_sub(rank as u64 + centered),
+            digits: digits(&factor, gram.is_exact(), outcome)?,
+        };
         if options.intercept {
             found.intercepts = (0..targets).map(|q| found.intercept(gram, q)).collect();
         }
         if options.standard_errors {
-            let spread = unscaled(&spread(&problem, &factor, par)?)?;
+            let spread = completion.of(&spread(&problem, &factor, par)?)?;
             found.add_errors(gram, &factor, &spread, options.intercept)?;
         }
         Ok(found)
@@ -329,7 +362,7 @@ impl LeastSquares {
             .iter()
             .map(|norm| if freedom > 0.0 { norm / freedom.sqrt() } else { f64::NAN })
             .collect();
-        let mut errors = crate::dense::zeros(n, targets)?;
+        let mut errors = zeros(n, targets)?;
         for (i, &column) in factor.order().iter().enumerate() {
             let length = norm(spread.col(i, 0)[0]);
             (0..targets).for_each(|q| errors[(column, q)] = deviation[q] * length);
@@ -371,6 +404,17 @@ fn checked<'a>(
     let n = gram.n() - targets;
     let exponents = (n..gram.n()).map(|b| exponent(gram.entry(b, b)[0])).collect();
     Ok(Problem { gram, n, ridge: options.ridge, exponents })
+}
+
+/// Returns an error that names the columns, if there are any.
+fn refuse_dependent(columns: &[usize]) -> Result<()> {
+    let verb = match columns.len() {
+        0 => return Ok(()),
+        1 => "depends",
+        _ => "depend",
+    };
+    let why = format!("{} {verb} on others", named(columns));
+    Err(Error::Argument { what: "A", why })
 }
 
 /// Returns F, scaled and by rows, for which `F F^T` is the covariance of coefficients whose

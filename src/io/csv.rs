@@ -21,71 +21,89 @@ pub(super) fn read(
     let mut values: Vec<f64> = Vec::new();
     let mut nrows = 0;
     let mut separator = None;
-    // The number of fields in a row, and the line that it was first found in.
-    let mut width: Option<(usize, usize)> = None;
-    let mut kept = 0..0;
-    let mut header_allowed = true;
+    let mut rows: Option<Rows> = None;
     loop {
         let number = source.line() + 1;
         let Some(line) = source.next_line()? else { break };
         if line.trim_ascii().is_empty() || line.trim_ascii_start().starts_with('#') {
             continue;
         }
+        let may_be_header = separator.is_none();
         let separator = *separator.get_or_insert_with(|| separator_of(line));
-        if header_allowed {
-            header_allowed = false;
-            if fields(line, separator).all(|field| field.parse::<f64>().is_err()) {
-                names = fields(line, separator).map(str::to_owned).collect();
-                continue;
-            }
+        if may_be_header && fields(line, separator).all(|field| field.parse::<f64>().is_err()) {
+            names = fields(line, separator).map(str::to_owned).collect();
+            continue;
         }
-        let (expected, said_by) = match width {
-            Some(width) => width,
+        let rows = match &rows {
+            Some(rows) => rows,
             None => {
-                let count = fields(line, separator).count();
-                kept = checked_columns(columns, count)?;
-                *width.insert((count, number))
+                let width = fields(line, separator).count();
+                let kept = checked_columns(columns, width)?;
+                rows.insert(Rows { separator, width, first_line: number, kept })
             }
         };
-        let before = values.len();
-        let mut count = 0;
-        let mut wrong = None;
-        for field in fields(line, separator) {
-            if kept.contains(&count) && wrong.is_none() {
-                match field.parse::<f64>() {
-                    Ok(value) => push(&mut values, value)?,
-                    Err(_) => wrong = Some((count, shortened(field))),
-                }
-            }
-            count += 1;
-        }
-        if count != expected {
-            return Err(source.fail(format!(
-                "{count} fields in this row, {expected} in that of line {said_by}"
-            )));
-        }
-        if let Some((column, text)) = wrong {
-            let what = if text.is_empty() {
-                format!("column {}: nothing where a number should be", column + 1)
-            } else {
-                format!("column {}: {text:?} is not a number", column + 1)
-            };
+        if let Some(what) = rows.append(line, &mut values)? {
             return Err(source.fail(what));
         }
-        debug_assert_eq!(values.len() - before, kept.len());
         source.check_memory::<f64>("the table so far", values.len())?;
         nrows += 1;
     }
-    if nrows == 0 {
+    let Some(Rows { width, kept, .. }) = rows else {
         return Err(source.fail("the file ends without a row of numbers"));
-    }
-    if width.is_some_and(|(count, _)| count != names.len()) {
+    };
+    if width != names.len() {
         names.clear();
     }
     names.truncate(kept.end);
     names.drain(..kept.start.min(names.len()));
     let shape = (nrows, kept.len());
     Ok((Matrix::F64(Dense::new(values, shape, true, 0..kept.len())), names))
+}
+
+/// The rows of a table, which have as many fields as the first one.
+struct Rows {
+    separator: char,
+    /// The number of fields.
+    width: usize,
+    /// The line of the first row.
+    first_line: usize,
+    /// The columns that are read.
+    kept: Range<usize>,
+}
+
+impl Rows {
+    /// Appends the numbers of a row to `values`, or returns what is wrong with the row.
+    fn append(&self, line: &str, values: &mut Vec<f64>) -> Result<Option<String>> {
+        let before = values.len();
+        let mut count = 0;
+        let mut wrong = None;
+        for field in fields(line, self.separator) {
+            if self.kept.contains(&count) && wrong.is_none() {
+                match field.parse::<f64>() {
+                    Ok(value) => push(values, value)?,
+                    Err(_) => wrong = Some(not_a_number(count, field)),
+                }
+            }
+            count += 1;
+        }
+        if count != self.width {
+            let Self { width, first_line, .. } = self;
+            return Ok(Some(format!(
+                "{count} fields in this row, {width} in that of line {first_line}"
+            )));
+        }
+        debug_assert!(wrong.is_some() || values.len() - before == self.kept.len());
+        Ok(wrong)
+    }
+}
+
+/// Says that a field is not a number.
+fn not_a_number(column: usize, field: &str) -> String {
+    let number = column + 1;
+    if field.is_empty() {
+        return format!("column {number}: nothing where a number should be");
+    }
+    format!("column {number}: {:?} is not a number", shortened(field))
 }
 
 fn push(values: &mut Vec<f64>, value: f64) -> Result<()> {

@@ -11,6 +11,7 @@ use super::npz::Array;
 use super::output::Output;
 use super::source::error;
 use super::stored::{Begin, Entries, Stored};
+use super::unwritten::Unwritten;
 use crate::base::{Error, Result, reserved};
 
 /// Entries of rows that are written together.
@@ -23,37 +24,19 @@ const CHUNK: usize = 1 << 16;
 pub(super) struct Hdf5Writer {
     file: File,
     output: Output,
-    /// The matrix that was begun.
-    matrix: Option<Begun>,
-}
-
-/// A matrix of which some rows or columns are written.
-struct Begun {
-    dataset: Dataset,
-    by_rows: bool,
-    /// Rows or columns so far.
-    written: usize,
-}
-
-impl Begun {
-    /// Rows and columns that are left.
-    fn rest(&self) -> (usize, usize) {
-        let (rows, columns) = shape(&self.dataset);
-        match self.by_rows {
-            true => (rows - self.written, columns),
-            false => (rows, columns - self.written),
-        }
-    }
+    /// The matrix that was begun last, and its dataset.
+    matrix: Unwritten,
+    dataset: Option<Dataset>,
 }
 
 impl Hdf5Writer {
     pub(super) fn new(output: Output) -> Result<Self> {
         let file = File::create(output.temporary_path()).map_err(|e| failure(&output, e))?;
-        Ok(Self { file, output, matrix: None })
+        Ok(Self { file, output, matrix: Unwritten::default(), dataset: None })
     }
 
     pub(super) fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
-        self.check_end()?;
+        self.matrix.check_end()?;
         let (file, fail) = (&self.file, |e| failure(&self.output, e));
         match array {
             Array::Vector(values) => {
@@ -78,65 +61,54 @@ impl Hdf5Writer {
         rows: usize,
         columns: usize,
     ) -> Result<()> {
-        self.check_end()?;
+        self.matrix.check_end()?;
         let dataset = self.file.new_dataset::<f64>();
         let dataset = match rows.min(columns) {
             0 => dataset.shape((rows, columns)).create(name),
             // Chunks keep the entries of a column together.
             _ => dataset.chunk((rows.min(CHUNK), 1)).shape((rows, columns)).create(name),
         };
-        let dataset = dataset.map_err(|e| failure(&self.output, e))?;
-        self.matrix = Some(Begun { dataset, by_rows: false, written: 0 });
+        self.dataset = Some(dataset.map_err(|e| failure(&self.output, e))?);
+        self.matrix = Unwritten { by_rows: false, shape: (rows, columns), written: 0 };
         Ok(())
     }
 
     pub(super) fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
-        let Some(begun) = self.matrix.as_mut().filter(|begun| !begun.by_rows) else {
-            return Error::check_shape("columns", (0, 0), columns.shape());
-        };
-        let (rows, left) = begun.rest();
-        Error::check_shape("columns", (rows, left.min(columns.ncols())), columns.shape())?;
-        let fail = |e| failure(&self.output, e);
-        write_at(&begun.dataset, [0, begun.written], columns, fail)?;
-        begun.written += columns.ncols();
-        Ok(())
+        self.append(false, columns)
     }
 
     pub(super) fn matrix_by_rows(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
-        self.check_end()?;
+        self.matrix.check_end()?;
         let dataset = self.file.new_dataset::<f64>().shape((rows, columns)).create(name);
-        let dataset = dataset.map_err(|e| failure(&self.output, e))?;
-        self.matrix = Some(Begun { dataset, by_rows: true, written: 0 });
+        self.dataset = Some(dataset.map_err(|e| failure(&self.output, e))?);
+        self.matrix = Unwritten { by_rows: true, shape: (rows, columns), written: 0 };
         Ok(())
     }
 
     pub(super) fn rows(&mut self, rows: MatRef<'_, f64>) -> Result<()> {
-        let Some(begun) = self.matrix.as_mut().filter(|begun| begun.by_rows) else {
-            return Error::check_shape("rows", (0, 0), rows.shape());
+        self.append(true, rows)
+    }
+
+    /// Writes the next rows or columns.
+    fn append(&mut self, by_rows: bool, next: MatRef<'_, f64>) -> Result<()> {
+        self.matrix.check(by_rows, next.shape())?;
+        let Some(dataset) = &self.dataset else { return Ok(()) };
+        let written = self.matrix.written;
+        let (corner, count) = match by_rows {
+            true => ([written, 0], next.nrows()),
+            false => ([0, written], next.ncols()),
         };
-        let (left, columns) = begun.rest();
-        Error::check_shape("rows", (left.min(rows.nrows()), columns), rows.shape())?;
-        let fail = |e| failure(&self.output, e);
-        write_at(&begun.dataset, [begun.written, 0], rows, fail)?;
-        begun.written += rows.nrows();
+        write_at(dataset, corner, next, |e| failure(&self.output, e))?;
+        self.matrix.written += count;
         Ok(())
     }
 
     pub(super) fn finish(self) -> Result<()> {
-        self.check_end()?;
-        let Self { file, output, matrix } = self;
-        drop(matrix);
+        self.matrix.check_end()?;
+        let Self { file, output, dataset, .. } = self;
+        drop(dataset);
         file.close().map_err(|e| failure(&output, e))?;
         output.commit()
-    }
-
-    fn check_end(&self) -> Result<()> {
-        let Some(begun) = &self.matrix else { return Ok(()) };
-        let (rows, columns) = begun.rest();
-        match begun.by_rows {
-            true => Error::check_shape("rows", (rows, columns), (0, columns)),
-            false => Error::check_shape("columns", (rows, columns), (rows, 0)),
-        }
     }
 }
 
@@ -166,13 +138,6 @@ pub(super) fn read(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Sto
 
 fn failure(output: &Output, e: ::hdf5::Error) -> Error {
     error(output.path(), None, format!("can't be written: HDF5 says: {e}"))
-}
-
-fn shape(dataset: &Dataset) -> (usize, usize) {
-    match dataset.shape()[..] {
-        [rows, columns] => (rows, columns),
-        _ => (0, 0),
-    }
 }
 
 /// Writes the entries of `matrix` into the dataset, the first one at `corner`.

@@ -26,6 +26,7 @@ mod stored;
 mod strips;
 #[cfg(test)]
 mod tests;
+mod unwritten;
 mod xz;
 
 use std::ops::Range;

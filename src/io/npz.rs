@@ -10,8 +10,9 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::output::write_error;
+use super::unwritten::Unwritten;
 use super::{Output, npy};
-use crate::base::{Error, Result};
+use crate::base::Result;
 
 /// An array in a file of several arrays.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +39,7 @@ pub enum Array<'a> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`]; no file is left behind then.
+/// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
     let mut writer = NpzWriter::new(output);
     for (name, array) in arrays {
@@ -69,40 +70,8 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 pub struct NpzWriter {
     archive: ZipWriter<Sink>,
     path: PathBuf,
-    /// The matrix that was begun.
-    begun: Begun,
-}
-
-/// The part of a matrix that is not yet written.
-struct Begun {
-    /// C order for rows, Fortran order for columns.
-    order: Order,
-    /// Number of entries of a row or column.
-    length: usize,
-    /// Number of rows or columns that are missing.
-    left: usize,
-}
-
-impl Begun {
-    /// Checks that the next rows or columns are of this order and length.
-    fn check(&self, order: Order, next: MatRef<'_, f64>) -> Result<()> {
-        let left = if self.order == order { self.left } else { 0 };
-        let (rows, columns) = next.shape();
-        match order {
-            Order::C => Error::check_shape("rows", (left.min(rows), self.length), next.shape()),
-            Order::Fortran => {
-                Error::check_shape("columns", (self.length, left.min(columns)), next.shape())
-            }
-        }
-    }
-
-    fn check_end(&self) -> Result<()> {
-        let &Self { order, length, left } = self;
-        match order {
-            Order::C => Error::check_shape("rows", (left, length), (0, length)),
-            Order::Fortran => Error::check_shape("columns", (length, left), (length, 0)),
-        }
-    }
+    /// The matrix that was begun last.
+    matrix: Unwritten,
 }
 
 /// The destination of the archive. After the first error it discards what is written and reports
@@ -165,14 +134,14 @@ impl NpzWriter {
     /// Creates a file without arrays.
     pub fn new(output: Output) -> Self {
         let path = output.path().to_path_buf();
-        let begun = Begun { order: Order::Fortran, length: 0, left: 0 };
-        Self { archive: ZipWriter::new(Sink::new(output)), path, begun }
+        Self { archive: ZipWriter::new(Sink::new(output)), path, matrix: Unwritten::default() }
     }
 
     /// Adds an array.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Shape`] when columns of the matrix before are missing.
+    /// [`Error::Io`](crate::Error::Io); [`Error::Shape`](crate::Error::Shape) when columns or rows
+    /// of the matrix before are missing.
     pub fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
         self.begin(name)?;
         let written = self.write_array(array);
@@ -190,9 +159,10 @@ impl NpzWriter {
     /// Writes the next columns of the matrix begun by [`NpzWriter::matrix_by_columns`].
     ///
     /// # Errors
-    /// [`Error::Shape`] when they have other rows, or are more than were announced; [`Error::Io`].
+    /// [`Error::Shape`](crate::Error::Shape) when they have other rows, or are more than were
+    /// announced; [`Error::Io`](crate::Error::Io).
     pub fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
-        self.begun.check(Order::Fortran, columns)?;
+        self.matrix.check(false, columns.shape())?;
         self.write_columns(columns)
     }
 
@@ -207,10 +177,10 @@ impl NpzWriter {
     /// Writes the next rows of the matrix begun by [`NpzWriter::matrix_by_rows`].
     ///
     /// # Errors
-    /// [`Error::Shape`] when they have other columns, or are more than were announced;
-    /// [`Error::Io`].
+    /// [`Error::Shape`](crate::Error::Shape) when they have other columns, or are more than were
+    /// announced; [`Error::Io`](crate::Error::Io).
     pub fn rows(&mut self, rows: MatRef<'_, f64>) -> Result<()> {
-        self.begun.check(Order::C, rows)?;
+        self.matrix.check(true, rows.shape())?;
         self.write_columns(rows.transpose())
     }
 
@@ -219,14 +189,14 @@ impl NpzWriter {
     /// # Errors
     /// As [`NpzWriter::array`]; no file is left behind then.
     pub fn finish(self) -> Result<()> {
-        self.begun.check_end()?;
+        self.matrix.check_end()?;
         let Self { archive, path, .. } = self;
         let sink = archive.finish().map_err(|e| write_error(&path, e.into()))?;
         sink.finish()?.commit()
     }
 
     fn begin(&mut self, name: &str) -> Result<()> {
-        self.begun.check_end()?;
+        self.matrix.check_end()?;
         // Sizes are known only after all entries have been written.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
@@ -243,17 +213,15 @@ impl NpzWriter {
         columns: usize,
     ) -> Result<()> {
         self.begin(name)?;
-        self.begun = match order {
-            Order::C => Begun { order, length: columns, left: rows },
-            Order::Fortran => Begun { order, length: rows, left: columns },
-        };
+        let by_rows = order == Order::C;
+        self.matrix = Unwritten { by_rows, shape: (rows, columns), written: 0 };
         let written = header::<f64>(&mut self.archive, order, &[rows as u64, columns as u64]);
         self.told(written)
     }
 
     /// Writes columns, or rows as columns, one after the other.
     fn write_columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
-        self.begun.left -= columns.ncols();
+        self.matrix.written += columns.ncols();
         let mut bytes = Vec::new();
         for column in columns.col_iter() {
             bytes.clear();
@@ -308,6 +276,7 @@ mod tests {
     use faer::mat;
 
     use super::*;
+    use crate::base::Error;
     use crate::io::Overwrite;
 
     #[test]

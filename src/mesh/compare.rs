@@ -3,7 +3,7 @@
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 use super::TriMesh;
-use super::vector::{Vector, cross, dot, norm, square, sub, unit};
+use super::vector::{Vector, cross, dot, doubled_normal, norm, square, sub, unit};
 use crate::base::{Error, Par, Result};
 
 /// Points that one thread takes at a time.
@@ -133,9 +133,7 @@ impl Triangles {
 
     fn nearest(&self, p: Vector) -> Option<Near> {
         let triangle = self.0.nearest_neighbor(p)?;
-        let [a, b, c] = triangle.0;
-        let normal = unit(cross(sub(b, a), sub(c, a)));
-        Some(Near { square: triangle.distance_2(&p), normal })
+        Some(Near { square: triangle.distance_2(&p), normal: unit(doubled_normal(triangle.0)) })
     }
 
     /// Returns the squared distance of each point from the nearest face; 0 when the mesh has no

@@ -2,7 +2,7 @@
 //! do not depend on the number of threads.
 
 use super::TriMesh;
-use super::vector::{cross, dot, norm, sub, unit};
+use super::vector::{self, cross, dot, norm, sub, unit};
 use crate::base::{Error, Result};
 
 /// A face counts as without area when its area is at most this times the square of its longest
@@ -21,8 +21,7 @@ pub enum Normalization {
 impl TriMesh {
     /// Returns twice the area of face f times its unit normal.
     fn doubled_normal(&self, face: [u32; 3]) -> [f64; 3] {
-        let [a, b, c] = self.corners_of(face);
-        cross(sub(b, a), sub(c, a))
+        vector::doubled_normal(self.corners_of(face))
     }
 
     pub(super) fn corners_of(&self, face: [u32; 3]) -> [[f64; 3]; 3] {
@@ -203,7 +202,7 @@ pub(crate) fn quality([a, b, c]: [[f64; 3]; 3]) -> f64 {
     let lengths = edges.map(norm);
     let longest = lengths.into_iter().fold(0.0, f64::max);
     let half = lengths.into_iter().sum::<f64>() / 2.0;
-    let area = norm(cross(edges[0], sub(c, a))) / 2.0;
+    let area = norm(vector::doubled_normal([a, b, c])) / 2.0;
     if longest > 0.0 { 2.0 * 3f64.sqrt() * area / (half * longest) } else { 0.0 }
 }
 

@@ -4,7 +4,7 @@
 use sprs::CsMat;
 
 use super::TriMesh;
-use super::vector::{Vector, cross, dot, norm, scale, sub};
+use super::vector::{Vector, cross, dot, doubled_normal, norm, scale, sub};
 use crate::base::{Error, Result};
 
 /// Returns the matrix that takes a function (one value a vertex) to its gradient, constant on
@@ -103,7 +103,7 @@ pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.vertices().len()];
     for face in mesh.faces() {
         let p = face.map(|v| mesh.vertices()[v as usize]);
-        let area = norm(cross(sub(p[1], p[0]), sub(p[2], p[0]))) / 6.0;
+        let area = norm(doubled_normal(p)) / 6.0;
         for &v in face {
             areas[v as usize] += area;
         }
@@ -115,7 +115,7 @@ pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {
 /// and its area.
 fn of_hats(mesh: &TriMesh, f: usize) -> Result<([Vector; 3], f64)> {
     let p = mesh.faces()[f].map(|v| mesh.vertices()[v as usize]);
-    let normal = cross(sub(p[1], p[0]), sub(p[2], p[0]));
+    let normal = doubled_normal(p);
     let square = dot(normal, normal);
     let gradients: [Vector; 3] = std::array::from_fn(|k| {
         let opposite = sub(p[(k + 2) % 3], p[(k + 1) % 3]);
@@ -147,7 +147,7 @@ mod tests {
         let found = apply(&gradient(&mesh).unwrap(), &values);
         for (f, face) in mesh.faces().iter().enumerate() {
             let p = face.map(|v| mesh.vertices()[v as usize]);
-            let normal = super::super::vector::unit(cross(sub(p[1], p[0]), sub(p[2], p[0])));
+            let normal = super::super::vector::unit(doubled_normal(p));
             let expected = sub(slope, scale(normal, dot(slope, normal)));
             for axis in 0..3 {
                 assert!((found[3 * f + axis] - expected[axis]).abs() < 1e-12);

@@ -28,6 +28,11 @@ pub fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// Returns the normal of a triangle, scaled to twice its area.
+pub fn doubled_normal([a, b, c]: [Vector; 3]) -> Vector {
+    cross(sub(b, a), sub(c, a))
+}
+
 /// Returns the square of the length.
 pub fn square(a: Vector) -> f64 {
     dot(a, a)

@@ -10,7 +10,7 @@ use super::call::Call;
 use super::memory::{entries, put_entries};
 use super::transfer::{Transfer, receive, send};
 use super::world::{MpiReal, Operation, World, fact};
-use crate::base::{Error, Result, zeros};
+use crate::base::{Result, zeros};
 use crate::dense;
 
 const EXCHANGE: i32 = 2;
@@ -127,16 +127,14 @@ impl Rows {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when there is no such root, [`Error::OutOfMemory`]; [`Error::Rank`] when
+/// [`Error::Argument`](crate::Error::Argument) when there is no such root,
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory); [`Error::Rank`](crate::Error::Rank) when
 /// arguments differ, or another rank failed.
 pub fn gather_rows(world: &World, root: usize, rows: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     let columns = rows.ncols();
     let facts = [fact("the number of columns", columns), fact("root", root)];
     Call::run(world, Operation::GatherRows, &facts, |call| {
-        if root >= world.size() {
-            let why = format!("must be less than {}, the number of ranks", world.size());
-            return Err(Error::Argument { what: "root", why });
-        }
+        world.check_root(root)?;
         let own = entries(rows);
         let spread = Rows::new(call, rows.nrows())?;
         if world.rank() != root {

@@ -163,10 +163,7 @@ fn on_root<'a, 'c, T>(
     a: Option<MatRef<'a, T>>,
     c: Option<MatMut<'c, T>>,
 ) -> Result<Option<(MatRef<'a, T>, MatMut<'c, T>)>> {
-    if root >= world.size() {
-        let why = format!("must be less than {}, the number of ranks", world.size());
-        return Err(Error::Argument { what: "root", why });
-    }
+    world.check_root(root)?;
     if root != world.rank() {
         return Ok(None);
     }

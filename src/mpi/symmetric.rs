@@ -85,18 +85,14 @@ impl<T: MpiReal> Symmetric<T> {
         let _guard = world.abort_on_panic();
         let is_root = world.rank() == root;
         let longest = (0..world.size()).map(|rank| self.layout.len(rank)).max().unwrap_or(0);
-        let prepared = match &c {
-            _ if root >= world.size() => Err(Error::Argument {
-                what: "root",
-                why: format!("must be less than {}, the number of ranks", world.size()),
-            }),
+        let prepared = world.check_root(root).and_then(|()| match &c {
             Some(c) if is_root => Error::check_shape("C", (self.n(), self.n()), c.shape())
                 .and_then(|()| zeros(longest)),
             None if is_root => {
                 Err(Error::Argument { what: "C", why: "missing on the root".into() })
             }
             _ => Ok(Vec::new()),
-        };
+        });
         let facts = [fact("n", self.n()), fact("root", root)];
         let mut buffer = world.begin(Operation::Gather, &facts, prepared)?;
         let Some(mut c) = c.filter(|_| is_root) else {

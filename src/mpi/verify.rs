@@ -1,6 +1,8 @@
 //! The probabilistic check of a distributed result.
 
-use faer::prelude::Reborrow;
+use std::ops::Range;
+
+use faer::prelude::IntoConst;
 use faer::{MatMut, MatRef};
 
 use super::symmetric::Symmetric;
@@ -69,12 +71,52 @@ pub fn verify<T: MpiReal>(
         number_fact("alpha", alpha),
     ];
     let (x, mut z, mut block, mut y) = world.begin(Operation::Verify, &facts, prepared)?;
-    let parts = world.gather_numbers(if by_columns { own.ncols() } else { own.nrows() });
-    let heights = world.gather_numbers(own.nrows());
+    let (m, columns) = placed(world, n, own.shape(), by_columns)?;
+
+    add_part(&mut z, c, x.as_ref());
+    // - alpha A^T (A X)
+    let x = x.subrows(columns.start, columns.len());
+    let mut norms = vec![0.0; n];
+    let backend = blas::native();
+    let kernels: &dyn Kernels<f64> = backend.as_ref();
+    for start in (0..own.nrows()).step_by(HEIGHT) {
+        let rows = own.subrows(start, HEIGHT.min(own.nrows() - start));
+        let block = widened(rows, &mut block, &mut norms[columns.clone()]);
+        let count = rows.nrows();
+        let y = &mut y[..count * r];
+        let out = MatMut::from_row_major_slice_mut(y, count, r);
+        kernels.gemm(1.0, block.transpose(), x, 0.0, out);
+        if by_columns {
+            world.sum(y);
+        }
+        let y = MatRef::from_row_major_slice(y, count, r);
+        let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
+        let z = z.subrows_mut(columns.start, columns.len());
+        kernels.gemm(-alpha, block, y, 1.0, z);
+    }
+
+    world.sum(&mut z);
+    world.sum(&mut norms);
+    Ok(verdict::<T>(alpha, m, MatRef::from_row_major_slice(&z, n, r), &norms))
+}
+
+/// Returns the rows of A, and the columns of A that this rank's part has.
+///
+/// # Errors
+/// [`Error::Shape`] or [`Error::Rank`] on all ranks unless the parts fit together and have n
+/// columns.
+fn placed(
+    world: &World,
+    n: usize,
+    (rows, cols): (usize, usize),
+    by_columns: bool,
+) -> Result<(usize, Range<usize>)> {
+    let parts = world.gather_numbers(if by_columns { cols } else { rows });
+    let heights = world.gather_numbers(rows);
     let first: usize = parts[..world.rank()].iter().sum();
     let (width, m) = match by_columns {
         true => (parts.iter().sum(), heights[0]),
-        false => (own.ncols(), heights.iter().sum()),
+        false => (cols, heights.iter().sum()),
     };
     let fits = Error::check_shape("A", (m, n), (m, width)).and_then(|()| {
         // All parts need the same height, or the sums over the ranks would be of different rows.
@@ -82,8 +124,12 @@ pub fn verify<T: MpiReal>(
         Error::check_shape("A", (m, n), (rows, n))
     });
     world.agree(fits)?;
+    Ok((m, if by_columns { first..first + cols } else { 0..n }))
+}
 
-    // This rank's part of Z = C X.
+/// Adds `C X` for this rank's part of C to Z, by rows.
+fn add_part<T: MpiReal>(z: &mut [f64], c: &Symmetric<T>, x: MatRef<'_, f64>) {
+    let r = x.ncols();
     c.for_each_segment(|i, start, entries| {
         for (j, entry) in (start..).zip(entries) {
             let entry = entry.to_f64();
@@ -95,37 +141,22 @@ pub fn verify<T: MpiReal>(
             }
         }
     });
+}
 
-    // - alpha A^T (A X)
-    let columns = if by_columns { first..first + own.ncols() } else { 0..n };
-    let x = x.subrows(columns.start, columns.len());
-    let mut norms = vec![0.0; n];
-    let backend = blas::native();
-    let kernels: &dyn Kernels<f64> = backend.as_ref();
-    for start in (0..own.nrows()).step_by(HEIGHT) {
-        let rows = own.subrows(start, HEIGHT.min(own.nrows() - start));
-        let (count, width) = rows.shape();
-        let mut block = MatMut::from_row_major_slice_mut(&mut block[..count * width], count, width);
-        for i in 0..count {
-            for j in 0..width {
-                let entry = rows[(i, j)].to_f64();
-                block[(i, j)] = entry;
-                norms[columns.start + j] += entry * entry;
-            }
+/// Returns the rows as f64 in `memory`, and adds the squares of their columns to `norms`.
+fn widened<'m, T: MpiReal>(
+    rows: MatRef<'_, T>,
+    memory: &'m mut [f64],
+    norms: &mut [f64],
+) -> MatRef<'m, f64> {
+    let (count, width) = rows.shape();
+    let mut block = MatMut::from_row_major_slice_mut(&mut memory[..count * width], count, width);
+    for i in 0..count {
+        for j in 0..width {
+            let entry = rows[(i, j)].to_f64();
+            block[(i, j)] = entry;
+            norms[j] += entry * entry;
         }
-        let y = &mut y[..count * r];
-        let out = MatMut::from_row_major_slice_mut(y, count, r);
-        kernels.gemm(1.0, block.rb().transpose(), x, 0.0, out);
-        if by_columns {
-            world.sum(y);
-        }
-        let y = MatRef::from_row_major_slice(y, count, r);
-        let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
-        let z = z.subrows_mut(columns.start, columns.len());
-        kernels.gemm(-alpha, block.rb(), y, 1.0, z);
     }
-
-    world.sum(&mut z);
-    world.sum(&mut norms);
-    Ok(verdict::<T>(alpha, m, MatRef::from_row_major_slice(&z, n, r), &norms))
+    block.into_const()
 }

@@ -170,6 +170,15 @@ impl World {
         self.size
     }
 
+    /// Checks that there is a rank `root`.
+    pub(super) fn check_root(&self, root: usize) -> Result<()> {
+        if root < self.size {
+            return Ok(());
+        }
+        let why = format!("must be less than {}, the number of ranks", self.size);
+        Err(Error::Argument { what: "root", why })
+    }
+
     /// Returns the communicator.
     pub fn communicator(&self) -> &SimpleCommunicator {
         &self.comm

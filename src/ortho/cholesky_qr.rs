@@ -26,8 +26,9 @@ use crate::sparse::{InnerSpace, Mass};
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] of "A" when its columns are linearly dependent to working precision; A is
-/// then unspecified. Other errors are those of [`gram_schmidt`](super::gram_schmidt()).
+/// [`Error::Argument`] of "A" when its columns are linearly dependent to working precision, or so
+/// long that their products overflow; A is then unspecified. Other errors are those of
+/// [`gram_schmidt`](super::gram_schmidt()).
 pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     mass.check(a.nrows())?;
     cholesky_qr_of(a, mass, par, Progress::none())
@@ -46,10 +47,12 @@ pub(crate) fn cholesky_qr_of(
     /// Remainder of a column, relative to its length, that may consist of rounding errors.
     const DEPENDENT: f64 = 1e-14;
     const PASSES: usize = 6;
+    /// Makes the square of the length of any finite column finite.
+    const SHRINK: f64 = 1e-200;
     let (n, c) = (space.dimension(), a.ncols());
-    let dependent = |why: String| Err(Error::Argument { what: "A", why });
+    let refuse = |why: String| Err(Error::Argument { what: "A", why });
     if c > n {
-        return dependent(format!("{c} columns of {n} rows can't be independent"));
+        return refuse(format!("{c} columns of {n} rows can't be independent"));
     }
     check_finite(a.rb())?;
     let mut inner = Inner::new(space, c, par)?;
@@ -58,6 +61,16 @@ pub(crate) fn cholesky_qr_of(
     for pass in 0..PASSES {
         progress.report(pass as f64 / PASSES as f64)?;
         let gram = inner.gram(a.rb())?;
+        // The columns of later passes are not longer than about 1.
+        if pass == 0 && (0..c).any(|j| !gram[(j, j)].is_finite()) {
+            // Fast products mix columns, so the Gram matrix does not show which one is too long.
+            for column in a.rb_mut().col_iter_mut() {
+                column.iter_mut().for_each(|x| *x *= SHRINK);
+            }
+            let lengths = inner.lengths(a.rb())?;
+            let longest = (0..c).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
+            return refuse(format!("column {longest} is too long: products of columns overflow"));
+        }
         let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
         let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
         if far.is_nan() {
@@ -71,7 +84,7 @@ pub(crate) fn cholesky_qr_of(
             l = gram;
             (0..c).for_each(|j| l[(j, j)] += shift);
             if let Err(j) = cholesky(l.as_mut())? {
-                return dependent(format!("column {j} depends on those before it"));
+                return refuse(format!("column {j} depends on those before it"));
             }
         }
         for j in 0..c {
@@ -86,10 +99,10 @@ pub(crate) fn cholesky_qr_of(
             progress.report(1.0)?;
             // The shift turns a dependent column into a direction that consists of rounding errors.
             return match (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
-                Some(j) => dependent(format!("column {j} depends on those before it")),
+                Some(j) => refuse(format!("column {j} depends on those before it")),
                 None => Ok(r),
             };
         }
     }
-    dependent("its columns are linearly dependent to working precision".into())
+    refuse("its columns are linearly dependent to working precision".into())
 }

@@ -1,7 +1,7 @@
 use super::elimination::Factor;
 use super::rational::{EXPONENTIAL, RADAU, Workspace};
-use super::water::{WaterModel, positive};
-use crate::base::{Error, Par, Progress, Result, zeros};
+use super::water::WaterModel;
+use crate::base::{Error, Par, Progress, Result, positive, zeros};
 
 /// The weights of the last six values, oldest first, and the weight of the right-hand side, as
 /// multiples of 1 / 147.

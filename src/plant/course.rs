@@ -1,8 +1,8 @@
 use super::curve::CurveOptions;
 use super::soil::Balance;
 use super::walk::Walk;
-use super::water::{WaterModel, at_least_zero};
-use crate::base::{Error, Result};
+use super::water::WaterModel;
+use crate::base::{Error, Result, at_least_zero};
 
 /// Computes the water of every node, in kg, at each of `times` (seconds from 0, ascending), from
 /// `water` at time 0. Where the loss changes, one solution ends and the next one begins, without

@@ -1,5 +1,4 @@
-use super::water::positive;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, positive};
 
 /// The law by which the modulus of elasticity of a segment follows from its water.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,12 +87,13 @@ impl Elasticity {
             Self::Relative { dry, full, steepness, shift } => {
                 positive("dry modulus", dry)?;
                 positive("steepness", steepness)?;
-                if !(full >= dry && full.is_finite() && shift.is_finite()) {
+                if !(full > dry && full.is_finite()) {
                     let why = format!(
-                        "must be finite with dry <= full, is {dry} and {full} Pa, shift {shift}"
+                        "must be finite and above the dry modulus of {dry} Pa, is {full} Pa"
                     );
-                    return Err(Error::Argument { what: "elasticity", why });
+                    return Err(Error::Argument { what: "full modulus", why });
                 }
+                check_shift(shift)?;
                 let range = logistic(steepness * (1.0 - shift)) - logistic(-steepness * shift);
                 if range > 0.0 {
                     return Ok(());
@@ -104,13 +104,17 @@ impl Elasticity {
             Self::Literal { full, steepness, shift } => {
                 positive("full modulus", full)?;
                 positive("steepness", steepness)?;
-                if shift.is_finite() {
-                    return Ok(());
-                }
-                Err(Error::Argument { what: "shift", why: format!("must be finite, is {shift}") })
+                check_shift(shift)
             }
         }
     }
+}
+
+fn check_shift(shift: f64) -> Result<()> {
+    if shift.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what: "shift", why: format!("must be finite, is {shift}") })
 }
 
 fn logistic(x: f64) -> f64 {
@@ -143,7 +147,14 @@ mod tests {
     fn constants_out_of_range_are_named() {
         let flat = Elasticity::Relative { dry: 1.0, full: 2.0, steepness: 1e9, shift: 2.0 };
         assert!(flat.moduli(&[], &[]).unwrap_err().to_string().contains("give a constant"));
-        let upside_down = Elasticity::Relative { dry: 2.0, full: 1.0, steepness: 1.0, shift: 0.0 };
-        assert!(upside_down.moduli(&[], &[]).is_err());
+        for full in [1.0, 2.0, f64::INFINITY] {
+            let law = Elasticity::Relative { dry: 2.0, full, steepness: 1.0, shift: 0.0 };
+            let why = "full modulus: must be finite and above the dry modulus of 2 Pa, is";
+            let refused = law.moduli(&[], &[]).unwrap_err().to_string();
+            assert_eq!(refused, format!("{why} {full} Pa"));
+        }
+        let nowhere = Elasticity::Relative { dry: 1.0, full: 2.0, steepness: 1.0, shift: f64::NAN };
+        let refused = nowhere.moduli(&[], &[]).unwrap_err().to_string();
+        assert_eq!(refused, "shift: must be finite, is NaN");
     }
 }

@@ -64,6 +64,52 @@ struct Bud {
     order: u32,
 }
 
+impl Bud {
+    /// Returns the bud from which the whole plant grows.
+    fn first(options: &GrowthOptions) -> Self {
+        Self {
+            parent: None,
+            tail: [0.0; 3],
+            direction: [0.0, 0.0, 1.0],
+            side: [1.0, 0.0, 0.0],
+            radius: options.radius,
+            length: options.internode,
+            asleep: 0,
+            age: 0,
+            order: 0,
+        }
+    }
+
+    /// Returns the bud of a branch, which is tilted from the axis towards `side`.
+    fn lateral(&self, side: [f64; 3], tilt: f64) -> Self {
+        let (along, across) = (tilt.cos(), tilt.sin());
+        let branch = unit([0, 1, 2].map(|i| along * self.direction[i] + across * side[i]));
+        Self {
+            direction: branch,
+            side: unit(cross(branch, self.direction)),
+            radius: (0.5 * self.radius).max(3e-5),
+            length: (0.6 * self.length).max(2e-3),
+            asleep: DORMANCY,
+            age: 0,
+            order: self.order + 1,
+            ..*self
+        }
+    }
+
+    /// Returns the next bud of the axis, which turns about `side` by an angle.
+    fn apex(&self, side: [f64; 3], angle: f64) -> Self {
+        let sway = rotated(self.direction, side, angle);
+        Self {
+            direction: unit(sway),
+            side: unit(cross(cross(sway, side), sway)),
+            radius: (0.95 * self.radius).max(3e-5),
+            length: (0.95 * self.length).max(2e-3),
+            age: self.age + 1,
+            ..*self
+        }
+    }
+}
+
 /// Generates a plant of exactly `options.nodes` nodes from a parametric L-system (Prusinkiewicz and
 /// Lindenmayer 1990, section 1.10):
 /// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and
@@ -88,17 +134,7 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
     let mut rng = Rng::new(options.seed);
     let mut segments: Vec<Segment> = reserved(options.nodes)?;
     let mut parents: Vec<Option<u32>> = reserved(options.nodes)?;
-    let mut buds = VecDeque::from([Bud {
-        parent: None,
-        tail: [0.0; 3],
-        direction: [0.0, 0.0, 1.0],
-        side: [1.0, 0.0, 0.0],
-        radius: options.radius,
-        length: options.internode,
-        asleep: 0,
-        age: 0,
-        order: 0,
-    }]);
+    let mut buds = VecDeque::from([Bud::first(options)]);
     while segments.len() < options.nodes {
         // The apex of the stem never ends, so there is always a bud.
         let Some(mut bud) = buds.pop_front() else { break };
@@ -117,28 +153,8 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
             segments.push(segment);
         }
         let turned = rotated(bud.side, bud.direction, GOLDEN_ANGLE + 0.2 * (rng.uniform() - 0.5));
-        let tilt = options.branching * (0.8 + 0.4 * rng.uniform());
-        let (along, across) = (tilt.cos(), tilt.sin());
-        let branch = unit([0, 1, 2].map(|i| along * bud.direction[i] + across * turned[i]));
-        buds.push_back(Bud {
-            direction: branch,
-            side: unit(cross(branch, bud.direction)),
-            radius: (0.5 * bud.radius).max(3e-5),
-            length: (0.6 * bud.length).max(2e-3),
-            asleep: DORMANCY,
-            age: 0,
-            order: bud.order + 1,
-            ..bud
-        });
-        let sway = rotated(bud.direction, turned, 0.15 * (rng.uniform() - 0.5));
-        let next = Bud {
-            direction: unit(sway),
-            side: unit(cross(cross(sway, turned), sway)),
-            radius: (0.95 * bud.radius).max(3e-5),
-            length: (0.95 * bud.length).max(2e-3),
-            age: bud.age + 1,
-            ..bud
-        };
+        buds.push_back(bud.lateral(turned, options.branching * (0.8 + 0.4 * rng.uniform())));
+        let next = bud.apex(turned, 0.15 * (rng.uniform() - 0.5));
         if next.order == 0 || next.age < 2 * LIFE {
             buds.push_back(next);
         }

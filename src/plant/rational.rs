@@ -1,8 +1,8 @@
 use faer::c64;
 
 use super::elimination::{Factor, Order};
-use super::water::{WaterModel, at_least_zero};
-use crate::base::{Par, Progress, Result, reserved};
+use super::water::WaterModel;
+use crate::base::{Par, Progress, Result, at_least_zero, reserved};
 
 /// A rational approximation of the exponential on the negative axis, as the real part of partial
 /// fractions: `constant + sum of 2 Re(c / (x - z))`.

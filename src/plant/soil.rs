@@ -1,5 +1,4 @@
-use super::water::{at_least_zero, positive};
-use crate::base::{Error, Result, builder};
+use crate::base::{Error, Result, at_least_zero, builder, positive};
 
 /// The soil of a pot: a reservoir at the root.
 ///

@@ -1,7 +1,7 @@
 use faer::Mat;
 
-use super::water::{WaterModel, at_least_zero};
-use crate::base::{Result, zeros};
+use super::water::WaterModel;
+use crate::base::{Result, at_least_zero, zeros};
 use crate::dense::{self, SymmetricEigen, symmetric_eigen};
 
 /// The solution by eigenvalues (thesis, equations 4.6 and 4.7) of the symmetric matrix

@@ -1,5 +1,4 @@
-use super::water::at_least_zero;
-use crate::base::{Error, Result, builder};
+use crate::base::{Error, Result, at_least_zero, builder};
 
 /// Stomata that close as the leaf dries. A leaf of relative water content w loses `delta A f(w) w`
 /// instead of `delta A w`, with the logistic function

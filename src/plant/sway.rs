@@ -6,10 +6,10 @@ use super::soil::{Balance, Rewatering, Soil};
 use super::stomata::Stomata;
 use super::tissue::Tissue;
 use super::walk::Walk;
-use super::water::{WaterModel, at_least_zero, positive};
+use super::water::WaterModel;
 use super::wilt::settle;
 use super::wind::{Gusts, Wind};
-use crate::base::{Error, Par, Progress, Result, builder};
+use crate::base::{Error, Par, Progress, Result, at_least, at_least_zero, builder, positive};
 
 /// Options of [`sway`].
 #[derive(Debug, Clone)]
@@ -158,9 +158,7 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
     at_least_zero("drought", options.drought)?;
     positive("seconds", options.seconds)?;
     positive("step", options.motion.step)?;
-    if options.frames == 0 {
-        return Err(Error::Argument { what: "frames", why: "must be at least 1, is 0".into() });
-    }
+    at_least("frames", options.frames, 1)?;
     let frame = options.seconds / options.frames as f64;
     // A step that exceeds the interval by rounding only counts as fitting.
     let steps = (frame / options.motion.step - 1e-9).ceil().max(1.0);

@@ -1,8 +1,7 @@
 use super::Plant;
 use super::elasticity::Elasticity;
 use super::parts::Part;
-use super::water::positive;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, positive};
 
 /// The elasticity of every segment: one for the whole plant, or one for each class of segments.
 /// Woody parts keep their shape longer than leaves do (thesis, section 4.6: "varying kappa values

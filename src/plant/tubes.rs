@@ -32,12 +32,12 @@ pub fn tubes(plant: &Plant, pose: &Pose, sides: usize, thinnest: f64) -> Result<
         return Err(Error::Argument { what: "tubes", why });
     }
     let count = n.saturating_mul(sides).saturating_mul(2);
-    let mut vertices: Vec<[f64; 3]> = reserved(count)?;
-    let mut faces: Vec<[u32; 3]> = reserved(count)?;
     if count > u32::MAX as usize / 3 {
         let why = format!("would have {count} vertices, more than indices can number");
         return Err(Error::Argument { what: "tubes", why });
     }
+    let mut vertices: Vec<[f64; 3]> = reserved(count)?;
+    let mut faces: Vec<[u32; 3]> = reserved(count)?;
     for v in 0..n {
         let radius = plant.segments()[v].radius;
         let above = plant.parent(v).map_or(radius, |p| plant.segments()[p].radius);
@@ -77,6 +77,7 @@ fn frame(along: [f64; 3]) -> ([f64; 3], [f64; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::vector::doubled_normal;
     use crate::plant::families::chain;
     use crate::plant::{RodOptions, Rods};
 
@@ -89,8 +90,8 @@ mod tests {
             assert_eq!((mesh.vertices().len(), mesh.faces().len()), (6 * sides, 6 * sides));
             let edge = 2e-3 * (TAU / 2.0 / sides as f64).sin();
             assert!((mesh.area() - 0.3 * edge * sides as f64).abs() < 1e-12);
-            let [a, b, c] = mesh.faces()[0].map(|v| mesh.vertices()[v as usize]);
-            let normal = cross(sub(b, a), sub(c, a));
+            let corners = mesh.faces()[0].map(|v| mesh.vertices()[v as usize]);
+            let (normal, a) = (doubled_normal(corners), corners[0]);
             assert!(normal[0] * a[0] + normal[1] * a[1] > 0.0);
         }
         assert!(tubes(&plant, &pose, 2, 0.0).is_err());

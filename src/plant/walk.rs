@@ -6,8 +6,8 @@ use super::rational::{EXPONENTIAL, Workspace};
 use super::sdirk::{Responses, Sdirk};
 use super::soil::{Balance, Rewatering};
 use super::spectral::SpectralSolution;
-use super::water::{WaterModel, at_least_zero, positive};
-use crate::base::{Error, Par, Result};
+use super::water::WaterModel;
+use crate::base::{Error, Par, Result, at_least_zero, positive};
 
 /// Returns the method that [`Method::Auto`] stands for.
 fn choose(model: &WaterModel, times: &[f64], cycle: &[Interval]) -> Method {

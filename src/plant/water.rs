@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::Plant;
 use super::elimination::{Factor, Order};
-use crate::base::{Error, Par, Result, builder, zeros};
+use crate::base::{Error, Par, Result, at_least_zero, builder, positive, zeros};
 
 /// The law of the conductance of segments along their axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -387,20 +387,4 @@ impl WaterModel {
         let why = format!("node {node} is out of range: {} nodes, numbered from 0", self.len());
         Err(Error::Argument { what: "node", why })
     }
-}
-
-/// Returns an error unless `value` is finite and above 0.
-pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
-}
-
-/// Returns an error unless `value` is finite and at least 0.
-pub(super) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
-    if value >= 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Argument { what, why: format!("must be finite and at least 0, is {value}") })
 }

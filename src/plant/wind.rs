@@ -1,5 +1,4 @@
-use super::water::{at_least_zero, positive};
-use crate::base::{Error, Result, Rng, builder};
+use crate::base::{Error, Result, Rng, at_least_zero, builder, positive};
 
 /// A wind that is uniform over the plant, with gusts.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -61,8 +61,10 @@ const ATTEMPTS: usize = 20;
 /// ```
 ///
 /// # Errors
-/// As [`eigs`](super::eigs()), those of `sink`, and [`Error::Argument`] of "memory": too little for
-/// any slice, for a cluster of eigenvalues, or for k pairs around a shift, which are never sliced.
+/// As [`eigs`](super::eigs()), those of `sink`, and [`Error::Argument`]: of "memory", too little
+/// for any slice, for a cluster of eigenvalues, or for k pairs around a shift, which are never
+/// sliced; of "tolerance", too strict for vectors that are made orthogonal to those of the slice
+/// before.
 pub fn eigs_sliced(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -288,7 +290,12 @@ impl<'a> Slices<'a> {
         let (roundings, vectors_found) = (4.0 * ROUNDINGS, vectors.as_ref());
         let found = certify(pencil, &values, vectors_found, scale, roundings, self.options)?;
         if found.excess > 1.0 {
-            return Err(Error::NotConverged { iterations: 0, residual: found.largest });
+            let (tolerance, largest) = (self.options.tolerance, found.largest);
+            let why = format!(
+                "{tolerance:e} is too strict: a slice has residuals of {largest:e} once it is \
+                 orthogonal to the one before"
+            );
+            return Err(Error::Argument { what: "tolerance", why });
         }
         let first = if self.handed == 0 { values[0] } else { self.cut };
         self.spacing = (cut - first) / count as f64;

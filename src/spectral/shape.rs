@@ -7,7 +7,7 @@ use crate::base::{Error, Par, Progress, Result, builder};
 use crate::dense::{
     cholesky, lower_solve_in_place, transposed_product, upper_solve_in_place, zeros,
 };
-use crate::mesh::vector::{add, cross, dot, norm, scale, sub};
+use crate::mesh::vector::{add, cross, dot, doubled_normal, norm, scale, sub};
 use crate::mesh::{Boundary, Components, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, Factor, Inverse, Shifted, Symbolic, eigs};
 
@@ -215,8 +215,7 @@ impl<'a> Wanted<'a> {
 
 /// Returns the normal of a face, scaled to twice its area.
 fn normal(vertices: &[[f64; 3]], face: &[u32; 3]) -> [f64; 3] {
-    let [a, b, c] = face.map(|v| vertices[v as usize]);
-    cross(sub(b, a), sub(c, a))
+    doubled_normal(face.map(|v| vertices[v as usize]))
 }
 
 impl Shape {

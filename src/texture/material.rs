@@ -260,40 +260,10 @@ impl MaterialMaps {
         look.check()?;
         let texels = simulation.texels();
         let count = texels.size() * texels.size();
-        let finish = |s: usize| look.species[s % look.species.len()];
-        let finishes: Vec<Finish> =
-            (0..simulation.species()).map(finish).chain([look.bare]).collect();
-        let masks = (0..simulation.species())
-            .map(|s| {
-                let mut mask = smoothed(simulation, s, look.smoothing, par)?;
-                mask.iter_mut().for_each(|p| *p = step(look.mask, *p));
-                Ok(mask)
-            })
-            .collect::<Result<Vec<_>>>()?;
-        // The share of each finish in a texel, the bare one last.
-        let shares = |t: usize, shares: &mut [f64]| {
-            let (bare, species) = shares.split_last_mut().expect("there is a bare finish");
-            let mut sum = 0.0;
-            for (share, mask) in species.iter_mut().zip(&masks) {
-                *share = f64::from(mask[t]);
-                sum += *share;
-            }
-            species.iter_mut().for_each(|share| *share /= f64::max(sum, 1.0));
-            *bare = (1.0 - sum).max(0.0);
-        };
-        let (low, high) = finishes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), f| {
-            (l.min(f.height), h.max(f.height))
-        });
-        let range = if high > low { high - low } else { 1.0 };
-        let lights: Vec<[f64; 3]> = finishes.iter().map(|f| f.color.map(to_light)).collect();
-        let mut heights = zeros::<f32>(count)?;
-        let mut all = vec![0.0; finishes.len()];
-        for (t, height) in heights.iter_mut().enumerate() {
-            shares(t, &mut all);
-            let mean: f64 = all.iter().zip(&finishes).map(|(s, f)| s * f.height).sum();
-            *height = ((mean - low) / range) as f32;
-        }
-        let depth = range * look.depth / 100.0;
+        let mixture = Mixture::new(simulation, look, par)?;
+        let heights = mixture.heights(count)?;
+        let (low, high) = mixture.extremes();
+        let depth = unless_zero(high - low) * look.depth / 100.0;
         let shown = margin(texels)?;
         let normals =
             normal_colors(&normal_map(simulation.surface(), texels, &heights, depth, par)?);
@@ -307,28 +277,98 @@ impl MaterialMaps {
             normal: reserved(count)?,
             glow: None,
         };
+        let Mixture { finishes, lights, .. } = &mixture;
         let glows = finishes.iter().any(|f| f.glow > 0.0);
         let mut glow = reserved(if glows { count } else { 0 })?;
-        let mix = |all: &[f64], value: &dyn Fn(usize) -> f64| {
-            all.iter().enumerate().map(|(i, share)| share * value(i)).sum::<f64>()
-        };
         let byte = |x: f64| (255.0 * x).round() as u8;
+        let mut shares = vec![0.0; finishes.len()];
         for t in shown.iter().map(|&t| t as usize) {
-            shares(t, &mut all);
-            let light = |c: usize| mix(&all, &|i| lights[i][c]);
+            mixture.shares(t, &mut shares);
+            let mix = |value: &dyn Fn(usize) -> f64| mean(&shares, value);
+            let light = |c: usize| mix(&|i| lights[i][c]);
             maps.albedo.push([0, 1, 2].map(|c| to_screen(light(c))));
-            maps.roughness.push(byte(mix(&all, &|i| finishes[i].roughness)));
-            maps.metalness.push(byte(mix(&all, &|i| finishes[i].metalness)));
+            maps.roughness.push(byte(mix(&|i| finishes[i].roughness)));
+            maps.metalness.push(byte(mix(&|i| finishes[i].metalness)));
             maps.height.push((65535.0 * heights[t].clamp(0.0, 1.0)).round() as u16);
             maps.normal.push(normals[t]);
             if glows {
-                let light = |c: usize| mix(&all, &|i| finishes[i].glow * lights[i][c]);
+                let light = |c: usize| mix(&|i| finishes[i].glow * lights[i][c]);
                 glow.push([0, 1, 2].map(|c| to_screen(light(c))));
             }
         }
         maps.glow = glows.then_some(glow);
         Ok(maps)
     }
+}
+
+/// The finishes that a simulation mixes in each texel.
+struct Mixture {
+    /// The finishes of the species, and the bare one last.
+    finishes: Vec<Finish>,
+    /// Their colours, as linear light.
+    lights: Vec<[f64; 3]>,
+    /// How much of each species shows in each texel, from 0 to 1.
+    masks: Vec<Vec<f32>>,
+}
+
+impl Mixture {
+    fn new(simulation: &Simulation, look: &Look, par: Par) -> Result<Self> {
+        let finish = |s: usize| look.species[s % look.species.len()];
+        let finishes: Vec<Finish> =
+            (0..simulation.species()).map(finish).chain([look.bare]).collect();
+        let masks = (0..simulation.species())
+            .map(|s| {
+                let mut mask = smoothed(simulation, s, look.smoothing, par)?;
+                mask.iter_mut().for_each(|p| *p = step(look.mask, *p));
+                Ok(mask)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let lights = finishes.iter().map(|f| f.color.map(to_light)).collect();
+        Ok(Self { finishes, lights, masks })
+    }
+
+    /// Computes the share of each finish in texel t.
+    fn shares(&self, t: usize, shares: &mut [f64]) {
+        let (bare, species) = shares.split_last_mut().expect("there is a bare finish");
+        let mut sum = 0.0;
+        for (share, mask) in species.iter_mut().zip(&self.masks) {
+            *share = f64::from(mask[t]);
+            sum += *share;
+        }
+        species.iter_mut().for_each(|share| *share /= f64::max(sum, 1.0));
+        *bare = (1.0 - sum).max(0.0);
+    }
+
+    /// Returns the heights of the lowest finish and of the highest.
+    fn extremes(&self) -> (f64, f64) {
+        self.finishes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), f| {
+            (l.min(f.height), h.max(f.height))
+        })
+    }
+
+    /// Returns the height of each texel, from 0 for the lowest finish to 1 for the highest.
+    fn heights(&self, texels: usize) -> Result<Vec<f32>> {
+        let (low, high) = self.extremes();
+        let range = unless_zero(high - low);
+        let mut heights = zeros::<f32>(texels)?;
+        let mut shares = vec![0.0; self.finishes.len()];
+        for (t, height) in heights.iter_mut().enumerate() {
+            self.shares(t, &mut shares);
+            let mean = mean(&shares, &|i| self.finishes[i].height);
+            *height = ((mean - low) / range) as f32;
+        }
+        Ok(heights)
+    }
+}
+
+/// Returns the sum of the values of the finishes, each times its share.
+fn mean(shares: &[f64], value: &dyn Fn(usize) -> f64) -> f64 {
+    shares.iter().enumerate().map(|(i, share)| share * value(i)).sum()
+}
+
+/// Returns a number, or 1 for 0: a range by which heights are divided.
+fn unless_zero(range: f64) -> f64 {
+    if range > 0.0 { range } else { 1.0 }
 }
 
 /// Returns a smooth step from 0 to 1 between two values (a cubic of Hermite).

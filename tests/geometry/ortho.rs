@@ -279,6 +279,18 @@ fn cholesky_qr_agrees_and_refuses_dependent_columns() {
     assert!(refused.to_string().contains("4 columns of 3 rows"));
 }
 
+#[test]
+fn cholesky_qr_names_the_column_that_makes_products_overflow() {
+    let n = 30;
+    for mass in [Mass::identity(n), lumped(n), full(n)] {
+        let mut a = random(n, 4, 17);
+        a.col_mut(2).iter_mut().for_each(|x| *x *= 1e160);
+        let refused = cholesky_qr(a.as_mut(), &mass, Par::Seq).unwrap_err();
+        let why = "A: column 2 is too long: products of columns overflow";
+        assert_eq!(refused.to_string(), why);
+    }
+}
+
 /// Columns of which a first pass takes far more for independent than there are: what later columns
 /// were freed from must not be dropped with them.
 #[test]

@@ -15,13 +15,13 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::Error;
 use catamaran::io::Output;
 use catamaran::mesh::io::{Attribute, Labels, MeshFile};
 use catamaran::texture::slime::{
     Coverage, Mask, Options, Simulation, Surface, atlas, fitted, smallest_size,
 };
 use catamaran::texture::{Look, MaterialMaps, Preset};
+use catamaran::{Error, Par};
 
 use crate::common::{Force, Threads};
 use crate::device::DeviceArgs;
@@ -31,6 +31,7 @@ use crate::picture::{Image, Projection, Up, View, guess_up};
 use crate::progress::Bar;
 use crate::report::{note, report, seconds, status};
 use crate::signals;
+use curves::Moment;
 pub use curves::chart;
 use material::LookConfig;
 use on_device::OnDevice;
@@ -135,56 +136,16 @@ pub fn run(args: &Args) -> Result<()> {
         None => MeshFile::from(Surface::tile_mesh()?),
     };
     let mut simulation = args.simulation(&file, &options)?;
-    if let Some(path) = &args.resume {
-        let source = File::open(path).with_context(|| path.display().to_string())?;
-        simulation.resume(&mut BufReader::new(source), path)?;
-    }
+    args.resume(&mut simulation)?;
     let first = simulation.state().step;
-    if first > args.steps {
-        bail!("--steps {}: the resumed state is after {first} steps already", args.steps);
-    }
     let device = args.device.open()?;
-    let mut on_device =
-        device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
+    let on_device = device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
     let outputs = Outputs::create(args)?;
-    let par = args.threads.par();
-    let time_at = |step: u32| f64::from(step) * options.time_step;
-    let mut moments = vec![(time_at(first), simulation.coverage(par))];
-    let start = Instant::now();
-    let bar = Bar::new("slime");
-    let mut done = first;
-    let mut ended = Ok(());
     // Ctrl-C keeps the state, which is whole after a step only.
     let whole_steps = outputs.state.as_ref().map(|_| signals::finish_first());
-    while done < args.steps && ended.is_ok() {
-        let covered = match &mut on_device {
-            Some(kernels) => kernels.step()?,
-            None => {
-                simulation.step(par);
-                simulation.coverage(par)
-            }
-        };
-        done += 1;
-        moments.push((time_at(done), covered));
-        if frames.contains(&done) {
-            if let Some(kernels) = &on_device {
-                kernels.give_back(&mut simulation)?;
-            }
-            let create = |name: String| args.force.create(&args.output.join(name));
-            let files = frame_names(done, args.steps, options.species).into_iter().map(create);
-            images::write(&simulation, files.collect::<Result<_, _>>()?)?;
-        }
-        if bar.update(f64::from(done - first) / f64::from(args.steps - first))
-            == ControlFlow::Break(())
-        {
-            ended = Err(Error::Cancelled);
-        }
-    }
-    drop(bar);
-    let time = start.elapsed();
-    if let Some(kernels) = &on_device {
-        kernels.give_back(&mut simulation)?;
-    }
+    let mut growth = Growth { simulation, on_device };
+    let Grown { moments, done, time, ended } = args.grow(&mut growth, &options, &frames)?;
+    let simulation = growth.simulation()?;
     if let Some(mut output) = outputs.state {
         simulation.save(&mut output).map_err(|e| output.error(e))?;
         let path = output.path().display().to_string();
@@ -194,12 +155,13 @@ pub fn run(args: &Args) -> Result<()> {
     drop(whole_steps);
     ended?;
     curves::write_csv(outputs.table, &moments)?;
-    let textured = textured(&file, &simulation);
+    let par = args.threads.par();
+    let textured = textured(&file, simulation);
     output::mesh(outputs.mesh, &textured)?;
     let frame = frames.last().map(|&step| frame_names(step, args.steps, options.species));
     let frame = frame.as_ref().and_then(|names| names.first());
     write_material(outputs.material, frame, look.as_ref())?;
-    let maps = look.map(|look| MaterialMaps::new(&simulation, &look, par)).transpose()?;
+    let maps = look.map(|look| MaterialMaps::new(simulation, &look, par)).transpose()?;
     if let Some(maps) = &maps {
         material::write(maps, &textured, MATERIAL_NAME, &args.output, args.force)?;
     }
@@ -207,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
         output::chart(output, &chart(&moments))?;
     }
     if let Some(output) = outputs.render {
-        args.draw(&file, &simulation, maps.as_ref())?.write_png(output)?;
+        args.draw(&file, simulation, maps.as_ref())?.write_png(output)?;
     }
     report_steps(time, done - first, &simulation.coverage(par))?;
     let (folder, count) = (args.output.display().to_string(), files.len());
@@ -238,6 +200,42 @@ fn report_steps(time: Duration, steps: u32, species: &[Coverage]) -> Result<()> 
         )?;
     }
     Ok(())
+}
+
+/// A simulation that runs on the device, if there is one.
+struct Growth {
+    simulation: Simulation,
+    on_device: Option<OnDevice>,
+}
+
+impl Growth {
+    /// Computes a step, and returns the coverage after it.
+    fn step(&mut self, par: Par) -> Result<Vec<Coverage>> {
+        if let Some(kernels) = &mut self.on_device {
+            return kernels.step();
+        }
+        self.simulation.step(par);
+        Ok(self.simulation.coverage(par))
+    }
+
+    /// Returns the simulation after the last step.
+    fn simulation(&mut self) -> Result<&Simulation> {
+        if let Some(kernels) = &self.on_device {
+            kernels.give_back(&mut self.simulation)?;
+        }
+        Ok(&self.simulation)
+    }
+}
+
+/// The course of a run.
+struct Grown {
+    /// Before the first step, and after each step.
+    moments: Vec<Moment>,
+    /// Number of steps, with those before a resumed run.
+    done: u32,
+    time: Duration,
+    /// An error if a signal ended the run.
+    ended: catamaran::Result<()>,
 }
 
 /// The outputs besides frames.
@@ -327,6 +325,48 @@ impl Args {
         files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
         files.iter().try_for_each(|name| self.force.check(&self.output.join(name)))?;
         Ok((frames, files))
+    }
+
+    /// Replaces the state of a simulation by that of --resume.
+    fn resume(&self, simulation: &mut Simulation) -> Result<()> {
+        if let Some(path) = &self.resume {
+            let source = File::open(path).with_context(|| path.display().to_string())?;
+            simulation.resume(&mut BufReader::new(source), path)?;
+        }
+        let first = simulation.state().step;
+        if first > self.steps {
+            bail!("--steps {}: the resumed state is after {first} steps already", self.steps);
+        }
+        Ok(())
+    }
+
+    /// Computes the steps and writes the frames, until a signal ends the run.
+    fn grow(&self, growth: &mut Growth, options: &Options, frames: &[u32]) -> Result<Grown> {
+        let par = self.threads.par();
+        let first = growth.simulation.state().step;
+        let time_at = |step: u32| f64::from(step) * options.time_step;
+        let mut moments = vec![(time_at(first), growth.simulation.coverage(par))];
+        let start = Instant::now();
+        let bar = Bar::new("slime");
+        let mut done = first;
+        let mut ended = Ok(());
+        while done < self.steps && ended.is_ok() {
+            let covered = growth.step(par)?;
+            done += 1;
+            moments.push((time_at(done), covered));
+            if frames.contains(&done) {
+                let create = |name: String| self.force.create(&self.output.join(name));
+                let files = frame_names(done, self.steps, options.species).into_iter().map(create);
+                images::write(growth.simulation()?, files.collect::<Result<_, _>>()?)?;
+            }
+            if bar.update(f64::from(done - first) / f64::from(self.steps - first))
+                == ControlFlow::Break(())
+            {
+                ended = Err(Error::Cancelled);
+            }
+        }
+        drop(bar);
+        Ok(Grown { moments, done, time: start.elapsed(), ended })
     }
 
     /// Draws the picture of --render.

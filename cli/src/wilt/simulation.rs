@@ -85,75 +85,111 @@ pub struct Simulation {
     pub effort: Option<Effort>,
 }
 
+impl Weather {
+    /// Returns the water loss of leaves, in the unit of the library.
+    fn loss_rate(&self) -> f64 {
+        grams_per_hour(self.loss)
+    }
+
+    /// Returns the cycle of days and nights, empty without nights.
+    fn cycle(&self) -> Vec<Interval> {
+        if self.nights { Interval::day_and_night(self.loss_rate()) } else { vec![] }
+    }
+
+    /// Returns the times of the frames, in hours.
+    fn frame_hours(&self) -> Vec<f64> {
+        (0..=self.frames).map(|i| self.hours * i as f64 / self.frames.max(1) as f64).collect()
+    }
+
+    /// Returns the water of a plant, with the damage.
+    fn model(&self, plant: &Plant) -> Result<WaterModel> {
+        let options = WaterOptions::new()
+            .loss(self.loss_rate())
+            .conductivity(Conductivity::Pipe { scale: self.conductance });
+        let mut model = WaterModel::new(plant, &options)?;
+        for &(node, factor) in &self.damage {
+            model.weaken(node, factor)?;
+        }
+        Ok(model)
+    }
+}
+
 /// Simulates a plant that wilts, in motion if there is a film.
 pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Result<Simulation> {
-    let loss = grams_per_hour(weather.loss);
-    let options = WaterOptions::new()
-        .loss(loss)
-        .conductivity(Conductivity::Pipe { scale: weather.conductance });
-    let mut model = WaterModel::new(plant, &options)?;
-    for &(node, factor) in &weather.damage {
-        model.weaken(node, factor)?;
-    }
-    let full = model.full();
-    let hours: Vec<f64> = (0..=weather.frames)
-        .map(|i| weather.hours * i as f64 / weather.frames.max(1) as f64)
-        .collect();
-    let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
+    let model = weather.model(plant)?;
     let rods = Rods::new(plant, &RodOptions::default())?;
-    let capacity = weather.soil.map(|soil| soil.capacity);
-    let cycle = if weather.nights { Interval::day_and_night(loss) } else { vec![] };
-    if let Some(film) = &weather.film {
-        let options = SwayOptions::new()
-            .drought(3600.0 * weather.hours)
-            .seconds(film.seconds)
-            .frames(weather.frames.max(1))
-            .elasticity(weather.tissue.clone())
-            .cycle(cycle)
-            .stomata(weather.stomata)
-            .soil(weather.soil)
-            .rewatering(weather.rewatering.clone())
-            .motion(film.motion)
-            .wind(film.wind)
-            .par(weather.par)
-            .progress(progress);
-        let found = sway(&model, &rods, &options)?;
-        let steps = found.steps * weather.frames.max(1);
-        let spent = (found.water_time + found.rods_time).as_secs_f64();
-        let effort = Effort {
-            steps,
-            step: found.step,
-            largest_gap: found.largest_gap,
-            milliseconds: 1e3 * spent / steps as f64,
-            water_share: found.water_share(),
-        };
-        return Ok(Simulation {
-            hours,
-            full,
-            water: found.water,
-            balance: found.balance,
-            capacity,
-            moduli: found.moduli,
-            poses: found.poses,
-            iterations: 0,
-            effort: Some(effort),
-        });
+    match &weather.film {
+        Some(film) => in_motion(&model, &rods, weather, film, progress),
+        None => at_rest(&model, &rods, weather, progress),
     }
+}
+
+fn in_motion(
+    model: &WaterModel,
+    rods: &Rods,
+    weather: &Weather,
+    film: &Film,
+    progress: Progress<'_>,
+) -> Result<Simulation> {
+    let options = SwayOptions::new()
+        .drought(3600.0 * weather.hours)
+        .seconds(film.seconds)
+        .frames(weather.frames.max(1))
+        .elasticity(weather.tissue.clone())
+        .cycle(weather.cycle())
+        .stomata(weather.stomata)
+        .soil(weather.soil)
+        .rewatering(weather.rewatering.clone())
+        .motion(film.motion)
+        .wind(film.wind)
+        .par(weather.par)
+        .progress(progress);
+    let found = sway(model, rods, &options)?;
+    let steps = found.steps * weather.frames.max(1);
+    let spent = (found.water_time + found.rods_time).as_secs_f64();
+    let effort = Effort {
+        steps,
+        step: found.step,
+        largest_gap: found.largest_gap,
+        milliseconds: 1e3 * spent / steps as f64,
+        water_share: found.water_share(),
+    };
+    Ok(Simulation {
+        hours: weather.frame_hours(),
+        full: model.full(),
+        water: found.water,
+        balance: found.balance,
+        capacity: weather.soil.map(|soil| soil.capacity),
+        moduli: found.moduli,
+        poses: found.poses,
+        iterations: 0,
+        effort: Some(effort),
+    })
+}
+
+fn at_rest(
+    model: &WaterModel,
+    rods: &Rods,
+    weather: &Weather,
+    progress: Progress<'_>,
+) -> Result<Simulation> {
+    let hours = weather.frame_hours();
+    let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
     let options = WiltOptions::new()
         .elasticity(weather.tissue.clone())
-        .cycle(cycle)
+        .cycle(weather.cycle())
         .stomata(weather.stomata)
         .soil(weather.soil)
         .rewatering(weather.rewatering.clone())
         .par(weather.par)
         .progress(progress);
-    let found = wilt(&model, &rods, &times, &options)?;
+    let found = wilt(model, rods, &times, &options)?;
     Ok(Simulation {
         hours,
-        full,
+        full: model.full(),
         water: found.water,
         balance: found.balance,
-        capacity,
+        capacity: weather.soil.map(|soil| soil.capacity),
         moduli: found.moduli,
         poses: found.poses,
         iterations: found.iterations,

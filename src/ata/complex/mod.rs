@@ -21,6 +21,7 @@ use self::sums::{Sums, with_sums};
 use self::write::{by_rows, times, write_general, write_hermitian};
 use super::options::{AtaOptions, Uplo};
 use super::plan::Op;
+use super::planned::of_another;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
@@ -209,14 +210,11 @@ fn check<T: BlasReal>(
     kinds: &[Kind],
     [a, b, c]: [(usize, usize); 3],
 ) -> Result<()> {
-    let of_another = |wanted: &str| {
-        Err(Error::Argument { what: "plan", why: format!("is not a plan of {wanted}") })
-    };
     if !kinds.contains(&plan.kind) {
-        return of_another(if kinds == [Kind::Aha] { "A^H A" } else { "A^H B" });
+        return Err(of_another(if kinds == [Kind::Aha] { "A^H A" } else { "A^H B" }));
     }
     if !plan.plans[0][0].is_of::<T>() {
-        return of_another(T::NAME);
+        return Err(of_another(T::NAME));
     }
     let [m, n, k] = plan.sides;
     Error::check_shape("A", (m, n), a)?;

@@ -13,7 +13,7 @@ use crate::ata::combine::{
 use crate::ata::plan::{
     Extent, LevelScratch, Op, Recursion, block_start, cheapest_update, leading,
 };
-use crate::ata::scheme::{ProductKind, Scheme, Term};
+use crate::ata::scheme::{Product, ProductKind, Scheme, Term};
 use crate::base::{Arena, Real};
 use crate::blas::Kernels;
 
@@ -23,48 +23,67 @@ pub(crate) struct Engine<'a, T> {
     pub(crate) recursion: &'a Recursion,
 }
 
-impl<T: Real> Engine<'_, T> {
-    /// Computes `C := alpha op(A, B) + beta C`; A is m x n, B is m x k, C is n x k (k = n if
-    /// symmetric, and then only the lower triangle of C is touched). For [`Op::Syrk`] B must be A.
-    pub(crate) fn run(
-        &self,
-        op: Op,
-        alpha: T,
-        a: MatRef<'_, T>,
-        b: MatRef<'_, T>,
-        beta: T,
-        c: MatMut<'_, T>,
-        scratch: &mut [T],
-    ) {
-        let levels = self.recursion.fast_levels;
-        self.node(op, alpha, a, b, beta, c, Arena::new(scratch), levels);
+/// `C := alpha op(A, B) + beta C`: A is m x n, B is m x k, C is n x k (k = n if symmetric, and then
+/// only the lower triangle of C is touched). For [`Op::Syrk`] B must be A.
+pub(crate) struct Node<'a, T> {
+    pub(crate) op: Op,
+    pub(crate) alpha: T,
+    pub(crate) a: MatRef<'a, T>,
+    pub(crate) b: MatRef<'a, T>,
+    pub(crate) beta: T,
+    pub(crate) c: MatMut<'a, T>,
+}
+
+impl<T: Real> Node<'_, T> {
+    /// Computes `C := beta C`.
+    fn scale(&mut self) {
+        if self.op.symmetric() {
+            scale_lower(self.c.rb_mut(), self.beta);
+        } else {
+            scale(self.c.rb_mut(), self.beta);
+        }
     }
 
-    fn node(
-        &self,
-        op: Op,
-        alpha: T,
-        a: MatRef<'_, T>,
-        b: MatRef<'_, T>,
-        beta: T,
-        c: MatMut<'_, T>,
-        arena: Arena<'_, T>,
-        fast_levels: usize,
-    ) {
-        let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
+    /// Cuts A and B to the columns that C has room for, and C to their product.
+    fn fitted(mut self) -> Self {
+        let rows = self.a.ncols().min(self.c.nrows());
+        let cols = self.b.ncols().min(self.c.ncols());
+        if rows < self.c.nrows() || cols < self.c.ncols() {
+            // The rest of C is still scaled by beta.
+            self.scale();
+            self.beta = T::ONE;
+        }
+        Self {
+            a: self.a.subcols(0, rows),
+            b: self.b.subcols(0, cols),
+            c: self.c.submatrix_mut(0, 0, rows, cols),
+            ..self
+        }
+    }
+}
+
+impl<T: Real> Engine<'_, T> {
+    /// Computes a node.
+    pub(crate) fn run(&self, node: Node<'_, T>, scratch: &mut [T]) {
+        self.compute(node, Arena::new(scratch), self.recursion.fast_levels);
+    }
+
+    fn compute(&self, mut node: Node<'_, T>, arena: Arena<'_, T>, fast_levels: usize) {
+        let (m, n, k) = (node.a.nrows(), node.a.ncols(), node.b.ncols());
         if n == 0 || k == 0 {
             return;
         }
         if m == 0 {
-            return if op.symmetric() { scale_lower(c, beta) } else { scale(c, beta) };
+            return node.scale();
         }
-        match self.recursion.choose(op.symmetric(), m, n, k, fast_levels) {
-            Some(id) => self.level(id.scheme(), op, alpha, a, b, beta, c, arena, fast_levels),
-            None => match op {
-                Op::Syrk => self.kernels.syrk(alpha, a, beta, c),
-                Op::Gemmt => self.kernels.gemmt(alpha, a, b, beta, c),
-                Op::Gemm => self.kernels.gemm(alpha, a, b, beta, c),
-            },
+        if let Some(id) = self.recursion.choose(node.op.symmetric(), m, n, k, fast_levels) {
+            return self.level(id.scheme(), node, arena, fast_levels);
+        }
+        let Node { op, alpha, a, b, beta, c } = node;
+        match op {
+            Op::Syrk => self.kernels.syrk(alpha, a, beta, c),
+            Op::Gemmt => self.kernels.gemmt(alpha, a, b, beta, c),
+            Op::Gemm => self.kernels.gemm(alpha, a, b, beta, c),
         }
     }
 
@@ -72,19 +91,19 @@ impl<T: Real> Engine<'_, T> {
     fn level(
         &self,
         scheme: &Scheme,
-        op: Op,
-        alpha: T,
-        a: MatRef<'_, T>,
-        b: MatRef<'_, T>,
-        beta: T,
-        mut c: MatMut<'_, T>,
+        node: Node<'_, T>,
         mut arena: Arena<'_, T>,
         fast_levels: usize,
     ) {
+        let Node { op, alpha, a, b, beta, mut c } = node;
         let fast_levels = fast_levels - usize::from(scheme.is_fast());
         let need = LevelScratch::of(scheme, op, a.nrows(), a.ncols(), b.ncols());
-        let mut p = SumBuffer::new(need.p, a, arena.take(need.p.len()));
-        let mut q = SumBuffer::new(need.q, b, arena.take(need.q.len()));
+        let mut factors = Factors {
+            left_blocks: Grid { view: a, rows: scheme.inner, cols: scheme.left },
+            right_blocks: Grid { view: b, rows: scheme.inner, cols: scheme.right },
+            p: SumBuffer::new(need.p, a, arena.take(need.p.len())),
+            q: SumBuffer::new(need.q, b, arena.take(need.q.len())),
+        };
         let product_memory = arena.take(need.m.len());
         // Whether a block of C has received its first product, which brings beta with it.
         let mut touched = vec![false; scheme.left * scheme.right];
@@ -94,62 +113,36 @@ impl<T: Real> Engine<'_, T> {
         };
 
         for product in &scheme.products {
-            let child = op.of_product(product.kind);
-            let same = child == Op::Syrk;
-            let left_blocks = Grid { view: a, rows: scheme.inner, cols: scheme.left };
-            let right_blocks = Grid { view: b, rows: scheme.inner, cols: scheme.right };
-            // A product of which half is computed must be square.
-            let widen = product.kind == ProductKind::Gemmt
-                && left_blocks.width(&product.left) != right_blocks.width(&product.right);
-            let (left_sign, left) = p.sum(&product.left, left_blocks, widen);
-            let (right_sign, right) =
-                if same { (left_sign, left) } else { q.sum(&product.right, right_blocks, widen) };
-            let sign = left_sign * right_sign;
-            // Rows that only one of the two has are multiplied by zeros in the other.
-            let m = left.nrows().min(right.nrows());
-            let (left, right) = (left.subrows(0, m), right.subrows(0, m));
+            let op_of_product = op.of_product(product.kind);
+            let (sign, left, right) = factors.of(product, op_of_product == Op::Syrk);
 
             if let &[out] = &product.outputs[..]
                 && product.kind != ProductKind::SyrkFull
             {
-                let mut beta = beta_for(out);
-                let mut dst = block_mut(c.rb_mut(), scheme, out);
-                let (rows, cols) = (left.ncols().min(dst.nrows()), right.ncols().min(dst.ncols()));
-                if rows < dst.nrows() || cols < dst.ncols() {
-                    // The product is smaller than its block: the rest is still scaled by beta.
-                    if child.symmetric() {
-                        scale_lower(dst.rb_mut(), beta);
-                    } else {
-                        scale(dst.rb_mut(), beta);
-                    }
-                    beta = T::ONE;
-                }
-                self.node(
-                    child,
-                    alpha * sign * small(out.coefficient),
-                    left.subcols(0, rows),
-                    right.subcols(0, cols),
-                    beta,
-                    dst.submatrix_mut(0, 0, rows, cols),
-                    arena.nested(),
-                    fast_levels,
-                );
+                let child = Node {
+                    op: op_of_product,
+                    alpha: alpha * sign * small(out.coefficient),
+                    a: left,
+                    b: right,
+                    beta: beta_for(out),
+                    c: block_mut(c.rb_mut(), scheme, out),
+                };
+                self.compute(child.fitted(), arena.nested(), fast_levels);
                 continue;
             }
 
             let mut product_matrix =
                 scratch_matrix(&mut *product_memory, left.ncols(), right.ncols(), need.m, c.rb());
-            self.node(
-                child,
-                alpha * sign,
-                left,
-                right,
-                T::ZERO,
-                product_matrix.rb_mut(),
-                arena.nested(),
-                fast_levels,
-            );
-            if product.kind == ProductKind::SyrkFull && child == Op::Syrk {
+            let child = Node {
+                op: op_of_product,
+                alpha: alpha * sign,
+                a: left,
+                b: right,
+                beta: T::ZERO,
+                c: product_matrix.rb_mut(),
+            };
+            self.compute(child, arena.nested(), fast_levels);
+            if product.kind == ProductKind::SyrkFull && op_of_product == Op::Syrk {
                 mirror_lower(product_matrix.rb_mut());
             }
             let outputs: Vec<_> = product.outputs.iter().map(|&out| (out, beta_for(out))).collect();
@@ -235,6 +228,32 @@ impl<'a, T> Grid<'a, T> {
         let row_end = block_start(self.view.nrows(), self.rows, term.row + 1);
         let col_end = block_start(self.view.ncols(), self.cols, term.col + 1);
         self.view.submatrix(row, col, row_end - row, col_end - col)
+    }
+}
+
+/// Computes the factors of the products of a scheme.
+struct Factors<'a, T> {
+    left_blocks: Grid<'a, T>,
+    right_blocks: Grid<'a, T>,
+    p: SumBuffer<'a, T>,
+    q: SumBuffer<'a, T>,
+}
+
+impl<T: Real> Factors<'_, T> {
+    /// Returns the sign of `product` and its factors, which are equal if `same`.
+    fn of(&mut self, product: &Product, same: bool) -> (T, MatRef<'_, T>, MatRef<'_, T>) {
+        // A product of which half is computed must be square.
+        let widen = product.kind == ProductKind::Gemmt
+            && self.left_blocks.width(&product.left) != self.right_blocks.width(&product.right);
+        let (left_sign, left) = self.p.sum(&product.left, self.left_blocks, widen);
+        let (right_sign, right) = if same {
+            (left_sign, left)
+        } else {
+            self.q.sum(&product.right, self.right_blocks, widen)
+        };
+        // Rows that only one of the two has are multiplied by zeros in the other.
+        let m = left.nrows().min(right.nrows());
+        (left_sign * right_sign, left.subrows(0, m), right.subrows(0, m))
     }
 }
 
@@ -334,7 +353,8 @@ mod tests {
         let wanted = |i, j| !op.symmetric() || i >= j;
         let start = |i: usize, j: usize| (i * 3 + j) as f64;
         let mut c = Mat::from_fn(n, k, |i, j| if wanted(i, j) { start(i, j) } else { f64::NAN });
-        engine.run(op, 2.0, a, b, -1.0, c.as_mut(), &mut scratch);
+        let node = Node { op, alpha: 2.0, a, b, beta: -1.0, c: c.as_mut() };
+        engine.run(node, &mut scratch);
         for j in 0..k {
             for i in 0..n {
                 let sum: f64 = (0..m).map(|r| a[(r, i)] * b[(r, j)]).sum();

@@ -7,7 +7,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 
 use super::balance::Balance;
 use super::product::Product;
-use super::recursive::Engine;
+use super::recursive::{Engine, Node};
 use crate::ata::combine::{accumulate, accumulate_lower};
 use crate::ata::options::AtaOptions;
 use crate::ata::plan::{Op, Problem, Recursion, Task, Tasks};
@@ -74,7 +74,8 @@ pub(super) fn execute<T: BlasReal>(
         for rows in &slabs[slab] {
             let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
             let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
-            engine.run(task.op(problem.op), alpha, left, right, beta, block.rb_mut(), scratch);
+            let (op, c) = (task.op(problem.op), block.rb_mut());
+            engine.run(Node { op, alpha, a: left, b: right, beta, c }, scratch);
             beta = T::ONE;
         }
         tracker.add(task.cost())

@@ -2,7 +2,7 @@ use super::cells::{Cells, Point};
 use super::*;
 use crate::base::Rng;
 use crate::curve::{CurveOptions, CurveSolver};
-use crate::mesh::vector::{cross, norm, sub};
+use crate::mesh::vector::{doubled_normal, norm};
 use crate::mesh::{TriMesh, families, shapes};
 
 const CORNERS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -32,8 +32,7 @@ fn check(cells: &mut Cells, chords: &[[usize; 2]]) {
     let triangles = cells.triangles(CORNERS);
     let mut area = 0.0;
     for t in &triangles {
-        let [a, b, c] = t.map(|p| cells.place(p, CORNERS));
-        let doubled = cross(sub(b, a), sub(c, a))[2];
+        let doubled = doubled_normal(t.map(|p| cells.place(p, CORNERS)))[2];
         assert!(doubled > -1e-12, "{t:?} is turned over");
         area += doubled / 2.0;
     }
@@ -52,10 +51,7 @@ fn points_on_sides_alone_give_triangles_none_of_which_is_flat() {
         let shares = shares.map(Iterator::collect::<Vec<f64>>);
         let cells = &mut triangle(std::array::from_fn(|i| &shares[i][..]));
         check(cells, &[]);
-        let flat = |t: &[usize; 3]| {
-            let [a, b, c] = t.map(|p| cells.place(p, CORNERS));
-            norm(cross(sub(b, a), sub(c, a))) < 1e-9
-        };
+        let flat = |t: &[usize; 3]| norm(doubled_normal(t.map(|p| cells.place(p, CORNERS)))) < 1e-9;
         assert!(!cells.triangles(CORNERS).iter().any(flat));
         assert_eq!(cells.triangles(CORNERS).len() as i32, sides.iter().sum::<i32>() + 1);
     }

@@ -14,7 +14,7 @@ use std::collections::{HashMap, HashSet};
 use super::result::{Curve, Reconstruction, Waypoint};
 use super::sites::refined;
 use crate::base::{Error, Result};
-use crate::mesh::vector::{Vector, cross, dot, sub};
+use crate::mesh::vector::{Vector, dot, doubled_normal};
 use crate::mesh::{Edges, TriMesh};
 use intrinsic::{Intrinsic, Side};
 use trace::{Chord, Tracer};
@@ -295,11 +295,11 @@ impl Path {
 
 /// Returns whether two of the lines on a face cross inside of both.
 fn crosses(mesh: &TriMesh, face: u32, chords: &[[Vector; 2]]) -> bool {
-    let [a, b, c] = mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]);
-    let normal = cross(sub(b, a), sub(c, a));
+    let corners = mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]);
+    let normal = doubled_normal(corners);
     let scale = dot(normal, normal);
     let side = |[p, q]: [Vector; 2], r: Vector| {
-        let value = dot(cross(sub(q, p), sub(r, p)), normal) / scale;
+        let value = dot(doubled_normal([p, q, r]), normal) / scale;
         if value.abs() < 1e-9 { 0.0 } else { value }
     };
     let part = |x: [Vector; 2], y: [Vector; 2]| side(x, y[0]) * side(x, y[1]) < 0.0;

@@ -1,6 +1,6 @@
 //! Textures of single faces as affine maps.
 
-use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
+use crate::mesh::vector::{Vector, cross, dot, doubled_normal, norm, scale, sub, unit};
 
 /// A point of a texture.
 pub(super) type Uv = [f64; 2];
@@ -50,8 +50,7 @@ impl Frame {
         corners: [Vector; 3],
         flipped: bool,
     ) -> [Uv; 3] {
-        let [a, b, c] = corners;
-        let own = unit(cross(sub(b, a), sub(c, a)));
+        let own = unit(doubled_normal(corners));
         let normal = if flipped { scale(self.normal, -1.0) } else { self.normal };
         corners.map(|p| self.continued(from, turned(sub(p, hinge), own, normal)))
     }

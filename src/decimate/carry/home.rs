@@ -4,7 +4,7 @@ use super::super::closest::{on_face, on_surface};
 use super::super::result::{Decimation, Place};
 use super::super::surface::Surface;
 use crate::mesh::Genus;
-use crate::mesh::vector::{Vector, cross, dot, sub, unit};
+use crate::mesh::vector::{Vector, dot, doubled_normal, sub, unit};
 
 /// Cosine between normals (120 degrees) below which a face of the input is on another sheet than a
 /// new face: faces across a crease differ less.
@@ -29,12 +29,12 @@ pub(super) fn homes(found: &Decimation, input: &Surface<'_>) -> Vec<Home> {
 fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: bool) -> Home {
     let corners = face.map(|v| found.mesh.vertices()[v as usize]);
     let middle: Vector = std::array::from_fn(|k| corners.iter().map(|p| p[k] / 3.0).sum());
-    let normal = normal_of(corners);
+    let normal = unit(doubled_normal(corners));
     // The candidates for homes; the better one is lower in order.
     let of_face = |face: u32| {
         let (point, weights) = on_face(&input.mesh, face, middle);
         let there = input.mesh.faces()[face as usize].map(|v| input.position(v));
-        let along = dot(normal, normal_of(there));
+        let along = dot(normal, unit(doubled_normal(there)));
         let away = sub(point, middle);
         let order = (!either_way && along < OTHER_SHEET, dot(away, away));
         let flipped = either_way && along < 0.0;
@@ -53,9 +53,4 @@ fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: boo
         }
     }
     best.1
-}
-
-/// Returns the normal of length 1; zero for a face without area.
-fn normal_of([a, b, c]: [Vector; 3]) -> Vector {
-    unit(cross(sub(b, a), sub(c, a)))
 }

@@ -4,7 +4,7 @@ use sprs::CsMat;
 
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
-use crate::base::{Error, Par, Result, Sets, builder};
+use crate::base::{Error, Par, Result, Sets, builder, positive};
 use crate::sparse::{Factor, Inverse, Mass, Symbolic};
 
 /// Smallest heat whose direction of flow is reliable: smaller numbers have lost digits.
@@ -75,10 +75,7 @@ impl HeatMethod {
     /// [`Error::OutOfMemory`].
     pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
         let n = mesh.vertices().len();
-        if !(options.time > 0.0 && options.time.is_finite()) {
-            let why = format!("must be positive and finite, is {}", options.time);
-            return Err(Error::Argument { what: "time", why });
-        }
+        positive("time", options.time)?;
         let plain = Complex::of_mesh(mesh)?;
         let lengths = plain.lengths.as_flattened();
         let mean = lengths.iter().map(|l| l / lengths.len() as f64).sum::<f64>();

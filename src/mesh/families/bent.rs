@@ -1,8 +1,7 @@
 //! Bending, which changes lengths on thin shapes little, for near-isometric copies.
 
 use super::super::TriMesh;
-use super::draft::positive;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, positive};
 
 /// A bend of space. Space behind `at` stays; a slab of width `length` beyond `at` is bent around a
 /// circle, and space behind the slab is turned with it. The middle plane through `at` keeps its

@@ -1,8 +1,8 @@
 //! Meshes with defects that algorithms must handle.
 
 use super::super::TriMesh;
-use super::draft::{Draft, Seam, at_least, positive, sheet};
-use crate::base::Result;
+use super::draft::{Draft, Seam, sheet};
+use crate::base::{Result, at_least, positive};
 
 /// Generates a strip of needles: [`grid`](super::grid) squeezed to the height `thinness` (rows stay
 /// `rows`). With columns = rows, its right triangles have legs in the ratio `thinness` and

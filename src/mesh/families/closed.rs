@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use super::super::TriMesh;
 use super::super::vector::cross;
-use super::draft::{Draft, Seam, at_least, positive, sheet, turn};
+use super::draft::{Draft, Seam, sheet, turn};
 use super::voxels;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, at_least, positive};
 
 /// The golden ratio, which gives the corners of an icosahedron.
 const PHI: f64 = 1.618_033_988_749_895;

@@ -1,5 +1,5 @@
 use super::super::TriMesh;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, at_least};
 
 /// A mesh under construction, with all of its memory reserved.
 pub(super) struct Draft {
@@ -85,21 +85,6 @@ pub(super) fn sheet(
         }
     }
     draft.finish()
-}
-
-pub(super) fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
-    if value >= least {
-        return Ok(());
-    }
-    Err(Error::Argument { what, why: format!("must be at least {least}, is {value}") })
-}
-
-/// Returns an error unless `value` is finite and above 0.
-pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
 }
 
 /// Returns the angle of step `i` of `count` around a circle.

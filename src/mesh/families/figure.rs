@@ -1,8 +1,8 @@
 use super::super::TriMesh;
 use super::bent::Bend;
-use super::draft::{Draft, at_least};
+use super::draft::Draft;
 use super::voxels;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, at_least};
 
 /// A joint of a limb on the side of positive x; its mirror image is the joint of the limb on the
 /// other side, unless the joint is `one_sided`.

@@ -1,8 +1,8 @@
 //! Surfaces with boundary.
 
 use super::super::TriMesh;
-use super::draft::{Draft, Seam, at_least, positive, sheet, turn};
-use crate::base::{Result, Rng};
+use super::draft::{Draft, Seam, sheet, turn};
+use crate::base::{Result, Rng, at_least, positive};
 
 /// Generates the unit square in the plane z = 0, `columns` x `rows` cells: V = (columns + 1) (rows
 /// + 1), F = 2 columns rows, one boundary loop.

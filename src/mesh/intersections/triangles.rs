@@ -2,7 +2,7 @@
 
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-use crate::mesh::vector::{Vector, cross, dot, sub};
+use crate::mesh::vector::{Vector, cross, dot, doubled_normal, sub};
 
 /// The corners of a triangle.
 pub(crate) type Corners = [Vector; 3];
@@ -136,18 +136,18 @@ fn folded([a, b]: [Vector; 2], p: Vector, q: Vector) -> bool {
 
 /// Returns the projection along the axis closest to the normal of a triangle; `None` when the
 /// triangle has no area.
-fn projection([a, b, c]: &Corners) -> Option<fn(Vector) -> Coord<f64>> {
+fn projection(corners: &Corners) -> Option<fn(Vector) -> Coord<f64>> {
     let projections: [fn(Vector) -> Coord<f64>; 3] = [
         |[_, y, z]| Coord { x: y, y: z },
         |[x, _, z]| Coord { x: z, y: x },
         |[x, y, _]| Coord { x, y },
     ];
-    let normal = cross(sub(*b, *a), sub(*c, *a)).map(f64::abs);
+    let normal = doubled_normal(*corners).map(f64::abs);
     let steepest = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).unwrap_or(0);
     // Rounding may select an axis in the plane of the triangle; then another axis gives a
     // projection with an area.
     let has_area = |k: &usize| {
-        let [a, b, c] = [a, b, c].map(|p| projections[*k](*p));
+        let [a, b, c] = corners.map(projections[*k]);
         orient2d(a, b, c) != 0.0
     };
     [steepest, 0, 1, 2].into_iter().find(has_area).map(|k| projections[k])

@@ -73,6 +73,7 @@ pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::vector::doubled_normal;
 
     #[test]
     fn convex_polygons_are_fans() {
@@ -106,8 +107,7 @@ mod tests {
             assert_eq!(triangles.len(), 8);
             let mut area = 0.0;
             for t in triangles {
-                let [a, b, c] = t.map(|i| corners[i]);
-                let doubled = cross(sub(b, a), sub(c, a))[2];
+                let doubled = doubled_normal(t.map(|i| corners[i]))[2];
                 assert!(doubled >= 0.0, "{start}: {t:?} is turned over");
                 area += doubled / 2.0;
             }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::super::TriMesh;
 use super::super::measure::is_flat;
 use super::super::topology::Edges;
-use super::super::vector::{Vector, cross, distance, norm, sub};
+use super::super::vector::{Vector, distance, doubled_normal, norm};
 use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 use crate::base::Result;
@@ -188,11 +188,11 @@ impl Filling<'_> {
                 let mut best = (f64::INFINITY, 0);
                 if closing || !there {
                     for k in i + 1..j {
-                        let [a, b, c] = [points[i], points[k], points[j]];
-                        let area = match is_flat([a, b, c]) {
+                        let corners = [points[i], points[k], points[j]];
+                        let area = match is_flat(corners) {
                             // A face without area is used only where there is no alternative.
                             true => FLAT * square,
-                            false => norm(cross(sub(b, a), sub(c, a))) / 2.0,
+                            false => norm(doubled_normal(corners)) / 2.0,
                         };
                         let all = cost[i * n + k] + cost[k * n + j] + area;
                         if all < best.0 {

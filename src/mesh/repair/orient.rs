@@ -2,7 +2,7 @@
 
 use super::super::TriMesh;
 use super::super::topology::Edges;
-use super::super::vector::{Vector, cross, dot, sub};
+use super::super::vector::{Vector, cross, dot, doubled_normal, sub};
 use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 
@@ -123,7 +123,7 @@ fn crosses(triangle: [Vector; 3], p: Vector) -> bool {
     if !odd {
         return false;
     }
-    let normal = cross(sub(b, a), sub(c, a));
+    let normal = doubled_normal(triangle);
     // The position of the plane of the triangle at the y and z of p.
     let rest = normal[1] * (p[1] - a[1]) + normal[2] * (p[2] - a[2]);
     let x = a[0] - rest / normal[0];

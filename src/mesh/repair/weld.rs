@@ -4,18 +4,15 @@ use std::collections::HashMap;
 
 use super::super::vector::{Vector, distance};
 use super::super::{Edges, TriMesh};
-use crate::base::{Error, Result, Sets};
+use crate::base::{Result, Sets, at_least_zero};
 
 /// Returns for each point the lowest point, itself or an earlier one, that is at most `tolerance`
 /// away and is its own representative. O(n) for points that are spread out.
 ///
 /// # Errors
-/// [`Error::Argument`] for a tolerance that is negative or not finite.
+/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite.
 pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
-    if !(tolerance >= 0.0 && tolerance.is_finite()) {
-        let why = format!("must be finite and at least 0, is {tolerance}");
-        return Err(Error::Argument { what: "tolerance", why });
-    }
+    at_least_zero("tolerance", tolerance)?;
     Ok(if tolerance > 0.0 { near(points, tolerance) } else { equal(points) })
 }
 

@@ -14,8 +14,7 @@ pub use statics::{RelaxOptions, Relaxation};
 use self::small::{Matrix, NO_ROTATION, Quaternion, image, rotation_matrix};
 use super::Plant;
 use super::graph::NONE;
-use super::water::{at_least_zero, positive};
-use crate::base::{Error, Result, builder};
+use crate::base::{Error, Result, at_least_zero, builder, positive};
 use crate::mesh::vector::{Vector, scale, sub};
 
 /// The constants of rods, in SI units.

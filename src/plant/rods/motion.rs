@@ -12,9 +12,8 @@ use super::small::{
     logarithm, product, rotation_matrix, solve, solve_matrix, times, transposed, turned,
 };
 use super::{Pose, Rods, joint};
-use crate::base::{Error, Progress, Result, builder};
+use crate::base::{Error, Progress, Result, at_least_zero, builder, positive};
 use crate::mesh::vector::{Vector, dot, norm, scale, sub};
-use crate::plant::water::{at_least_zero, positive};
 
 /// Options of [`Motion`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use faer::{Mat, MatRef};
 
 use super::by_rows;
 use super::shot::nearest_two;
-use crate::base::{Error, Par, Progress, Result, builder};
+use crate::base::{Error, Par, Progress, Result, at_least, builder, positive};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
 /// Number of vertices that a thread takes at a time.
@@ -84,13 +84,8 @@ pub fn geodesic_rings(
             return Err(Error::NonFinite { what: "functions", index: (i, j) });
         }
     }
-    if !(radius > 0.0 && radius.is_finite()) {
-        let why = format!("must be positive and finite, is {radius}");
-        return Err(Error::Argument { what: "radius", why });
-    }
-    if rings == 0 {
-        return Err(Error::Argument { what: "rings", why: "must be at least 1, is 0".into() });
-    }
+    positive("radius", radius)?;
+    at_least("rings", rings, 1)?;
     let areas = vertex_areas(mesh);
     let graph = Graph::of_mesh(mesh);
     // One solver for each thread, created on first use.

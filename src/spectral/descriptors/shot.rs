@@ -2,7 +2,7 @@ use faer::{Mat, Side};
 
 use super::by_rows;
 use super::cells::Cells;
-use crate::base::{Error, Par, Progress, Result, builder};
+use crate::base::{Par, Progress, Result, builder, positive};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, cross, dot, scale, sub};
 
@@ -73,13 +73,11 @@ struct Neighbour {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for a radius that is not positive and finite; [`Error::Cancelled`].
+/// [`Error::Argument`](crate::Error::Argument) for a radius that is not positive and finite;
+/// [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
     let &ShotOptions { radius, par, progress } = options;
-    if !(radius > 0.0 && radius.is_finite()) {
-        let why = format!("must be positive and finite, is {radius}");
-        return Err(Error::Argument { what: "radius", why });
-    }
+    positive("radius", radius)?;
     let points = mesh.vertices();
     let normals = mesh.vertex_normals();
     let cells = Cells::new(points, radius);

@@ -2,7 +2,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef};
 
 use super::by_rows;
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, positive};
 
 /// Number of rows that are processed together.
 const BLOCK: usize = 1 << 10;
@@ -182,10 +182,7 @@ pub fn wave_kernel_signature(
 ) -> Result<Mat<f64>> {
     check(values, vectors)?;
     let least = ZERO * positive_range(values)?.1;
-    if !(scales.sigma > 0.0 && scales.sigma.is_finite()) {
-        let why = format!("must be positive and finite, is {}", scales.sigma);
-        return Err(Error::Argument { what: "sigma", why });
-    }
+    positive("sigma", scales.sigma)?;
     if let Some(e) = scales.energies.iter().position(|e| !e.is_finite()) {
         return Err(Error::NonFinite { what: "energies", index: (e, 0) });
     }

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use faer::{Mat, MatRef, Scale};
+use faer::{Mat, MatMut, MatRef, Scale};
 
 use super::operators::{Equations, Operators, multiplication};
-use crate::base::{Error, Par, Progress, Result, Tracker};
+use crate::base::{Error, Par, Progress, Result, Tracker, at_least_zero};
 use crate::dense::{for_row_blocks, zeros};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
@@ -131,10 +131,7 @@ impl<'a> MapFit<'a> {
         Error::check_shape("target functions", (m, f.ncols()), g.shape())?;
         dense::check_finite("source functions", f)?;
         dense::check_finite("target functions", g)?;
-        if !(weight.is_finite() && weight >= 0.0) {
-            let why = format!("must be finite and at least 0, is {weight}");
-            return Err(Error::Argument { what: "weight", why });
-        }
+        at_least_zero("weight", weight)?;
         for j in 0..f.ncols() {
             let (f, g) = (f.subcols(j, 1), g.subcols(j, 1));
             let mean = |basis: &Basis, x: MatRef<'_, f64>| -> Result<f64> {
@@ -257,59 +254,21 @@ impl<'a> MapFit<'a> {
     /// [`Error::OutOfMemory`]; [`Error::Cancelled`]; [`Error::NotConverged`] when conjugate
     /// gradients do not converge, for too many or too different operators.
     pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
-        if !(commutativity.is_finite() && commutativity >= 0.0) {
-            let why = format!("must be finite and at least 0, is {commutativity}");
-            return Err(Error::Argument { what: "commutativity", why });
-        }
+        at_least_zero("commutativity", commutativity)?;
+        let equations = self.row_equations(commutativity)?;
         let (k, l) = (self.source.len(), self.target.len());
-        let known_functions = self.known.a.len() / k.max(1);
-        let a = MatRef::from_column_major_slice(&self.known.a, k, known_functions);
-        let b = MatRef::from_column_major_slice(&self.known.b, l, known_functions);
-        let size = a.squared_norm_l2();
-        if size == 0.0 {
-            let why = "must not all be zero on the source".into();
-            return Err(Error::Argument { what: "functions", why });
-        }
-        let gram = dense::transposed_product(a.transpose(), a.transpose(), self.par)?;
-        let right = dense::transposed_product(a.transpose(), b.transpose(), self.par)?;
-        // The first column is known where both bases contain the constant.
-        let first = match (self.source.constant(), self.target.constant()) {
-            (Some(source), Some(target)) => Some(source / target),
-            _ => None,
-        };
-        let known = usize::from(first.is_some());
-        let (source_values, target_values) = relative_values(self.source, self.target)?;
         let mut c = zeros(l, k)?;
         let singular = AtomicBool::new(false);
         let alone = self.known.operators.is_empty();
         let rows = self.progress.part(0.0..if alone { 1.0 } else { ROWS_SHARE });
         let tracker = Tracker::new(rows, l as f64);
-        for_row_blocks(c.as_mut(), 1, self.par, |i, mut row| {
+        for_row_blocks(c.as_mut(), 1, self.par, |i, row| {
             if row.nrows() == 0 || tracker.state().is_break() {
                 return;
             }
-            let fixed = if i == 0 { first.unwrap_or(0.0) } else { 0.0 };
-            let unknown = k - known;
-            let mut equations =
-                Mat::from_fn(unknown, unknown, |p, q| gram[(p + known, q + known)] / size);
-            let diagonal: f64 = (0..unknown).map(|p| equations[(p, p)]).sum();
-            let ridge = RIDGE * (diagonal / unknown.max(1) as f64).max(f64::MIN_POSITIVE);
-            for p in 0..unknown {
-                let difference = source_values[p + known] - target_values[i];
-                equations[(p, p)] += commutativity * difference * difference + ridge;
+            if !equations.solve(i, row) {
+                singular.store(true, Ordering::Relaxed);
             }
-            let mut solution = Mat::from_fn(unknown, 1, |p, _| {
-                let with_fixed = if known == 1 { gram[(p + 1, 0)] * fixed } else { 0.0 };
-                (right[(p + known, i)] - with_fixed) / size
-            });
-            match dense::cholesky(equations) {
-                Ok(Ok(factor)) => dense::solve_cholesky(factor.as_ref(), solution.as_mut()),
-                Ok(Err(_)) | Err(_) => singular.store(true, Ordering::Relaxed),
-            }
-            if known == 1 {
-                row[(0, 0)] = fixed;
-            }
-            row.subcols_mut(known, unknown).copy_from(solution.transpose());
             // The remaining rows check the state of the tracker.
             let _ = tracker.add(1.0);
         });
@@ -322,15 +281,89 @@ impl<'a> MapFit<'a> {
         if alone {
             return Ok(c);
         }
-        let difference = |i: usize, j: usize| source_values[j] - target_values[i];
+        let RowEquations { gram, right, size, .. } = &equations;
         Equations {
-            gram: Scale(1.0 / size) * &gram,
+            gram: Scale(1.0 / size) * gram,
             right: Scale(1.0 / size) * right.transpose(),
-            weights: Mat::from_fn(l, k, |i, j| commutativity * difference(i, j).powi(2)),
+            weights: Mat::from_fn(l, k, |i, j| commutativity * equations.difference(i, j).powi(2)),
             operators: &self.known.operators,
-            known,
+            known: equations.known(),
         }
         .solve(c, self.progress.part(ROWS_SHARE..1.0))
+    }
+
+    fn row_equations(&self, commutativity: f64) -> Result<RowEquations> {
+        let (k, l) = (self.source.len(), self.target.len());
+        let known_functions = self.known.a.len() / k.max(1);
+        let a = MatRef::from_column_major_slice(&self.known.a, k, known_functions);
+        let b = MatRef::from_column_major_slice(&self.known.b, l, known_functions);
+        let size = a.squared_norm_l2();
+        if size == 0.0 {
+            let why = "must not all be zero on the source".into();
+            return Err(Error::Argument { what: "functions", why });
+        }
+        let gram = dense::transposed_product(a.transpose(), a.transpose(), self.par)?;
+        let right = dense::transposed_product(a.transpose(), b.transpose(), self.par)?;
+        let first = match (self.source.constant(), self.target.constant()) {
+            (Some(source), Some(target)) => Some(source / target),
+            _ => None,
+        };
+        let (source_values, target_values) = relative_values(self.source, self.target)?;
+        Ok(RowEquations { gram, right, size, first, commutativity, source_values, target_values })
+    }
+}
+
+/// The equations of a map without operators: its rows are independent of each other.
+struct RowEquations {
+    /// `A A^T`.
+    gram: Mat<f64>,
+    /// `A B^T`.
+    right: Mat<f64>,
+    /// `|A|^2`.
+    size: f64,
+    /// The first entry of the map where both bases contain the constant: then the first column is
+    /// known, and zero below it.
+    first: Option<f64>,
+    commutativity: f64,
+    source_values: Vec<f64>,
+    target_values: Vec<f64>,
+}
+
+impl RowEquations {
+    /// Returns the number of known columns.
+    fn known(&self) -> usize {
+        usize::from(self.first.is_some())
+    }
+
+    /// Returns the difference of the eigenvalues of an entry of the map.
+    fn difference(&self, i: usize, j: usize) -> f64 {
+        self.source_values[j] - self.target_values[i]
+    }
+
+    /// Solves for row i; returns false where the equations do not determine the row.
+    fn solve(&self, i: usize, mut row: MatMut<'_, f64>) -> bool {
+        let known = self.known();
+        let unknown = self.gram.ncols() - known;
+        let fixed = if i == 0 { self.first.unwrap_or(0.0) } else { 0.0 };
+        let mut equations =
+            Mat::from_fn(unknown, unknown, |p, q| self.gram[(p + known, q + known)] / self.size);
+        let diagonal: f64 = (0..unknown).map(|p| equations[(p, p)]).sum();
+        let ridge = RIDGE * (diagonal / unknown.max(1) as f64).max(f64::MIN_POSITIVE);
+        for p in 0..unknown {
+            let difference = self.difference(i, p + known);
+            equations[(p, p)] += self.commutativity * difference * difference + ridge;
+        }
+        let mut solution = Mat::from_fn(unknown, 1, |p, _| {
+            let with_fixed = if known == 1 { self.gram[(p + 1, 0)] * fixed } else { 0.0 };
+            (self.right[(p + known, i)] - with_fixed) / self.size
+        });
+        let Ok(Ok(factor)) = dense::cholesky(equations) else { return false };
+        dense::solve_cholesky(factor.as_ref(), solution.as_mut());
+        if known == 1 {
+            row[(0, 0)] = fixed;
+        }
+        row.subcols_mut(known, unknown).copy_from(solution.transpose());
+        true
     }
 }
 

@@ -176,6 +176,13 @@ fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     }
     terrains.extend(inputs.real("srtm_n44w072_1p44M.ply.xz")?);
 
+    time_of_sizes(report, &terrains)?;
+    time_of_contenders(report, inputs, rivals, &terrains)?;
+    time_of_white_matter(report, inputs, rivals)
+}
+
+/// Reproduces figure 5.12: seconds for results of several sizes.
+fn time_of_sizes(report: &mut Report, terrains: &[Input]) -> Result<()> {
     report.say("**Figure 5.12**: seconds over vertices of the input\n\n| n | vertices: seconds | exponent |\n|---|---|---|");
     let mut series = Vec::new();
     for n in [500, 1000, 5000, 10_000, 25_000] {
@@ -196,7 +203,16 @@ fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
         true,
         series,
     ));
+    Ok(())
+}
 
+/// Reproduces figure 5.13: seconds of all contenders.
+fn time_of_contenders(
+    report: &mut Report,
+    inputs: &Inputs,
+    rivals: &Rivals,
+    terrains: &[Input],
+) -> Result<()> {
     report.say(
         "\n**Figure 5.13**: seconds to 10000 vertices. Beyond half a million vertices without those that take minutes \
          there: pymeshlab, igl-decimate, qslim and CGAL.\n",
@@ -227,23 +243,19 @@ fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
         report.say("");
     }
     report.plots.push(plot("Figure 5.13: seconds to 10000 vertices", "vertices", true, series));
+    Ok(())
+}
 
-    if let Some(input) = inputs.real("mni152_wm1p24M.ply.xz")? {
-        report.say(&format!("**Figure 5.10**: white matter to 50000 vertices\n\n{}", Row::TITLES));
-        for row in
-            race(&[Contender::Ours, Contender::Thesis], rivals, inputs, &input, 50_000, 2, 1)?
-        {
-            report.say(&row.markdown());
-            record(
-                report,
-                "5.10",
-                (&input, 50_000),
-                row.contender.name(),
-                &[("seconds", row.seconds)],
-            );
-        }
-        report.say("");
+/// Reproduces figure 5.10: seconds of the method of this crate and of that of the thesis.
+fn time_of_white_matter(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
+    let Some(input) = inputs.real("mni152_wm1p24M.ply.xz")? else { return Ok(()) };
+    report.say(&format!("**Figure 5.10**: white matter to 50000 vertices\n\n{}", Row::TITLES));
+    for row in race(&[Contender::Ours, Contender::Thesis], rivals, inputs, &input, 50_000, 2, 1)? {
+        report.say(&row.markdown());
+        let who = row.contender.name();
+        record(report, "5.10", (&input, 50_000), who, &[("seconds", row.seconds)]);
     }
+    report.say("");
     Ok(())
 }
 

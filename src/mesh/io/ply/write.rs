@@ -3,6 +3,7 @@ use std::io::{self, Write};
 use super::super::attributes::{Attribute, MeshFile};
 use super::super::colors::byte;
 use super::encoding::PlyEncoding;
+use crate::mesh::TriMesh;
 
 /// Writes numbers in one of the encodings.
 struct Sink<'a> {
@@ -72,78 +73,112 @@ pub(in super::super) fn write(
     file: &MeshFile,
     encoding: PlyEncoding,
 ) -> io::Result<()> {
-    let (vertices, faces) = (file.mesh.vertices(), file.mesh.faces());
-    let normals = file.normals.as_ref().and_then(Attribute::of_vertices);
-    let uv = file.uv.as_ref().and_then(Attribute::of_vertices);
-    let corner_uv = file.uv.as_ref().filter(|uv| uv.corners.is_some());
-    let colors = file.colors.as_deref();
-    let channels = colors.map(|colors| {
-        let opaque = colors.iter().all(|color| color[3] == 1.0);
-        if opaque { 3 } else { 4 }
-    });
-
-    let name = match encoding {
-        PlyEncoding::Ascii => "ascii",
-        PlyEncoding::LittleEndian => "binary_little_endian",
-        PlyEncoding::BigEndian => "binary_big_endian",
-    };
-    let position_kind = kind_of(vertices.as_flattened().iter());
-    let normal_kind = kind_of(normals.unwrap_or_default().as_flattened().iter());
-    let uv_kind = uv_kind(file.uv.iter().flat_map(|uv| uv.values.as_flattened()));
-    let bytes_do = colors.unwrap_or_default().as_flattened().iter().all(|&x| byte(x).is_some());
-    let color_kind = if bytes_do { "uchar" } else { "double" };
-    let index_kind = if i32::try_from(vertices.len()).is_ok() { "int" } else { "uint" };
-
-    writeln!(sink, "ply\nformat {name} 1.0\nelement vertex {}", vertices.len())?;
-    let mut properties = |kind: &str, names: &[&str]| {
-        names.iter().try_for_each(|name| writeln!(sink, "property {kind} {name}"))
-    };
-    properties(position_kind, &["x", "y", "z"])?;
-    if normals.is_some() {
-        properties(normal_kind, &["nx", "ny", "nz"])?;
-    }
-    if uv.is_some() {
-        properties(uv_kind, &["s", "t"])?;
-    }
-    if let Some(channels) = channels {
-        properties(color_kind, &["red", "green", "blue", "alpha"][..channels])?;
-    }
-    writeln!(sink, "element face {}", faces.len())?;
-    writeln!(sink, "property list uchar {index_kind} vertex_indices")?;
-    if corner_uv.is_some() {
-        writeln!(sink, "property list uchar {uv_kind} texcoord")?;
-    }
-    writeln!(sink, "end_header")?;
-
+    let properties = Properties::of(file);
+    properties.write_header(sink, encoding)?;
     let mut sink = Sink { sink, encoding, started: false };
-    for v in 0..vertices.len() {
-        vertices[v].iter().try_for_each(|&x| sink.real(x, position_kind))?;
-        if let Some(normals) = normals {
-            normals[v].iter().try_for_each(|&x| sink.real(x, normal_kind))?;
+    properties.write_vertices(&mut sink)?;
+    properties.write_faces(&mut sink)
+}
+
+/// The properties of vertices and faces, and the types of their numbers.
+struct Properties<'a> {
+    mesh: &'a TriMesh,
+    position_kind: &'static str,
+    normals: Option<&'a [[f64; 3]]>,
+    normal_kind: &'static str,
+    uv: Option<&'a [[f64; 2]]>,
+    corner_uv: Option<&'a Attribute<2>>,
+    uv_kind: &'static str,
+    colors: Option<&'a [[f64; 4]]>,
+    /// 3 where all colours are opaque, else 4.
+    channels: usize,
+    color_kind: &'static str,
+}
+
+impl<'a> Properties<'a> {
+    fn of(file: &'a MeshFile) -> Self {
+        let normals = file.normals.as_ref().and_then(Attribute::of_vertices);
+        let colors = file.colors.as_deref();
+        let given = colors.unwrap_or_default();
+        let bytes_do = given.as_flattened().iter().all(|&x| byte(x).is_some());
+        Self {
+            mesh: &file.mesh,
+            position_kind: kind_of(file.mesh.vertices().as_flattened().iter()),
+            normals,
+            normal_kind: kind_of(normals.unwrap_or_default().as_flattened().iter()),
+            uv: file.uv.as_ref().and_then(Attribute::of_vertices),
+            corner_uv: file.uv.as_ref().filter(|uv| uv.corners.is_some()),
+            uv_kind: uv_kind(file.uv.iter().flat_map(|uv| uv.values.as_flattened())),
+            colors,
+            channels: if given.iter().all(|color| color[3] == 1.0) { 3 } else { 4 },
+            color_kind: if bytes_do { "uchar" } else { "double" },
         }
-        if let Some(uv) = uv {
-            uv[v].iter().try_for_each(|&x| sink.real(x, uv_kind))?;
+    }
+
+    fn write_header(&self, sink: &mut dyn Write, encoding: PlyEncoding) -> io::Result<()> {
+        let name = match encoding {
+            PlyEncoding::Ascii => "ascii",
+            PlyEncoding::LittleEndian => "binary_little_endian",
+            PlyEncoding::BigEndian => "binary_big_endian",
+        };
+        let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());
+        writeln!(sink, "ply\nformat {name} 1.0\nelement vertex {vertices}")?;
+        let mut scalars = |kind: &str, names: &[&str]| {
+            names.iter().try_for_each(|name| writeln!(sink, "property {kind} {name}"))
+        };
+        scalars(self.position_kind, &["x", "y", "z"])?;
+        if self.normals.is_some() {
+            scalars(self.normal_kind, &["nx", "ny", "nz"])?;
         }
-        if let (Some(colors), Some(channels)) = (colors, channels) {
-            for &x in &colors[v][..channels] {
-                match byte(x) {
-                    Some(x) if bytes_do => sink.byte(x)?,
-                    _ => sink.real(x, color_kind)?,
+        if self.uv.is_some() {
+            scalars(self.uv_kind, &["s", "t"])?;
+        }
+        if self.colors.is_some() {
+            scalars(self.color_kind, &["red", "green", "blue", "alpha"][..self.channels])?;
+        }
+        let index_kind = if i32::try_from(vertices).is_ok() { "int" } else { "uint" };
+        writeln!(sink, "element face {faces}")?;
+        writeln!(sink, "property list uchar {index_kind} vertex_indices")?;
+        if self.corner_uv.is_some() {
+            writeln!(sink, "property list uchar {} texcoord", self.uv_kind)?;
+        }
+        writeln!(sink, "end_header")
+    }
+
+    fn write_vertices(&self, sink: &mut Sink<'_>) -> io::Result<()> {
+        for (v, position) in self.mesh.vertices().iter().enumerate() {
+            position.iter().try_for_each(|&x| sink.real(x, self.position_kind))?;
+            if let Some(normals) = self.normals {
+                normals[v].iter().try_for_each(|&x| sink.real(x, self.normal_kind))?;
+            }
+            if let Some(uv) = self.uv {
+                uv[v].iter().try_for_each(|&x| sink.real(x, self.uv_kind))?;
+            }
+            if let Some(colors) = self.colors {
+                for &x in &colors[v][..self.channels] {
+                    match byte(x) {
+                        Some(x) if self.color_kind == "uchar" => sink.byte(x)?,
+                        _ => sink.real(x, self.color_kind)?,
+                    }
                 }
             }
+            sink.end_row()?;
         }
-        sink.end_row()?;
+        Ok(())
     }
-    for (f, face) in faces.iter().enumerate() {
-        sink.byte(3)?;
-        face.iter().try_for_each(|&v| sink.bytes(v.to_le_bytes(), v))?;
-        if let Some(uv) = corner_uv {
-            let values = uv.of_face(&file.mesh, f);
-            sink.byte(if values.is_some() { 6 } else { 0 })?;
-            let values = values.as_ref().map_or(&[][..], |values| values.as_flattened());
-            values.iter().try_for_each(|&x| sink.real(x, uv_kind))?;
+
+    fn write_faces(&self, sink: &mut Sink<'_>) -> io::Result<()> {
+        for (f, face) in self.mesh.faces().iter().enumerate() {
+            sink.byte(3)?;
+            face.iter().try_for_each(|&v| sink.bytes(v.to_le_bytes(), v))?;
+            if let Some(uv) = self.corner_uv {
+                let values = uv.of_face(self.mesh, f);
+                sink.byte(if values.is_some() { 6 } else { 0 })?;
+                let values = values.as_ref().map_or(&[][..], |values| values.as_flattened());
+                values.iter().try_for_each(|&x| sink.real(x, self.uv_kind))?;
+            }
+            sink.end_row()?;
         }
-        sink.end_row()?;
+        Ok(())
     }
-    Ok(())
 }

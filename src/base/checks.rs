@@ -1,0 +1,27 @@
+//! Checks of arguments.
+
+use super::error::{Error, Result};
+
+/// Returns [`Error::Argument`] unless `value` is finite and above 0.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
+}
+
+/// Returns [`Error::Argument`] unless `value` is finite and at least 0.
+pub(crate) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be finite and at least 0, is {value}") })
+}
+
+/// Returns [`Error::Argument`] unless `value` is at least `least`.
+pub(crate) fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
+    if value >= least {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be at least {least}, is {value}") })
+}
