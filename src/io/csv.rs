@@ -30,7 +30,7 @@ pub(super) fn read(
         }
         let may_be_header = separator.is_none();
         let separator = *separator.get_or_insert_with(|| separator_of(line));
-        if may_be_header && fields(line, separator).all(|field| field.parse::<f64>().is_err()) {
+        if may_be_header && is_header(line, separator) {
             names = fields(line, separator).map(str::to_owned).collect();
             continue;
         }
@@ -118,6 +118,12 @@ fn push(values: &mut Vec<f64>, value: f64) -> Result<()> {
 /// Returns the first of tab, semicolon and comma that the line holds, or a blank.
 fn separator_of(line: &str) -> char {
     ['\t', ';', ','].into_iter().find(|&c| line.contains(c)).unwrap_or(' ')
+}
+
+/// Returns whether a line has names and no numbers.
+fn is_header(line: &str, separator: char) -> bool {
+    fields(line, separator).all(|field| field.parse::<f64>().is_err())
+        && fields(line, separator).any(|field| !field.is_empty())
 }
 
 /// Returns the fields of a line, without blanks and quotes around them; a run of blanks separates

@@ -216,6 +216,7 @@ fn broken_text_is_refused_with_its_line() {
         ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1"),
         ("a,b\n1,2\n3,four\n", 3, "column 2: \"four\" is not a number"),
         ("1,2\n3,\n", 2, "column 2: nothing where a number should be"),
+        (",,\n1,2,3\n", 1, "column 1: nothing where a number should be"),
         ("1,b\n3,4\n", 1, "column 2: \"b\" is not a number"),
         ("x,y\n# none\n", 3, "the file ends without a row of numbers"),
         ("", 1, "the file ends without a row of numbers"),

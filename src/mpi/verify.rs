@@ -57,7 +57,8 @@ pub fn verify<T: MpiReal>(
     let _guard = world.abort_on_panic();
     let (n, r) = (c.n(), rounds as usize);
     let prepared = check_rounds(rounds).and_then(|()| {
-        Ok((signs(n, rounds, seed), zeros(n * r)?, zeros(HEIGHT * n)?, zeros(HEIGHT * r)?))
+        let of_c = (zeros(n * r)?, zeros(n)?);
+        Ok((signs(n, rounds, seed), of_c, zeros(HEIGHT * n)?, zeros(HEIGHT * r)?))
     });
     let (by_columns, own) = match a {
         Distributed::Rows(rows) => (false, rows),
@@ -70,13 +71,13 @@ pub fn verify<T: MpiReal>(
         fact("the seed", seed as usize),
         number_fact("alpha", alpha),
     ];
-    let (x, mut z, mut block, mut y) = world.begin(Operation::Verify, &facts, prepared)?;
+    let (x, (mut z, mut norms), mut block, mut y) =
+        world.begin(Operation::Verify, &facts, prepared)?;
     let (m, columns) = placed(world, n, own.shape(), by_columns)?;
 
     add_part(&mut z, c, x.as_ref());
     // - alpha A^T (A X)
     let x = x.subrows(columns.start, columns.len());
-    let mut norms = vec![0.0; n];
     let backend = blas::native();
     let kernels: &dyn Kernels<f64> = backend.as_ref();
     for start in (0..own.nrows()).step_by(HEIGHT) {

@@ -222,7 +222,7 @@ static void test_refusals(void)
     params.loss = 0;
     params.elasticity_dry = 6e7;
     CHECK_STATUS(cata_plant_new(N, tails, radii, parents, kinds, NULL, &params, &plant), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("elasticity");
+    CHECK_MENTIONS("above the dry modulus of 60000000 Pa");
     const int32_t odd[N] = {0, 1, 4};
     CHECK_STATUS(cata_plant_new(N, tails, radii, parents, odd, NULL, NULL, &plant), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("kinds: 4 of node 2");

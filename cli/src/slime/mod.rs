@@ -130,7 +130,10 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let (options, look) = args.options()?;
-    let (frames, files) = args.frames(options.species, look.as_ref())?;
+    let mut frames = args.frames()?;
+    if args.resume.is_none() {
+        args.check_names(&frames, options.species, look.as_ref())?;
+    }
     let file = match &args.mesh {
         Some(path) => args.repair.read(path)?,
         None => MeshFile::from(Surface::tile_mesh()?),
@@ -138,6 +141,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut simulation = args.simulation(&file, &options)?;
     args.resume(&mut simulation)?;
     let first = simulation.state().step;
+    // The interrupted run has written the frames before.
+    frames.retain(|&step| step > first || step == args.steps);
+    let files = args.check_names(&frames, options.species, look.as_ref())?;
     let device = args.device.open()?;
     let on_device = device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
     let outputs = Outputs::create(args)?;
@@ -172,8 +178,8 @@ pub fn run(args: &Args) -> Result<()> {
         args.draw(&file, simulation, maps.as_ref())?.write_png(output)?;
     }
     report_steps(time, done - first, &simulation.coverage(par))?;
-    let (folder, count) = (args.output.display().to_string(), files.len());
-    status!("written", path = folder, files = count; "{folder}: {count} files")
+    let folder = args.output.display().to_string();
+    status!("written", path = folder, files = files; "{folder}: {files} files")
 }
 
 /// Reports the time of the steps, and the coverage after them.
@@ -308,9 +314,8 @@ impl Args {
         Ok((options, look))
     }
 
-    /// Returns the steps after which there is a frame, and the names of all files in the folder,
-    /// none of which exists yet.
-    fn frames(&self, species: usize, look: Option<&Look>) -> Result<(Vec<u32>, Vec<String>)> {
+    /// Returns the steps after which there is a frame.
+    fn frames(&self) -> Result<Vec<u32>> {
         let mut frames: Vec<u32> = match self.every {
             Some(0) => bail!("--every 0: at least 1 is needed"),
             Some(every) => (1..=self.steps / every).map(|i| i * every).collect(),
@@ -319,12 +324,18 @@ impl Args {
         if self.steps > 0 && frames.last() != Some(&self.steps) {
             frames.push(self.steps);
         }
+        Ok(frames)
+    }
+
+    /// Returns the number of files that the folder receives, after a check that none of them exists
+    /// yet, unless --force allows that.
+    fn check_names(&self, frames: &[u32], species: usize, look: Option<&Look>) -> Result<usize> {
         let of = |&step: &u32| frame_names(step, self.steps, species);
         let mut files: Vec<String> = frames.iter().flat_map(of).collect();
         files.extend([TABLE.into(), MESH.into(), MATERIAL.into()]);
         files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
         files.iter().try_for_each(|name| self.force.check(&self.output.join(name)))?;
-        Ok((frames, files))
+        Ok(files.len())
     }
 
     /// Replaces the state of a simulation by that of --resume.
@@ -350,14 +361,15 @@ impl Args {
         let bar = Bar::new("slime");
         let mut done = first;
         let mut ended = Ok(());
+        if frames.contains(&done) {
+            self.write_frame(growth, done, options.species)?;
+        }
         while done < self.steps && ended.is_ok() {
             let covered = growth.step(par)?;
             done += 1;
             moments.push((time_at(done), covered));
             if frames.contains(&done) {
-                let create = |name: String| self.force.create(&self.output.join(name));
-                let files = frame_names(done, self.steps, options.species).into_iter().map(create);
-                images::write(growth.simulation()?, files.collect::<Result<_, _>>()?)?;
+                self.write_frame(growth, done, options.species)?;
             }
             if bar.update(f64::from(done - first) / f64::from(self.steps - first))
                 == ControlFlow::Break(())
@@ -367,6 +379,12 @@ impl Args {
         }
         drop(bar);
         Ok(Grown { moments, done, time: start.elapsed(), ended })
+    }
+
+    fn write_frame(&self, growth: &mut Growth, step: u32, species: usize) -> Result<()> {
+        let create = |name: String| self.force.create(&self.output.join(name));
+        let files = frame_names(step, self.steps, species).into_iter().map(create);
+        images::write(growth.simulation()?, files.collect::<Result<_, _>>()?)
     }
 
     /// Draws the picture of --render.

@@ -48,11 +48,24 @@ fn a_run_goes_on_where_it_ended() {
     let folder = folder();
     let run = |rest: &str| folder.succeed(&format!("slime square.obj --config c.toml {rest}"));
     run("--steps 30 -o whole");
-    run("--steps 12 -o first --state some.state");
+    run("--steps 12 --every 5 -o first --state some.state");
     run("--steps 30 -o second --resume some.state");
     let of = |name: &str| fs::read(folder.path(name)).unwrap();
     assert_eq!(of("whole/frame-0030.png"), of("second/frame-0030.png"));
-    let other = "slime square.obj --config c.toml --seed 5 --steps 30 -o third --resume some.state";
+    run("--steps 12 -o third --resume some.state");
+    assert_eq!(of("first/frame-0012.png"), of("third/frame-0012.png"));
+
+    // What an interrupted run leaves: its frames. They are neither written again nor counted.
+    for name in ["mesh.obj", "mesh.mtl", "coverage.csv"] {
+        fs::remove_file(folder.path("first").join(name)).unwrap();
+    }
+    let early = of("first/frame-0010.png");
+    let said = run("--steps 30 --every 5 -o first --resume some.state");
+    assert!(said.contains("first: 7 files"), "{said}");
+    assert_eq!(of("whole/frame-0030.png"), of("first/frame-0030.png"));
+    assert_eq!(of("first/frame-0010.png"), early);
+    let other =
+        "slime square.obj --config c.toml --seed 5 --steps 30 -o fourth --resume some.state";
     assert!(folder.fail(other).contains("another seed"));
 }
 
