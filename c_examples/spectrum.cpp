@@ -68,7 +68,7 @@ int main() {
         const double residual = *std::max_element(pairs.residuals.begin(), pairs.residuals.end());
         std::cout << k << " eigenvalues off by " << worst << ", residuals of " << residual << '\n';
 
-        // All products of two eigenvectors, of which the constant one is the first, orthonormalised.
+        // All products of two eigenvectors, of which the constant one is the first, orthonormalized.
         const auto vectors = pairs.matrix();
         std::vector<double> products;
         for (std::size_t a = 0; a < k; ++a) {

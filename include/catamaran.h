@@ -159,7 +159,7 @@ typedef struct cata_backend cata_backend;
 
 /** Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...),
  * which must have the CBLAS interface with 32-bit integers; without a slash the system's search
- * path is used. Its initialisers run: load only what you trust. CATA_ERR_BACKEND when there is
+ * path is used. Its initializers run: load only what you trust. CATA_ERR_BACKEND when there is
  * no such file or it is not such a library. */
 cata_status cata_backend_load(const char *path, cata_backend **backend);
 
@@ -247,7 +247,7 @@ cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
 /** Computes C := alpha A^T A + beta C, for A m x n and C n x n.
  * - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
  *   neither read nor written.
- * - `beta`: with 0, C is not read, so it may be uninitialised.
+ * - `beta`: with 0, C is not read, so it may be uninitialized.
  *
  * The workspace is allocated before C is first written: C is untouched after any error but
  * CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified values in its wanted part.
@@ -412,7 +412,7 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 /**
  * @defgroup gram Least squares, principal components, singular values
  * Results from a Gram matrix in extended precision, computed in one or two passes over the rows,
- * as accurate as by an orthogonal factorisation.
+ * as accurate as by an orthogonal factorization.
  * @code{.c}
  * double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
  * cata_lstsq(CATA_ROW_MAJOR, 3, 2, 1, a, 2, b, 1, NULL, x, 1, NULL, NULL);
@@ -429,7 +429,7 @@ typedef struct cata_lstsq_params {
      * cannot be cancelled. */
     cata_progress progress;
     void *progress_user; /**< Passed to `progress`. */
-    /** Multiple of |X|^2 that is added to the minimised sum; finite, at least 0. The intercept is
+    /** Multiple of |X|^2 that is added to the minimized sum; finite, at least 0. The intercept is
      * not a part of X. */
     double ridge;
     int32_t intercept; /**< 1: a constant is fitted for each target too. 0: none. */
@@ -475,11 +475,11 @@ typedef struct cata_lstsq_result {
 /** Fills a struct with the defaults. */
 cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);
 
-/** Computes the X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
+/** Computes the X (n x k) that minimizes |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
  * and W = diag(weights), from the Gram matrix of [A B] in extended precision.
  *
  * Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
- * factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm
+ * factorization of A in double, up to condition numbers of about 2^48 of A with columns of norm
  * 1; see `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
  * - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
  * - `b`: B, m x k, read, with leading dimension `ldb`.
@@ -519,7 +519,7 @@ cata_status cata_pca_params_init(cata_pca_params *params, size_t struct_size);
  *   divisor m - 1; NULL where not wanted.
  * - `explained_variance_ratio`: count elements, written: the same, divided by the variance of
  *   all columns; NULL where not wanted.
- * - `singular_values`: count elements, written: those of the centred (and standardised) rows;
+ * - `singular_values`: count elements, written: those of the centred (and standardized) rows;
  *   NULL where not wanted.
  * - `mean`: n elements, written: the mean of each column; NULL where not wanted.
  * - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL
@@ -588,7 +588,7 @@ cata_status cata_gram_correlation(int32_t layout, size_t m, size_t n, const doub
 cata_status cata_gram_orthogonality(int32_t layout, size_t m, size_t n, const double *q, size_t ldq,
     double *max, double *frobenius, const cata_gram_params *params);
 
-/** Factorises A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
+/** Factorizes A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
  * extended precision: A (m x n) becomes Q. For columns that are independent;
  * cata_ortho_gram_schmidt takes any.
  *
@@ -768,7 +768,7 @@ typedef struct cata_eigs_params {
      * ignored. */
     double shift;
     int32_t has_shift; /**< 1: `shift` is used; 0: the smallest eigenvalues are computed. */
-    /** 1: counts the eigenvalues by one or two more factorisations, and continues until none is
+    /** 1: counts the eigenvalues by one or two more factorizations, and continues until none is
      * missing. 0: does not. */
     int32_t verify_count;
     int32_t laplacian; /**< Of meshes: CATA_LAPLACIAN_*. */
@@ -811,7 +811,7 @@ cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *c
     const double *entries, const double *masses, size_t k, size_t memory, cata_eigs_slice slice,
     void *user, const cata_eigs_params *params);
 
-/** Counts the eigenvalues below `value`, which may not be one, by a factorisation: so many k give
+/** Counts the eigenvalues below `value`, which may not be one, by a factorization: so many k give
  * cata_eigs all of them. In an interval there are as many as the difference of two counts, and
  * these are nearest to its middle as `shift`.
  * - `count`: one size_t, written.
@@ -857,7 +857,7 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
     const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);
 
-/** Factorises A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
+/** Factorizes A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
  * work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
  * leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
  * extended precision.)
@@ -1824,7 +1824,7 @@ typedef struct cata_symmetric cata_symmetric;
 
 /** The ranks of an MPI communicator that work together; it has a communicator of its own.
  *
- * The library never initialises or finalises MPI. MPI is called by the thread that calls; other
+ * The library never initializes or finalizes MPI. MPI is called by the thread that calls; other
  * threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
  *
  * Collective functions are called by all ranks of the world, in the same order and with the same

@@ -19,19 +19,19 @@
  * - `comm`: an intracommunicator; it may be freed while the world lives.
  * - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free, before MPI_Finalize.
  *
- * Returns what cata_world_new does: CATA_ERR_ARGUMENT when MPI is not initialised, was initialised with less
- * than MPI_THREAD_FUNNELED, or is finalised already, and for MPI_COMM_NULL.
+ * Returns what cata_world_new does: CATA_ERR_ARGUMENT when MPI is not initialized, was initialized with less
+ * than MPI_THREAD_FUNNELED, or is finalized already, and for MPI_COMM_NULL.
  *
  * Not thread-safe: MPI_Comm_dup is called.
  */
 static inline cata_status cata_world_from_comm(MPI_Comm comm, cata_world **world)
 {
-    int initialised = 0, finalised = 0;
+    int initialized = 0, finalized = 0;
     int handle = 0;
-    MPI_Initialized(&initialised);
-    MPI_Finalized(&finalised);
+    MPI_Initialized(&initialized);
+    MPI_Finalized(&finalized);
     /* MPI would abort; cata_world_new says what is wrong. */
-    if (initialised && !finalised) {
+    if (initialized && !finalized) {
         handle = (int)MPI_Comm_c2f(comm);
     }
     return cata_world_new(handle, world);

@@ -25,7 +25,7 @@
 //! | [`kernel`] | kernels for each instruction set | |
 //! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time | |
 //! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of results | |
-//! | `dense` | small dense factorisations | `geometry` |
+//! | `dense` | small dense factorizations | `geometry` |
 //! | `gram` | least squares, principal components, singular values from a Gram matrix in extended precision | `geometry` |
 //! | `sparse` | eigenpairs of sparse pencils | `geometry` |
 //! | `ortho` | Gram-Schmidt, Cholesky QR, rank-revealing bases | `geometry` |

@@ -1,4 +1,4 @@
-"""One orthogonalisation of the columns of a matrix, in the inner product of a diagonal mass.
+"""One orthogonalization of the columns of a matrix, in the inner product of a diagonal mass.
 
     gram_schmidt.py FOLDER METHOD     reads a (c x n: by columns) and mass of FOLDER, .npy each; METHOD is columns (numpy,
                                       column by column, twice) or dgeqp3 (LAPACK, pivoted QR of sqrt(M) A, with Q);
@@ -18,7 +18,7 @@ def memory(key):
 
 
 def columns(a, mass, threshold=1e-9):
-    """Gram-Schmidt as it is usually written in numpy, with re-orthogonalisation."""
+    """Gram-Schmidt as it is usually written in numpy, with re-orthogonalization."""
     q = np.empty_like(a, order="F")
     rank = 0
     for j in range(a.shape[1]):

@@ -2,7 +2,7 @@
 
     plant.py FOLDER RIVAL     reads parents, full, exchanges, losses and seconds of FOLDER, .npy each; writes theirs.npy,
                               the water after so many seconds from full cells, and prints: seconds of that, bytes,
-                              seconds of a factorisation, seconds of a step of BDF6 (nan where there is none)
+                              seconds of a factorization, seconds of a step of BDF6 (nan where there is none)
 
 Rivals: splu (scipy's SuperLU), klu (SuiteSparse, through ctypes), expm_multiply and bdf (scipy), cvode (SUNDIALS, by
 scikit-sundae, with its sparse direct solver).

@@ -12,9 +12,9 @@ pub struct Errors {
     pub mean: f64,
 }
 
-/// Summarises a sample of the lower triangle of an n x n matrix. The diagonal and the rest enter
+/// Summarizes a sample of the lower triangle of an n x n matrix. The diagonal and the rest enter
 /// the mean each by its share of the triangle, whatever its share of the sample.
-pub fn summarise(sample: &[EntryError], n: usize) -> Errors {
+pub fn summarize(sample: &[EntryError], n: usize) -> Errors {
     let mean_of = |diagonal: bool| {
         let found = sample.iter().filter(|e| (e.row == e.column) == diagonal);
         let (sum, count) = found.fold((0.0, 0.0), |(sum, count), e| (sum + e.error, count + 1.0));
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     fn summary<const K: usize>(sample: [(usize, usize, f64); K], n: usize) -> Errors {
-        summarise(&sample.map(|(row, column, error)| EntryError { row, column, error }), n)
+        summarize(&sample.map(|(row, column, error)| EntryError { row, column, error }), n)
     }
 
     #[test]

@@ -181,8 +181,8 @@ pub struct Summary {
     pub behind: usize,
 }
 
-/// Summarises rows; returns `None` without rows.
-pub fn summarise<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<Summary> {
+/// Summarizes rows; returns `None` without rows.
+pub fn summarize<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<Summary> {
     let rows: Vec<_> = rows.into_iter().collect();
     let worst = rows.iter().max_by(|x, y| x.ratio.total_cmp(&y.ratio))?;
     let logarithms: f64 = rows.iter().map(|r| r.ratio.ln()).sum();
@@ -274,11 +274,11 @@ pub(crate) mod tests {
     fn ratios_have_a_geometric_mean_and_a_worst() {
         let shapes = [16, 32, 64].map(|n| Shape { m: n, n });
         let rows = [(0, 0.5), (1, 4.0), (2, 0.5)].map(|(i, r)| example(shapes[i], 1, r));
-        let summary = summarise(&rows).unwrap();
+        let summary = summarize(&rows).unwrap();
         assert!((summary.mean - 1.0).abs() < 1e-15);
         assert_eq!((summary.rows, summary.worst, summary.behind), (3, 4.0, 1));
         assert_eq!(summary.worst_shape, shapes[1]);
-        assert_eq!(summarise([]), None);
+        assert_eq!(summarize([]), None);
     }
 
     #[test]

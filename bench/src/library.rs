@@ -113,7 +113,7 @@ impl Rival {
     pub fn load(name: &str, path: &Path) -> Result<Self> {
         // libmkl_rt finds its other libraries through the process, so it can't be bound deeply.
         let deep = if name == "mkl" { 0 } else { RTLD_DEEPBIND };
-        // SAFETY: runs the library's initialisers; the user named it as a BLAS to be trusted.
+        // SAFETY: runs the library's initializers; the user named it as a BLAS to be trusted.
         let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | deep) }?;
         // SAFETY: the signatures of the CBLAS standard with 32-bit integers, and the documented
         // ones of each library's thread control; the library is stored beside the pointers.

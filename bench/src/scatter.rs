@@ -3,7 +3,7 @@
 use catamaran_charts::{Axis, Chart, Line, Rule, Series};
 
 use crate::chart::{count_threads, distinct};
-use crate::grid::{BEHIND, Row, summarise};
+use crate::grid::{BEHIND, Row, summarize};
 use crate::input::Shape;
 
 /// Upper bounds of m / n, and the names of the classes.
@@ -28,7 +28,7 @@ pub fn svg(rows: &[Row]) -> String {
     let (bottom, top) = (0.95 * ratios().fold(0.85, f64::min), 1.05 * ratios().fold(1.2, f64::max));
     let chart = |(scalar, threads)| {
         let of_panel = || rows.iter().filter(move |r| (r.scalar, r.threads) == (scalar, threads));
-        let summary = summarise(of_panel()).map_or(String::new(), |s| s.to_string());
+        let summary = summarize(of_panel()).map_or(String::new(), |s| s.to_string());
         let series = CLASSES.iter().enumerate().map(|(k, (_, name))| {
             let own = of_panel().filter(|row| class(row.shape) == k);
             let points = own.map(|row| (row.shape.n as f64, row.ratio)).collect();

@@ -13,7 +13,7 @@ use crate::report::status;
 use crate::shape::{LaplacianArgs, Mode};
 
 /// Compute a basis of functions on a mesh: the products of its first eigenfunctions,
-/// orthogonalised.
+/// orthogonalized.
 ///
 /// Writes the arrays `functions` (a row for each vertex, a column for each function of the basis),
 /// `r` (the coefficients of every product in the basis), `kept` (for each function, the index of
@@ -30,7 +30,7 @@ pub struct Args {
     /// Largest number of factors in a product.
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
-    /// How products are orthogonalised.
+    /// How products are orthogonalized.
     #[arg(long, value_name = "MODE", default_value = "single-pass")]
     mode: Mode,
     #[command(flatten)]

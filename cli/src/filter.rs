@@ -34,7 +34,7 @@ const POINT: f64 = 1e-9;
 
 /// Filter the shape of a mesh, or functions on it, by frequencies.
 ///
-/// Frequencies are eigenvalues, or the Dirichlet energies of orthogonalised products of
+/// Frequencies are eigenvalues, or the Dirichlet energies of orthogonalized products of
 /// eigenfunctions (--order). They are numbered in ascending order, and the constant function has
 /// number 0. On a mesh with several components all functions that are constant on each component
 /// have number 0, so that a filter that keeps number 0 leaves every component in its place.

@@ -90,7 +90,7 @@ impl Ranks {
             return Ok(Self { mpi: None });
         }
         let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
-        let (universe, _) = start.context("MPI is initialised already")?;
+        let (universe, _) = start.context("MPI is initialized already")?;
         let world = catamaran::mpi::World::new(&universe.world())?;
         let ranks = Self { mpi: Some((world, universe)) };
         if !ranks.is_first() {

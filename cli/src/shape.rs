@@ -38,7 +38,7 @@ enum Kind {
     Tufted,
 }
 
-/// How products are orthogonalised.
+/// How products are orthogonalized.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Mode {
     /// One pass of Gram-Schmidt, threshold 1e-2 (the thesis' ours).

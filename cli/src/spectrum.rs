@@ -54,7 +54,7 @@ pub struct Args {
     /// results [default: 1e-9; a pair that rounding keeps above it gives a note].
     #[arg(long, value_name = "NUMBER")]
     tolerance: Option<f64>,
-    /// Check, by another factorisation, that no eigenvalue is missing.
+    /// Check, by another factorization, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
     /// Most memory of the eigensolver, in GiB. If all pairs at once would take more, they are

@@ -38,7 +38,7 @@ const KERNEL_TIME: f64 = 1e-2;
 /// The number of wave kernel signatures that the functional map is fitted to.
 const SIGNATURES: usize = 50;
 
-/// Transfer functions, or the shape itself, from one mesh to another, through orthogonalised
+/// Transfer functions, or the shape itself, from one mesh to another, through orthogonalized
 /// products of eigenfunctions.
 ///
 /// The correspondence of vertices is given, or computed from a few landmarks or from segments: a
@@ -105,7 +105,7 @@ pub struct Args {
     /// Largest number of factors in a product; 1 transfers through eigenfunctions alone.
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
-    /// How products are orthogonalised.
+    /// How products are orthogonalized.
     #[arg(long, value_name = "MODE", default_value = "single-pass")]
     mode: Mode,
     #[command(flatten)]
@@ -131,7 +131,7 @@ enum Refine {
     Icp,
     /// Uses more and more eigenfunctions.
     Zoomout,
-    /// Uses more and more orthogonalised products of the same few eigenfunctions, with at most
+    /// Uses more and more orthogonalized products of the same few eigenfunctions, with at most
     /// --order factors.
     Products,
 }
@@ -267,7 +267,7 @@ fn smooth(args: &Args) -> usize {
     args.smooth.unwrap_or(SMOOTH).saturating_add(1)
 }
 
-/// Returns the orthogonalised products of the first `len` eigenfunctions.
+/// Returns the orthogonalized products of the first `len` eigenfunctions.
 fn products(
     args: &Args,
     shape: &Shape,
@@ -396,12 +396,12 @@ fn indicators(labels: &[Vec<u32>; 2]) -> [Mat<f64>; 2] {
 
 /// Returns the wave kernel signatures of both meshes, scaled to area 1.
 fn signatures(source: &Eigenbasis, target: &Eigenbasis, par: Par) -> Result<[Mat<f64>; 2]> {
-    let normalised = |basis: &Eigenbasis| -> Result<(Vec<f64>, Mat<f64>)> {
+    let normalized = |basis: &Eigenbasis| -> Result<(Vec<f64>, Mat<f64>)> {
         let area = basis.basis().area()?;
         let values = basis.values().iter().map(|value| value * area).collect();
         Ok((values, Scale(area.sqrt()) * basis.functions()))
     };
-    let (source, target) = (normalised(source)?, normalised(target)?);
+    let (source, target) = (normalized(source)?, normalized(target)?);
     let scales = wave_scales(&source.0, SIGNATURES)?;
     let signature = |(values, vectors): &(Vec<f64>, Mat<f64>)| {
         wave_kernel_signature(values, vectors.as_ref(), &scales, par)

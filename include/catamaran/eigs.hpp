@@ -45,7 +45,7 @@ struct eigs_options {
     double tolerance = 0.0;
     /// The eigenvalues nearest to this number; nothing: the smallest.
     std::optional<double> shift;
-    /// Whether eigenvalues are counted, by further factorisations, and none is left out.
+    /// Whether eigenvalues are counted, by further factorizations, and none is left out.
     bool verify_count = false;
     /// Of meshes: which triangles the functions are linear on.
     laplacian_kind laplacian = laplacian_kind::cotangent;

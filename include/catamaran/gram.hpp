@@ -76,7 +76,7 @@ struct principal_components {
     std::vector<double> explained_variance;
     /// count: divided by the variance of all columns.
     std::vector<double> explained_variance_ratio;
-    /// count: of the centred (and standardised) rows.
+    /// count: of the centred (and standardized) rows.
     std::vector<double> singular_values;
     /// n: of each column.
     std::vector<double> mean;
@@ -234,7 +234,7 @@ public:
 
 }  // namespace detail
 
-/// The X that minimises |A X - B|^2 + ridge |X|^2, each row with its weight if there are any:
+/// The X that minimizes |A X - B|^2 + ridge |X|^2, each row with its weight if there are any:
 /// cata_lstsq. A is m x n, B is m x k, in the same layout.
 inline least_squares lstsq(matrix_view<const double> a, matrix_view<const double> b,
                            const std::vector<double>& weights = {},

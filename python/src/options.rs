@@ -123,7 +123,7 @@ pub fn vertices(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
     numbers.collect()
 }
 
-/// How products of eigenfunctions are orthogonalised.
+/// How products of eigenfunctions are orthogonalized.
 pub fn orthogonalization(method: &str) -> PyResult<Orthogonalization> {
     let known = [
         ("single_pass", Orthogonalization::SinglePass),

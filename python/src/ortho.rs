@@ -55,7 +55,7 @@ pub fn orthogonalize<'py>(
     let found = run(py, Length::Long, progress, move |progress| {
         let options = match method {
             0 => GramSchmidtOptions::single_pass(),
-            _ => GramSchmidtOptions::reorthogonalised(),
+            _ => GramSchmidtOptions::reorthogonalized(),
         };
         let options = options.par(par).progress(progress);
         let options = match threshold {

@@ -75,7 +75,7 @@ impl Eigenbasis {
 /// where there are fewer.
 type Products<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Vec<Vec<usize>>);
 
-/// Orthogonalised products of eigenfunctions; see `catamaran.eigenproducts`.
+/// Orthogonalized products of eigenfunctions; see `catamaran.eigenproducts`.
 #[pyfunction]
 #[pyo3(signature = (basis, order, method, threads, progress))]
 pub fn eigenproducts<'py>(

@@ -83,7 +83,7 @@ impl Cblas {
     pub(super) fn load(path: &Path) -> Result<Self> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let refuse = |why: String| Error::Backend { name: name.clone(), why, cause: None };
-        // SAFETY: runs the library's initialisers; the caller named it as a BLAS to be trusted.
+        // SAFETY: runs the library's initializers; the caller named it as a BLAS to be trusted.
         let library = unsafe { Library::new(path) }.map_err(|e| {
             // The loader's own message is in the source.
             let said = std::error::Error::source(&e).map(ToString::to_string);

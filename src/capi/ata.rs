@@ -21,7 +21,7 @@ use crate::{AtaOptions, Uplo};
 ///
 /// - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
 ///   neither read nor written.
-/// - `beta`: with 0, C is not read, so it may be uninitialised.
+/// - `beta`: with 0, C is not read, so it may be uninitialized.
 ///
 /// The workspace is allocated before C is first written: C is untouched after any error but
 /// CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified values in its wanted part.

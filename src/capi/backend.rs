@@ -43,7 +43,7 @@ impl cata_backend {
 
 /// Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...),
 /// which must have the CBLAS interface with 32-bit integers; without a slash the system's search
-/// path is used. Its initialisers run: load only what you trust. CATA_ERR_BACKEND when there is
+/// path is used. Its initializers run: load only what you trust. CATA_ERR_BACKEND when there is
 /// no such file or it is not such a library.
 ///
 /// # Safety

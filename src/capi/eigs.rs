@@ -68,7 +68,7 @@ pub struct cata_eigs_params {
     pub shift: f64,
     /// 1: `shift` is used; 0: the smallest eigenvalues are computed.
     pub has_shift: i32,
-    /// 1: counts the eigenvalues by one or two more factorisations, and continues until none is
+    /// 1: counts the eigenvalues by one or two more factorizations, and continues until none is
     /// missing. 0: does not.
     pub verify_count: i32,
     /// Of meshes: CATA_LAPLACIAN_*.
@@ -192,7 +192,7 @@ pub unsafe extern "C" fn cata_eigs_sliced(
     })
 }
 
-/// Counts the eigenvalues below `value`, which may not be one, by a factorisation: so many k give
+/// Counts the eigenvalues below `value`, which may not be one, by a factorization: so many k give
 /// cata_eigs all of them. In an interval there are as many as the difference of two counts, and
 /// these are nearest to its middle as `shift`.
 ///

@@ -246,7 +246,7 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
     })
 }
 
-/// Factorises A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
+/// Factorizes A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
 /// extended precision: A (m x n) becomes Q. For columns that are independent;
 /// cata_ortho_gram_schmidt takes any.
 ///

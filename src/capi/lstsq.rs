@@ -1,7 +1,7 @@
 //! # Least squares, principal components, singular values
 //!
 //! Results from a Gram matrix in extended precision, computed in one or two passes over the rows,
-//! as accurate as by an orthogonal factorisation.
+//! as accurate as by an orthogonal factorization.
 //!
 //! ```c
 //! double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
@@ -37,7 +37,7 @@ pub struct cata_lstsq_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Multiple of |X|^2 that is added to the minimised sum; finite, at least 0. The intercept is
+    /// Multiple of |X|^2 that is added to the minimized sum; finite, at least 0. The intercept is
     /// not a part of X.
     pub ridge: f64,
     /// 1: a constant is fitted for each target too. 0: none.
@@ -108,11 +108,11 @@ impl Versioned for cata_lstsq_result {
     const FIRST_SIZE: usize = offset_of!(Self, digits) + size_of::<f64>();
 }
 
-/// Computes the X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
+/// Computes the X (n x k) that minimizes |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
 /// and W = diag(weights), from the Gram matrix of [A B] in extended precision.
 ///
 /// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
-/// factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm
+/// factorization of A in double, up to condition numbers of about 2^48 of A with columns of norm
 /// 1; see `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
 ///
 /// - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.

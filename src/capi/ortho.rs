@@ -105,7 +105,7 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
     })
 }
 
-/// Factorises A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
+/// Factorizes A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
 /// work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
 /// leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
 /// extended precision.)
@@ -157,7 +157,7 @@ pub(super) struct FactorsOut<'a> {
 }
 
 impl<'a> FactorsOut<'a> {
-    /// Creates the outputs of a factorisation from pointers.
+    /// Creates the outputs of a factorization from pointers.
     ///
     /// # Safety
     /// The pointers are as the header describes them, R of so many rows and columns, during
@@ -200,7 +200,7 @@ pub(super) unsafe fn with_ortho_options<X>(
     params: *const cata_ortho_params,
     work: impl FnOnce(&GramSchmidtOptions<'_>, i32) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
-    let mut options = GramSchmidtOptions::reorthogonalised();
+    let mut options = GramSchmidtOptions::reorthogonalized();
     let (mut watch, mut method) = (None, CATA_ORTHO_REORTHOGONALIZED);
     if !params.is_null() {
         // SAFETY: the caller's promise.

@@ -8,7 +8,7 @@ use super::boundary::boundary;
 use super::pointer;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
 
-/// More than any version will ever have, to catch an uninitialised struct_size.
+/// More than any version will ever have, to catch an uninitialized struct_size.
 const LARGEST_SIZE: usize = 4096;
 
 /// A parameter struct of the ABI: `repr(C)`, struct_size first, and all fields may be 0.

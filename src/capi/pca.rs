@@ -62,7 +62,7 @@ pub unsafe extern "C" fn cata_pca_params_init(
 ///   divisor m - 1; NULL where not wanted.
 /// - `explained_variance_ratio`: count elements, written: the same, divided by the variance of
 ///   all columns; NULL where not wanted.
-/// - `singular_values`: count elements, written: those of the centred (and standardised) rows;
+/// - `singular_values`: count elements, written: those of the centred (and standardized) rows;
 ///   NULL where not wanted.
 /// - `mean`: n elements, written: the mean of each column; NULL where not wanted.
 /// - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL

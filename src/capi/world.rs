@@ -20,7 +20,7 @@ use std::mem::offset_of;
 
 /// The ranks of an MPI communicator that work together; it has a communicator of its own.
 ///
-/// The library never initialises or finalises MPI. MPI is called by the thread that calls; other
+/// The library never initializes or finalizes MPI. MPI is called by the thread that calls; other
 /// threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
 ///
 /// Collective functions are called by all ranks of the world, in the same order and with the same

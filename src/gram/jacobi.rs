@@ -13,7 +13,7 @@ const BLOCK: usize = 16;
 /// Largest number of sweeps over all pairs of columns; eight or so are enough.
 const SWEEPS: usize = 60;
 
-/// Partial sums of a scalar product: enough for compilers to vectorise the loop. The lengths of
+/// Partial sums of a scalar product: enough for compilers to vectorize the loop. The lengths of
 /// columns are multiples of this number.
 const SUMS: usize = 64;
 
@@ -25,7 +25,7 @@ pub(super) struct Jacobi {
 }
 
 /// Decomposes a matrix (n x r, r <= n) of full column rank, whose column j is that of `y` times
-/// `2^exponents[j]`. The matrix should be the transpose of the R of a factorisation with pivoting:
+/// `2^exponents[j]`. The matrix should be the transpose of the R of a factorization with pivoting:
 /// its columns are then graded, rotations converge in few sweeps, and the relative error even of
 /// the smallest value is about r 2^-53 times the condition number of R with rows of norm 1.
 ///

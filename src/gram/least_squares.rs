@@ -33,7 +33,7 @@ pub enum RankDeficiency {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LeastSquaresOptions {
-    /// Multiple of `|X|^2` that is added to the minimised sum, at least 0; the intercept is not
+    /// Multiple of `|X|^2` that is added to the minimized sum, at least 0; the intercept is not
     /// part of X.
     pub ridge: f64,
     /// Whether a constant is fitted too; the matrix must be about the mean.

@@ -3,7 +3,7 @@
 //!
 //! All functions start from an [`ExtendedGram`](crate::ata::ExtendedGram) of A, which takes one
 //! pass over the rows. Where the entries of A are exact, results are at least as accurate as those
-//! of an orthogonal factorisation of A in f64, as long as the condition number of A with columns of
+//! of an orthogonal factorization of A in f64, as long as the condition number of A with columns of
 //! norm 1 is below 2^48 or so.
 
 mod cholesky;

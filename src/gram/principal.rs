@@ -132,7 +132,7 @@ pub struct PrincipalComponents {
     pub explained_variance: Vec<f64>,
     /// The variance along each component, divided by the variance of all columns.
     pub explained_variance_ratio: Vec<f64>,
-    /// The singular values of the centred (and standardised) rows.
+    /// The singular values of the centred (and standardized) rows.
     pub singular_values: Vec<f64>,
     /// The mean of each column.
     pub mean: Vec<f64>,

@@ -61,7 +61,7 @@ impl PairsMut<'_> {
         }
     }
 
-    /// Multiplies by `factor`; the result is normalised.
+    /// Multiplies by `factor`; the result is normalized.
     #[inline(always)]
     pub fn scale(&mut self, factor: DoubleDouble) {
         let n = self.hi.len();
@@ -72,7 +72,7 @@ impl PairsMut<'_> {
         }
     }
 
-    /// Subtracts the squares of `x`; the result is normalised.
+    /// Subtracts the squares of `x`; the result is normalized.
     #[inline(always)]
     pub fn subtract_squares(&mut self, x: Pairs<'_>) {
         let n = self.hi.len();
@@ -88,7 +88,7 @@ impl PairsMut<'_> {
 }
 
 /// Adds `factor x` to a vector of sums of three parts, as [`TripleSum`](super::double::TripleSum)
-/// adds: `x` and `factor` are normalised, the sums need not be.
+/// adds: `x` and `factor` are normalized, the sums need not be.
 #[inline(always)]
 pub(super) fn add_triples(sum: [&mut [f64]; 3], x: [&[f64]; 3], factor: [f64; 3]) {
     let n = sum[0].len();
@@ -112,7 +112,7 @@ pub(super) fn add_triples(sum: [&mut [f64]; 3], x: [&[f64]; 3], factor: [f64; 3]
     }
 }
 
-/// Normalises a vector of numbers of three parts.
+/// Normalizes a vector of numbers of three parts.
 #[inline(always)]
 pub(super) fn normalize_triples(sum: [&mut [f64]; 3]) {
     let n = sum[0].len();

@@ -1,5 +1,5 @@
 //! Eigenpairs of a pencil whose rows are distributed over the ranks: the iteration of
-//! [`crate::sparse`] with a distributed basis and a distributed factorisation
+//! [`crate::sparse`] with a distributed basis and a distributed factorization
 //! (docs/algorithms/eigen.md).
 
 use faer::{MatMut, MatRef};
@@ -23,7 +23,7 @@ use crate::sparse::{
 /// the lumped masses of the own rows, or own rows x n of a full mass matrix. Every rank gets all
 /// eigenvalues and residuals, and its rows of the eigenvectors.
 ///
-/// The basis, `2 k + 80` vectors, all work with it, and the factorisation of `W - sigma M` are
+/// The basis, `2 k + 80` vectors, all work with it, and the factorization of `W - sigma M` are
 /// distributed: each rank eliminates a domain of about n / P rows, and every rank eliminates the
 /// Schur complement of the interface between the domains. At the beginning every rank reads both
 /// matrices to choose the domains. The starting vectors do not depend on the number of ranks, but

@@ -1,4 +1,4 @@
-//! `W - sigma M` factorised by all ranks: each rank eliminates the rows of a domain, and every rank
+//! `W - sigma M` factorized by all ranks: each rank eliminates the rows of a domain, and every rank
 //! eliminates the Schur complement of the interface between the domains.
 
 use std::ops::Range;
@@ -19,7 +19,7 @@ use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply, 
 const COLUMNS: usize = 64;
 
 /// The shifts of a pencil whose rows, and whose elimination, are distributed. With A the matrix, i
-/// the rows of this rank's domain and s those of the interface, a factorisation is one of `A_ii` on
+/// the rows of this rank's domain and s those of the interface, a factorization is one of `A_ii` on
 /// each rank, and of `S = A_ss - sum of A_si A_ii^-1 A_is` on all. Their inertias add up to that of
 /// A (Haynsworth 1968).
 ///
@@ -70,7 +70,7 @@ impl Coupling {
 }
 
 impl<'c> SpreadShifts<'c> {
-    /// Distributes the pencil, given with all rows, for factorisations by ranks that have `rows`.
+    /// Distributes the pencil, given with all rows, for factorizations by ranks that have `rows`.
     pub fn new(
         call: &'c Call<'c>,
         rows: &Rows,
@@ -124,11 +124,11 @@ impl<'c> SpreadShifts<'c> {
         })
     }
 
-    /// Factorises, with pivots or for a positive definite matrix; `None` if it is not that.
-    fn factorise(&self, sigma: f64, pivots: bool) -> Result<Option<SpreadFactor<'_>>> {
+    /// Factorizes, with pivots or for a positive definite matrix; `None` if it is not that.
+    fn factorize(&self, sigma: f64, pivots: bool) -> Result<Option<SpreadFactor<'_>>> {
         let shifted = self.inner.shifted();
         let entries = shifted.values(sigma);
-        let inner = factorise(&self.symbolic, shifted.matrix(&entries), pivots);
+        let inner = factorize(&self.symbolic, shifted.matrix(&entries), pivots);
         let inner = self.call.meet(inner)?;
         drop(entries);
         // The ranks whose matrix is indefinite, or singular, and the negative eigenvalues.
@@ -157,7 +157,7 @@ impl<'c> SpreadShifts<'c> {
             let mut entries = self.call.meet(factor.complement(sigma, self.par))?;
             self.call.world.sum(&mut entries);
             let Interface { symbolic, places, .. } = &self.interface;
-            let interface = factorise(symbolic, places.matrix(&entries), pivots);
+            let interface = factorize(symbolic, places.matrix(&entries), pivots);
             let Some(interface) = self.call.meet(interface)? else { return Ok(None) };
             factor.below_zero += interface.below_zero();
             factor.interface = Some(interface);
@@ -166,8 +166,8 @@ impl<'c> SpreadShifts<'c> {
     }
 }
 
-/// Factorises a symmetric matrix; `None` if it is not positive definite, and without pivots.
-fn factorise(
+/// Factorizes a symmetric matrix; `None` if it is not positive definite, and without pivots.
+fn factorize(
     symbolic: &Symbolic,
     matrix: SparseColMatRef<'_, usize, f64>,
     pivots: bool,
@@ -252,17 +252,17 @@ impl Shifts for SpreadShifts<'_> {
     }
 
     fn positive(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>> {
-        let factor = self.factorise(sigma, false)?;
+        let factor = self.factorize(sigma, false)?;
         Ok(factor.map(|factor| Box::new(factor) as Box<dyn Inverse>))
     }
 
     fn indefinite(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
-        let factor = self.factorise(sigma, true)?;
+        let factor = self.factorize(sigma, true)?;
         Ok(Box::new(factor.expect("pivots allow for any matrix")))
     }
 }
 
-/// The part of a factorisation that a rank holds.
+/// The part of a factorization that a rank holds.
 struct SpreadFactor<'s> {
     shifts: &'s SpreadShifts<'s>,
     inner: Factor,

@@ -85,7 +85,7 @@ pub fn gram_schmidt_in_place(
         fact("the number of columns", c),
         mass_fact(mass),
         number_fact("the threshold", options.threshold),
-        flag("re-orthogonalisation", options.reorthogonalise),
+        flag("re-orthogonalization", options.reorthogonalize),
     ];
     Call::run(world, Operation::GramSchmidt, &facts, |call| {
         let rows = Rows::new(call, own)?;

@@ -64,7 +64,7 @@ impl AddAssign for Traffic {
 /// caller and of this crate never mix.
 ///
 /// All calls of MPI are made by the calling thread, which must be allowed to call MPI. MPI is
-/// neither initialised nor finalised; a world should be dropped before the caller finalises it.
+/// neither initialized nor finalized; a world should be dropped before the caller finalizes it.
 ///
 /// ```no_run
 /// use catamaran::mpi::World;
@@ -128,15 +128,15 @@ impl World {
     /// All ranks must call this function.
     ///
     /// # Errors
-    /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialised, or finalised
+    /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialized, or finalized
     /// already, or the handle is that of no communicator.
     pub fn from_fortran(handle: ffi::RSMPI_Fint) -> Result<Self> {
         let refuse = |why: &str| Err(Error::Argument { what: "communicator", why: why.into() });
         if !::mpi::environment::is_initialized() {
-            return refuse("MPI is not initialised");
+            return refuse("MPI is not initialized");
         }
         if ::mpi::environment::is_finalized() {
-            return refuse("MPI is finalised already");
+            return refuse("MPI is finalized already");
         }
         check_threads()?;
         // SAFETY: MPI runs. Its library maps handles that it doesn't know to the null communicator,
@@ -410,7 +410,7 @@ impl Drop for Over<'_> {
 
 impl Drop for World {
     fn drop(&mut self) {
-        // A communicator can't be freed any more once MPI is finalised.
+        // A communicator can't be freed any more once MPI is finalized.
         if !::mpi::environment::is_finalized() {
             // SAFETY: never used again.
             unsafe { ManuallyDrop::drop(&mut self.comm) };

@@ -12,7 +12,7 @@ use crate::sparse::{InnerSpace, Mass};
 /// Columns that are projected together.
 const PANEL: usize = 256;
 
-/// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalised`] by default.
+/// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalized`] by default.
 ///
 /// ```
 /// use catamaran::{faer::mat, prelude::*, sparse::Mass};
@@ -23,7 +23,7 @@ const PANEL: usize = 256;
 ///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())
 /// };
 /// assert_eq!(rank(GramSchmidtOptions::single_pass())?, 1);
-/// assert_eq!(rank(GramSchmidtOptions::reorthogonalised())?, 2);
+/// assert_eq!(rank(GramSchmidtOptions::reorthogonalized())?, 2);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub struct GramSchmidtOptions<'a> {
     /// this fraction of its length; between 1e-13 and 1. A column of zeros is always dropped.
     pub threshold: f64,
     /// Whether columns are projected again until they no longer change.
-    pub reorthogonalise: bool,
+    pub reorthogonalize: bool,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
     /// Progress callback, which may cancel.
@@ -42,13 +42,13 @@ pub struct GramSchmidtOptions<'a> {
 
 impl Default for GramSchmidtOptions<'_> {
     fn default() -> Self {
-        Self::reorthogonalised()
+        Self::reorthogonalized()
     }
 }
 
 builder! { GramSchmidtOptions<'a> {
     threshold: f64,
-    reorthogonalise: bool,
+    reorthogonalize: bool,
     par: Par,
     #[into] progress: Progress<'a>,
 }}
@@ -60,16 +60,16 @@ impl GramSchmidtOptions<'_> {
     pub fn single_pass() -> Self {
         Self {
             threshold: 1e-2,
-            reorthogonalise: false,
+            reorthogonalize: false,
             par: Par::all(),
             progress: Progress::none(),
         }
     }
 
-    /// Returns the thesis' mode `ours*`: threshold 1e-9, re-orthogonalised. `Q^T M Q` is the
+    /// Returns the thesis' mode `ours*`: threshold 1e-9, re-orthogonalized. `Q^T M Q` is the
     /// identity to rounding.
-    pub fn reorthogonalised() -> Self {
-        Self { threshold: 1e-9, reorthogonalise: true, ..Self::single_pass() }
+    pub fn reorthogonalized() -> Self {
+        Self { threshold: 1e-9, reorthogonalize: true, ..Self::single_pass() }
     }
 
     pub(super) fn check(&self) -> Result<()> {
@@ -216,13 +216,13 @@ impl Growing<'_> {
         range: Range<usize>,
     ) -> Result<()> {
         let (start, width) = (range.start, range.len());
-        let copied = if self.options.reorthogonalise && width > 1 { width } else { 0 };
+        let copied = if self.options.reorthogonalize && width > 1 { width } else { 0 };
         let mut columns = zeros(a.nrows(), copied)?;
         columns.copy_from(a.rb().subcols(start, copied));
         let (mut left, right) = a.rb_mut().split_at_col_mut(start);
         let mut panel = right.subcols_mut(0, width);
         let q = left.rb().subcols(0, self.kept.len());
-        let Some(block) = orthonormalise(inner, q, panel.rb_mut(), self.options)? else {
+        let Some(block) = orthonormalize(inner, q, panel.rb_mut(), self.options)? else {
             panel.copy_from(&columns);
             drop(columns);
             let middle = start + width / 2;
@@ -249,7 +249,7 @@ impl Growing<'_> {
     }
 }
 
-/// The result of [`orthonormalise`] for one panel.
+/// The result of [`orthonormalize`] for one panel.
 struct Block {
     kept: Vec<usize>,
     /// Coefficients of the panel's columns in the basis before it; `own`: in its own columns.
@@ -260,13 +260,13 @@ struct Block {
 /// Makes the first columns of the panel orthonormal, and orthogonal to Q. Returns `None` when too
 /// much of a column is lost with others: the part along a column that a later pass drops has
 /// already been removed from the columns after it.
-fn orthonormalise(
+fn orthonormalize(
     inner: &mut Inner<'_>,
     q: MatRef<'_, f64>,
     mut panel: MatMut<'_, f64>,
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Option<Block>> {
-    /// A pass is the last one if it leaves this much of normalised columns (Giraud et al.).
+    /// A pass is the last one if it leaves this much of normalized columns (Giraud et al.).
     const ENOUGH: f64 = 0.5;
     const PASSES: usize = 5;
     /// Part of a kept column that may be lost.
@@ -280,7 +280,7 @@ fn orthonormalise(
     let (mut kept, mut own, mut lengths) = (first.kept, first.r, first.lengths);
     limits = kept.iter().map(|&j| limits[j]).collect();
     for _ in 1..PASSES {
-        if !options.reorthogonalise || kept.is_empty() {
+        if !options.reorthogonalize || kept.is_empty() {
             break;
         }
         // The columns have length 1 now, so the limits become relative to that length.

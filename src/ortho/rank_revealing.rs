@@ -25,7 +25,7 @@ const FINEST: f64 = 1e-13;
 /// own order. `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the
 /// rest of A up to about the threshold times the largest singular value.
 ///
-/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised.
+/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalized.
 /// Beyond [`gram_schmidt`], it computes the singular values and vectors of R on one thread, and
 /// holds a few matrices of the size of R.
 ///
@@ -78,7 +78,7 @@ pub fn rank_revealing_in_place(
     options.check()?;
     let finer = GramSchmidtOptions {
         threshold: (FINER * options.threshold).max(FINEST),
-        reorthogonalise: true,
+        reorthogonalize: true,
         ..options.clone()
     };
     let found = gram_schmidt_in_place(a.rb_mut(), mass, &finer)?;

@@ -22,7 +22,7 @@ pub enum Start {
 }
 
 /// The backward differentiation formula of order 6 with a fixed step (thesis, equation 4.8): a
-/// factorisation for each change of the model or the step, and two passes over the tree for each
+/// factorization for each change of the model or the step, and two passes over the tree for each
 /// step.
 ///
 /// ```

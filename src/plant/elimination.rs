@@ -208,7 +208,7 @@ fn children(parents: &[u32], trunk: usize) -> (Vec<u32>, Vec<u32>) {
     (starts, children)
 }
 
-/// A factorised matrix, and memory for further matrices of the same tree.
+/// A factorized matrix, and memory for further matrices of the same tree.
 #[derive(Debug, Clone)]
 pub(crate) struct Factor<T> {
     /// `w / (d + w)` of every position.
@@ -226,7 +226,7 @@ impl<T: Number> Factor<T> {
         Ok(Self { fractions: filled(n)?, inverses: filled(n)?, excess: filled(n)? })
     }
 
-    /// Factorises the matrix with couplings `scale * w`, whose excesses `fill(positions, excesses)`
+    /// Factorizes the matrix with couplings `scale * w`, whose excesses `fill(positions, excesses)`
     /// writes.
     pub fn refactor(
         &mut self,

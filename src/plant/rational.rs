@@ -103,7 +103,7 @@ impl Rational {
 
 impl WaterModel {
     /// Computes the water of every node, in kg, `seconds` after it was `water` (kg, by nodes): the
-    /// exponential of S by a rational approximation, with 8 factorisations with complex shifts, in
+    /// exponential of S by a rational approximation, with 8 factorizations with complex shifts, in
     /// O(n). There are no time steps, unless most of the water is lost: a step may lose a factor of
     /// about 20, so that the rest keeps its digits.
     ///

@@ -2,7 +2,7 @@
 //!
 //! SDIRK of order 4 with 5 stages (Hairer and Wanner 1996, section IV.6), L-stable and stiffly
 //! accurate, with an error estimate of order 3. In every Newton iteration of a stage, the
-//! linearised equations are solved for the new value, not for a change. The matrix is that of a
+//! linearized equations are solved for the new value, not for a change. The matrix is that of a
 //! tree with a positive excess, so that the elimination needs no subtraction, and each solution
 //! conserves the water.
 
@@ -245,7 +245,7 @@ impl Sdirk {
         for _ in 0..ITERATIONS {
             std::mem::swap(&mut self.guess, &mut self.next);
             let root = self.model.root();
-            // The uptake, linearised, after elimination of the equation of the soil:
+            // The uptake, linearized, after elimination of the equation of the soil:
             let (mut share, mut pushed) = (0.0, 0.0);
             if let Some(soil) = self.responses.soil {
                 let dryness = 1.0 - self.guess[root];
@@ -273,7 +273,7 @@ impl Sdirk {
         self.responses.stomata.is_none() && self.conductance == 0.0
     }
 
-    /// Solves the linearised equations; `share` is added to the excess of the root, `supply` to its
+    /// Solves the linearized equations; `share` is added to the excess of the root, `supply` to its
     /// right-hand side.
     fn solve(&mut self, tau: f64, share: f64, supply: f64) {
         let Self { model, responses, factor, base, guess, next, par, .. } = self;

@@ -8,7 +8,7 @@ use super::space::WholePencil;
 use crate::base::{Error, Result};
 
 /// Computes the number of eigenvalues of `W phi = lambda M phi` below `value`, by the inertia of a
-/// factorisation of `W - value M` (Sylvester).
+/// factorization of `W - value M` (Sylvester).
 ///
 /// W (n x n) is symmetric, all entries stored, by rows or by columns. With the result as `k`,
 /// [`eigs`](super::eigs()) finds all pairs below `value`. For the pairs in an interval, use the

@@ -17,7 +17,7 @@ use crate::base::Result;
 ///
 /// W (n x n) is symmetric, all entries stored, by rows or by columns; positive semi-definite unless
 /// a shift is given. Shift-invert block Lanczos with thick restart (Wu and Simon 2000; Grimes,
-/// Lewis and Simon 1994) on a sparse Cholesky factorisation of `W - sigma M`. Without a shift,
+/// Lewis and Simon 1994) on a sparse Cholesky factorization of `W - sigma M`. Without a shift,
 /// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
 /// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null vectors that are constant
 /// on components of the graph of W are not iterated, however many there are. Other eigenvalues

@@ -108,14 +108,14 @@ impl<'a> Krylov<'a> {
     fn random_restart(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
-            randomise(column, self.pencil, &mut self.rng, self.mass_norm);
+            randomize(column, self.pencil, &mut self.rng, self.mass_norm);
         }
         let [x, random] = &mut self.work;
         let par = self.options.par;
         self.pencil.inner().apply_mass(random.as_ref(), x.as_mut(), par)?;
         factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
-        self.orthonormalise(self.len, 0.0, None)?;
+        self.orthonormalize(self.len, 0.0, None)?;
         self.coupled = self.len;
         self.append()
     }
@@ -146,7 +146,7 @@ impl<'a> Krylov<'a> {
         own.copy_from(&diagonal);
         let reference = coefficients.norm_l2();
         subtract_product(x.as_mut(), near, coefficients.as_ref(), par);
-        let coupling = self.orthonormalise(len + WIDTH, reference, Some(len))?;
+        let coupling = self.orthonormalize(len + WIDTH, reference, Some(len))?;
         let mut own = self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH);
         for j in 0..WIDTH {
             for i in 0..j {
@@ -164,7 +164,7 @@ impl<'a> Krylov<'a> {
     /// basis, and returns B with `X before = X after B + (columns of the basis)`. Columns that are
     /// below rounding, for the length `reference`, are replaced by random directions, with zeros in
     /// B. Components along the block at `own` are added to T.
-    fn orthonormalise(
+    fn orthonormalize(
         &mut self,
         count: usize,
         reference: f64,
@@ -172,9 +172,9 @@ impl<'a> Krylov<'a> {
     ) -> Result<Mat<f64>> {
         /// Length, relative to the reference, below which a column is only rounding.
         const ROUNDING: f64 = 1e-14;
-        /// Each pass normalises columns that are shorter than the longest by up to this factor.
+        /// Each pass normalizes columns that are shorter than the longest by up to this factor.
         const RANGE: f64 = 1e-8;
-        /// A normalised column that projection makes shorter than this lay in the span of the
+        /// A normalized column that projection makes shorter than this lay in the span of the
         /// others.
         const SHRUNK: f64 = 1e-3;
         const PASSES: usize = 12;
@@ -214,7 +214,7 @@ impl<'a> Krylov<'a> {
                 let length = turned(i).map(|p| next[p] * next[p]).sum::<f64>().sqrt();
                 if length <= ROUNDING * reference && (pass == 0 || lengths[i] < SHRUNK) {
                     turned(i).for_each(|p| next[p] = 0.0);
-                    randomise(x.as_mut().col_mut(i), pencil, &mut self.rng, self.mass_norm);
+                    randomize(x.as_mut().col_mut(i), pencil, &mut self.rng, self.mass_norm);
                     replaced = true;
                 }
             }
@@ -393,7 +393,7 @@ fn inner_products(
 }
 
 /// Fills a column with a random direction, of length about 1 in the inner product.
-fn randomise(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, mass_norm: f64) {
+fn randomize(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, mass_norm: f64) {
     let (n, here) = (pencil.inner().dimension(), pencil.inner().rows());
     let size = 12f64.sqrt() / ((n as f64).sqrt() * mass_norm);
     // Every process draws all entries, so that they do not depend on the distribution of rows.

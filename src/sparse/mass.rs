@@ -45,7 +45,7 @@ impl Mass {
     }
 
     /// Checks that the matrix is an inner product for vectors of n entries, as far as possible
-    /// without a factorisation: n rows, finite, symmetric, the diagonal positive.
+    /// without a factorization: n rows, finite, symmetric, the diagonal positive.
     ///
     /// ```
     /// use catamaran::sparse::Mass;

@@ -25,7 +25,7 @@ pub struct EigenOptions<'a> {
     /// of few rows are solved as dense ones, as accurately as rounding allows.
     /// [`Eigenpairs::worst`](super::Eigenpairs::worst) returns the largest residual.
     pub tolerance: f64,
-    /// Counts the eigenvalues by the inertia of another factorisation (Sylvester), and continues
+    /// Counts the eigenvalues by the inertia of another factorization (Sylvester), and continues
     /// until none is missing; default false.
     pub verify_count: bool,
     /// Threads; default all cores of the affinity mask. Does not change the result.

@@ -44,7 +44,7 @@ impl<'a> Problem<'a> {
         Self { pencil, scale: scale(stiffness, mass), shifts, mean_mass, null }
     }
 
-    /// Returns the bytes that a factorisation takes, and those that are allocated anyway.
+    /// Returns the bytes that a factorization takes, and those that are allocated anyway.
     pub fn bytes(&self) -> usize {
         self.shifts.bytes()
     }
@@ -60,7 +60,7 @@ impl<'a> Problem<'a> {
         Ok(factor.is_finite().then(|| factor.below_zero()))
     }
 
-    /// Factorises `W - sigma M` for a semi-definite W.
+    /// Factorizes `W - sigma M` for a semi-definite W.
     pub fn positive(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         self.shifts.positive(sigma)?.ok_or_else(|| {
             let why = "not positive semi-definite, which needs a shift".into();
@@ -68,7 +68,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Factorises `W - sigma M`.
+    /// Factorizes `W - sigma M`.
     pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         if sigma < 0.0
             && let Some(factor) = self.shifts.positive(sigma)?

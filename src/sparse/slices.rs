@@ -38,7 +38,7 @@ const ATTEMPTS: usize = 20;
 ///
 /// A slice is a run with a shift of its own, and ends in a gap between eigenvalues: equal ones are
 /// never in two slices (but k may end among them). The eigenvalues below each cut are counted by
-/// the inertia of a factorisation there (Sylvester), and the run goes on until none is missing, as
+/// the inertia of a factorization there (Sylvester), and the run goes on until none is missing, as
 /// under [`EigenOptions::verify_count`]. Vectors of one slice are orthonormal to rounding, and
 /// orthogonal to the last ones of the slice before. Vectors farther apart are orthogonal to about
 /// the tolerance times the eigenvalue over the distance of their eigenvalues.

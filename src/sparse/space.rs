@@ -51,17 +51,17 @@ pub(crate) trait Pencil {
 /// The matrices `W - sigma M` for every sigma, of which each process may hold a part. All processes
 /// call the same functions in the same order, and get the same results.
 pub(crate) trait Shifts {
-    /// Returns the bytes that a factorisation takes, and those that are allocated anyway.
+    /// Returns the bytes that a factorization takes, and those that are allocated anyway.
     fn bytes(&self) -> usize;
 
-    /// Factorises the matrix; returns `None` unless it is positive definite.
+    /// Factorizes the matrix; returns `None` unless it is positive definite.
     fn positive(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>>;
 
-    /// Factorises the matrix with pivots.
+    /// Factorizes the matrix with pivots.
     fn indefinite(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>>;
 }
 
-/// A symmetric matrix A that is factorised.
+/// A symmetric matrix A that is factorized.
 pub(crate) trait Inverse {
     /// Computes `X := A^-1 X`, of the rows of this process; the same for every `par`, bit for bit.
     fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()>;

@@ -23,7 +23,7 @@ use crate::dense::{
 const STEPS: usize = 4;
 
 /// Computes the k smallest eigenpairs of `W phi = lambda M phi` approximately, without a
-/// factorisation of a matrix of W's size.
+/// factorization of a matrix of W's size.
 ///
 /// W and M are as for [`eigs`]; `prolongation` (n x c, by rows, c below n) takes functions on a
 /// coarse space to those on the fine one, for instance the weights of a decimation. First come the

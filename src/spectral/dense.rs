@@ -1,6 +1,6 @@
-//! Dense matrices: products by the kernels of this crate, factorisations by faer.
+//! Dense matrices: products by the kernels of this crate, factorizations by faer.
 //!
-//! faer's factorisations run on the calling thread, because parallel factorisations may round
+//! faer's factorizations run on the calling thread, because parallel factorizations may round
 //! differently for every number of threads; the matrices here have as many rows as there are basis
 //! functions, not vertices.
 
@@ -90,7 +90,7 @@ pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
     Ok(Svd { u, s, v })
 }
 
-/// Returns the X that minimises `|A X - B|`, for A of full column rank, by Householder's QR.
+/// Returns the X that minimizes `|A X - B|`, for A of full column rank, by Householder's QR.
 pub(super) fn least_squares(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Mat<f64>> {
     let (m, n) = a.shape();
     let mut basis = zeros(m, n)?;

@@ -151,7 +151,7 @@ fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
         return Ok(None);
     }
     let value = 1.0 / area.sqrt();
-    // Coefficients of the normalised constant in the null space: a vector of norm 1 if the constant
+    // Coefficients of the normalized constant in the null space: a vector of norm 1 if the constant
     // lies there.
     let ones = Mat::<f64>::ones(basis.vertices(), 1);
     let parts = basis.analysis(ones.as_ref(), Par::Seq)?;

@@ -1,4 +1,4 @@
-//! The orthogonalised eigenproducts (thesis, section 1.3.3).
+//! The orthogonalized eigenproducts (thesis, section 1.3.3).
 
 use faer::{Mat, MatRef, Scale};
 
@@ -9,7 +9,7 @@ use crate::base::{Par, Progress, Result, builder};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place};
 
-/// The method of orthogonalisation of eigenproducts: the two methods of the thesis (section 1.4),
+/// The method of orthogonalization of eigenproducts: the two methods of the thesis (section 1.4),
 /// and one by rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Orthogonalization {
@@ -54,7 +54,7 @@ builder! { ProductBasisOptions<'a> {
 }}
 
 /// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order,
-/// orthogonalised.
+/// orthogonalized.
 ///
 /// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: they have no
 /// unit and mean square 1, so that the basis does not depend on the size of the mesh. With the L
@@ -85,7 +85,7 @@ impl ProductBasis {
     /// Computes the basis of all products of at most `order` of the eigenfunctions other than the
     /// constant.
     ///
-    /// The products are computed and orthogonalised in the memory of the result; R takes additional
+    /// The products are computed and orthogonalized in the memory of the result; R takes additional
     /// memory.
     ///
     /// # Errors
@@ -107,7 +107,7 @@ impl ProductBasis {
         let defaults = match options.orthogonalization {
             Orthogonalization::SinglePass => GramSchmidtOptions::single_pass(),
             Orthogonalization::Reorthogonalized | Orthogonalization::RankRevealing => {
-                GramSchmidtOptions::reorthogonalised()
+                GramSchmidtOptions::reorthogonalized()
             }
         };
         let gram_schmidt =
@@ -126,7 +126,7 @@ impl ProductBasis {
         Ok(Self { products, kept, r, basis })
     }
 
-    /// Returns the products that were orthogonalised, L of them.
+    /// Returns the products that were orthogonalized, L of them.
     pub fn products(&self) -> &Eigenproducts {
         &self.products
     }

@@ -253,7 +253,7 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    /// Computes C~ by its definition: the explicit Kronecker power of the homogenised map, with the
+    /// Computes C~ by its definition: the explicit Kronecker power of the homogenized map, with the
     /// rows and columns of the same product summed, and one representative column of each.
     fn by_kronecker(linear: &Mat<f64>, order: usize) -> Mat<f64> {
         let (rows, columns) = (linear.nrows(), linear.ncols() + 1);

@@ -1,5 +1,5 @@
 //! Finds a surface with a given spectrum: a template is deformed until it has the given eigenvalues
-//! (isospectralisation; Cosmo et al. 2019. Thesis, section 2.6.1, figures 2.2 and 2.5).
+//! (isospectralization; Cosmo et al. 2019. Thesis, section 2.6.1, figures 2.2 and 2.5).
 
 use faer::Mat;
 
@@ -263,7 +263,7 @@ impl Shape {
     }
 }
 
-/// The inner product of displacements, `W + M / area` of a shape (Neumann), in factorised form.
+/// The inner product of displacements, `W + M / area` of a shape (Neumann), in factorized form.
 struct Metric {
     factor: Factor,
     /// The vertices with faces.

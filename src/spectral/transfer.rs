@@ -7,7 +7,7 @@ use super::dense;
 use crate::base::{Error, Par, Result};
 
 /// A transfer of functions from a source to a target through two bases and a matrix between them: C
-/// with eigenfunctions, or O with orthogonalised products.
+/// with eigenfunctions, or O with orthogonalized products.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::{Basis, Transfer}};

@@ -1,4 +1,4 @@
-//! The matrix O that transfers orthogonalised eigenproducts (thesis, section 1.3.3), computed from
+//! The matrix O that transfers orthogonalized eigenproducts (thesis, section 1.3.3), computed from
 //! the functional map.
 //!
 //! O is r_target x r_source: `T(Q_source) = Q_target O`. Both formulas need a functional map that
@@ -20,7 +20,7 @@ const PANEL: usize = 256;
 /// Computes O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the
 /// least-squares solution of `O R_source = R_target C~`, which has a column for every product.
 ///
-/// It is computed from a QR factorisation of `R_source^T`, which, unlike the formula, does not
+/// It is computed from a QR factorization of `R_source^T`, which, unlike the formula, does not
 /// square its condition number.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! Eigenproducts without orthogonalisation: the baseline "prods" of the thesis (Nogneng et al.
+//! Eigenproducts without orthogonalization: the baseline "prods" of the thesis (Nogneng et al.
 //! 2018).
 
 use faer::{Mat, MatRef};

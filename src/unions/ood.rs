@@ -24,7 +24,7 @@ pub struct OodDetector {
 const LEAST_PROBABILITY: f32 = 0.05;
 
 /// Added to variances of logarithms of eigenvalues: variations below 0.1 % are noise of the
-/// discretisation.
+/// discretization.
 const NOISE: f64 = 1e-6;
 
 impl OodDetector {

@@ -154,9 +154,9 @@ static void test_params(void)
     free(lone);
 
     cata_ata_params params = {.struct_size = sizeof params};
-    cata_ata_params initialised;
-    CHECK_STATUS(cata_ata_params_init(&initialised, sizeof initialised), CATA_OK);
-    CHECK(memcmp(&params, &initialised, sizeof params) == 0);
+    cata_ata_params initialized;
+    CHECK_STATUS(cata_ata_params_init(&initialized, sizeof initialized), CATA_OK);
+    CHECK(memcmp(&params, &initialized, sizeof params) == 0);
     params.struct_size = sizeof params - 8;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("struct_size");
@@ -166,28 +166,28 @@ static void test_params(void)
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_STATUS(cata_ata_params_init(&params, 8), CATA_ERR_ARGUMENT);
 
-    params = initialised;
+    params = initialized;
     params.scheme = 9;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("scheme");
-    params = initialised;
+    params = initialized;
     params.tasks = SIZE_MAX;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
-    params = initialised;
+    params = initialized;
     params.leaf = SIZE_MAX;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
-    params = initialised;
+    params = initialized;
     params.reproducible = 2;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MESSAGE("params.reproducible: must be 0 or 1, is 2");
     params.reproducible = -1;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("params.reproducible");
-    params = initialised;
+    params = initialized;
     params.pin = 2;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MESSAGE("params.pin: must be 0 or 1, is 2");
-    params = initialised;
+    params = initialized;
     params.reproducible = 1;
     for (params.scheme = CATA_SCHEME_CLASSICAL; params.scheme < CATA_SCHEME_EXACT; params.scheme++) {
         CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
@@ -196,7 +196,7 @@ static void test_params(void)
     }
     static const double factors[] = {0.5, -0.5, -2.0, NAN, -INFINITY};
     for (size_t i = 0; i < sizeof factors / sizeof *factors; i++) {
-        params = initialised;
+        params = initialized;
         params.error_factor = factors[i];
         CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
         CHECK_MENTIONS("accuracy");

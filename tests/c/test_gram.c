@@ -223,7 +223,7 @@ static void test_pca_of_a_line(void)
         CHECK(NEAR(ratio[0], 1.0) && ratio[1] == 0.0);
         CHECK(NEAR(values[0], sqrt(50.0)) && values[1] == 0.0);
         CHECK(mean[0] == 1.0 && mean[1] == 2.0 && scale[0] == 1.0 && scale[1] == 1.0);
-        /* Of standardised columns both have the same share. */
+        /* Of standardized columns both have the same share. */
         params.standardize = 1;
         CHECK_STATUS(cata_pca(layout, M, N, a, LD, 1, components, LD, variance, NULL, NULL,
                                   NULL, scale, &params),

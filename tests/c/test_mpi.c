@@ -694,7 +694,7 @@ int main(int argc, char **argv)
 {
     cata_world *late = NULL;
     int provided = 0;
-    test_without_mpi("communicator: MPI is not initialised");
+    test_without_mpi("communicator: MPI is not initialized");
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &size);
@@ -714,6 +714,6 @@ int main(int argc, char **argv)
     MPI_Finalize();
     /* Too late, but harmless. */
     cata_world_free(late);
-    test_without_mpi("communicator: MPI is finalised already");
+    test_without_mpi("communicator: MPI is finalized already");
     return report("mpi");
 }

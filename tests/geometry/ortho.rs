@@ -76,7 +76,7 @@ fn check_factors_to(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, exact:
 }
 
 fn precise() -> GramSchmidtOptions<'static> {
-    GramSchmidtOptions::reorthogonalised().par(Par::Seq)
+    GramSchmidtOptions::reorthogonalized().par(Par::Seq)
 }
 
 #[test]
@@ -165,8 +165,8 @@ fn the_threshold_is_what_is_left_relative_to_the_column() {
     let mass = Mass::identity(n);
     for exponent in [1, 2, 5, 9, 11] {
         let threshold = 0.3 * 10f64.powi(-exponent);
-        for reorthogonalise in [false, true] {
-            let options = precise().threshold(threshold).reorthogonalise(reorthogonalise);
+        for reorthogonalize in [false, true] {
+            let options = precise().threshold(threshold).reorthogonalize(reorthogonalize);
             let found = gram_schmidt(a.as_ref(), &mass, &options).unwrap();
             assert_eq!(found.kept, (0..=exponent as usize).collect::<Vec<_>>(), "{threshold:e}");
             check_factors(a.as_ref(), &mass, &found, 1.01 * threshold);
@@ -264,7 +264,7 @@ fn cholesky_qr_agrees_and_refuses_dependent_columns() {
             assert!(defect(found.q.as_ref(), &mass) < 1e-13);
         }
     }
-    // A condition of about 1e12, which one Cholesky factorisation can't do.
+    // A condition of about 1e12, which one Cholesky factorization can't do.
     let (n, mass) = (500, lumped(500));
     let (base, noise) = (random(n, 1, 13), random(n, 10, 14));
     let a = Mat::from_fn(n, 10, |i, j| base[(i, 0)] + 1e-12 * noise[(i, j)]);

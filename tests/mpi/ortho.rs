@@ -109,7 +109,7 @@ fn agreement(world: &World) {
         let own = uneven(n, world.size(), world.rank());
         let a = columns(n, c);
         let [once, again] =
-            [GramSchmidtOptions::single_pass(), GramSchmidtOptions::reorthogonalised()];
+            [GramSchmidtOptions::single_pass(), GramSchmidtOptions::reorthogonalized()];
         let lumped = (lumped(0..n), lumped(own.clone()));
         let full = (full(n, 0..n), full(n, own.clone()));
         for (mode, (mass, part)) in [(once, full), (again, lumped)] {
@@ -122,7 +122,7 @@ fn agreement(world: &World) {
             check_same(world, found.r.as_ref());
             let Some(q) = gather_rows(world, 0, found.q.as_ref()).unwrap() else { continue };
             assert!(gap(q.as_ref(), expected.q.as_ref()) < 1e-9);
-            let allowed = if options.reorthogonalise { 1e-12 } else { 1e-9 };
+            let allowed = if options.reorthogonalize { 1e-12 } else { 1e-9 };
             assert!(defect(q.as_ref(), &mass) <= allowed);
         }
     }
@@ -133,7 +133,7 @@ fn threads(world: &World) {
     let own = uneven(n, world.size(), world.rank());
     let a = columns(n, c);
     let run = |par| {
-        let options = GramSchmidtOptions::reorthogonalised().par(par);
+        let options = GramSchmidtOptions::reorthogonalized().par(par);
         let rows = a.as_ref().subrows(own.start, own.len());
         gram_schmidt(world, rows, &lumped(own.clone()), &options).unwrap()
     };
@@ -187,7 +187,7 @@ fn nan(world: &World) {
     let own = own_rows(world);
     let bad = world.rank() == 2;
     let a = Mat::from_fn(6, 2, |i, _| if bad && i == 1 { f64::NAN } else { i as f64 });
-    let options = GramSchmidtOptions::reorthogonalised();
+    let options = GramSchmidtOptions::reorthogonalized();
     tell(world, gram_schmidt(world, a.as_ref(), &lumped(own.clone()), &options).unwrap_err());
     // The world is as good as before.
     let a = columns(6 * world.size(), 3);

@@ -2,7 +2,7 @@
 
 use catamaran::base::{Pin, ThreadPool, available_cores};
 use catamaran::{Accuracy, AtaOptions, SchemeChoice};
-use catamaran_bench::accuracy::{CSV_HEADER, Row, header, summarise};
+use catamaran_bench::accuracy::{CSV_HEADER, Row, header, summarize};
 use catamaran_bench::contender::{Contender, Scalar};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::product::Product;
@@ -97,7 +97,7 @@ fn one_input<T: Scalar>(
             scalar: T::NAME,
             distribution,
             contender: contender.to_string(),
-            errors: summarise(&errors, n),
+            errors: summarize(&errors, n),
             ratio: f64::NAN,
         });
     }

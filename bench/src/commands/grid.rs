@@ -2,7 +2,7 @@
 
 use catamaran::AtaOptions;
 use catamaran_bench::contender::{Contender, Scalar};
-use catamaran_bench::grid::{CSV_HEADER, Row, header, row, shapes, summarise};
+use catamaran_bench::grid::{CSV_HEADER, Row, header, row, shapes, summarize};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::product::{Operation, Product};
 use catamaran_bench::race::{Rules, race};
@@ -129,11 +129,11 @@ fn summaries(rows: &[Row]) {
     println!();
     for (scalar, threads) in panels {
         let of_panel = rows.iter().filter(|r| (r.scalar, r.threads) == (scalar, threads));
-        if let Some(summary) = summarise(of_panel) {
+        if let Some(summary) = summarize(of_panel) {
             println!("{scalar}, threads {threads}: {summary}");
         }
     }
-    if let Some(summary) = summarise(rows) {
+    if let Some(summary) = summarize(rows) {
         println!("all: {summary}");
     }
 }

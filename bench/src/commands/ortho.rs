@@ -50,8 +50,8 @@ pub struct Arguments {
 /// Our methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Method {
-    /// Threshold 1e-9, re-orthogonalised.
-    Reorthogonalised,
+    /// Threshold 1e-9, re-orthogonalized.
+    Reorthogonalized,
     /// Threshold 1e-2, one pass.
     SinglePass,
     /// For columns that are independent.
@@ -67,7 +67,7 @@ enum Contender {
 
 /// The contenders; the others are compared with the first one.
 const CONTENDERS: [Contender; 5] = [
-    Contender::Ours("ours*", "reorthogonalised"),
+    Contender::Ours("ours*", "reorthogonalized"),
     Contender::Ours("ours", "single-pass"),
     Contender::Ours("Cholesky QR", "cholesky-qr"),
     Contender::Python("numpy", "columns"),
@@ -162,7 +162,7 @@ fn solve(folder: &Path, method: Method, threads: usize) -> Result<()> {
         Ok(gram_schmidt_in_place(a.as_mut(), &mass, &options)?.kept.len())
     };
     let rank = match method {
-        Method::Reorthogonalised => gram_schmidt(&mut a, GramSchmidtOptions::reorthogonalised())?,
+        Method::Reorthogonalized => gram_schmidt(&mut a, GramSchmidtOptions::reorthogonalized())?,
         Method::SinglePass => gram_schmidt(&mut a, GramSchmidtOptions::single_pass())?,
         Method::CholeskyQr => cholesky_qr(a.as_mut(), &mass, par)?.ncols(),
     };

@@ -22,7 +22,7 @@ pub enum Contender {
     Pyacvd,
     /// Quadric edge collapse: PyPI `fast-simplification`.
     FastSimplification,
-    /// Regularised edge collapse: PyPI `meshoptimizer`.
+    /// Regularized edge collapse: PyPI `meshoptimizer`.
     Meshoptimizer,
     /// Quadric edge collapse: PyPI `libigl`.
     Qslim,

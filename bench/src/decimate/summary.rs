@@ -1,4 +1,4 @@
-//! Summarises a set of races for every contender.
+//! Summarizes a set of races for every contender.
 
 use super::{Contender, Row, Soundness};
 

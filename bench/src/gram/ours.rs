@@ -114,7 +114,7 @@ fn by_rows(folder: &Path, name: &str) -> Result<Dense<f64>> {
     }
 }
 
-/// Returns the x that minimises `|A x - b|`.
+/// Returns the x that minimizes `|A x - b|`.
 fn least_squares(a: MatRef<'_, f64>, b: &[f64], par: Par) -> Result<Vec<f64>> {
     // The rivals compute no standard errors.
     let options = LeastSquaresOptions::new().standard_errors(false).par(par);

@@ -11,7 +11,7 @@ use crate::Result;
 const BLOCK: usize = 16;
 
 /// `A = W D V^T + 1 mean^T`: the columns of W are distinct columns of a Walsh-Hadamard matrix, D is
-/// diagonal, and V has a normalised Hadamard matrix of side 16 in each diagonal block.
+/// diagonal, and V has a normalized Hadamard matrix of side 16 in each diagonal block.
 ///
 /// The entries of W and V are +-1 and +-1/4, their columns are orthogonal, and those of W have the
 /// norm `sqrt(rows)`. Therefore the singular values of A without a mean are `sqrt(rows) d_k`, and

@@ -25,7 +25,7 @@ const RIVALS: [(&str, usize); 5] = [
     ("cvode", 10_000),
 ];
 
-/// Returns seconds of a factorisation, of a step of BDF6 and of the water at the half-time, with
+/// Returns seconds of a factorization, of a step of BDF6 and of the water at the half-time, with
 /// ours on two threads and on one, and the errors of the rivals' water relative to ours.
 ///
 /// # Errors
@@ -84,7 +84,7 @@ fn medians<const N: usize>(times: &[[f64; N]], order: &[usize]) -> Vec<f64> {
     order.iter().map(|&i| median(times.iter().map(|t| t[i]).collect())).collect()
 }
 
-/// Returns seconds of a factorisation, a step and the water at the half-time.
+/// Returns seconds of a factorization, a step and the water at the half-time.
 fn run(subject: &Subject, threads: usize) -> Result<[f64; 3]> {
     let par = if threads == 1 { Par::Seq } else { Par::Threads(threads) };
     let full = subject.model.full();

@@ -1,4 +1,4 @@
-//! Figures 1.14 and 1.15: filters of the coordinates in products, and in orthogonalised products.
+//! Figures 1.14 and 1.15: filters of the coordinates in products, and in orthogonalized products.
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef, Scale};

@@ -130,7 +130,7 @@ pub fn table() -> Result<Part> {
     let ends = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)];
     for (low, high) in ends {
         let name =
-            format!("turn speed {} to {}: stabilisation (1 / change)", TURNS[low], TURNS[high]);
+            format!("turn speed {} to {}: stabilization (1 / change)", TURNS[low], TURNS[high]);
         row(name, [stable[low], stable[high]], false);
     }
     Ok(Part {

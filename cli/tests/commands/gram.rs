@@ -278,7 +278,7 @@ fn components_scores_and_shares_of_a_line() {
 }
 
 #[test]
-fn whitened_scores_of_standardised_columns_are_uncorrelated_with_variance_one() {
+fn whitened_scores_of_standardized_columns_are_uncorrelated_with_variance_one() {
     let folder = Folder::new();
     // More rows than a block of the second pass.
     let (m, n) = (5003, 4);
@@ -293,7 +293,7 @@ fn whitened_scores_of_standardised_columns_are_uncorrelated_with_variance_one() 
     assert!((covariance - Mat::<f64>::identity(3, 3)).norm_l2() < 1e-12);
     let mean = Mat::<f64>::full(1, m, 1.0) * &scores;
     assert!(mean.norm_l2() < 1e-9);
-    // The variances of standardised columns sum to their number.
+    // The variances of standardized columns sum to their number.
     let variance: f64 = found.vector("explained_variance").unwrap().iter().sum();
     let ratio: f64 = found.vector("explained_variance_ratio").unwrap().iter().sum();
     assert!((variance - n as f64 * ratio).abs() < 1e-12);

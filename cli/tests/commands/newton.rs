@@ -403,7 +403,7 @@ fn a_device_draws_what_the_processor_draws() {
     assert!(cpu.len() == 64 * 64 && different <= allowed, "{different} of {} pixels", cpu.len());
 }
 
-/// The colors of a picture.
+/// The colours of a picture.
 fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
     let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();

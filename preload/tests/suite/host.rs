@@ -1,4 +1,4 @@
-//! Calls that go to the next library, here a fake one whose results are recognised.
+//! Calls that go to the next library, here a fake one whose results are recognized.
 
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub fn task(name: &str) {
 /// Loads the fake library locally, as Python does with extensions.
 fn load() {
     let path = CString::new(std::env::var(FAKE).unwrap()).unwrap();
-    // SAFETY: a library without initialisers.
+    // SAFETY: a library without initializers.
     let handle = unsafe { libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL) };
     assert!(!handle.is_null());
 }

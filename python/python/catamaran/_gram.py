@@ -82,7 +82,7 @@ def lstsq(
     """Solve ``min |W^(1/2) (A X - B)|^2 + ridge |X|^2`` in one pass over the rows.
 
     The Gram matrix of ``[A B]`` is formed in extended precision (159 bits), so that the solution
-    is at least as accurate as by an orthogonal factorisation of A in float64.
+    is at least as accurate as by an orthogonal factorization of A in float64.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ class PrincipalComponents:
     explained_variance, explained_variance_ratio : ndarray of count numbers
         The variance along each component, and its share of all variance.
     singular_values : ndarray of count numbers
-        Of the centred (and standardised) rows.
+        Of the centred (and standardized) rows.
     mean, scale : ndarray of n numbers
         What is subtracted from each column, and what it is then divided by.
     whiten : bool

@@ -182,7 +182,7 @@ def eigsh(
     tol : float
         Residual that every pair reaches, relative to the largest that its mass lets it have.
     verify_count : bool
-        Whether eigenvalues are counted by a factorisation, until none is missing.
+        Whether eigenvalues are counted by a factorization, until none is missing.
     seed : int
         Of the vectors that the iteration starts with.
     threads, progress

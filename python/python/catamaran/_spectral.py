@@ -122,7 +122,7 @@ def eigenproducts(
     order : int
         Factors of a product, at most.
     method : {"single_pass", "reorthogonalized", "rank_revealing"}
-        How products are orthogonalised: once, the stabler one under transfer; until they are
+        How products are orthogonalized: once, the stabler one under transfer; until they are
         orthogonal to rounding, the larger one; or by numerical rank.
     kind : {"cotangent", "intrinsic", "tufted"}
         As in `laplacian`.

@@ -142,13 +142,16 @@ impl Layout {
         Self { symmetric, same, moduli, left, right, steps, chunk, groups, batch, blocking }
     }
 
-    /// Halves the blocks until there are several for each of `threads` threads, which wait for each
-    /// other at the end of a batch.
-    pub fn for_threads(mut self, threads: usize) -> Self {
+    /// Returns the layout with blocks halved until there are several for each of `threads` threads,
+    /// which wait for each other at the end of a batch. The result is the same.
+    pub fn for_threads(&self, threads: usize) -> Self {
         /// Products of blocks in a batch, for each thread. Measured with 16 threads.
         const SHARE: usize = 8;
-        while threads > 1 && self.products_in_batch() < SHARE * threads && self.blocking.halve() {}
-        self
+        let mut layout = self.clone();
+        if threads > 1 {
+            while layout.products_in_batch() < SHARE * threads && layout.blocking.halve() {}
+        }
+        layout
     }
 
     /// Returns the mean number of products of blocks, of all moduli, in a batch.

@@ -68,6 +68,7 @@ pub(crate) fn scratch_len<T: Operand>(
     layout: &Layout,
     threads: usize,
 ) -> usize {
+    let layout = &layout.for_threads(threads);
     let norms = columns::scratch_len::<T>(m, n).max(columns::scratch_len::<T>(m, k));
     let slices: usize = layout.stores().iter().map(|bytes| slices_len::<T>(*bytes)).sum();
     let batch = Arena::<T>::len_of::<Block<i8>>(batch_blocks(layout));
@@ -119,6 +120,7 @@ pub(crate) fn execute<T: Operand>(
         return Ok(Stages::default());
     }
     let par = options.par;
+    let layout = &layout.for_threads(par.threads());
     let moduli = &Moduli::new(layout.moduli);
     let clock = &Clock::default();
     let mut arena = Arena::new(scratch);
@@ -173,6 +175,7 @@ pub(crate) fn accumulate<T: Operand, I: Integer>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
+    let layout = &layout.for_threads(options.par.threads());
     let moduli = &IntegerModuli::new(layout.moduli);
     let shape = (operands[0].0.ncols(), operands[1].0.ncols());
     let sink = Integers { moduli, sums, corner, shape, symmetric: layout.symmetric, subtract };

@@ -167,10 +167,8 @@ impl Engine {
         options: &AtaOptions<'_>,
     ) -> Result<()> {
         let extents = [left.0.nrows(), left.0.ncols(), right.0.ncols()];
-        let threads = options.par.threads();
         let layout = Layout::new(extents, size_of::<T>(), moduli, symmetric, same);
-        let layout = layout.for_threads(threads);
-        let len = exact::scratch_len::<T>(extents, &layout, threads);
+        let len = exact::scratch_len::<T>(extents, &layout, options.par.threads());
         self.scratch.reserve::<T>(len)?;
         let scratch = self.scratch.as_mut_slice();
         let operands = [(left.0, &left.1), (right.0, &right.1)];

@@ -73,8 +73,7 @@ impl StripNeeds<'_> {
                 let same = symmetric && !weighted;
                 let (extents, entry) = ([height, own, k], size_of::<T>());
                 let layout = Layout::new(extents, entry, moduli::<T>(), symmetric, same);
-                let threads = options.par.threads();
-                exact::scratch_len::<T>(extents, &layout.for_threads(threads), threads)
+                exact::scratch_len::<T>(extents, &layout, options.par.threads())
             };
             return Ok(len(own, true).max(len(strip.start, false)));
         }

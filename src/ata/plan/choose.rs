@@ -219,8 +219,7 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     let moduli = exact_moduli::<T>(options.accuracy);
     let sides = [m, n, k];
     let (symmetric, same) = (op.symmetric(), problem.same());
-    let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same)
-        .for_threads(options.par.threads());
+    let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
     // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);

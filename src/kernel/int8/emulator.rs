@@ -24,7 +24,7 @@ thread_local! {
 pub(super) fn amx() -> Result<&'static Amx, &'static str> {
     static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
     let install = || {
-        // SAFETY: the action is fully initialised, and the handler has the three arguments that
+        // SAFETY: the action is fully initialized, and the handler has the three arguments that
         // SA_SIGINFO promises. It runs on the stack of the thread that trapped, below the red zone,
         // and the system restores the registers of that thread.
         unsafe {

@@ -37,7 +37,7 @@ pub(crate) fn is_small(shape: Shape) -> bool {
         && m.min(LEAST_DEPTH).saturating_mul(columns) <= PACKED
 }
 
-/// Uninitialised memory, aligned to a cache line.
+/// Uninitialized memory, aligned to a cache line.
 #[repr(align(64))]
 struct Aligned<M>(MaybeUninit<M>);
 

@@ -40,7 +40,7 @@ builder! { HeatOptions {
 /// Heat (2013), with Neumann conditions at the boundary. The error is a few edge lengths; the
 /// distances are not exact.
 ///
-/// Creating the solver takes two sparse Cholesky factorisations; each set of sources takes two
+/// Creating the solver takes two sparse Cholesky factorizations; each set of sources takes two
 /// solves.
 ///
 /// ```

@@ -25,7 +25,7 @@ const WATER_SHARE: f64 = 0.3;
 /// weights: the loss delta, the scale chi of the conductance and the weight at time 0. Weights do
 /// not depend on the stiffness. Its steepness kappa, one for each class of the [`Tissue`], is
 /// fitted to the heights, if there are any, with delta and chi fixed. Standard errors are those of
-/// the linearised model, `s^2 (J^T J)^-1`.
+/// the linearized model, `s^2 (J^T J)^-1`.
 ///
 /// Standard errors apply to one minimum. Descents begin at several points; other minima that the
 /// measurements do not distinguish from the best one (by a likelihood ratio at 95 %) are in

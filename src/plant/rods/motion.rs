@@ -556,7 +556,7 @@ fn singular() -> Error {
     Error::NotConverged { iterations: 0, residual: f64::NAN }
 }
 
-/// Adds the rotational stiffness of a force at an arm where it is positive: tension stabilises the
+/// Adds the rotational stiffness of a force at an arm where it is positive: tension stabilizes the
 /// orientation of a body (Tournier, Nesme, Gilles and Faure 2015). The term changes no equation,
 /// but the convergence of Newton's method: in a storm, the tension of twigs exceeds `M/h^2`.
 fn add_tension(body: &mut Matrix<6>, force: Vector, arm: Vector) {

@@ -90,7 +90,7 @@ pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
 
 /// Solves the symmetric equations of the forces of pins, in place: by Cholesky's method if they are
 /// to be positive definite, otherwise by elimination. Where paths do not determine a force, as for
-/// a single segment, which can't change its length, a small multiple of the diagonal regularises
+/// a single segment, which can't change its length, a small multiple of the diagonal regularizes
 /// the equations. Returns whether the solution succeeded.
 pub(super) fn solve_forces(
     mut matrix: Mat<f64>,

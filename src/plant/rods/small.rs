@@ -138,7 +138,7 @@ pub(super) fn logarithm(q: Quaternion) -> Vector {
     [1, 2, 3].map(|i| sign * scale * q[i])
 }
 
-/// Returns `q` rotated by the vector `a`, normalised.
+/// Returns `q` rotated by the vector `a`, normalized.
 pub(super) fn turned(q: Quaternion, a: Vector) -> Quaternion {
     let p = product(exponential(a), q);
     let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();

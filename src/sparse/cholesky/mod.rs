@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorisations by faer, with errors when memory is refused, and our own solves.
+//! Sparse Cholesky factorizations by faer, with errors when memory is refused, and our own solves.
 
 mod parts;
 mod supernode;
@@ -50,7 +50,7 @@ impl Symbolic {
         self.0.len_val() * size_of::<f64>() + targets + rows
     }
 
-    /// Factorises `A = L L^T` on the calling thread; returns `Ok(None)` when A is not positive
+    /// Factorizes `A = L L^T` on the calling thread; returns `Ok(None)` when A is not positive
     /// definite.
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
         let mut values = zeros(self.0.len_val())?;
@@ -75,7 +75,7 @@ impl Symbolic {
         }))
     }
 
-    /// Factorises `A = L B L^T` on the calling thread, where B has blocks of one or two rows and
+    /// Factorizes `A = L B L^T` on the calling thread, where B has blocks of one or two rows and
     /// pivots are chosen inside supernodes.
     pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
         let n = self.0.nrows();
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn both_factorisations_solve_for_any_number_of_columns_threads_and_strides() {
+    fn both_factorizations_solve_for_any_number_of_columns_threads_and_strides() {
         let mut rng = Rng::new(2);
         for (name, a) in matrices() {
             let n = a.rows();

@@ -26,7 +26,7 @@ const ROWS_SHARE: f64 = 0.1;
 /// A least-squares fit of a functional map C between two eigenbases, from functions known on both
 /// meshes.
 ///
-/// Minimises `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the
+/// Minimizes `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the
 /// coefficients of the corresponding functions and L, L' the eigenvalues, divided by the largest
 /// one: isometries commute with Laplacians. Rows of C are independent of each other and solved for
 /// one by one. Where both bases have the constant, it is mapped to itself exactly.

@@ -27,7 +27,7 @@ pub(super) fn multiplication(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Res
     dense::transposed_product(phi, weighted.as_ref(), par)
 }
 
-/// The equations of the C that minimises
+/// The equations of the C that minimizes
 /// `|C A - B|^2 + sum of weights_ij C_ij^2 + sum over operators`. The first `known` columns keep
 /// their values of the first guess. The solver is the method of conjugate gradients, preconditioned
 /// by the diagonal.

@@ -72,7 +72,7 @@ pub(super) fn nearest_images(
 /// section 1.3.4, step 2).
 ///
 /// `points` holds a vertex of the source for each vertex of the target. Any bases are possible:
-/// eigenfunctions give the functional map C, orthogonalised products the matrix O.
+/// eigenfunctions give the functional map C, orthogonalized products the matrix O.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass};

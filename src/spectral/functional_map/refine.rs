@@ -83,7 +83,7 @@ pub fn icp(
 /// `c` is k_target x k_source, for the first functions of the bases, at most all of them. The basis
 /// whose functions are used up first stays complete while the other one grows.
 ///
-/// Any orthonormal bases are possible (thesis, section 1.5): eigenfunctions, or orthogonalised
+/// Any orthonormal bases are possible (thesis, section 1.5): eigenfunctions, or orthogonalized
 /// eigenproducts ([`Reorthogonalized`](crate::spectral::Orthogonalization::Reorthogonalized)). The
 /// first products are the eigenfunctions themselves, so that a map between eigenfunctions can be
 /// the start.

@@ -110,7 +110,7 @@ fn rotated([x, y]: [f32; 2], cos: f32, sin: f32) -> [f32; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// Normalises a heading by one step of Newton's method, which suffices because rounding has changed
+/// Normalizes a heading by one step of Newton's method, which suffices because rounding has changed
 /// its length little.
 fn normalized(heading: [f32; 2]) -> [f32; 2] {
     let [x, y] = heading;

@@ -2,14 +2,14 @@ use super::kernel::{Number, gemm, normalize};
 use super::{Architecture, FEATURES, INPUTS, K, LayerLayout, OCTAVES, Parameter, ParameterLayout};
 
 /// The intermediate results of a layer, a row for each input: `x + down(a g / (1 + e^-g))` with
-/// `(a, g) = up(normalised x)`.
+/// `(a, g) = up(normalized x)`.
 #[derive(Debug, Clone, Default)]
 pub struct LayerTape<T> {
-    /// The normalised input, before scale and shift.
+    /// The normalized input, before scale and shift.
     pub unit: Vec<T>,
     /// The inverse deviations of the rows of the input.
     pub inverse: Vec<T>,
-    /// The normalised input, with scale and shift.
+    /// The normalized input, with scale and shift.
     pub normed: Vec<T>,
     /// Hidden neurons and gates before their product, `2 hidden` in a row.
     pub up: Vec<T>,
@@ -113,11 +113,11 @@ pub struct Tape<T> {
     pub first: Vec<LayerTape<T>>,
     /// The layers of the decoder, a row for each union.
     pub second: Vec<LayerTape<T>>,
-    /// The normalised output of the last layer.
+    /// The normalized output of the last layer.
     pub unit: Vec<T>,
     /// The inverse deviations of its rows.
     pub inverse: Vec<T>,
-    /// The normalised output of the last layer, with scale and shift.
+    /// The normalized output of the last layer, with scale and shift.
     pub normed: Vec<T>,
     /// The output: a number for each eigenvalue of the union.
     pub output: Vec<T>,
@@ -126,11 +126,11 @@ pub struct Tape<T> {
     /// The logit of the probability that the parts come from another kind of shape than the
     /// template.
     pub ood_logit: Vec<T>,
-    /// The normalised output of the encoder, a row for each part.
+    /// The normalized output of the encoder, a row for each part.
     pub part_unit: Vec<T>,
     /// The inverse deviations of its rows.
     pub part_inverse: Vec<T>,
-    /// The normalised output of the encoder, with scale and shift.
+    /// The normalized output of the encoder, with scale and shift.
     pub part_normed: Vec<T>,
     /// Positions of the parts: coefficients, a row for each part.
     pub part_region: Vec<T>,

@@ -290,9 +290,9 @@ pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
         + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
 }
 
-/// Applies layer normalisation (Ba, Kiros and Hinton 2016): `unit` gets each row of `x` minus its
+/// Applies layer normalization (Ba, Kiros and Hinton 2016): `unit` gets each row of `x` minus its
 /// mean, divided by its standard deviation; `y` gets `unit` times `scale` plus `shift`; `inverse`
-/// gets the inverse regularised deviations.
+/// gets the inverse regularized deviations.
 ///
 /// # Panics
 /// When a slice is too short.
@@ -371,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_normalised() {
+    fn rows_are_normalized() {
         let x: Vec<f64> = (0..3 * 13).map(|i| ((i * i) % 17) as f64).collect();
         let (mut unit, mut y, mut inverse) = (vec![0.0; 39], vec![0.0; 39], vec![0.0; 3]);
         normalize(&x, [&[2.0; 13], &[1.0; 13]], &mut unit, &mut inverse, &mut y);

@@ -46,7 +46,7 @@ impl Parameter {
 /// The positions of the parameters of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LayerLayout {
-    /// Scale and shift of the normalisation before the layer.
+    /// Scale and shift of the normalization before the layer.
     pub norm: [Parameter; 2],
     /// Weights and bias into the hidden neurons, then into their gates.
     pub up: [Parameter; 2],
@@ -63,7 +63,7 @@ pub struct ParameterLayout {
     pub first: Vec<LayerLayout>,
     /// The decoder.
     pub second: Vec<LayerLayout>,
-    /// Scale and shift of the last normalisation.
+    /// Scale and shift of the last normalization.
     pub norm: [Parameter; 2],
     /// Weights and bias of the K outputs.
     pub head: [Parameter; 2],
@@ -71,7 +71,7 @@ pub struct ParameterLayout {
     pub region: [Parameter; 2],
     /// Weights and bias of the out-of-distribution logit ("doubt" in files).
     pub ood_logit: [Parameter; 2],
-    /// Scale and shift of the normalisation after the encoder.
+    /// Scale and shift of the normalization after the encoder.
     pub part_norm: [Parameter; 2],
     /// Weights and bias of the region of each part.
     pub part_region: [Parameter; 2],
@@ -149,7 +149,7 @@ struct List {
 }
 
 impl List {
-    /// Appends weights, and a bias for each column. (For a normalisation: scale and shift.)
+    /// Appends weights, and a bias for each column. (For a normalization: scale and shift.)
     fn linear(&mut self, name: &str, rows: usize, columns: usize) -> [Parameter; 2] {
         [("weight", rows), ("bias", 1)].map(|(part, rows)| {
             let parameter = Parameter { start: self.len, rows, columns };

@@ -21,7 +21,7 @@ pub fn to_integers(weights: &[f32], units: &[f32]) -> Vec<f32> {
     let mut whole = weights.to_vec();
     for row in whole.chunks_exact_mut(units.len()) {
         for (x, unit) in row.iter_mut().zip(units) {
-            // Adding and subtracting rounds numbers below 2^22, and is vectorised, unlike `round`.
+            // Adding and subtracting rounds numbers below 2^22, and is vectorized, unlike `round`.
             *x = ((*x / unit).clamp(-LARGEST, LARGEST) + ROUNDING) - ROUNDING;
         }
     }

@@ -1,4 +1,4 @@
-//! Eigenbases and orthogonalised eigenproducts.
+//! Eigenbases and orthogonalized eigenproducts.
 
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
@@ -95,7 +95,7 @@ fn a_basis_without_the_constant_has_no_products() {
 }
 
 #[test]
-fn the_reorthogonalised_basis_is_orthonormal_and_spans_the_products() {
+fn the_reorthogonalized_basis_is_orthonormal_and_spans_the_products() {
     let eigen = eigenbasis(&blob(2), 6);
     for order in [0, 1, 2, 3] {
         let basis = products(&eigen, order, OURS_STAR);

@@ -185,7 +185,7 @@ fn check(vertices: usize) -> Result<()> {
     Ok(())
 }
 
-/// Returns one seed from several numbers (the finaliser of SplitMix64, Steele et al. 2014).
+/// Returns one seed from several numbers (the finalizer of SplitMix64, Steele et al. 2014).
 pub(crate) fn mixed(numbers: &[u64]) -> u64 {
     numbers.iter().fold(0x9e37_79b9_7f4a_7c15, |state, &number| {
         let mut z = (state ^ number).wrapping_add(0x9e37_79b9_7f4a_7c15);

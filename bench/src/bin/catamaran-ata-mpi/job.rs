@@ -52,7 +52,7 @@ impl Job {
         AtaOptions::new().par(Par::Threads(self.threads)).scheme(self.scheme).tasks(tasks)
     }
 
-    /// Returns entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of
+    /// Returns entry (i, j) of A: uniform in [-1, 1). The index goes through the finalizer of
     /// SplitMix64 (Steele, Lea and Flood 2014), so that a rank can generate its entries without
     /// those of others.
     pub fn entry<T: Real>(&self, i: usize, j: usize) -> T {

@@ -104,7 +104,7 @@ impl<T> Scalapack<T> {
         let flavour = if mpi_version.contains("Open MPI") { "openmpi" } else { "mpich" };
         let name = format!("libscalapack-{flavour}.so.2.2");
         let path = path.unwrap_or(Path::new(&name));
-        // SAFETY: runs the library's initialisers; the user named it, or the system did.
+        // SAFETY: runs the library's initializers; the user named it, or the system did.
         let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
         let library = library.map_err(|e| {
             let why = e.source().map_or_else(|| e.to_string(), ToString::to_string);

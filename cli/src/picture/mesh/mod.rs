@@ -1,4 +1,4 @@
-//! Draws coloured meshes, with a rasteriser of our own.
+//! Draws coloured meshes, with a rasterizer of our own.
 
 pub mod camera;
 mod lamp;
