@@ -92,7 +92,10 @@ fn with_line(old: &str, header: &str, keys: usize, line: &str) -> Option<String>
 
 fn folder() -> PathBuf {
     let name = format!("{}-{}", host::kind(), host::date());
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("record").join(name)
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR"));
+    // A program that was carried to another machine has no sources there.
+    let bench = if sources.is_dir() { sources } else { Path::new("bench") };
+    bench.join("record").join(name)
 }
 
 /// Returns a file of comma-separated values.
