@@ -17,6 +17,12 @@ pub(crate) struct Blocking {
 /// Panels of the right side: the left one is rearranged once for so many.
 const COLS: usize = 128;
 
+/// Panels of the right side to which blocks are narrowed before they are lowered.
+const NARROW: usize = 16;
+
+/// Panels below which no side of a block is halved.
+const LEAST: usize = 8;
+
 impl Blocking {
     /// Chooses the blocking of products of matrices of `left` and `right` panels, on this machine.
     pub fn new(left: usize, right: usize) -> Self {
@@ -38,12 +44,11 @@ impl Blocking {
     /// blocks rearrange the left side more often, low ones load the right side more often.
     pub fn halve(&mut self) -> bool {
         let Self { rows, cols, .. } = self;
-        let side = match (*rows, *cols) {
-            (_, 17..) => cols,
-            (9.., _) => rows,
-            (_, 9..) => cols,
-            _ => return false,
-        };
+        let narrows = *cols > NARROW || (*rows <= LEAST && *cols > LEAST);
+        if !narrows && *rows <= LEAST {
+            return false;
+        }
+        let side = if narrows { cols } else { rows };
         *side = side.div_ceil(2);
         true
     }

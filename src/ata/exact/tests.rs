@@ -97,7 +97,7 @@ fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: 
             if name == "amx" && l % 2 == 1 {
                 continue;
             }
-            let c = run(kernel, &layout, a.as_ref(), None, 1 + l % 3);
+            let c = run(kernel, &layout, a.as_ref(), None, [1, 2, 16][l % 3]);
             for j in 0..n {
                 for i in j..n {
                     let (got, right) = (c[(i, j)].to_f64(), expected[(i, j)].to_f64());
@@ -221,6 +221,25 @@ fn memory_is_what_it_was_limited_to() {
             let used = 8 * scratch_len::<f64>(shape, &layout, 2);
             assert!(used <= LIMIT, "{shape:?}, {layout:?}: {used}");
             assert_ne!(layout, Layout::new(shape, 8, 14, symmetric, symmetric));
+        }
+    }
+}
+
+#[test]
+fn many_threads_get_several_blocks_each() {
+    for (shape, _, layout) in all_layouts() {
+        let cost = |layout: &Layout| {
+            batches(layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum::<usize>()
+        };
+        assert_eq!(layout.for_threads(1), layout);
+        for threads in [2, 16, 100] {
+            let cut = layout.for_threads(threads);
+            assert_eq!(cost(&cut), cost(&layout), "{shape:?}, {threads} threads");
+            let batches: Vec<_> = batches(&cut).collect();
+            let units: usize = batches.iter().map(|batch| batch.units.len()).sum();
+            let enough = cut.moduli * units >= 8 * threads * batches.len();
+            let least = cut.blocking.rows <= 8 && cut.blocking.cols <= 8;
+            assert!(enough || least, "{shape:?}, {threads} threads: {cut:?}");
         }
     }
 }
