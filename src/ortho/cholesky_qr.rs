@@ -73,9 +73,6 @@ pub(crate) fn cholesky_qr_of(
         }
         let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
         let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
-        if far.is_nan() {
-            break;
-        }
         let mut l = gram.clone();
         if cholesky(l.as_mut())?.is_err() {
             // At least what rounding may have taken from the smallest eigenvalue.

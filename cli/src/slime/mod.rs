@@ -131,6 +131,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let (options, look) = args.options()?;
     let mut frames = args.frames()?;
+    // Before the simulation is made, which may take long; after --resume its step must be known.
     if args.resume.is_none() {
         args.check_names(&frames, options.species, look.as_ref())?;
     }

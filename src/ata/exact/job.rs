@@ -1,5 +1,8 @@
 //! The work on the blocks of C, by all threads.
 
+use std::cmp::Reverse;
+use std::ops::Range;
+
 use super::clock::Clock;
 use super::layout::{Batch, Layout, Unit};
 use super::product::{Round, Worker};
@@ -40,27 +43,23 @@ impl<S: Sink> Job<'_, '_, S> {
     /// Writes the blocks of a batch from their residues.
     pub fn recombine(&self, workers: &mut [Worker<'_>], kernel: &dyn Kernel, batch: &Batch) {
         let by_rows = self.sink.is_by_rows();
-        // The blocks of a line: those of row panel or column panel `line` of a unit.
-        let of_line = |unit: &Unit, line: usize| match by_rows {
-            true => self.layout.cols_of(unit, line),
-            false => self.layout.rows_of(unit, line),
-        };
-        let lines_of = |unit: &Unit| match by_rows {
-            true => unit.rows.clone(),
-            false => unit.cols.clone(),
-        };
-        let mut lines: Vec<(&Unit, usize)> = batch
-            .units
-            .iter()
-            .flat_map(|unit| lines_of(unit).map(move |line| (unit, line)))
-            .collect();
+        // Row panels or column panels of the units, each with the panels that it meets.
+        let mut lines: Vec<(&Unit, usize, Range<usize>)> = Vec::new();
+        for unit in &batch.units {
+            let Unit { rows, cols, .. } = unit;
+            if by_rows {
+                lines.extend(rows.clone().map(|i| (unit, i, self.layout.cols_of(unit, i))));
+            } else {
+                lines.extend(cols.clone().map(|j| (unit, j, self.layout.rows_of(unit, j))));
+            }
+        }
         // The longest first, so that the short ones fill the gaps at the end.
-        lines.sort_by_key(|(unit, line)| std::cmp::Reverse(of_line(unit, *line).len()));
+        lines.sort_by_key(|(_, _, others)| Reverse(others.len()));
         tickets(workers, lines.len(), |_, at| {
-            let (unit, line) = lines[at];
+            let (unit, line, others) = &lines[at];
             let work = || {
-                for other in of_line(unit, line) {
-                    let block = if by_rows { (line, other) } else { (other, line) };
+                for other in others.clone() {
+                    let block = if by_rows { (*line, other) } else { (other, *line) };
                     // SAFETY: no thread writes the residues now; a block of C is in one line of one
                     // unit.
                     unsafe { self.write(kernel, batch, unit, block) };

@@ -156,8 +156,7 @@ impl Layout {
 
     /// Returns the mean number of products of blocks, of all moduli, in a batch.
     fn products_in_batch(&self) -> usize {
-        let pairs = self.pairs().into_iter();
-        let batches: Vec<Batch> = pairs.flat_map(|pair| self.batches(pair)).collect();
+        let batches: Vec<Batch> = self.all_batches().collect();
         let units: usize = batches.iter().map(|batch| batch.units.len()).sum();
         self.moduli * units / batches.len().max(1)
     }
@@ -235,6 +234,11 @@ impl Layout {
     pub fn needs(&self, pair: Pair) -> [Need; 2] {
         let operand = if self.same { 0 } else { 1 };
         [Need { operand: 0, group: pair.left }, Need { operand, group: pair.right }]
+    }
+
+    /// Returns the batches of all rounds, in order.
+    pub fn all_batches(&self) -> impl Iterator<Item = Batch> {
+        self.pairs().into_iter().flat_map(|pair| self.batches(pair))
     }
 
     /// Returns the blocks of a round, in batches: a single batch where the blocks are sums over

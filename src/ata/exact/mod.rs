@@ -37,7 +37,6 @@ use crate::kernel::int8::{
 
 pub use self::clock::Stages;
 pub(crate) use self::columns::Columns;
-use self::layout::Batch;
 pub(crate) use self::layout::Layout;
 pub(crate) use self::non_finite::{Flags, Signs};
 pub(crate) use self::sink::{TriangleRows, rows_of_triangle, triangle_len};
@@ -83,18 +82,14 @@ fn slices_len<T: Real>(bytes: usize) -> usize {
 
 /// Returns the blocks of residues of the largest batch.
 fn batch_blocks(layout: &Layout) -> usize {
-    let places = batches(layout).map(|batch| batch.places).max();
+    let places = layout.all_batches().map(|batch| batch.places).max();
     layout.moduli * places.unwrap_or(0)
 }
 
 /// Returns how many threads can be busy with products.
 fn workers(layout: &Layout, threads: usize) -> usize {
-    let units = batches(layout).map(|batch| batch.units.len()).max();
+    let units = layout.all_batches().map(|batch| batch.units.len()).max();
     threads.min(layout.moduli * units.unwrap_or(0)).max(1)
-}
-
-fn batches(layout: &Layout) -> impl Iterator<Item = Batch> {
-    layout.pairs().into_iter().flat_map(|pair| layout.batches(pair))
 }
 
 /// Computes `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is
@@ -190,7 +185,7 @@ pub(crate) fn accumulate<T: Operand, I: Integer>(
 
 /// Returns the work that progress counts: products of panels, for each step and modulus.
 fn cost(layout: &Layout) -> f64 {
-    let cost: usize = batches(layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
+    let cost: usize = layout.all_batches().flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
     (cost * layout.steps * layout.moduli) as f64
 }
 

@@ -229,13 +229,13 @@ fn memory_is_what_it_was_limited_to() {
 fn many_threads_get_several_blocks_each() {
     for (shape, _, layout) in all_layouts() {
         let cost = |layout: &Layout| {
-            batches(layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum::<usize>()
+            layout.all_batches().flat_map(|b| b.units).map(|u| layout.cost(&u)).sum::<usize>()
         };
         assert_eq!(layout.for_threads(1), layout);
         for threads in [2, 16, 100] {
             let cut = layout.for_threads(threads);
             assert_eq!(cost(&cut), cost(&layout), "{shape:?}, {threads} threads");
-            let batches: Vec<_> = batches(&cut).collect();
+            let batches: Vec<_> = cut.all_batches().collect();
             let units: usize = batches.iter().map(|batch| batch.units.len()).sum();
             let enough = cut.moduli * units >= 8 * threads * batches.len();
             let least = cut.blocking.rows <= 8 && cut.blocking.cols <= 8;
@@ -248,7 +248,7 @@ fn many_threads_get_several_blocks_each() {
 fn rounds_cover_c_once_and_load_little() {
     for (shape, _, layout) in all_layouts() {
         let pairs = layout.pairs();
-        let cost: usize = batches(&layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
+        let cost: usize = layout.all_batches().flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
         let (left, right) = (layout.left, layout.right);
         let all = if layout.symmetric { left * (left + 1) / 2 } else { left * right };
         assert_eq!(cost, all, "{shape:?}, {layout:?}");
