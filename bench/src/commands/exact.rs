@@ -7,7 +7,7 @@ use catamaran::AtaOptions;
 use catamaran::ata::{Stages, exact_stages};
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
-use catamaran::kernel::int8::{Isa, Ladder, Rung};
+use catamaran::kernel::int8::{Isa, Ladder, Rung, StepRates};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::{Result, host};
 use faer::{MatMut, MatRef};
@@ -83,6 +83,13 @@ fn show_ladder(isa: Isa) -> Result<()> {
             rate(small),
             share(small)
         );
+    }
+    let StepRates { norms, conversion, recombination } = ladder.steps;
+    println!("other steps, in caches, f64, 14 moduli:");
+    for (step, rate) in
+        [("norms", norms), ("conversion", conversion), ("recombination", recombination)]
+    {
+        println!("{step:<15} {:>6.3} ns an entry", 1e9 / rate);
     }
     Ok(())
 }

@@ -95,6 +95,11 @@ impl Columns {
         }
     }
 
+    /// Returns the exponents of the 32 columns of a panel.
+    pub fn exponents_of_panel(&self, panel: usize) -> [i32; PANEL] {
+        self.exponents.as_chunks().0[panel]
+    }
+
     /// Returns the exponents of 16 columns.
     pub fn exponents_of(&self, tile: usize) -> [i32; WIDTH] {
         self.exponents.as_chunks().0[tile]

@@ -85,7 +85,7 @@ impl Unit {
 pub(crate) struct Batch {
     /// The largest first, so that the small ones fill the gaps at the end.
     pub units: Vec<Unit>,
-    /// Pairs of panels that there is room for, for each modulus.
+    /// Pairs of panels that there is room for, for each modulus; an odd number.
     pub places: usize,
 }
 
@@ -274,6 +274,9 @@ impl Layout {
         }
         for batch in &mut batches {
             batch.units.sort_by_key(|u| std::cmp::Reverse(self.cost(u)));
+            // An odd distance between the residues of a pair, which are recombined together, so
+            // that they do not all compete for the same lines of the cache.
+            batch.places |= 1;
         }
         batches
     }

@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use faer::MatMut;
 use faer::prelude::ReborrowMut;
+use faer::{MatMut, RowMut};
 
 use super::columns::Columns;
 use crate::base::Disjoint;
 use crate::kernel::int8::{
-    Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Operand, PANEL, Quarter, WIDTH,
-    fetch_lines, integers,
+    Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Next, Operand, PANEL, Quarter,
+    Square, WIDTH, fetch_lines, integers, transpose,
 };
 
 /// Takes the blocks of a product.
@@ -29,33 +29,6 @@ pub(super) trait Sink: Sync {
         residues: &[&Block<i8>],
         next: usize,
     );
-}
-
-/// Calls `visit(row, col, triangle, residues)` for each of the four quarters of the block of panels
-/// (i, j) that is inside an n x k matrix. `row` and `col` are those of its first entry; with
-/// `triangle` only its lower triangle is needed.
-fn for_quarters(
-    (i, j): (usize, usize),
-    (n, k): (usize, usize),
-    symmetric: bool,
-    residues: &[&Block<i8>],
-    next: usize,
-    mut visit: impl FnMut(usize, usize, bool, &[&Quarter<i8>]),
-) {
-    for quarter in 0..4 {
-        let (row, col) = (i * PANEL + quarter / 2 * WIDTH, j * PANEL + quarter % 2 * WIDTH);
-        if row >= n || col >= k || symmetric && row < col {
-            continue;
-        }
-        let mut of_quarter = [&residues[0][quarter]; MOST_MODULI];
-        for (of_quarter, residues) in of_quarter.iter_mut().zip(residues) {
-            *of_quarter = &residues[quarter];
-            // The residues of the next block are prefetched.
-            let next = std::ptr::from_ref::<Block<i8>>(residues).wrapping_add(next);
-            fetch_lines(next.cast::<Quarter<i8>>().wrapping_add(quarter), 4);
-        }
-        visit(row, col, symmetric && row == col, &of_quarter[..residues.len()]);
-    }
 }
 
 /// A sink that computes `C := alpha X + beta C` for the product X.
@@ -78,66 +51,66 @@ impl<T: Operand> Sink for Floats<'_, T> {
     unsafe fn take(
         &self,
         kernel: &dyn Kernel,
-        block: (usize, usize),
+        (i, j): (usize, usize),
         residues: &[&Block<i8>],
         next: usize,
     ) {
-        let (n, k) = (self.c.nrows(), self.c.ncols());
-        let mut values = [[0.0; WIDTH]; WIDTH];
-        for_quarters(
-            block,
-            (n, k),
-            self.symmetric,
-            residues,
-            next,
-            |row, col, triangle, residues| {
-                let rows = self.left.exponents_of(row / WIDTH).map(|e| -e);
-                let cols = self.right.exponents_of(col / WIDTH).map(|e| -e);
-                kernel.recombine(residues, self.moduli, &rows, &cols, &mut values);
-                let (rows, cols) = (row..n.min(row + WIDTH), col..k.min(col + WIDTH));
-                // SAFETY: the caller's promise; quarters are disjoint.
-                let c = unsafe { self.c.block(rows, cols) };
-                self.store(&values, triangle, c);
-            },
-        );
+        let extent = |panel, len: usize| PANEL * panel..len.min(PANEL * (panel + 1));
+        let (rows, cols) = (extent(i, self.c.nrows()), extent(j, self.c.ncols()));
+        // SAFETY: the caller's promise; blocks are disjoint.
+        let c = unsafe { self.c.block(rows, cols) };
+        let (across, along) = match self.is_by_rows() {
+            true => (c.row_stride(), c.col_stride()),
+            false => (c.col_stride(), c.row_stride()),
+        };
+        let next = Next {
+            residues: next,
+            line: c.as_ptr().wrapping_offset(PANEL as isize * along).cast(),
+            stride: across * size_of::<T>() as isize,
+            len: PANEL * size_of::<T>(),
+        };
+        let powers = |columns: &Columns, panel| columns.exponents_of_panel(panel).map(|e| -e);
+        let (rows, cols) = (powers(self.left, i), powers(self.right, j));
+        let mut values = [[0.0; PANEL]; PANEL];
+        kernel.recombine(residues, self.moduli, &rows, &cols, next, &mut values);
+        self.store(&values, self.symmetric && i == j, c);
     }
 }
 
 impl<T: Operand> Floats<'_, T> {
-    /// Stores at most 16 x 16 values, or their lower triangle.
-    fn store(&self, values: &Quarter<f64>, triangle: bool, mut c: MatMut<'_, T>) {
+    /// Stores at most 32 x 32 values, or their lower triangle.
+    fn store(&self, values: &Square<f64>, triangle: bool, c: MatMut<'_, T>) {
+        let (rows, cols) = c.shape();
         if c.row_stride() == 1 {
-            let columns: Quarter<f64> =
-                std::array::from_fn(|j| std::array::from_fn(|i| values[i][j]));
-            for (j, values) in columns.iter().enumerate().take(c.ncols()) {
+            let mut columns = [[0.0; PANEL]; PANEL];
+            transpose(values.each_ref(), &mut columns);
+            for (j, (values, c)) in columns.iter().zip(c.col_iter_mut()).enumerate() {
                 let first = if triangle { j } else { 0 };
-                let (values, end) = (&values[first..], c.nrows());
-                self.store_line(
-                    values,
-                    c.rb_mut().col_mut(j).subrows_mut(first, end - first).iter_mut(),
-                );
+                self.store_line(values, c.transpose_mut(), first..rows);
             }
         } else {
-            for (i, values) in values.iter().enumerate().take(c.nrows()) {
-                let count = if triangle { i + 1 } else { WIDTH };
-                self.store_line(&values[..count], c.rb_mut().row_mut(i).iter_mut());
+            for (i, (values, c)) in values.iter().zip(c.row_iter_mut()).enumerate() {
+                let end = if triangle { cols.min(i + 1) } else { cols };
+                self.store_line(values, c, 0..end);
             }
         }
     }
 
-    fn store_line<'c>(&self, values: &[f64], c: impl Iterator<Item = &'c mut T>)
-    where
-        T: 'c,
-    {
+    /// Stores the values in `range` to these elements of a line of C.
+    fn store_line(&self, values: &[f64; PANEL], c: RowMut<'_, T>, range: Range<usize>) {
         let (alpha, beta) = (self.alpha, self.beta);
         let scaled = |value: &f64| match alpha == T::ONE {
             true => T::from_f64(*value),
             false => alpha * T::from_f64(*value),
         };
-        if beta == T::ZERO {
-            values.iter().zip(c).for_each(|(value, c)| *c = scaled(value));
-        } else {
-            values.iter().zip(c).for_each(|(value, c)| *c = scaled(value) + beta * *c);
+        let write = |(c, value): (&mut T, &f64)| {
+            *c = if beta == T::ZERO { scaled(value) } else { scaled(value) + beta * *c };
+        };
+        let values = &values[range.clone()];
+        let mut c = c.subcols_mut(range.start, range.len());
+        match c.rb_mut().try_as_row_major_mut() {
+            Some(adjacent) => adjacent.as_slice_mut().iter_mut().zip(values).for_each(write),
+            None => c.iter_mut().zip(values).for_each(write),
         }
     }
 }
@@ -205,30 +178,35 @@ impl<I: Integer> Sink for Integers<'_, I> {
     unsafe fn take(
         &self,
         _kernel: &dyn Kernel,
-        block: (usize, usize),
+        (i, j): (usize, usize),
         residues: &[&Block<i8>],
         next: usize,
     ) {
         let (n, k) = self.shape;
         let mut values = [[I::default(); WIDTH]; WIDTH];
-        for_quarters(
-            block,
-            self.shape,
-            self.symmetric,
-            residues,
-            next,
-            |row, col, triangle, residues| {
-                integers(residues, self.moduli, &mut values);
-                for (i, values) in values.iter().enumerate().take(n - row) {
-                    let count = if triangle { i + 1 } else { WIDTH.min(k - col) };
-                    for (j, &value) in values.iter().enumerate().take(count) {
-                        let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
-                        // SAFETY: the caller's promise; quarters are disjoint.
-                        let sum = unsafe { self.sums.get(i, j) };
-                        *sum = sum.plus(if self.subtract { value.negated() } else { value });
-                    }
+        for quarter in 0..4 {
+            let (row, col) = (i * PANEL + quarter / 2 * WIDTH, j * PANEL + quarter % 2 * WIDTH);
+            if row >= n || col >= k || self.symmetric && row < col {
+                continue;
+            }
+            let mut of_quarter = [&residues[0][quarter]; MOST_MODULI];
+            for (of_quarter, residues) in of_quarter.iter_mut().zip(residues) {
+                *of_quarter = &residues[quarter];
+                // The residues of the next block are prefetched.
+                let next = std::ptr::from_ref::<Block<i8>>(residues).wrapping_add(next);
+                fetch_lines(next.cast::<Quarter<i8>>().wrapping_add(quarter), 4);
+            }
+            integers(&of_quarter[..residues.len()], self.moduli, &mut values);
+            for (i, values) in values.iter().enumerate().take(n - row) {
+                let triangle = self.symmetric && row == col;
+                let count = if triangle { i + 1 } else { WIDTH.min(k - col) };
+                for (j, &value) in values.iter().enumerate().take(count) {
+                    let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
+                    // SAFETY: the caller's promise; quarters are disjoint.
+                    let sum = unsafe { self.sums.get(i, j) };
+                    *sum = sum.plus(if self.subtract { value.negated() } else { value });
                 }
-            },
-        );
+            }
+        }
     }
 }

@@ -6,9 +6,9 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
-use super::kernel::{Kernel, Operands, Session};
+use super::kernel::{Kernel, Next, Operands, Session};
 use super::moduli::{Moduli, Modulus};
-use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
+use super::tile::{Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms};
 
 /// The kernel. A value exists only if AMX works, so the assembly below is sound.
 pub(super) struct Amx {
@@ -149,13 +149,14 @@ impl Kernel for Amx {
 
     fn recombine(
         &self,
-        residues: &[&Quarter<i8>],
+        residues: &[&Block<i8>],
         moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
+        rows: &[i32; PANEL],
+        columns: &[i32; PANEL],
+        next: Next,
+        out: &mut Square<f64>,
     ) {
-        self.others.recombine(residues, moduli, rows, columns, out);
+        self.others.recombine(residues, moduli, rows, columns, next, out);
     }
 
     fn spin(&self, count: usize) -> Option<usize> {

@@ -3,10 +3,11 @@
 
 use std::arch::x86_64::*;
 
-use super::kernel::{Kernel, Operands, product_by_pairs};
+use super::kernel::{Kernel, Next, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two, tile_norms,
+    Block, PANEL, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
+    tile_norms,
 };
 use super::{portable, recombine};
 
@@ -95,18 +96,20 @@ impl Kernel for Avx2 {
 
     fn recombine(
         &self,
-        residues: &[&Quarter<i8>],
+        residues: &[&Block<i8>],
         moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
+        rows: &[i32; PANEL],
+        columns: &[i32; PANEL],
+        next: Next,
+        out: &mut Square<f64>,
     ) {
-        enabled!(recombine::quarter::<true> => (
-            residues: &[&Quarter<i8>],
+        enabled!(recombine::block::<true> => (
+            residues: &[&Block<i8>],
             moduli: &Moduli,
-            rows: &[i32; WIDTH],
-            columns: &[i32; WIDTH],
-            out: &mut Quarter<f64>
+            rows: &[i32; PANEL],
+            columns: &[i32; PANEL],
+            next: Next,
+            out: &mut Square<f64>
         ))
     }
 }

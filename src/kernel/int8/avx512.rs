@@ -2,10 +2,10 @@
 
 use std::arch::x86_64::*;
 
-use super::kernel::{Kernel, Operands};
+use super::kernel::{Kernel, Next, Operands};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
-    Block, MAGNITUDE, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH,
+    Block, MAGNITUDE, PANEL, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
     norm_exponents, power_of_two,
 };
 use crate::kernel::finish_stores;
@@ -113,14 +113,15 @@ impl Kernel for Vnni {
 
     fn recombine(
         &self,
-        residues: &[&Quarter<i8>],
+        residues: &[&Block<i8>],
         moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
+        rows: &[i32; PANEL],
+        columns: &[i32; PANEL],
+        next: Next,
+        out: &mut Square<f64>,
     ) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { recombine(residues, moduli, rows, columns, out) }
+        unsafe { recombine(residues, moduli, rows, columns, next, out) }
     }
 
     fn spin(&self, count: usize) -> Option<usize> {
@@ -556,50 +557,49 @@ enabled! {
     }
 }
 
-/// The three parts of 16 integers, as two vectors each (see
-/// [`integers`](super::recombine::integers)).
-type Parts = [[__m512d; 2]; 3];
+/// Vectors of a row of a block.
+const VECTORS: usize = PANEL / 8;
 
 enabled! {
-    /// Implements [`Kernel::recombine`] with the parts of a row in registers.
+    /// Implements [`Kernel::recombine`] with the parts of a row in registers (see
+    /// [`integers`](super::recombine::integers)).
     fn recombine(
-        residues: &[&Quarter<i8>],
+        residues: &[&Block<i8>],
         moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
+        rows: &[i32; PANEL],
+        columns: &[i32; PANEL],
+        next: Next,
+        out: &mut Square<f64>,
     ) {
-        // SAFETY: 16 elements.
-        let columns = unsafe { _mm512_loadu_si512(columns.as_ptr().cast()) };
-        for (i, out) in out.iter_mut().enumerate() {
-            let mut parts: Parts = [[_mm512_setzero_pd(); 2]; 3];
+        for (i, (out, &row)) in out.iter_mut().zip(rows).enumerate() {
+            next.fetch(residues, i);
+            let mut parts = [[_mm512_setzero_pd(); VECTORS]; 3];
             for (unit, residues) in moduli.units.iter().zip(residues) {
-                // SAFETY: a row of residues is 16 bytes.
-                let bytes = unsafe { _mm_loadu_si128(residues[i].as_ptr().cast()) };
-                let values = halves(_mm512_cvtepi8_epi32(bytes)).map(|v| _mm512_cvtepi32_pd(v));
-                for (part, &unit) in parts.iter_mut().zip(unit) {
-                    let unit = _mm512_set1_pd(unit);
-                    for (part, value) in part.iter_mut().zip(values) {
-                        *part = _mm512_fmadd_pd(value, unit, *part);
+                let unit = unit.map(|unit| _mm512_set1_pd(unit));
+                let of_row = i / WIDTH * 2;
+                let quarters = [&residues[of_row][i % WIDTH], &residues[of_row + 1][i % WIDTH]];
+                for v in 0..VECTORS {
+                    // SAFETY: 8 of the 16 residues of a row of a quarter.
+                    let bytes = unsafe {
+                        _mm_loadl_epi64(quarters[v / 2].as_ptr().add(v % 2 * 8).cast())
+                    };
+                    let value = _mm512_cvtepi64_pd(_mm512_cvtepi8_epi64(bytes));
+                    for (part, unit) in parts.iter_mut().zip(unit) {
+                        part[v] = _mm512_fmadd_pd(value, unit, part[v]);
                     }
                 }
             }
-            let exponents = halves(_mm512_add_epi32(_mm512_set1_epi32(rows[i]), columns));
-            for half in 0..2 {
-                let exponent = _mm512_cvtepi32_pd(exponents[half]);
-                let value = _mm512_scalef_pd(combine(parts.map(|p| p[half]), moduli), exponent);
-                // SAFETY: 8 of the 16 entries of a row.
-                unsafe { _mm512_storeu_pd(out.as_mut_ptr().add(8 * half), value) };
+            for v in 0..VECTORS {
+                // SAFETY: 8 of the 32 entries of a row.
+                unsafe {
+                    let columns = _mm256_loadu_si256(columns.as_ptr().add(8 * v).cast());
+                    let exponents = _mm256_add_epi32(_mm256_set1_epi32(row), columns);
+                    let value = combine(parts.map(|part| part[v]), moduli);
+                    let value = _mm512_scalef_pd(value, _mm512_cvtepi32_pd(exponents));
+                    _mm512_storeu_pd(out.as_mut_ptr().add(8 * v), value);
+                }
             }
         }
-    }
-}
-
-enabled! {
-    /// Splits 16 dwords into two halves.
-    #[inline]
-    fn halves(v: __m512i) -> [__m256i; 2] {
-        [_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64::<1>(v)]
     }
 }
 

@@ -1,5 +1,7 @@
 use super::moduli::{Moduli, Modulus};
-use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
+use super::tile::{
+    Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,
+};
 
 /// The steps of the exact path, for one instruction set. All implementations agree.
 pub(crate) trait Kernel: Sync {
@@ -49,16 +51,18 @@ pub(crate) trait Kernel: Sync {
     /// its old value if `continued`, modulo `operands.modulus`, between -128 and 127.
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]);
 
-    /// Computes a quarter of a block of C from its residues: entry (i, j) is the integer of
+    /// Computes a block of C from its residues: entry (i, j) is the integer of
     /// [`integers`](super::integers) times `2^(rows[i] + columns[j])`, exact if 53 bits hold it and
-    /// else within one unit in the last place. A subnormal result is rounded once more.
+    /// else within one unit in the last place. A subnormal result is rounded once more. Prefetches
+    /// `next` meanwhile.
     fn recombine(
         &self,
-        residues: &[&Quarter<i8>],
+        residues: &[&Block<i8>],
         moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
+        rows: &[i32; PANEL],
+        columns: &[i32; PANEL],
+        next: Next,
+        out: &mut Square<f64>,
     );
 
     /// Performs at least `count` multiplications of residues on registers alone, in a
@@ -71,6 +75,35 @@ pub(crate) trait Kernel: Sync {
     /// of one thread must not overlap.
     fn session(&self) -> Session {
         Session(None)
+    }
+}
+
+/// The block that follows in [`Kernel::recombine`]. All addresses are hints.
+#[derive(Clone, Copy)]
+pub(crate) struct Next {
+    /// How far its residues are from those of this block, in blocks.
+    pub residues: usize,
+    /// The first of its 32 lines in C.
+    pub line: *const u8,
+    /// Bytes between its lines.
+    pub stride: isize,
+    /// Bytes of a line.
+    pub len: usize,
+}
+
+impl Next {
+    /// No block follows.
+    pub const NONE: Self = Self { residues: 0, line: std::ptr::null(), stride: 0, len: 0 };
+
+    /// Prefetches part `i`, 0..32, of the residues and the entries of the next block. Few at a
+    /// time, since a CPU waits once it has asked for about 20 cache lines.
+    #[inline(always)]
+    pub fn fetch(&self, residues: &[&Block<i8>], i: usize) {
+        for block in residues.iter().skip(i % 2).step_by(2) {
+            let next = std::ptr::from_ref::<Block<i8>>(block).wrapping_add(self.residues);
+            fetch_lines(next.cast::<u8>().wrapping_add(64 * (i / 2)), 1);
+        }
+        fetch_lines(self.line.wrapping_offset(i as isize * self.stride), self.len.div_ceil(64));
     }
 }
 

@@ -1,11 +1,12 @@
-//! Measures the rate of products with operands in registers and in each level of the memory, for
-//! benchmarks.
+//! Measures the rate of products with operands in registers and in each level of the memory, and
+//! those of the other steps, for benchmarks.
 
 use std::fmt;
+use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use super::tile::{Block, DEPTH, PANEL, STEP, Slice, WIDTH};
-use super::{Isa, Kernel, Moduli, Operands};
+use super::tile::{Block, DEPTH, PANEL, Powers, STEP, Slice, Tile, WIDTH};
+use super::{Isa, Kernel, Moduli, Next, Operands};
 use crate::base::{Result, Rng, Workspace};
 
 /// Where an operand comes from.
@@ -44,7 +45,19 @@ pub struct Rung {
     pub rate: f64,
 }
 
-/// Rates of products on registers alone and with operands at each level.
+/// Entries per second of the steps around the products, for f64 and 14 moduli, with all data in the
+/// first two levels of the cache, on the calling thread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepRates {
+    /// Entries of an operand, whose norms are computed.
+    pub norms: f64,
+    /// Entries of an operand, which are converted to residues.
+    pub conversion: f64,
+    /// Entries of C, which are computed from their residues.
+    pub recombination: f64,
+}
+
+/// Rates of products on registers alone and with operands at each level, and of the other steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ladder {
     /// Multiplications of residues per second on registers alone; `None` for AVX2 and the portable
@@ -52,6 +65,8 @@ pub struct Ladder {
     pub registers: Option<f64>,
     /// Those on huge pages first, each from the fastest level to the slowest.
     pub rungs: Vec<Rung>,
+    /// Rates of the other steps.
+    pub steps: StepRates,
 }
 
 impl Ladder {
@@ -95,7 +110,46 @@ impl Ladder {
                 }
             }
         }
-        Ok(Self { registers, rungs })
+        Ok(Self { registers, rungs, steps: StepRates::measure(kernel) })
+    }
+}
+
+impl StepRates {
+    fn measure(kernel: &dyn Kernel) -> Self {
+        const MODULI: usize = 14;
+        /// Tiles, or quarters of blocks, per run.
+        const RUN: usize = 64;
+        let moduli = Moduli::new(MODULI);
+        let mut rng = Rng::new(1);
+        let tile = Tile(std::array::from_fn(|_| std::array::from_fn(|_| rng.normal())));
+        let powers = Powers::new([54; WIDTH]);
+        let mut residues = vec![[0; STEP * WIDTH]; MODULI];
+        let norms = fastest(|| {
+            for _ in 0..RUN {
+                black_box(kernel.norms_f64(black_box(&tile)));
+            }
+            RUN * STEP * WIDTH
+        });
+        let conversion = fastest(|| {
+            for _ in 0..RUN {
+                let mut out: Vec<_> = residues.iter_mut().collect();
+                kernel.convert_f64(black_box(&tile), &powers, &moduli.list, &mut out, false);
+            }
+            RUN * STEP * WIDTH
+        });
+        let mut block =
+            || [(); 4].map(|()| [[(); WIDTH]; WIDTH].map(|row| row.map(|()| rng.bits() as i8)));
+        let residues: Vec<Block<i8>> = (0..MODULI).map(|_| block()).collect();
+        let residues: Vec<&Block<i8>> = residues.iter().collect();
+        let mut out = [[0.0; PANEL]; PANEL];
+        let recombination = fastest(|| {
+            for _ in 0..RUN {
+                let (residues, zeros) = (black_box(&residues), &[0; PANEL]);
+                kernel.recombine(residues, &moduli, zeros, zeros, Next::NONE, black_box(&mut out));
+            }
+            RUN * PANEL * PANEL
+        });
+        Self { norms, conversion, recombination }
     }
 }
 
@@ -184,5 +238,7 @@ mod tests {
         assert_eq!(ladder.rungs.len(), 20);
         assert!(ladder.rungs.iter().all(|rung| rung.rate > 0.0));
         assert!(ladder.registers.is_none_or(|rate| rate > 0.0));
+        let StepRates { norms, conversion, recombination } = ladder.steps;
+        assert!([norms, conversion, recombination].iter().all(|&rate| rate > 0.0));
     }
 }

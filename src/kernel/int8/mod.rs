@@ -24,13 +24,13 @@ pub(crate) mod tests;
 mod tile;
 
 pub(crate) use integer::{I256, Integer};
-pub(crate) use kernel::{Kernel, Operands};
-pub use ladder::{Ladder, Level, Rung};
+pub(crate) use kernel::{Kernel, Next, Operands};
+pub use ladder::{Ladder, Level, Rung, StepRates};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
 pub(crate) use tile::{
     Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice,
-    Tile, TileNorms, WIDTH, fetch_lines, power_of_two, scaled,
+    Square, Tile, TileNorms, WIDTH, fetch_lines, power_of_two, scaled, transpose,
 };
 
 use crate::base::Real;

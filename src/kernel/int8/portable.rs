@@ -1,10 +1,11 @@
 //! The kernel in plain Rust, for any CPU. Tests compare the other kernels with this one.
 
-use super::kernel::{Kernel, Operands, product_by_pairs};
+use super::kernel::{Kernel, Next, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two, tile_norms,
+    Block, PANEL, Powers, Quarter, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
+    power_of_two, tile_norms,
 };
 use crate::base::Real;
 
@@ -58,13 +59,14 @@ impl Kernel for Portable {
 
     fn recombine(
         &self,
-        residues: &[&Quarter<i8>],
+        residues: &[&Block<i8>],
         moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
+        rows: &[i32; PANEL],
+        columns: &[i32; PANEL],
+        next: Next,
+        out: &mut Square<f64>,
     ) {
-        recombine::quarter::<false>(residues, moduli, rows, columns, out);
+        recombine::block::<false>(residues, moduli, rows, columns, next, out);
     }
 }
 

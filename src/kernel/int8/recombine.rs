@@ -1,8 +1,9 @@
 //! Reconstructs numbers from residues: the Chinese remainder theorem in exact f64 arithmetic.
 
 use super::integer::Integer;
+use super::kernel::Next;
 use super::moduli::{IntegerModuli, LIMBS, Moduli};
-use super::tile::{Quarter, WIDTH, scaled};
+use super::tile::{Block, PANEL, Quarter, Square, WIDTH, scaled};
 use crate::base::widest;
 
 /// Computes exactly the integers R with these residues, for |R| at most P/2 less one part in 2^20,
@@ -58,21 +59,23 @@ fn integers_of<I: Integer, const L: usize>(
     }
 }
 
-/// Returns the three parts of the integers of row `i` of a quarter, the highest first.
+/// Returns the three parts of the integers of row `i` of quarter `quarter`, the highest first.
 ///
 /// `V = sum residue * unit` is congruent to R, so `R = V - round(V / P) P`. Each of the three parts
 /// of the sum and of the product has fewer than 53 bits, so that they and their differences are
 /// exact, with fused multiply-add (`FUSED`) or without.
 #[inline(always)]
 fn row<const FUSED: bool>(
-    residues: &[&Quarter<i8>],
+    residues: &[&Block<i8>],
     moduli: &Moduli,
+    quarter: usize,
     i: usize,
 ) -> [[f64; WIDTH]; 3] {
     let mut parts = [[0.0; WIDTH]; 3];
     for (unit, residues) in moduli.units.iter().zip(residues) {
+        let residues = &residues[quarter][i];
         for j in 0..WIDTH {
-            let r = f64::from(residues[i][j]);
+            let r = f64::from(residues[j]);
             for (part, &unit) in parts.iter_mut().zip(unit) {
                 part[j] = multiply_add::<FUSED>(r, unit, part[j]);
             }
@@ -89,20 +92,26 @@ fn row<const FUSED: bool>(
 
 /// Implements [`Kernel::recombine`](super::Kernel::recombine), with fused multiply-add if `FUSED`.
 #[inline(always)]
-pub(super) fn quarter<const FUSED: bool>(
-    residues: &[&Quarter<i8>],
+pub(super) fn block<const FUSED: bool>(
+    residues: &[&Block<i8>],
     moduli: &Moduli,
-    rows: &[i32; WIDTH],
-    columns: &[i32; WIDTH],
-    out: &mut Quarter<f64>,
+    rows: &[i32; PANEL],
+    columns: &[i32; PANEL],
+    next: Next,
+    out: &mut Square<f64>,
 ) {
     for (i, out) in out.iter_mut().enumerate() {
-        let [high, middle, low] = row::<FUSED>(residues, moduli, i);
-        for j in 0..WIDTH {
-            let (tail, tail_error) = two_sum(middle[j], low[j]);
-            let (head, head_error) = two_sum(high[j], tail);
-            let value = head + (head_error + tail_error);
-            out[j] = scaled(value, rows[i] + columns[j]);
+        next.fetch(residues, i);
+        for half in 0..2 {
+            let quarter = i / WIDTH * 2 + half;
+            let [high, middle, low] = row::<FUSED>(residues, moduli, quarter, i % WIDTH);
+            for j in 0..WIDTH {
+                let (tail, tail_error) = two_sum(middle[j], low[j]);
+                let (head, head_error) = two_sum(high[j], tail);
+                let value = head + (head_error + tail_error);
+                let column = WIDTH * half + j;
+                out[column] = scaled(value, rows[i] + columns[column]);
+            }
         }
     }
 }

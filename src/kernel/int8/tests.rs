@@ -311,8 +311,8 @@ fn numbers_come_back_from_their_residues() {
         let product: i128 = moduli.list.iter().map(|m| i128::from(m.p)).product();
         let bits = 128 - product.leading_zeros();
         let mut rng = Rng::new(count as u64);
-        let mut numbers: Quarter<i128> = [[0; WIDTH]; WIDTH];
-        for number in numbers.as_flattened_mut() {
+        let mut numbers: Block<i128> = [[[0; WIDTH]; WIDTH]; 4];
+        for number in numbers.as_flattened_mut().as_flattened_mut() {
             let random = (i128::from(rng.bits()) << 64 | i128::from(rng.bits())) & i128::MAX;
             let limit = product / 2 - (product >> 20) - 1;
             *number = match rng.bits() % 8 {
@@ -325,28 +325,28 @@ fn numbers_come_back_from_their_residues() {
             *number = (*number).clamp(-limit, limit);
         }
         // Residues may be any representative that fits a byte.
-        let residues: Vec<Quarter<i8>> = moduli
+        let mut residue = |v: i128, m: &Modulus| {
+            let r = v.rem_euclid(m.p.into()) as i32;
+            let other = r - m.p;
+            let swap = rng.sign() > 0.0 && other >= -128;
+            (if r > 127 || swap { other } else { r }) as i8
+        };
+        let residues: Vec<Block<i8>> = moduli
             .list
             .iter()
-            .map(|m| {
-                numbers.map(|row| {
-                    row.map(|v| {
-                        let r = v.rem_euclid(m.p.into()) as i32;
-                        let other = r - m.p;
-                        let swap = rng.sign() > 0.0 && other >= -128;
-                        (if r > 127 || swap { other } else { r }) as i8
-                    })
-                })
-            })
+            .map(|m| numbers.map(|quarter| quarter.map(|row| row.map(|v| residue(v, m)))))
             .collect();
-        let residues: Vec<&Quarter<i8>> = residues.iter().collect();
-        let rows: [i32; WIDTH] = std::array::from_fn(|i| 60 * i as i32 - 600);
-        let columns: [i32; WIDTH] = std::array::from_fn(|j| 70 * j as i32 - 560);
+        let residues: Vec<&Block<i8>> = residues.iter().collect();
+        let rows: [i32; PANEL] = std::array::from_fn(|i| 30 * i as i32 - 600);
+        let columns: [i32; PANEL] = std::array::from_fn(|j| 35 * j as i32 - 560);
+        // Prefetched addresses may be any.
+        let next = Next { residues: usize::MAX, line: std::ptr::dangling(), stride: -7, len: 100 };
         for (name, kernel) in kernels() {
-            let mut out: Quarter<f64> = [[f64::NAN; WIDTH]; WIDTH];
-            kernel.recombine(&residues, &moduli, &rows, &columns, &mut out);
-            for (i, row) in numbers.iter().enumerate() {
-                for (j, &number) in row.iter().enumerate() {
+            let mut out: Square<f64> = [[f64::NAN; PANEL]; PANEL];
+            kernel.recombine(&residues, &moduli, &rows, &columns, next, &mut out);
+            for i in 0..PANEL {
+                for j in 0..PANEL {
+                    let number = numbers[i / WIDTH * 2 + j / WIDTH][i % WIDTH][j % WIDTH];
                     let expected = scaled(number, rows[i] + columns[j]);
                     // Within one unit in the last place, and exact when 53 bits hold it.
                     let short = number == 0
@@ -367,8 +367,7 @@ fn numbers_come_back_from_their_residues() {
 #[test]
 fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
     let moduli = Moduli::new(14);
-    let one: Vec<Quarter<i8>> = moduli.list.iter().map(|_| [[1; WIDTH]; WIDTH]).collect();
-    let residues: Vec<&Quarter<i8>> = one.iter().collect();
+    let residues = vec![&[[[1; WIDTH]; WIDTH]; 4]; moduli.list.len()];
     for (name, kernel) in kernels() {
         for (exponent, expected) in [
             (-2200, 0.0),
@@ -377,11 +376,11 @@ fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
             (1023, power_of_two(1023)),
             (2040, f64::INFINITY),
         ] {
-            let mut out = [[f64::NAN; WIDTH]; WIDTH];
-            let half = [exponent / 2; WIDTH];
-            let rest = [exponent - exponent / 2; WIDTH];
-            kernel.recombine(&residues, &moduli, &half, &rest, &mut out);
-            assert_eq!(out, [[expected; WIDTH]; WIDTH], "{name}, 2^{exponent}");
+            let mut out = [[f64::NAN; PANEL]; PANEL];
+            let half = [exponent / 2; PANEL];
+            let rest = [exponent - exponent / 2; PANEL];
+            kernel.recombine(&residues, &moduli, &half, &rest, Next::NONE, &mut out);
+            assert_eq!(out, [[expected; PANEL]; PANEL], "{name}, 2^{exponent}");
         }
     }
 }

@@ -17,6 +17,8 @@ pub(crate) const DEPTH: usize = 16;
 pub(crate) type Quarter<T> = [[T; WIDTH]; WIDTH];
 /// 32 x 32 entries of C: the two quarters of the first 16 rows, then those of the last 16.
 pub(crate) type Block<T> = [Quarter<T>; 4];
+/// 32 x 32 entries of C, row by row.
+pub(crate) type Square<T> = [[T; PANEL]; PANEL];
 
 /// 64 x 16 entries of an operand, row by row; zeros where the operand ends.
 #[derive(Clone)]
@@ -58,18 +60,40 @@ impl<T: Real> Tile<T> {
                 }
             }
         } else if a.row_stride() == 1 {
-            for j in 0..cols {
-                // SAFETY: column `j` of the view is `rows` adjacent elements.
-                let source = unsafe { std::slice::from_raw_parts(a.ptr_at(0, j), rows) };
-                for (line, &value) in self.0.iter_mut().zip(source) {
-                    line[j] = value;
+            // SAFETY: column `j` of the view is `rows` adjacent elements.
+            let column = |j| unsafe { std::slice::from_raw_parts(a.ptr_at(0, j), rows) };
+            if rows < STEP || cols < WIDTH {
+                for j in 0..cols {
+                    for (line, &value) in self.0.iter_mut().zip(column(j)) {
+                        line[j] = value;
+                    }
                 }
+                return;
             }
+            // SAFETY: whole columns of a tile.
+            let columns = std::array::from_fn(|j| unsafe { &*a.ptr_at(0, j).cast() });
+            transpose(columns, &mut self.0);
         } else {
             for (i, line) in self.0[..rows].iter_mut().enumerate() {
                 for (j, value) in line[..cols].iter_mut().enumerate() {
                     *value = a[(i, j)];
                 }
+            }
+        }
+    }
+}
+
+/// Transposes a matrix of multiples of eight rows and columns.
+pub(crate) fn transpose<T: Copy, const M: usize, const N: usize>(
+    rows: [&[T; N]; M],
+    columns: &mut [[T; M]; N],
+) {
+    const { assert!(M % 8 == 0 && N % 8 == 0) };
+    for (j, columns) in columns.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+        for i in 0..M / 8 {
+            let block: [[T; 8]; 8] = std::array::from_fn(|r| rows[8 * i + r].as_chunks::<8>().0[j]);
+            for (c, column) in columns.iter_mut().enumerate() {
+                column.as_chunks_mut::<8>().0[i] = std::array::from_fn(|r| block[r][c]);
             }
         }
     }
