@@ -173,12 +173,13 @@ impl<T> Target<T> {
         WantedColumns { first, limit, end }
     }
 
-    /// Returns whether all of these entries are wanted.
+    /// Returns whether all of these entries are wanted, without scales and row by row.
     #[inline(always)]
-    pub fn wants_all(&self, rows: Range<usize>, cols: Range<usize>) -> bool {
+    pub(super) fn takes_whole(&self, rows: Range<usize>, cols: Range<usize>) -> bool {
         let inside = rows.end <= self.rows && cols.end <= self.cols;
         let corner = |i: usize, j: usize| i as isize + self.diagonal - j as isize;
         inside
+            && self.is_plain()
             && match self.part {
                 Part::All => true,
                 Part::Lower => corner(rows.start, cols.end) >= -1,

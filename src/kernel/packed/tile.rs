@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::geometry::{Stream, line_len};
 use super::target::Target;
 use super::vectors::{Vectors, low_bits};
-use super::write::write;
+use super::write::{write, write_whole};
 use crate::base::Real;
 
 /// One side of a product as tiles read it: panels of WIDTH columns. Packed panels are padded with
@@ -122,7 +122,18 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                     tile.store::<V, ROWS, 2>(tile.multiply::<V, ROWS, 2, false>(all, ahead));
                 }
                 _ => {
-                    tile.store::<V, ROWS, COUNT>(tile.multiply::<V, ROWS, COUNT, false>(all, ahead))
+                    let sums = tile.multiply::<V, ROWS, COUNT, false>(all, ahead);
+                    let whole = |target: &Target<_>| {
+                        let rows = row.corner..row.corner + V::ROWS;
+                        target.takes_whole(rows, col..col + V::WIDTH)
+                    };
+                    if !row.targets.is_empty() && row.targets.iter().all(whole) {
+                        for target in row.targets {
+                            write_whole::<V, ROWS, COUNT>(sums, target, row.corner, col);
+                        }
+                        continue;
+                    }
+                    tile.store::<V, ROWS, COUNT>(sums);
                 }
             }
             for target in row.targets {
@@ -155,10 +166,11 @@ const AHEAD: isize = 16;
 impl<T: Real> Tile<T> {
     /// Computes `left^T right`, ROWS columns of the left side times N vectors of the right side, in
     /// registers. Meanwhile prefetches `ahead`, a little every few steps, since one burst would
-    /// delay the operands. The last vector has the lanes `tail` if `MASKED`, else all.
+    /// delay the operands. The last vector has the lanes `tail` if `MASKED`, else all. Returns the
+    /// product, plus the sums of earlier steps if `self.add`.
     ///
     /// # Safety
-    /// Both sides hold `steps` rows.
+    /// Both sides hold `steps` rows, and the sums, if they are added, ROWS rows of WIDTH.
     #[inline(always)]
     pub unsafe fn multiply<V, const ROWS: usize, const N: usize, const MASKED: bool>(
         mut self,
@@ -188,7 +200,7 @@ impl<T: Real> Tile<T> {
             for _ in 0..rest {
                 self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
             }
-            tile
+            self.complete::<V, ROWS, N>(tile)
         }
     }
 
@@ -225,24 +237,46 @@ impl<T: Real> Tile<T> {
         }
     }
 
-    /// Stores `sums := tile`, or adds `sums += tile` if `self.add`. The tile began at zero, so that
+    /// Adds the sums of earlier steps to the tile, if `self.add`. The tile began at zero, so that
     /// rounding errors are those of short sums.
+    ///
+    /// # Safety
+    /// The sums hold ROWS rows of WIDTH.
+    #[inline(always)]
+    unsafe fn complete<V, const ROWS: usize, const N: usize>(
+        &self,
+        mut tile: [[V::Vector; N]; ROWS],
+    ) -> [[V::Vector; N]; ROWS]
+    where
+        V: Vectors<Scalar = T>,
+    {
+        if self.add {
+            for i in 0..ROWS {
+                for j in 0..N {
+                    // SAFETY: the caller's promise.
+                    unsafe {
+                        let earlier = V::load(self.sums.add(i * V::WIDTH + j * V::LANES));
+                        tile[i][j] = V::add(earlier, tile[i][j]);
+                    }
+                }
+            }
+        }
+        tile
+    }
+
+    /// Stores the tile as `sums`.
     ///
     /// # Safety
     /// The sums have room for ROWS rows of WIDTH.
     #[inline(always)]
-    pub unsafe fn store<V, const ROWS: usize, const N: usize>(self, tile: [[V::Vector; N]; ROWS])
+    pub unsafe fn store<V, const ROWS: usize, const N: usize>(&self, tile: [[V::Vector; N]; ROWS])
     where
         V: Vectors<Scalar = T>,
     {
-        // SAFETY: the caller's promise.
-        unsafe {
-            for i in 0..ROWS {
-                for j in 0..N {
-                    let at = self.sums.add(i * V::WIDTH + j * V::LANES);
-                    let sum = if self.add { V::add(V::load(at), tile[i][j]) } else { tile[i][j] };
-                    V::store(at, sum);
-                }
+        for i in 0..ROWS {
+            for j in 0..N {
+                // SAFETY: the caller's promise.
+                unsafe { V::store(self.sums.add(i * V::WIDTH + j * V::LANES), tile[i][j]) };
             }
         }
     }

@@ -40,39 +40,8 @@ pub(super) unsafe fn write<V: Vectors>(
         }
         if target.col_stride != 1 {
             write_elements::<V>(sums, target, row, col, height, width);
-        } else if width == V::WIDTH && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
-            write_all::<V>(sums, target, row, col);
         } else {
             write_wanted::<V>(sums, target, row, col, height, width);
-        }
-    }
-}
-
-/// Writes a whole tile like [`write()`], to a target stored by rows.
-#[inline(always)]
-unsafe fn write_all<V: Vectors>(
-    sums: *const V::Scalar,
-    target: &Target<V::Scalar>,
-    row: usize,
-    col: usize,
-) {
-    // SAFETY: as for `write`.
-    unsafe {
-        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
-        let start = target.at(row, col);
-        for i in 0..V::ROWS {
-            let to = start.offset(i as isize * target.row_stride);
-            for j in 0..V::COUNT {
-                let sum = V::mul(c, V::load(sums.add(i * V::WIDTH + j * V::LANES)));
-                let to = to.add(j * V::LANES);
-                if target.beta == V::Scalar::ONE {
-                    V::store(to, V::add(V::load(to), sum));
-                } else if target.beta == V::Scalar::ZERO {
-                    V::store(to, sum);
-                } else {
-                    V::store(to, V::add(V::mul(beta, V::load(to)), sum));
-                }
-            }
         }
     }
 }
@@ -153,6 +122,42 @@ pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usi
             each_vector!(|_, _, sum| sum);
         } else {
             each_vector!(|to, mask, sum| V::add(V::mul(beta, V::load_masked(to, mask)), sum));
+        }
+    }
+}
+
+/// Writes a whole tile like [`write()`], directly from registers to a target
+/// [of such](Target::takes_whole) tiles.
+///
+/// # Safety
+/// As for [`write()`].
+#[inline(always)]
+pub(super) unsafe fn write_whole<V: Vectors, const ROWS: usize, const N: usize>(
+    sums: [[V::Vector; N]; ROWS],
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+) {
+    // SAFETY: the caller's promise; the entries lie inside the block.
+    unsafe {
+        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let start = target.at(row, col);
+        // A loop for each case, as in `write_registers`.
+        macro_rules! each_vector {
+            ($sum:expr) => {
+                for i in 0..ROWS {
+                    let row = start.offset(i as isize * target.row_stride);
+                    for j in 0..N {
+                        let to = row.add(j * V::LANES);
+                        V::store(to, $sum(to, V::mul(c, sums[i][j])));
+                    }
+                }
+            };
+        }
+        if target.beta == V::Scalar::ZERO {
+            each_vector!(|_, sum| sum);
+        } else {
+            each_vector!(|to, sum| V::add(V::mul(beta, V::load(to)), sum));
         }
     }
 }
