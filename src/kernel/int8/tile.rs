@@ -88,7 +88,7 @@ pub(crate) fn transpose<T: Copy, const M: usize, const N: usize>(
     rows: [&[T; N]; M],
     columns: &mut [[T; M]; N],
 ) {
-    const { assert!(M % 8 == 0 && N % 8 == 0) };
+    const { assert!(M.is_multiple_of(8) && N.is_multiple_of(8)) };
     for (j, columns) in columns.as_chunks_mut::<8>().0.iter_mut().enumerate() {
         for i in 0..M / 8 {
             let block: [[T; 8]; 8] = std::array::from_fn(|r| rows[8 * i + r].as_chunks::<8>().0[j]);
