@@ -529,6 +529,12 @@ impl Work<'_> {
         drop(rows);
         drop(bar);
         let numbers = format!("residual {:.2e}, tolerance {:.2e}", found.residual, found.tolerance);
+        if !found.tolerance.is_finite() {
+            bail!(
+                "the check can't tell, and nothing is written: in f64 the squares of a column add \
+                 up to infinity"
+            );
+        }
         if !found.passed {
             bail!("the check failed, and nothing is written: {numbers}");
         }

@@ -370,12 +370,15 @@ fn strict_names_the_entry_that_is_not_finite() {
 #[test]
 fn failed_check_writes_nothing() {
     let folder = Folder::new();
-    folder.write("a.csv", "1,2\n3,inf\n");
-    let message = folder.fail("ata a.csv -o c.npy --picture c.png --verify");
-    assert!(
-        message.contains("the check failed, and nothing is written: residual NaN"),
-        "{message}"
-    );
+    for (rows, why) in [
+        ("1,2\n3,nan\n", "the check failed, and nothing is written: residual NaN"),
+        ("1,2\n3,inf\n", "the check can't tell, and nothing is written: in f64 the squares"),
+        ("1,2\n3,1e200\n", "the squares of a column add up to infinity"),
+    ] {
+        folder.write("a.csv", rows);
+        let message = folder.fail("ata a.csv -o c.npy --picture c.png --verify");
+        assert!(message.contains(why), "{message}");
+    }
 }
 
 #[test]

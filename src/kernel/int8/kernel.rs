@@ -95,8 +95,8 @@ impl Next {
     /// No block follows.
     pub const NONE: Self = Self { residues: 0, line: std::ptr::null(), stride: 0, len: 0 };
 
-    /// Prefetches part `i`, 0..32, of the residues and the entries of the next block. Few at a
-    /// time, since a CPU waits once it has asked for about 20 cache lines.
+    /// Prefetches part `i`, 0..32, of the residues and the entries of the next block: all in one
+    /// burst is slower.
     #[inline(always)]
     pub fn fetch(&self, residues: &[&Block<i8>], i: usize) {
         for block in residues.iter().skip(i % 2).step_by(2) {

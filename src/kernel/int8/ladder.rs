@@ -117,7 +117,7 @@ impl Ladder {
 impl StepRates {
     fn measure(kernel: &dyn Kernel) -> Self {
         const MODULI: usize = 14;
-        /// Tiles, or quarters of blocks, per run.
+        /// Tiles, or blocks of C, per run.
         const RUN: usize = 64;
         let moduli = Moduli::new(MODULI);
         let mut rng = Rng::new(1);
