@@ -8,8 +8,8 @@ use faer::{MatMut, RowMut};
 use super::columns::Columns;
 use crate::base::Disjoint;
 use crate::kernel::int8::{
-    Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Next, Operand, PANEL, Quarter,
-    Square, WIDTH, fetch_lines, integers, transpose,
+    Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Next, Operand, PANEL, Square,
+    WIDTH, integers, transpose,
 };
 
 /// Takes the blocks of a product.
@@ -183,6 +183,7 @@ impl<I: Integer> Sink for Integers<'_, I> {
         next: usize,
     ) {
         let (n, k) = self.shape;
+        let next = Next { residues: next, ..Next::NONE };
         let mut values = [[I::default(); WIDTH]; WIDTH];
         for quarter in 0..4 {
             let (row, col) = (i * PANEL + quarter / 2 * WIDTH, j * PANEL + quarter % 2 * WIDTH);
@@ -192,9 +193,9 @@ impl<I: Integer> Sink for Integers<'_, I> {
             let mut of_quarter = [&residues[0][quarter]; MOST_MODULI];
             for (of_quarter, residues) in of_quarter.iter_mut().zip(residues) {
                 *of_quarter = &residues[quarter];
-                // The residues of the next block are prefetched.
-                let next = std::ptr::from_ref::<Block<i8>>(residues).wrapping_add(next);
-                fetch_lines(next.cast::<Quarter<i8>>().wrapping_add(quarter), 4);
+            }
+            for part in 8 * quarter..8 * (quarter + 1) {
+                next.fetch(residues, part);
             }
             integers(&of_quarter[..residues.len()], self.moduli, &mut values);
             for (i, values) in values.iter().enumerate().take(n - row) {

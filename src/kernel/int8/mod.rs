@@ -29,8 +29,8 @@ pub use ladder::{Ladder, Level, Rung, StepRates};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
 pub(crate) use tile::{
-    Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice,
-    Square, Tile, TileNorms, WIDTH, fetch_lines, power_of_two, scaled, transpose,
+    Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Residues, STEP, Slice, Square, Tile,
+    TileNorms, WIDTH, power_of_two, scaled, transpose,
 };
 
 use crate::base::Real;

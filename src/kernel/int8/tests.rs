@@ -2,7 +2,7 @@
 
 use super::moduli::Modulus;
 use super::sealed::Steps;
-use super::tile::{self, power_of_two};
+use super::tile::{self, Quarter, power_of_two};
 use super::*;
 use crate::base::Rng;
 

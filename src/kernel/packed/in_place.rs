@@ -106,7 +106,9 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize>(
         ($rows:expr, $count:expr) => {{
             let sums = tile.multiply::<V, { $rows }, { $count }, true>(tail, &[]);
             match target {
-                Some(target) => write_registers::<V, { $rows }, { $count }>(sums, target, row, col),
+                Some(target) => {
+                    write_registers::<V, { $rows }, { $count }, true>(sums, target, row, col)
+                }
                 None => tile.store::<V, { $rows }, { $count }>(sums),
             }
         }};

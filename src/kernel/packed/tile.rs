@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::geometry::{Stream, line_len};
 use super::target::Target;
 use super::vectors::{Vectors, low_bits};
-use super::write::{write, write_whole};
+use super::write::{write, write_registers};
 use crate::base::Real;
 
 /// One side of a product as tiles read it: panels of WIDTH columns. Packed panels are padded with
@@ -129,7 +129,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                     };
                     if !row.targets.is_empty() && row.targets.iter().all(whole) {
                         for target in row.targets {
-                            write_whole::<V, ROWS, COUNT>(sums, target, row.corner, col);
+                            write_registers::<V, ROWS, COUNT, false>(sums, target, row.corner, col);
                         }
                         continue;
                     }

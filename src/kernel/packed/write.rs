@@ -88,12 +88,17 @@ unsafe fn write_wanted<V: Vectors>(
 }
 
 /// Writes N vectors in each of ROWS rows like [`write()`], directly from registers to a target
-/// without scales that is stored by rows.
+/// without scales that is stored by rows: the wanted entries if `MASKED`, else all.
 ///
 /// # Safety
-/// As for [`write()`].
+/// As for [`write()`]; without `MASKED` the target [takes](Target::takes_whole) all entries.
 #[inline(always)]
-pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usize>(
+pub(super) unsafe fn write_registers<
+    V: Vectors,
+    const ROWS: usize,
+    const N: usize,
+    const MASKED: bool,
+>(
     sums: [[V::Vector; N]; ROWS],
     target: &Target<V::Scalar>,
     row: usize,
@@ -113,7 +118,8 @@ pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usi
                     for j in 0..N {
                         let mask = V::mask(bits >> (j * V::LANES));
                         let to = row.wrapping_add(j * V::LANES);
-                        V::store_masked(to, mask, $sum(to, mask, V::mul(c, sums[i][j])));
+                        let sum = $sum(to, mask, V::mul(c, sums[i][j]));
+                        if MASKED { V::store_masked(to, mask, sum) } else { V::store(to, sum) }
                     }
                 }
             };
@@ -121,43 +127,10 @@ pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usi
         if target.beta == V::Scalar::ZERO {
             each_vector!(|_, _, sum| sum);
         } else {
-            each_vector!(|to, mask, sum| V::add(V::mul(beta, V::load_masked(to, mask)), sum));
-        }
-    }
-}
-
-/// Writes a whole tile like [`write()`], directly from registers to a target
-/// [of such](Target::takes_whole) tiles.
-///
-/// # Safety
-/// As for [`write()`].
-#[inline(always)]
-pub(super) unsafe fn write_whole<V: Vectors, const ROWS: usize, const N: usize>(
-    sums: [[V::Vector; N]; ROWS],
-    target: &Target<V::Scalar>,
-    row: usize,
-    col: usize,
-) {
-    // SAFETY: the caller's promise; the entries lie inside the block.
-    unsafe {
-        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
-        let start = target.at(row, col);
-        // A loop for each case, as in `write_registers`.
-        macro_rules! each_vector {
-            ($sum:expr) => {
-                for i in 0..ROWS {
-                    let row = start.offset(i as isize * target.row_stride);
-                    for j in 0..N {
-                        let to = row.add(j * V::LANES);
-                        V::store(to, $sum(to, V::mul(c, sums[i][j])));
-                    }
-                }
-            };
-        }
-        if target.beta == V::Scalar::ZERO {
-            each_vector!(|_, sum| sum);
-        } else {
-            each_vector!(|to, sum| V::add(V::mul(beta, V::load(to)), sum));
+            each_vector!(|to, mask, sum| {
+                let old = if MASKED { V::load_masked(to, mask) } else { V::load(to) };
+                V::add(V::mul(beta, old), sum)
+            });
         }
     }
 }
