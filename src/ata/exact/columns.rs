@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use crate::base::{Arena, Disjoint, Par};
+use crate::base::{Arena, Disjoint, Par, widest};
 use crate::kernel::int8::{
-    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, TileNorms, WIDTH,
+    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, WIDTH,
 };
 
 /// How the columns of an operand become integers.
@@ -57,7 +57,7 @@ impl Columns {
             let squares = Disjoint::of_slice(squares);
             for_tiles(a, 0..bands, 0..tiles, par, |tile, band, column| {
                 let norms = T::norms(kernel, tile);
-                let at = band * tiles + column;
+                let at = column * bands + band;
                 // SAFETY: each tile is visited once.
                 unsafe {
                     *exponents.get(at) = norms.exponents;
@@ -67,21 +67,17 @@ impl Columns {
         }
         // Rounding to integers adds at most 1/2 per row to a norm.
         let limit = moduli.largest_norm - 0.5 * (a.nrows() as f64).sqrt() - 1.0;
-        let mut columns = vec![0; tiles * WIDTH];
-        let mut non_finite = Vec::new();
-        for tile in 0..tiles {
-            let norms = (0..bands).map(|band| {
-                let at = band * tiles + tile;
-                TileNorms { exponents: exponents[at], squares: squares[at] }
-            });
-            for (j, exponent) in combine::<T>(norms, limit).into_iter().enumerate() {
-                match exponent {
-                    Some(exponent) => columns[tile * WIDTH + j] = exponent,
-                    None => non_finite.push(tile * WIDTH + j),
-                }
-            }
+        let (exponents, squares) = (&*exponents, &*squares);
+        let found = par.map_blocks(tiles, 1, |tile| {
+            let bands = tile.start * bands..tile.end * bands;
+            combine::<T>(&exponents[bands.clone()], &squares[bands], limit)
+        });
+        let found = found.as_flattened();
+        Self {
+            exponents: found.iter().map(|exponent| exponent.unwrap_or(0)).collect(),
+            non_finite: (0..found.len()).filter(|&j| found[j].is_none()).collect(),
+            wide: false,
         }
-        Self { exponents: columns, non_finite, wide: false }
     }
 
     /// Makes columns that are not finite zero.
@@ -106,28 +102,42 @@ impl Columns {
     }
 }
 
-/// Returns the exponents of 16 columns from the bounds of their tiles, `None` for columns that are
-/// not finite.
+/// Returns the exponents of 16 columns from the bounds of their tiles ([`TileNorms`]), `None` for
+/// columns that are not finite.
 fn combine<T: Operand>(
-    norms: impl Iterator<Item = TileNorms> + Clone,
+    exponents: &[[i32; WIDTH]],
+    squares: &[[f64; WIDTH]],
     limit: f64,
 ) -> [Option<i32>; WIDTH] {
     let mut largest = [EMPTY; WIDTH];
-    for tile in norms.clone() {
-        for j in 0..WIDTH {
-            largest[j] = largest[j].max(tile.exponents[j]);
-        }
-    }
     let mut sums = [0_u128; WIDTH];
-    for tile in norms {
-        for j in 0..WIDTH {
-            if tile.exponents[j] != EMPTY && largest[j] != NON_FINITE {
-                // To the unit of the largest tile, rounded up.
-                let shift = (2 * (largest[j] - tile.exponents[j])).min(63);
-                sums[j] += u128::from((tile.squares[j] as u64 + ((1 << shift) - 1)) >> shift);
+    widest(
+        #[inline(always)]
+        || {
+            for exponents in exponents {
+                for j in 0..WIDTH {
+                    largest[j] = largest[j].max(exponents[j]);
+                }
             }
-        }
-    }
+            // So many sums of a tile, below 2^47, fit 64 bits.
+            const MOST: usize = 1 << 16;
+            for (exponents, squares) in exponents.chunks(MOST).zip(squares.chunks(MOST)) {
+                let mut part = [0_u64; WIDTH];
+                for (exponents, squares) in exponents.iter().zip(squares) {
+                    for j in 0..WIDTH {
+                        // To the unit of the largest tile, rounded up; a tile of zeros adds none.
+                        let shift = largest[j].saturating_sub(exponents[j]).min(31) as u32 * 2;
+                        let squares = (squares[j] as u64).saturating_add((1 << shift) - 1) >> shift;
+                        // Those of a column that is not finite may overflow, and are not used.
+                        part[j] = part[j].wrapping_add(squares);
+                    }
+                }
+                for (sum, part) in sums.iter_mut().zip(part) {
+                    *sum += u128::from(part);
+                }
+            }
+        },
+    );
     std::array::from_fn(|j| match largest[j] {
         NON_FINITE => None,
         EMPTY => Some(0),

@@ -4,16 +4,16 @@
 use std::ops::Range;
 
 use super::blocking::Blocking;
-use crate::kernel::int8::{Block, PANEL, STEP};
+use crate::kernel::int8::{Block, DEPTH, PANEL, STEP};
 
 /// Memory that residues of the operands may take beyond the size of these; with a batch and a dozen
 /// threads it stays below 256 MiB.
 const ALLOWANCE: usize = 112 << 20;
-/// Residues of a tall matrix in memory at a time: enough for long products, few enough for caches
-/// and page tables.
-const TALL_STORE: usize = 64 << 20;
+/// Residues of a tall matrix in memory at a time: few enough for the last cache, from which
+/// products read each of them only a few times.
+const TALL_STORE: usize = 32 << 20;
 /// Least number of steps of a chunk of a tall matrix: threads wait for each other at its end.
-const TALL_STEPS: usize = 8192 / STEP;
+const TALL_STEPS: usize = 2048 / STEP;
 /// Residues of C in memory at a time where it is not the sum of several chunks.
 const BATCH: usize = 128 << 20;
 
@@ -46,7 +46,49 @@ pub(crate) struct Layout {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Extent {
     pub panels: Range<usize>,
+    pub pieces: Pieces,
+}
+
+impl Extent {
+    /// Returns the number of slices modulo one number.
+    pub fn len(&self) -> usize {
+        self.panels.len() * self.pieces.steps.len()
+    }
+
+    /// Returns the position of a slice among those modulo one number: piece by piece, and panel by
+    /// panel in each. That is the order of the products; and panels a power of two apart would
+    /// compete for the same lines of a cache.
+    pub fn place(&self, panel: usize, step: usize) -> usize {
+        let piece = self.pieces.around(step);
+        let before = (piece.start - self.pieces.steps.start) * self.panels.len();
+        before + (panel - self.panels.start) * piece.len() + step - piece.start
+    }
+}
+
+/// Steps of a chunk, in pieces of equal length, give or take one: short ones are slow.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Pieces {
     pub steps: Range<usize>,
+    pub count: usize,
+}
+
+impl Pieces {
+    /// Cuts the steps into the fewest pieces of at most `depth` steps.
+    pub fn new(steps: Range<usize>, depth: usize) -> Self {
+        let count = steps.len().div_ceil(depth);
+        Self { steps, count }
+    }
+
+    /// Returns the steps of piece `i`.
+    pub fn get(&self, i: usize) -> Range<usize> {
+        let bound = |i: usize| self.steps.start + self.steps.len() * i / self.count;
+        bound(i)..bound(i + 1)
+    }
+
+    /// Returns the steps of the piece that `step` is in.
+    pub fn around(&self, step: usize) -> Range<usize> {
+        self.get(((step - self.steps.start + 1) * self.count - 1) / self.steps.len())
+    }
 }
 
 /// A group of panels of an operand, 0 for A and 1 for B.
@@ -121,7 +163,7 @@ impl Layout {
         let batch = memory.map_or(BATCH, |bytes| BATCH.min(bytes / 4));
         let c_bytes = moduli * PANEL * PANEL * pairs(symmetric, left, right);
         let tall = m > 2 * n.max(k);
-        let tall_chunk = (tall_store / step_bytes.max(1)).max(TALL_STEPS);
+        let tall_chunk = (tall_store / step_bytes.max(1)).max(TALL_STEPS) / DEPTH * DEPTH;
         let (chunk, groups) = if step_bytes * steps <= if tall { tall_store } else { budget } {
             (steps, 1)
         } else if tall && c_bytes + step_bytes * tall_chunk <= budget {

@@ -41,7 +41,7 @@ pub(super) struct Round<'r, 'm> {
 impl Round<'_, '_> {
     /// Returns the number of steps of the chunk.
     pub fn steps(&self) -> usize {
-        self.left.extent().steps.len()
+        self.left.extent().pieces.steps.len()
     }
 
     /// Computes block `unit` of the product modulo the `l`-th number. The residues of the panels
@@ -60,12 +60,9 @@ impl Round<'_, '_> {
         let Self { kernel, layout, .. } = self;
         let _session = kernel.session();
         let modulus = &self.moduli[l];
-        let all = &self.left.extent().steps;
-        // Pieces of equal length, because short ones are slow.
-        let pieces = all.len().div_ceil(layout.blocking.depth);
-        let bound = |i: usize| all.start + all.len() * i / pieces;
-        for piece in 0..pieces {
-            let steps = bound(piece)..bound(piece + 1);
+        let pieces = &self.left.extent().pieces;
+        for piece in 0..pieces.count {
+            let steps = pieces.get(piece);
             let depth = steps.len();
             let continued = self.continued || piece > 0;
             for (i, left) in unit.rows.clone().zip(left.chunks_exact_mut(depth)) {

@@ -5,14 +5,14 @@ use std::ops::Range;
 use faer::MatRef;
 
 use super::columns::{Columns, for_tiles};
-use super::layout::{Extent, Layout, Need, Pair};
+use super::layout::{Extent, Layout, Need, Pair, Pieces};
 use crate::base::{Disjoint, Par};
 use crate::kernel::int8::{Kernel, Modulus, Operand, Powers, Residues, Slice};
 
 /// Residues that are still in the last cache when they are multiplied, in bytes.
 const CACHED: usize = 32 << 20;
 
-/// For each modulus, panel by panel, the slices of its steps.
+/// For each modulus, the slices in the order of [`Extent::place`].
 pub(super) struct Store<'a> {
     memory: &'a mut [Slice],
     extent: Extent,
@@ -21,7 +21,7 @@ pub(super) struct Store<'a> {
 impl<'a> Store<'a> {
     /// Creates an empty store in `memory`.
     pub fn new(memory: &'a mut [Slice]) -> Self {
-        Self { memory, extent: Extent { panels: 0..0, steps: 0..0 } }
+        Self { memory, extent: Extent { panels: 0..0, pieces: Pieces::new(0..0, 1) } }
     }
 
     /// Computes the residues of the part of `a` in `extent`.
@@ -34,20 +34,19 @@ impl<'a> Store<'a> {
         extent: Extent,
         par: Par,
     ) {
-        let Extent { panels, steps } = extent.clone();
-        let modulus_len = panels.len() * steps.len();
-        let tiles: &mut [Residues] = self.memory[..moduli.len() * modulus_len].as_flattened_mut();
+        let slices = &mut self.memory[..moduli.len() * extent.len()];
+        let tiles: &mut [Residues] = slices.as_flattened_mut();
         let far = size_of_val(tiles) > CACHED;
         let tiles = Disjoint::of_slice(tiles);
-        let tile_columns = 2 * panels.start..2 * panels.end;
-        for_tiles(a, steps.clone(), tile_columns, par, |tile, band, column| {
+        let tile_columns = 2 * extent.panels.start..2 * extent.panels.end;
+        for_tiles(a, extent.pieces.steps.clone(), tile_columns, par, |tile, band, column| {
             columns.clear_non_finite(tile, column);
             let exponents = columns.exponents_of(column);
-            let slice = (column / 2 - panels.start) * steps.len() + band - steps.start;
+            let slice = extent.place(column / 2, band);
             let mut out = Vec::with_capacity(moduli.len());
             for l in 0..moduli.len() {
                 // SAFETY: each tile is visited once, and each modulus has a place of its own.
-                out.push(unsafe { tiles.get(2 * (l * modulus_len + slice) + column % 2) });
+                out.push(unsafe { tiles.get(2 * (l * extent.len() + slice) + column % 2) });
             }
             match columns.wide {
                 true => {
@@ -64,11 +63,10 @@ impl<'a> Store<'a> {
         &self.extent
     }
 
-    /// Returns the slices of one panel modulo the l-th modulus.
+    /// Returns the slices of these steps of one panel, within one piece, modulo the l-th modulus.
     pub fn slices(&self, l: usize, panel: usize, steps: Range<usize>) -> &[Slice] {
-        let Extent { panels, steps: held } = &self.extent;
-        let panel = (l * panels.len() + panel - panels.start) * held.len();
-        &self.memory[panel + steps.start - held.start..panel + steps.end - held.start]
+        let first = l * self.extent.len() + self.extent.place(panel, steps.start);
+        &self.memory[first..first + steps.len()]
     }
 }
 
@@ -96,7 +94,8 @@ impl<'a> Residents<'a> {
         let needs = layout.needs(pair);
         for need in needs {
             let panels = layout.group(need);
-            let extent = Extent { panels, steps: chunk.clone() };
+            let pieces = Pieces::new(chunk.clone(), layout.blocking.depth);
+            let extent = Extent { panels, pieces };
             let current = |slot: usize| {
                 self.held[slot] == Some(need) && *self.stores[slot].extent() == extent
             };

@@ -3,7 +3,7 @@
 use faer::{Mat, MatRef};
 
 use super::blocking::Blocking;
-use super::layout::{Need, Pair};
+use super::layout::{Extent, Need, Pair, Pieces};
 use super::*;
 use crate::base::{Arena, Par, Rng, Workspace};
 use crate::kernel::int8::tests::{PORTABLE, kernels};
@@ -62,6 +62,28 @@ fn layouts(whole: &Layout) -> Vec<Layout> {
         found.push(Layout { chunk, groups, blocking, ..whole.clone() });
     }
     found
+}
+
+#[test]
+fn slices_lie_in_the_order_of_the_products() {
+    for (panels, steps, depth) in
+        [(0..1, 0..1, 1), (2..5, 3..20, 16), (0..7, 5..42, 16), (1..4, 0..33, 10)]
+    {
+        let extent = Extent { panels: panels.clone(), pieces: Pieces::new(steps.clone(), depth) };
+        let (mut next, mut first) = (0, steps.start);
+        for piece in (0..extent.pieces.count).map(|i| extent.pieces.get(i)) {
+            assert!(piece.start == first && (1..=depth).contains(&piece.len()), "{extent:?}");
+            first = piece.end;
+            for panel in panels.clone() {
+                for step in piece.clone() {
+                    assert_eq!(extent.pieces.around(step), piece, "{extent:?}, step {step}");
+                    assert_eq!(extent.place(panel, step), next, "{extent:?}, ({panel}, {step})");
+                    next += 1;
+                }
+            }
+        }
+        assert_eq!((next, first), (extent.len(), steps.end), "{extent:?}");
+    }
 }
 
 fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: i32) {

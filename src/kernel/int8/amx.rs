@@ -249,6 +249,7 @@ macro_rules! finish {
             "vpacksswb zmm0, zmm0, zmm2\n",
             "vpermd zmm0, zmm28, zmm0\n",
             "vmovdqu64 [{residues}], zmm0\n",
+            "prefetchw [{residues} + 1024]\n",
             "add {residues}, 64\n",
             "add {rows}, 256\n",
         )

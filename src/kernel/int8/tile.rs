@@ -2,7 +2,7 @@
 
 use faer::MatRef;
 
-use crate::base::Real;
+use crate::base::{Real, widest};
 
 /// Rows of a tile, and of one step of a product.
 pub(crate) const STEP: usize = 64;
@@ -48,6 +48,16 @@ impl<T: Real> Tile<T> {
             return;
         }
         let a = a.submatrix(row, col, rows, cols);
+        widest(
+            #[inline(always)]
+            || self.fill(a),
+        );
+    }
+
+    /// Reads the entries of `a`, at most as many as a tile has.
+    #[inline(always)]
+    fn fill(&mut self, a: MatRef<'_, T>) {
+        let (rows, cols) = a.shape();
         if a.col_stride() == 1 {
             for (i, line) in self.0[..rows].iter_mut().enumerate() {
                 // Prefetches the next tile: its rows are too far apart for the hardware to do so.
@@ -84,6 +94,7 @@ impl<T: Real> Tile<T> {
 }
 
 /// Transposes a matrix of multiples of eight rows and columns.
+#[inline(always)]
 pub(crate) fn transpose<T: Copy, const M: usize, const N: usize>(
     rows: [&[T; N]; M],
     columns: &mut [[T; M]; N],
