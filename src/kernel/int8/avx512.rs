@@ -121,7 +121,12 @@ impl Kernel for Vnni {
         out: &mut Square<f64>,
     ) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { recombine(residues, moduli, rows, columns, next, out) }
+        unsafe {
+            match moduli.parts {
+                ..=2 => recombine::<2>(residues, moduli, rows, columns, next, out),
+                _ => recombine::<3>(residues, moduli, rows, columns, next, out),
+            }
+        }
     }
 
     fn spin(&self, count: usize) -> Option<usize> {
@@ -561,9 +566,9 @@ enabled! {
 const VECTORS: usize = PANEL / 8;
 
 enabled! {
-    /// Implements [`Kernel::recombine`] with the parts of a row in registers (see
-    /// [`integers`](super::recombine::integers)).
-    fn recombine(
+    /// Implements [`Kernel::recombine`] with the first `PARTS` parts of a row in registers (see
+    /// [`integers`](super::recombine::integers)); the others are zero.
+    fn recombine<const PARTS: usize>(
         residues: &[&Block<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
@@ -573,7 +578,7 @@ enabled! {
     ) {
         for (i, (out, &row)) in out.iter_mut().zip(rows).enumerate() {
             next.fetch(residues, i);
-            let mut parts = [[_mm512_setzero_pd(); VECTORS]; 3];
+            let mut parts = [[_mm512_setzero_pd(); VECTORS]; PARTS];
             for (unit, residues) in moduli.units.iter().zip(residues) {
                 let unit = unit.map(|unit| _mm512_set1_pd(unit));
                 let of_row = i / WIDTH * 2;
@@ -607,16 +612,19 @@ enabled! {
     /// Returns eight integers of least magnitude as f64, within one unit in the last place, from
     /// parts that add up to them modulo P.
     #[inline]
-    fn combine(parts: [__m512d; 3], moduli: &Moduli) -> __m512d {
+    fn combine<const PARTS: usize>(parts: [__m512d; PARTS], moduli: &Moduli) -> __m512d {
         let inverse = _mm512_set1_pd(moduli.inverse);
         let quotient = _mm512_mul_pd(_mm512_add_pd(parts[0], parts[1]), inverse);
         let quotient =
             _mm512_roundscale_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(quotient);
-        let [high, middle, low] = std::array::from_fn(|p| {
+        let rest: [_; PARTS] = std::array::from_fn(|p| {
             _mm512_fnmadd_pd(quotient, _mm512_set1_pd(moduli.product[p]), parts[p])
         });
-        let (tail, tail_error) = two_sum(middle, low);
-        let (head, head_error) = two_sum(high, tail);
+        let (tail, tail_error) = match PARTS {
+            ..=2 => (rest[1], _mm512_setzero_pd()),
+            _ => two_sum(rest[1], rest[2]),
+        };
+        let (head, head_error) = two_sum(rest[0], tail);
         _mm512_add_pd(head, _mm512_add_pd(head_error, tail_error))
     }
 }

@@ -115,6 +115,8 @@ pub(crate) struct Moduli {
     pub units: Vec<[f64; 3]>,
     /// P.
     pub product: [f64; 3],
+    /// Number of parts of P and of the numbers below it; the others are zero.
+    pub parts: usize,
     /// 1 / P, rounded.
     pub inverse: f64,
     /// The largest norm of a column: the product of two such norms is below P/2, with a margin for
@@ -155,6 +157,7 @@ impl Moduli {
             units: list.iter().map(unit).collect(),
             list,
             product: parts(product),
+            parts: bits.div_ceil(PART_BITS) as usize,
             inverse: 1.0 / product as f64,
             largest_norm: (product as f64 / 2.0).sqrt() * (1.0 - 1.0 / f64::from(1 << 20)),
         }
@@ -304,6 +307,7 @@ mod tests {
             let product = whole(&moduli.product);
             assert_eq!(product, MODULI[..count].iter().map(|&p| p as u128).product());
             for (i, unit) in moduli.units.iter().enumerate() {
+                assert_eq!(unit[moduli.parts..], [0.0; 3][moduli.parts..], "{count} moduli");
                 for (j, m) in moduli.list.iter().enumerate() {
                     assert_eq!(whole(unit) % m.p as u128, u128::from(i == j));
                 }
