@@ -163,6 +163,7 @@ impl Layout {
         let batch = memory.map_or(BATCH, |bytes| BATCH.min(bytes / 4));
         let c_bytes = moduli * PANEL * PANEL * pairs(symmetric, left, right);
         let tall = m > 2 * n.max(k);
+        // Whole pieces of the usual depth.
         let tall_chunk = (tall_store / step_bytes.max(1)).max(TALL_STEPS) / DEPTH * DEPTH;
         let (chunk, groups) = if step_bytes * steps <= if tall { tall_store } else { budget } {
             (steps, 1)

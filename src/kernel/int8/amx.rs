@@ -232,7 +232,8 @@ macro_rules! first_sums {
     };
 }
 
-/// Assembly for the rest of a step of [`Reduction::reduce`]; advances to the next four rows.
+/// Assembly for the rest of a step of [`Reduction::reduce`]; prefetches residues of the next pair
+/// of panels, which are written soon, and advances to the next four rows.
 macro_rules! finish {
     () => {
         concat!(
