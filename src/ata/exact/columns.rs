@@ -102,7 +102,7 @@ impl Columns {
     }
 }
 
-/// Returns the exponents of 16 columns from the bounds of their tiles ([`TileNorms`]), `None` for
+/// Returns the exponents of 16 columns from the bounds of their tiles, `None` for
 /// columns that are not finite.
 fn combine<T: Operand>(
     exponents: &[[i32; WIDTH]],
