@@ -102,41 +102,16 @@ impl Columns {
     }
 }
 
-/// Returns the exponents of 16 columns from the bounds of their tiles, `None` for
-/// columns that are not finite.
+/// Returns the exponents of 16 columns from the bounds of their tiles, `None` for columns that are
+/// not finite.
 fn combine<T: Operand>(
     exponents: &[[i32; WIDTH]],
     squares: &[[f64; WIDTH]],
     limit: f64,
 ) -> [Option<i32>; WIDTH] {
-    let mut largest = [EMPTY; WIDTH];
-    let mut sums = [0_u128; WIDTH];
-    widest(
+    let (largest, sums) = widest(
         #[inline(always)]
-        || {
-            for exponents in exponents {
-                for j in 0..WIDTH {
-                    largest[j] = largest[j].max(exponents[j]);
-                }
-            }
-            // So many sums of a tile, below 2^47, fit 64 bits.
-            const MOST: usize = 1 << 16;
-            for (exponents, squares) in exponents.chunks(MOST).zip(squares.chunks(MOST)) {
-                let mut part = [0_u64; WIDTH];
-                for (exponents, squares) in exponents.iter().zip(squares) {
-                    for j in 0..WIDTH {
-                        // To the unit of the largest tile, rounded up; a tile of zeros adds none.
-                        let shift = largest[j].saturating_sub(exponents[j]).min(31) as u32 * 2;
-                        let squares = (squares[j] as u64).saturating_add((1 << shift) - 1) >> shift;
-                        // Those of a column that is not finite may overflow, and are not used.
-                        part[j] = part[j].wrapping_add(squares);
-                    }
-                }
-                for (sum, part) in sums.iter_mut().zip(part) {
-                    *sum += u128::from(part);
-                }
-            }
-        },
+        || add_up(exponents, squares),
     );
     std::array::from_fn(|j| match largest[j] {
         NON_FINITE => None,
@@ -148,6 +123,37 @@ fn combine<T: Operand>(
             Some(exponent.min(T::INTEGER_BITS - largest))
         }
     })
+}
+
+/// Returns the largest exponents of 16 columns, and the sums of the squares in the units of these.
+/// The sum of a column that is not finite has no meaning.
+#[inline(always)]
+fn add_up(exponents: &[[i32; WIDTH]], squares: &[[f64; WIDTH]]) -> ([i32; WIDTH], [u128; WIDTH]) {
+    let mut largest = [EMPTY; WIDTH];
+    for exponents in exponents {
+        for j in 0..WIDTH {
+            largest[j] = largest[j].max(exponents[j]);
+        }
+    }
+    /// So many sums of a tile, each at most 2^46, fit 64 bits.
+    const MOST: usize = 1 << 16;
+    let mut sums = [0; WIDTH];
+    for (exponents, squares) in exponents.chunks(MOST).zip(squares.chunks(MOST)) {
+        let mut part = [0_u64; WIDTH];
+        for (exponents, squares) in exponents.iter().zip(squares) {
+            for j in 0..WIDTH {
+                // To the unit of the largest tile, rounded up; a tile of zeros adds none.
+                let shift = largest[j].saturating_sub(exponents[j]).min(31) as u32 * 2;
+                let squares = (squares[j] as u64).saturating_add((1 << shift) - 1) >> shift;
+                // A sum without meaning may overflow.
+                part[j] = part[j].wrapping_add(squares);
+            }
+        }
+        for (sum, part) in sums.iter_mut().zip(part) {
+            *sum += u128::from(part);
+        }
+    }
+    (largest, sums)
 }
 
 /// Calls `visit(tile, band, column)` for every tile of the bands and tile columns given, each once,
@@ -174,4 +180,31 @@ pub(super) fn for_tiles<T: Operand>(
             visit(&mut tile, band, column);
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn norms_of_millions_of_rows_do_not_overflow() {
+        let count = 3 << 16;
+        let squares = vec![[(1_u64 << 46) as f64; WIDTH]; count];
+        // Column 1 has one large tile; the squares of the others count a quarter.
+        let exponents: Vec<_> = (0..count as i32)
+            .map(|i| std::array::from_fn(|j| if j == 1 && i > 0 { -1 } else { 0 }))
+            .collect();
+        let (largest, sums) = add_up(&exponents, &squares);
+        assert_eq!(largest, [0; WIDTH]);
+        let whole = (count as u128) << 46;
+        let quarter = (whole + (3 << 46)) / 4;
+        assert_eq!(sums, std::array::from_fn(|j| if j == 1 { quarter } else { whole }));
+    }
+
+    #[test]
+    fn tiles_of_zeros_and_much_smaller_ones_add_at_most_a_unit() {
+        let exponents = [[7; WIDTH], [EMPTY; WIDTH], [-900; WIDTH]];
+        let squares = [[5.0; WIDTH], [0.0; WIDTH], [1e12; WIDTH]];
+        assert_eq!(add_up(&exponents, &squares), ([7; WIDTH], [6; WIDTH]));
+    }
 }
