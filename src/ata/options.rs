@@ -26,8 +26,8 @@ pub enum Uplo {
 ///
 /// | | N, f64 | `sqrt(2 / P)` | N, f32 | `sqrt(2 / P)` |
 /// |---|---|---|---|---|
-/// | `Max`, `Classical` | 15 | 2.6e-18 | 8 | 3.8e-10 |
-/// | `Default`, `Bounded(f)` | 14 | 3.7e-17 | 7 | 5.8e-9 |
+/// | `Max`, `Classical`; `Default`, `Bounded(f)` of `A^T B` | 15 | 2.6e-18 | 8 | 3.8e-10 |
+/// | `Default`, `Bounded(f)` of `A^T A` | 14 | 3.7e-17 | 7 | 5.8e-9 |
 /// | `Fast`, `Bounded(f >= 8)` | 13 | 5.2e-16 | 6 | 9.0e-8 |
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Accuracy {

@@ -54,7 +54,7 @@ pub struct cata_ata_params {
     /// maximum norm, expected: 1 for classical products only, INFINITY for no bound,
     /// CATA_ERROR_LEAST for the least error, 0 for the default, which is 4. Not below 1
     /// otherwise, and not NaN. CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13
-    /// from 8 on, and 14 otherwise (float: 8, 6 and 7).
+    /// from 8 on, and otherwise 14 for A^T A and 15 for A^T B (float: 8, 6, 7 and 8).
     pub error_factor: f64,
     /// Back end of the small products; NULL: the built-in one. Borrowed during the call.
     pub backend: *const cata_backend,

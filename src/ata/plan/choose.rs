@@ -216,9 +216,9 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
 fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds: f64) -> Choice {
     let Problem { op, m, n, k } = problem;
     let isa = int8::Isa::best();
-    let moduli = exact_moduli::<T>(options.accuracy);
-    let sides = [m, n, k];
     let (symmetric, same) = (op.symmetric(), problem.same());
+    let moduli = exact_moduli::<T>(options.accuracy, symmetric);
+    let sides = [m, n, k];
     let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
     // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
@@ -309,10 +309,15 @@ fn allowed_levels(accuracy: Accuracy, growth: f64) -> usize {
 }
 
 /// Returns the number of moduli of the exact path; the table of [`Accuracy`].
-fn exact_moduli<T: Real>(accuracy: Accuracy) -> usize {
+///
+/// The rounding of the columns is relative to their norms, and so is the largest error of a
+/// classical `A^T A`, that of its diagonal. The entries of a general product are usually far below
+/// the norms, and so are the errors of the classical one: by default it takes a modulus more.
+fn exact_moduli<T: Real>(accuracy: Accuracy, symmetric: bool) -> usize {
     /// The growth from which the fewest moduli are enough.
     const COARSE: f64 = 8.0;
-    let (most, default, least) = if size_of::<T>() == 8 { (15, 14, 13) } else { (8, 7, 6) };
+    let most = if size_of::<T>() == 8 { 15 } else { 8 };
+    let (default, least) = (most - usize::from(symmetric), most - 2);
     match accuracy {
         Accuracy::Max | Accuracy::Classical => most,
         Accuracy::Bounded(factor) if factor < COARSE => default,
