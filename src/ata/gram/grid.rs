@@ -12,8 +12,8 @@ const fn most_bits<T>() -> i32 {
     if size_of::<T>() == 8 { 50 } else { 24 }
 }
 
-/// Returns the number of moduli of the products: one more than `A^T A` takes by default, for columns
-/// whose largest entry is far above the others.
+/// Returns the number of moduli of the products: one more than `A^T A` takes by default, for
+/// columns whose largest entry is far above the others.
 pub(super) const fn moduli<T>() -> usize {
     if size_of::<T>() == 8 { 15 } else { 8 }
 }
