@@ -98,7 +98,8 @@ pub fn gram_schmidt_in_place(
 /// Computes [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product
 /// that are distributed as for [`gram_schmidt`]: the rows of A of a rank become those of Q, and
 /// every rank gets R. For each of the two to five passes, a rank sends and receives the packed
-/// triangle of a c x c matrix at most twice.
+/// triangle of a c x c matrix at most twice; and once nine numbers for each column, the order of
+/// magnitude of its largest entry.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, cholesky_qr};

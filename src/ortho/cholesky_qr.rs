@@ -1,5 +1,5 @@
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Mat, MatMut};
+use faer::{ColMut, Mat, MatMut};
 
 use super::inner::{Inner, check_finite};
 use crate::base::{Error, Par, Progress, Result};
@@ -26,8 +26,8 @@ use crate::sparse::{InnerSpace, Mass};
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] of "A" when its columns are linearly dependent to working precision, or so
-/// long that their products overflow; A is then unspecified. Other errors are those of
+/// [`Error::Argument`] of "A" when its columns are linearly dependent to working precision, or when
+/// the length of one is no finite number; A is then unspecified. Other errors are those of
 /// [`gram_schmidt`](super::gram_schmidt()).
 pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     mass.check(a.nrows())?;
@@ -47,14 +47,13 @@ pub(crate) fn cholesky_qr_of(
     /// Remainder of a column, relative to its length, that may consist of rounding errors.
     const DEPENDENT: f64 = 1e-14;
     const PASSES: usize = 6;
-    /// Makes the square of the length of any finite column finite.
-    const SHRINK: f64 = 1e-200;
     let (n, c) = (space.dimension(), a.ncols());
     let refuse = |why: String| Err(Error::Argument { what: "A", why });
     if c > n {
         return refuse(format!("{c} columns of {n} rows can't be independent"));
     }
     check_finite(a.rb())?;
+    let exponents = bring_near_one(a.rb_mut(), space)?;
     let mut inner = Inner::new(space, c, par)?;
     inner.enter(a.rb_mut());
     let mut r = Mat::<f64>::identity(c, c);
@@ -63,13 +62,7 @@ pub(crate) fn cholesky_qr_of(
         let gram = inner.gram(a.rb())?;
         // The columns of later passes are not longer than about 1.
         if pass == 0 && (0..c).any(|j| !gram[(j, j)].is_finite()) {
-            // Fast products mix columns, so the Gram matrix does not show which one is too long.
-            for column in a.rb_mut().col_iter_mut() {
-                column.iter_mut().for_each(|x| *x *= SHRINK);
-            }
-            let lengths = inner.lengths(a.rb())?;
-            let longest = (0..c).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
-            return refuse(format!("column {longest} is too long: products of columns overflow"));
+            return refuse("masses are so large that squares of lengths overflow".into());
         }
         let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
         let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
@@ -95,11 +88,55 @@ pub(crate) fn cholesky_qr_of(
             inner.leave(a.rb_mut());
             progress.report(1.0)?;
             // The shift turns a dependent column into a direction that consists of rounding errors.
-            return match (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
-                Some(j) => refuse(format!("column {j} depends on those before it")),
-                None => Ok(r),
-            };
+            if let Some(j) = (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
+                return refuse(format!("column {j} depends on those before it"));
+            }
+            for (j, &exponent) in exponents.iter().enumerate() {
+                multiply_by_power(r.col_mut(j), exponent);
+                if r.col(j).iter().any(|x| !x.is_finite()) {
+                    return refuse(format!("column {j} is too long: its length overflows"));
+                }
+            }
+            return Ok(r);
         }
     }
     refuse("its columns are linearly dependent to working precision".into())
+}
+
+/// Multiplies columns whose largest entry is far from 1 by powers of two, so that squares of lengths
+/// neither overflow nor underflow. Returns the exponents that undo it, the same on all processes.
+fn bring_near_one(a: MatMut<'_, f64>, space: &dyn InnerSpace) -> Result<Vec<i32>> {
+    /// Exponents of a bin: columns whose largest entry is between 2^-128 and 2^128 stay as they are.
+    const WIDTH: i32 = 256;
+    /// Bins below and above that one: exponents lie between -1074 and 1023.
+    const BESIDE: i32 = 4;
+    const BINS: usize = 2 * BESIDE as usize + 1;
+    // How many processes have the largest entry of a column in each bin.
+    let mut counts = zeros(BINS, a.ncols())?;
+    for (j, column) in a.rb().col_iter().enumerate() {
+        let largest = column.norm_max();
+        if largest > 0.0 {
+            let bin = (largest.log2() as i32 + WIDTH / 2).div_euclid(WIDTH) + BESIDE;
+            counts[(bin as usize, j)] = 1.0;
+        }
+    }
+    space.sum(counts.as_mut())?;
+    let exponent = |j: usize| {
+        let highest = (0..BINS).rev().find(|&bin| counts[(bin, j)] > 0.0);
+        highest.map_or(0, |bin| (bin as i32 - BESIDE) * WIDTH)
+    };
+    let exponents: Vec<i32> = (0..a.ncols()).map(exponent).collect();
+    for (column, &exponent) in a.col_iter_mut().zip(&exponents) {
+        multiply_by_power(column, -exponent);
+    }
+    Ok(exponents)
+}
+
+/// Multiplies a column by `2^exponent`, an even exponent between -1024 and 1024.
+fn multiply_by_power(column: ColMut<'_, f64>, exponent: i32) {
+    if exponent != 0 {
+        // Two factors, since 2^1024 is not finite.
+        let half = f64::from(exponent / 2).exp2();
+        column.iter_mut().for_each(|x| *x = *x * half * half);
+    }
 }

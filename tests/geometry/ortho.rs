@@ -280,15 +280,35 @@ fn cholesky_qr_agrees_and_refuses_dependent_columns() {
 }
 
 #[test]
-fn cholesky_qr_names_the_column_that_makes_products_overflow() {
+fn cholesky_qr_takes_columns_of_any_length() {
     let n = 30;
+    let scales = [1e160, 1.0, 1e-170, 1e-300, 1e300, 1e-100];
     for mass in [Mass::identity(n), lumped(n), full(n)] {
-        let mut a = random(n, 4, 17);
-        a.col_mut(2).iter_mut().for_each(|x| *x *= 1e160);
-        let refused = cholesky_qr(a.as_mut(), &mass, Par::Seq).unwrap_err();
-        let why = "A: column 2 is too long: products of columns overflow";
-        assert_eq!(refused.to_string(), why);
+        let near = random(n, scales.len(), 17);
+        let (mut expected, mut q) = (near.clone(), near.clone());
+        for (j, scale) in scales.into_iter().enumerate() {
+            q.col_mut(j).iter_mut().for_each(|x| *x *= scale);
+        }
+        let r_near = cholesky_qr(expected.as_mut(), &mass, Par::Seq).unwrap();
+        let r = cholesky_qr(q.as_mut(), &mass, Par::Seq).unwrap();
+        assert!(defect(q.as_ref(), &mass) < 1e-13);
+        assert!((&q - &expected).norm_max() < 1e-12);
+        for (j, scale) in scales.into_iter().enumerate() {
+            for i in 0..=j {
+                let gap = (r[(i, j)] / scale - r_near[(i, j)]).abs();
+                assert!(gap < 1e-12 * r_near[(j, j)].max(1.0), "({i}, {j}): {gap:e}");
+            }
+        }
     }
+}
+
+#[test]
+fn cholesky_qr_names_the_column_whose_length_overflows() {
+    let n = 30;
+    let mut a = random(n, 4, 17);
+    a.col_mut(2).iter_mut().for_each(|x| *x = x.signum() * f64::MAX);
+    let refused = cholesky_qr(a.as_mut(), &Mass::identity(n), Par::Seq).unwrap_err();
+    assert_eq!(refused.to_string(), "A: column 2 is too long: its length overflows");
 }
 
 /// Columns of which a first pass takes far more for independent than there are: what later columns

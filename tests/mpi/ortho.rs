@@ -145,8 +145,9 @@ fn cholesky(world: &World) {
     for (n, c) in [(0, 0), (1, 1), (127, 31), (300, 130)] {
         let own = uneven(n, world.size(), world.rank());
         let mut rng = Rng::new(3);
-        // Columns of very different lengths.
-        let a = Mat::from_fn(n, c, |_, j| (rng.uniform() - 0.5) * 10f64.powi(j as i32 % 9 - 4));
+        // Columns of very different lengths, 10^-200 to 10^200.
+        let scale = |j: usize| 10f64.powi(50 * (j as i32 % 9 - 4));
+        let a = Mat::from_fn(n, c, |_, j| (rng.uniform() - 0.5) * scale(j));
         for (mass, part) in
             [(lumped(0..n), lumped(own.clone())), (full(n, 0..n), full(n, own.clone()))]
         {
