@@ -103,10 +103,11 @@ pub(crate) fn cholesky_qr_of(
     refuse("its columns are linearly dependent to working precision".into())
 }
 
-/// Multiplies columns whose largest entry is far from 1 by powers of two, so that squares of lengths
-/// neither overflow nor underflow. Returns the exponents that undo it, the same on all processes.
+/// Multiplies columns whose largest entry is far from 1 by powers of two, so that squares of
+/// lengths neither overflow nor underflow. Returns the exponents that undo it, the same on all
+/// processes.
 fn bring_near_one(a: MatMut<'_, f64>, space: &dyn InnerSpace) -> Result<Vec<i32>> {
-    /// Exponents of a bin: columns whose largest entry is between 2^-128 and 2^128 stay as they are.
+    /// Exponents of a bin: columns whose largest entry is between 2^-128 and 2^128 do not change.
     const WIDTH: i32 = 256;
     /// Bins below and above that one: exponents lie between -1074 and 1023.
     const BESIDE: i32 = 4;
