@@ -4,6 +4,7 @@ use faer::{ColMut, Mat, MatMut};
 use super::inner::{Inner, check_finite};
 use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{cholesky, divide_by_upper, zeros};
+use crate::kernel::int8::scaled;
 use crate::sparse::{InnerSpace, Mass};
 
 /// Computes `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns
@@ -27,7 +28,8 @@ use crate::sparse::{InnerSpace, Mass};
 ///
 /// # Errors
 /// [`Error::Argument`] of "A" when its columns are linearly dependent to working precision, or when
-/// the length of one is no finite number; A is then unspecified. Other errors are those of
+/// the length of one is no finite number, and of "mass" when masses make squares of lengths
+/// overflow; A is then unspecified. Other errors are those of
 /// [`gram_schmidt`](super::gram_schmidt()).
 pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     mass.check(a.nrows())?;
@@ -62,7 +64,8 @@ pub(crate) fn cholesky_qr_of(
         let gram = inner.gram(a.rb())?;
         // The columns of later passes are not longer than about 1.
         if pass == 0 && (0..c).any(|j| !gram[(j, j)].is_finite()) {
-            return refuse("masses are so large that squares of lengths overflow".into());
+            let why = "so large that squares of lengths overflow".into();
+            return Err(Error::Argument { what: "mass", why });
         }
         let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
         let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
@@ -133,11 +136,9 @@ fn bring_near_one(a: MatMut<'_, f64>, space: &dyn InnerSpace) -> Result<Vec<i32>
     Ok(exponents)
 }
 
-/// Multiplies a column by `2^exponent`, an even exponent between -1024 and 1024.
+/// Multiplies a column by `2^exponent`.
 fn multiply_by_power(column: ColMut<'_, f64>, exponent: i32) {
     if exponent != 0 {
-        // Two factors, since 2^1024 is not finite.
-        let half = f64::from(exponent / 2).exp2();
-        column.iter_mut().for_each(|x| *x = *x * half * half);
+        column.iter_mut().for_each(|x| *x = scaled(*x, exponent));
     }
 }

@@ -311,6 +311,13 @@ fn cholesky_qr_names_the_column_whose_length_overflows() {
     assert_eq!(refused.to_string(), "A: column 2 is too long: its length overflows");
 }
 
+#[test]
+fn cholesky_qr_names_masses_that_make_products_overflow() {
+    let mut a = Mat::from_fn(3, 2, |i, j| 1e30 * ((i + 1) as f64).powi(j as i32));
+    let refused = cholesky_qr(a.as_mut(), &Mass::Lumped(vec![1e300; 3]), Par::Seq).unwrap_err();
+    assert_eq!(refused.to_string(), "mass: so large that squares of lengths overflow");
+}
+
 /// Columns of which a first pass takes far more for independent than there are: what later columns
 /// were freed from must not be dropped with them.
 #[test]
