@@ -110,7 +110,7 @@ const char *cata_version_string(void);
  * absent capability exist, and return CATA_ERR_UNSUPPORTED. */
 uint64_t cata_capabilities(void);
 
-/** Frees the memory that products keep for later products, at most 1.25 GiB, except what is in use. */
+/** Frees the memory that products keep for later ones, at most 1.25 GiB, except what is in use. */
 cata_status cata_memory_release(void);
 
 /** @} */
