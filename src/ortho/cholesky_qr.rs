@@ -1,10 +1,10 @@
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{ColMut, Mat, MatMut};
+use faer::{Mat, MatMut};
 
-use super::inner::{Inner, check_finite};
+use super::inner::{Inner, check_finite, check_squares};
+use super::scale::ColumnPowers;
 use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{cholesky, divide_by_upper, zeros};
-use crate::kernel::int8::scaled;
 use crate::sparse::{InnerSpace, Mass};
 
 /// Computes `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns
@@ -55,7 +55,7 @@ pub(crate) fn cholesky_qr_of(
         return refuse(format!("{c} columns of {n} rows can't be independent"));
     }
     check_finite(a.rb())?;
-    let exponents = bring_near_one(a.rb_mut(), space)?;
+    let powers = ColumnPowers::bring_near_one(a.rb_mut(), space)?;
     let mut inner = Inner::new(space, c, par)?;
     inner.enter(a.rb_mut());
     let mut r = Mat::<f64>::identity(c, c);
@@ -63,9 +63,8 @@ pub(crate) fn cholesky_qr_of(
         progress.report(pass as f64 / PASSES as f64)?;
         let gram = inner.gram(a.rb())?;
         // The columns of later passes are not longer than about 1.
-        if pass == 0 && (0..c).any(|j| !gram[(j, j)].is_finite()) {
-            let why = "so large that squares of lengths overflow".into();
-            return Err(Error::Argument { what: "mass", why });
+        if pass == 0 {
+            check_squares((0..c).map(|j| gram[(j, j)]))?;
         }
         let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
         let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
@@ -94,51 +93,9 @@ pub(crate) fn cholesky_qr_of(
             if let Some(j) = (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
                 return refuse(format!("column {j} depends on those before it"));
             }
-            for (j, &exponent) in exponents.iter().enumerate() {
-                multiply_by_power(r.col_mut(j), exponent);
-                if r.col(j).iter().any(|x| !x.is_finite()) {
-                    return refuse(format!("column {j} is too long: its length overflows"));
-                }
-            }
+            powers.undo(r.as_mut())?;
             return Ok(r);
         }
     }
     refuse("its columns are linearly dependent to working precision".into())
-}
-
-/// Multiplies columns whose largest entry is far from 1 by powers of two, so that squares of
-/// lengths neither overflow nor underflow. Returns the exponents that undo it, the same on all
-/// processes.
-fn bring_near_one(a: MatMut<'_, f64>, space: &dyn InnerSpace) -> Result<Vec<i32>> {
-    /// Exponents of a bin: columns whose largest entry is between 2^-128 and 2^128 do not change.
-    const WIDTH: i32 = 256;
-    /// Bins below and above that one: exponents lie between -1074 and 1023.
-    const BESIDE: i32 = 4;
-    const BINS: usize = 2 * BESIDE as usize + 1;
-    // How many processes have the largest entry of a column in each bin.
-    let mut counts = zeros(BINS, a.ncols())?;
-    for (j, column) in a.rb().col_iter().enumerate() {
-        let largest = column.norm_max();
-        if largest > 0.0 {
-            let bin = (largest.log2() as i32 + WIDTH / 2).div_euclid(WIDTH) + BESIDE;
-            counts[(bin as usize, j)] = 1.0;
-        }
-    }
-    space.sum(counts.as_mut())?;
-    let exponent = |j: usize| {
-        let highest = (0..BINS).rev().find(|&bin| counts[(bin, j)] > 0.0);
-        highest.map_or(0, |bin| (bin as i32 - BESIDE) * WIDTH)
-    };
-    let exponents: Vec<i32> = (0..a.ncols()).map(exponent).collect();
-    for (column, &exponent) in a.col_iter_mut().zip(&exponents) {
-        multiply_by_power(column, -exponent);
-    }
-    Ok(exponents)
-}
-
-/// Multiplies a column by `2^exponent`.
-fn multiply_by_power(column: ColMut<'_, f64>, exponent: i32) {
-    if exponent != 0 {
-        column.iter_mut().for_each(|x| *x = scaled(*x, exponent));
-    }
 }

@@ -5,6 +5,7 @@ use faer::{Mat, MatMut, MatRef};
 
 use super::inner::{Inner, check_finite};
 use super::panel::pass;
+use super::scale::ColumnPowers;
 use crate::base::{Error, Par, Progress, Result, builder};
 use crate::dense::zeros;
 use crate::sparse::{InnerSpace, Mass};
@@ -136,8 +137,10 @@ impl Orthonormal {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] and [`Error::Argument`] of "mass", [`Error::NonFinite`] of "A",
-/// [`Error::Argument`] for a threshold out of range, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] and [`Error::Argument`] of "mass", which may also make squares of lengths
+/// overflow; [`Error::NonFinite`] of "A", and [`Error::Argument`] of "A" when the length of a column
+/// is no finite number; [`Error::Argument`] for a threshold out of range, [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
 pub fn gram_schmidt(
     a: MatRef<'_, f64>,
     mass: &Mass,
@@ -184,6 +187,7 @@ pub(crate) fn gram_schmidt_of(
     let c = a.ncols();
     options.check()?;
     check_finite(a.rb())?;
+    let powers = ColumnPowers::bring_near_one(a.rb_mut(), space)?;
     let mut inner = Inner::new(space, PANEL.min(c), options.par)?;
     let mut basis = Growing { r: zeros(space.dimension().min(c), c)?, kept: Vec::new(), options };
     inner.enter(a.rb_mut());
@@ -196,6 +200,7 @@ pub(crate) fn gram_schmidt_of(
     let Growing { mut r, kept, .. } = basis;
     inner.leave(a.rb_mut().subcols_mut(0, kept.len()));
     r.truncate(kept.len(), c);
+    powers.undo(r.as_mut())?;
     Ok(Factors { r, kept })
 }
 

@@ -102,6 +102,7 @@ impl<'a> Inner<'a> {
         let weighted = self.weigh(x)?;
         let mut squares = Mat::from_fn(x.ncols(), 1, |j, _| dot(x, j, weighted, j));
         space.sum(squares.as_mut())?;
+        check_squares(squares.col(0).iter().copied())?;
         Ok(squares.col(0).iter().map(|square| square.max(0.0).sqrt()).collect())
     }
 
@@ -155,4 +156,12 @@ pub(super) fn check_finite(a: MatRef<'_, f64>) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Checks squares of lengths of columns that are not far from 1: only masses can make them overflow.
+pub(super) fn check_squares(mut squares: impl Iterator<Item = f64>) -> Result<()> {
+    if squares.all(f64::is_finite) {
+        return Ok(());
+    }
+    Err(Error::Argument { what: "mass", why: "so large that squares of lengths overflow".into() })
 }

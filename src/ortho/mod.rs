@@ -6,6 +6,7 @@ mod gram_schmidt;
 mod inner;
 mod panel;
 mod rank_revealing;
+mod scale;
 
 pub use cholesky_qr::cholesky_qr;
 #[cfg(any(feature = "mpi", feature = "capi"))]

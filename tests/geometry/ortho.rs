@@ -279,43 +279,76 @@ fn cholesky_qr_agrees_and_refuses_dependent_columns() {
     assert!(refused.to_string().contains("4 columns of 3 rows"));
 }
 
+/// A way to make columns orthonormal.
+type Method = fn(MatRef<'_, f64>, &Mass) -> Result<Orthonormal, Error>;
+
+const METHODS: [Method; 4] = [
+    |a, mass| {
+        let mut q = a.to_owned();
+        let r = cholesky_qr(q.as_mut(), mass, Par::Seq)?;
+        Ok(Orthonormal { q, r, kept: (0..a.ncols()).collect() })
+    },
+    |a, mass| gram_schmidt(a, mass, &GramSchmidtOptions::single_pass()),
+    |a, mass| gram_schmidt(a, mass, &precise()),
+    |a, mass| rank_revealing(a, mass, &precise()),
+];
+
 #[test]
-fn cholesky_qr_takes_columns_of_any_length() {
+fn columns_may_have_any_length() {
     let n = 30;
     let scales = [1e160, 1.0, 1e-170, 1e-300, 1e300, 1e-100];
     for mass in [Mass::identity(n), lumped(n), full(n)] {
         let near = random(n, scales.len(), 17);
-        let (mut expected, mut q) = (near.clone(), near.clone());
+        let mut a = near.clone();
         for (j, scale) in scales.into_iter().enumerate() {
-            q.col_mut(j).iter_mut().for_each(|x| *x *= scale);
+            a.col_mut(j).iter_mut().for_each(|x| *x *= scale);
         }
-        let r_near = cholesky_qr(expected.as_mut(), &mass, Par::Seq).unwrap();
-        let r = cholesky_qr(q.as_mut(), &mass, Par::Seq).unwrap();
-        assert!(defect(q.as_ref(), &mass) < 1e-13);
-        assert!((&q - &expected).norm_max() < 1e-12);
-        for (j, scale) in scales.into_iter().enumerate() {
-            for i in 0..=j {
-                let gap = (r[(i, j)] / scale - r_near[(i, j)]).abs();
-                assert!(gap < 1e-12 * r_near[(j, j)].max(1.0), "({i}, {j}): {gap:e}");
+        for method in METHODS {
+            let expected = method(near.as_ref(), &mass).unwrap();
+            let found = method(a.as_ref(), &mass).unwrap();
+            assert_eq!(found.kept, expected.kept);
+            assert!(defect(found.q.as_ref(), &mass) < 1e-13);
+            assert!((&found.q - &expected.q).norm_max() < 1e-12);
+            for (j, scale) in scales.into_iter().enumerate() {
+                for i in 0..=j {
+                    let gap = (found.r[(i, j)] / scale - expected.r[(i, j)]).abs();
+                    assert!(gap < 1e-12 * expected.r[(j, j)].max(1.0), "({i}, {j}): {gap:e}");
+                }
             }
         }
     }
 }
 
 #[test]
-fn cholesky_qr_names_the_column_whose_length_overflows() {
+fn a_column_far_smaller_than_the_others_is_dropped_only_if_it_depends_on_them() {
     let n = 30;
-    let mut a = random(n, 4, 17);
-    a.col_mut(2).iter_mut().for_each(|x| *x = x.signum() * f64::MAX);
-    let refused = cholesky_qr(a.as_mut(), &Mass::identity(n), Par::Seq).unwrap_err();
-    assert_eq!(refused.to_string(), "A: column 2 is too long: its length overflows");
+    let mut a = random(n, 5, 17);
+    a.copy_column(0, 2, 1e-200);
+    a.copy_column(1, 3, 1e200);
+    a.col_mut(4).iter_mut().for_each(|x| *x *= 1e-310);
+    for method in &METHODS[1..] {
+        assert_eq!(method(a.as_ref(), &lumped(n)).unwrap().kept, [0, 1, 4]);
+    }
 }
 
 #[test]
-fn cholesky_qr_names_masses_that_make_products_overflow() {
-    let mut a = Mat::from_fn(3, 2, |i, j| 1e30 * ((i + 1) as f64).powi(j as i32));
-    let refused = cholesky_qr(a.as_mut(), &Mass::Lumped(vec![1e300; 3]), Par::Seq).unwrap_err();
-    assert_eq!(refused.to_string(), "mass: so large that squares of lengths overflow");
+fn a_column_whose_length_overflows_is_named() {
+    let n = 30;
+    let mut a = random(n, 4, 17);
+    a.col_mut(2).iter_mut().for_each(|x| *x = x.signum() * f64::MAX);
+    for method in METHODS {
+        let refused = method(a.as_ref(), &Mass::identity(n)).unwrap_err();
+        assert_eq!(refused.to_string(), "A: column 2 is too long: its length overflows");
+    }
+}
+
+#[test]
+fn masses_that_make_squares_of_lengths_overflow_are_named() {
+    let a = Mat::from_fn(3, 2, |i, j| 1e30 * ((i + 1) as f64).powi(j as i32));
+    for method in METHODS {
+        let refused = method(a.as_ref(), &Mass::Lumped(vec![1e300; 3])).unwrap_err();
+        assert_eq!(refused.to_string(), "mass: so large that squares of lengths overflow");
+    }
 }
 
 /// Columns of which a first pass takes far more for independent than there are: what later columns
