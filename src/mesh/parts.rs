@@ -44,7 +44,7 @@ impl TriMesh {
                 Some(wanted) => *wanted = true,
             }
         }
-        self.part(|f| wanted[f as usize])
+        Ok(self.part(|f| wanted[f as usize]))
     }
 
     /// Returns component number `component` of `components`, which must be those of this mesh.
@@ -72,7 +72,7 @@ impl TriMesh {
                 ),
             });
         }
-        self.part(|f| own[f as usize] as usize == component)
+        Ok(self.part(|f| own[f as usize] as usize == component))
     }
 
     /// Returns the mesh without the vertices that no face has.
@@ -81,18 +81,16 @@ impl TriMesh {
     /// use catamaran::mesh::TriMesh;
     ///
     /// let vertices = vec![[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let part = TriMesh::new(vertices, vec![[1, 2, 3]])?.without_unreferenced()?;
+    /// let part = TriMesh::new(vertices, vec![[1, 2, 3]])?.without_unreferenced();
     /// assert_eq!((part.mesh.faces(), part.vertices), (&[[0, 1, 2]][..], vec![1, 2, 3]));
     /// # Ok::<(), catamaran::Error>(())
     /// ```
-    ///
-    /// # Errors
-    /// None in practice.
-    pub fn without_unreferenced(&self) -> Result<Part> {
+    pub fn without_unreferenced(&self) -> Part {
         self.part(|_| true)
     }
 
-    fn part(&self, wanted: impl Fn(u32) -> bool) -> Result<Part> {
+    /// Returns the part of the wanted faces.
+    fn part(&self, wanted: impl Fn(u32) -> bool) -> Part {
         let faces: Vec<u32> = (0..self.faces().len() as u32).filter(|&f| wanted(f)).collect();
         let mut number = vec![u32::MAX; self.vertices().len()];
         for &f in &faces {
@@ -110,6 +108,6 @@ impl TriMesh {
         let positions = vertices.iter().map(|&v: &u32| self.vertices()[v as usize]).collect();
         let numbered =
             faces.iter().map(|&f| self.faces()[f as usize].map(|v| number[v as usize])).collect();
-        Ok(Part { mesh: TriMesh::new(positions, numbered)?, vertices, faces })
+        Part { mesh: TriMesh::of_valid(positions, numbered), vertices, faces }
     }
 }

@@ -70,6 +70,11 @@ impl TriMesh {
         Ok(Self { vertices, faces })
     }
 
+    /// Creates a mesh that [`TriMesh::new`] would accept, without its checks.
+    pub(super) fn of_valid(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
+        Self { vertices, faces }
+    }
+
     /// Returns the positions of the vertices.
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices

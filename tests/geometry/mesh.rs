@@ -253,7 +253,7 @@ fn the_empty_mesh_and_a_lone_vertex_have_nothing() {
         assert_eq!(mesh.bounding_box().is_some(), !mesh.vertices().is_empty());
         assert!(matches!(mesh.normalized(Normalization::UnitArea), Err(Error::Mesh { .. })));
         assert!(matches!(mesh.normalized(Normalization::UnitBox), Err(Error::Mesh { .. })));
-        assert!(mesh.without_unreferenced().unwrap().mesh.vertices().is_empty());
+        assert!(mesh.without_unreferenced().mesh.vertices().is_empty());
         assert_eq!(Components::new(&mesh).largest(), None);
     }
 }

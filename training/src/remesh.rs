@@ -174,7 +174,7 @@ impl<'m> Draft<'m> {
 
     fn finish(self) -> Result<Remeshed> {
         let faces = self.faces.into_iter().flatten().collect();
-        let part = TriMesh::new(self.positions.to_vec(), faces)?.without_unreferenced()?;
+        let part = TriMesh::new(self.positions.to_vec(), faces)?.without_unreferenced();
         Ok(Remeshed { mesh: part.mesh, vertices: part.vertices })
     }
 }

@@ -84,7 +84,7 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
         state.take(rebuild, step)?;
     }
     if options.compact {
-        let part = state.file.mesh.without_unreferenced()?;
+        let part = state.file.mesh.without_unreferenced();
         let vertices = state.file.mesh.vertices().len() - part.vertices.len();
         let rebuild = (vertices > 0).then(|| Rebuild::of_part(part));
         state.take(rebuild, RepairStep::Compacted { vertices })?;

@@ -126,7 +126,7 @@ struct Spectrum {
 
 impl Spectrum {
     fn of(mesh: &TriMesh) -> Result<Self> {
-        let mesh = mesh.without_unreferenced()?.mesh;
+        let mesh = mesh.without_unreferenced().mesh;
         let Laplacian { stiffness, mass, .. } = laplacian(&mesh, &LaplacianOptions::default())?;
         let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(PAIRS + 1))?;
         let functions = pairs.vectors.subcols(1, PAIRS).to_owned();
