@@ -852,7 +852,7 @@ cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size
  *   ascending, from 0. NULL where not wanted.
  * - `rank`: one size_t, written.
  *
- * A is unspecified after errors that are not of arguments. */
+ * A is unspecified after an error. */
 cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *a, size_t lda,
     const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);

@@ -69,7 +69,7 @@ pub unsafe extern "C" fn cata_ortho_params_init(
 ///   ascending, from 0. NULL where not wanted.
 /// - `rank`: one size_t, written.
 ///
-/// A is unspecified after errors that are not of arguments.
+/// A is unspecified after an error.
 ///
 /// # Safety
 /// The pointers are as described.

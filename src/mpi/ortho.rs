@@ -73,7 +73,7 @@ pub fn gram_schmidt(
 /// ```
 ///
 /// # Errors
-/// As [`gram_schmidt`]; A is unspecified after all but errors of arguments.
+/// As [`gram_schmidt`]; A is unspecified after an error.
 pub fn gram_schmidt_in_place(
     world: &World,
     a: MatMut<'_, f64>,

@@ -167,7 +167,7 @@ pub fn gram_schmidt(
 /// ```
 ///
 /// # Errors
-/// As [`gram_schmidt`]; A is unspecified after [`Error::Cancelled`].
+/// As [`gram_schmidt`]; A is unspecified after an error.
 pub fn gram_schmidt_in_place(
     a: MatMut<'_, f64>,
     mass: &Mass,

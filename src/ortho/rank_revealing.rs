@@ -69,7 +69,7 @@ pub fn rank_revealing(
 /// ```
 ///
 /// # Errors
-/// As [`rank_revealing`]; A is unspecified after [`Error::Cancelled`](crate::Error::Cancelled).
+/// As [`rank_revealing`]; A is unspecified after an error.
 pub fn rank_revealing_in_place(
     mut a: MatMut<'_, f64>,
     mass: &Mass,
