@@ -138,8 +138,8 @@ impl Orthonormal {
 ///
 /// # Errors
 /// [`Error::Shape`] and [`Error::Argument`] of "mass", which may also make squares of lengths
-/// overflow; [`Error::NonFinite`] of "A", and [`Error::Argument`] of "A" when the length of a column
-/// is no finite number; [`Error::Argument`] for a threshold out of range, [`Error::OutOfMemory`],
+/// overflow; [`Error::NonFinite`] of "A", and [`Error::Argument`] of "A" when the length of a
+/// column overflows; [`Error::Argument`] for a threshold out of range, [`Error::OutOfMemory`],
 /// [`Error::Cancelled`].
 pub fn gram_schmidt(
     a: MatRef<'_, f64>,

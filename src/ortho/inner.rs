@@ -158,7 +158,8 @@ pub(super) fn check_finite(a: MatRef<'_, f64>) -> Result<()> {
     Ok(())
 }
 
-/// Checks squares of lengths of columns that are not far from 1: only masses can make them overflow.
+/// Checks squares of lengths of columns whose entries are not far from 1: only masses can make them
+/// overflow.
 pub(super) fn check_squares(mut squares: impl Iterator<Item = f64>) -> Result<()> {
     if squares.all(f64::is_finite) {
         return Ok(());
