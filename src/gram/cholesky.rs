@@ -99,6 +99,18 @@ pub(super) fn check(gram: &ExtendedGram) -> Result<()> {
     Ok(())
 }
 
+/// Returns the error of [`check`] for the Gram matrix of `[A B]`, A of n columns, or one that names
+/// the first column whose squared length is out of range.
+pub(super) fn check_lengths(gram: &ExtendedGram, n: usize) -> Result<()> {
+    let Some(&j) = gram.out_of_range().first() else { return check(gram) };
+    let (what, j) = if j < n { ("A", j) } else { ("B", j - n) };
+    let why = format!(
+        "the squared length of column {j} is out of the range of f64: multiply the column by a \
+         power of ten"
+    );
+    Err(Error::Argument { what, why })
+}
+
 impl PivotedCholesky {
     /// Factors a Gram matrix.
     ///
@@ -115,10 +127,11 @@ impl PivotedCholesky {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NonFinite`] and [`Error::Argument`] for a matrix that is no Gram matrix,
-    /// [`Error::OutOfMemory`].
+    /// [`Error::NonFinite`] and [`Error::Argument`] for a matrix that is no Gram matrix;
+    /// [`Error::Argument`] of "A" for the first of the columns that [`ExtendedGram::out_of_range`]
+    /// lists; [`Error::OutOfMemory`].
     pub fn from_gram(gram: &ExtendedGram, pivoting: Pivoting, par: Par) -> Result<Self> {
-        check(gram)?;
+        check_lengths(gram, gram.n())?;
         let entry = |i, j| gram.entry(i, j);
         Self::of(gram.n(), tolerance(gram.n(), gram.is_exact()), pivoting, par, entry)
     }

@@ -1,6 +1,6 @@
 use faer::Mat;
 
-use super::cholesky::{check, check_centered, exponent};
+use super::cholesky::{check_centered, check_lengths, exponent};
 use super::double::DoubleDouble;
 use crate::ata::ExtendedGram;
 use crate::base::Result;
@@ -19,11 +19,10 @@ use crate::base::Result;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) when the matrix is not about the mean or has a
-/// negative diagonal, [`Error::NonFinite`](crate::Error::NonFinite),
-/// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
+/// [`Error::Argument`](crate::Error::Argument) when the matrix is not about the mean; else as
+/// [`PivotedCholesky::from_gram`](super::PivotedCholesky::from_gram).
 pub fn correlation(gram: &ExtendedGram) -> Result<Mat<f64>> {
-    check(gram)?;
+    check_lengths(gram, gram.n())?;
     check_centered(gram)?;
     let n = gram.n();
     let exponents: Vec<_> = (0..n).map(|j| exponent(gram.entry(j, j)[0])).collect();

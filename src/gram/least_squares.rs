@@ -1,6 +1,6 @@
 use faer::Mat;
 
-use super::cholesky::{PivotedCholesky, Pivoting, check, exponent, named, tolerance};
+use super::cholesky::{PivotedCholesky, Pivoting, check_lengths, exponent, named, tolerance};
 use super::columns::Columns;
 use super::double::{DoubleDouble, TripleSum, scaled};
 use super::refine::{Outcome, Refined};
@@ -281,7 +281,7 @@ impl LeastSquares {
     /// # Errors
     /// [`Error::Argument`] when `targets` is 0 or more than the columns, for options out of range,
     /// for an intercept of a matrix that is not about the mean, and for columns that depend on
-    /// others if they are refused; else as [`PivotedCholesky::from_gram`].
+    /// others if they are refused; else as [`PivotedCholesky::from_gram`], of "A" or "B".
     pub fn from_gram(
         gram: &ExtendedGram,
         targets: usize,
@@ -390,7 +390,6 @@ fn checked<'a>(
     options: &LeastSquaresOptions,
 ) -> Result<Problem<'a>> {
     let refuse = |what, why| Err(Error::Argument { what, why });
-    check(gram)?;
     if targets == 0 || targets > gram.n() {
         let why = format!("must be from 1 to {} (columns), but is {targets}", gram.n());
         return refuse("targets", why);
@@ -402,6 +401,7 @@ fn checked<'a>(
         return refuse("intercept", "needs a Gram matrix about the mean".into());
     }
     let n = gram.n() - targets;
+    check_lengths(gram, n)?;
     let exponents = (n..gram.n()).map(|b| exponent(gram.entry(b, b)[0])).collect();
     Ok(Problem { gram, n, ridge: options.ridge, exponents })
 }

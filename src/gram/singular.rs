@@ -10,8 +10,8 @@ use crate::base::{Par, Result};
 /// They are those of the pivoted Cholesky factor of A in double-double, by one-sided Jacobi
 /// rotations in f64. With K the condition number of A with columns of norm 1, the relative error
 /// of every value, the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where the
-/// entries of A were rounded). Columns may be of any sizes whose squares are numbers: with norms
-/// from 2^-450 to 2^500 in one matrix nothing is lost; below, C has fewer than 106 bits.
+/// entries of A were rounded). Nothing is lost with columns of norms from 2^-450 to 2^500 in one
+/// matrix; shorter ones are refused.
 ///
 /// ```
 /// use catamaran::ata::ExtendedGram;

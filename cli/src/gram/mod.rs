@@ -112,6 +112,9 @@ impl<'a> Pass<'a> {
     }
 
     /// Computes the Gram matrix of all rows, on the first rank.
+    ///
+    /// # Errors
+    /// Besides those of reading and adding up, a column whose squared length is out of range.
     pub fn gram(&self) -> Result<Option<ExtendedGram>> {
         let (checkpoint, n) = (&self.args.checkpoint, self.table.ncols());
         let labels = self.labels();
@@ -149,6 +152,14 @@ impl<'a> Pass<'a> {
             .with_context(|| self.args.input.display().to_string())?;
         let time = start.elapsed();
         status!("time", seconds = time.as_secs_f64(); "{} for A^T A", seconds(time))?;
+        if let Some(&j) = gram.out_of_range().first() {
+            let (path, name) = self.table.column(j, self.args.first_column());
+            bail!(
+                "{}: the squared length of column {name} is out of the range of f64: multiply the \
+                 column by a power of ten",
+                path.display()
+            );
+        }
         Ok(Some(gram))
     }
 

@@ -2,6 +2,7 @@
 //! columns in another order.
 
 use std::ops::Range;
+use std::path::Path;
 
 use anyhow::{Result, bail};
 use catamaran::ata::RowBlocks;
@@ -62,6 +63,18 @@ impl Table {
             With::Nothing | With::Order(_) => 0,
         };
         self.a.shape().1 + more
+    }
+
+    /// Returns the file of a column, and its name there; `first` is the number of the first column
+    /// of A in its file.
+    pub fn column(&self, j: usize, first: usize) -> (&Path, String) {
+        let n = self.a.shape().1;
+        let (source, j, first) = match &self.with {
+            With::Columns(b) if j >= n => (&**b, j - n, 0),
+            With::Order(order) => (&self.a, order[j], first),
+            With::Columns(_) | With::Nothing => (&self.a, j, first),
+        };
+        (source.path(), source.column_names(first).swap_remove(j))
     }
 
     /// Returns texts that identify A and what is done with its rows.

@@ -119,10 +119,10 @@ struct Rows {
 fn rows(args: &Args) -> Result<Rows> {
     let a = args.gram.open()?;
     let first = args.gram.first_column();
-    let mut columns = names::names(&a, first);
+    let mut columns = a.column_names(first);
     if let Some(path) = &args.b {
         let b = open("B", path, None)?;
-        let targets = names::names(&b, 0);
+        let targets = b.column_names(0);
         return Ok(Rows { table: Table::joined(a, b)?, columns, targets });
     }
     let found = names::find(args.gram.input(), &columns, first, &args.by_column)?;

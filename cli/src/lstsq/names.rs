@@ -1,22 +1,11 @@
-//! The names of the columns of A and of B, and which columns of A are targets.
+//! Which columns of A are targets, by names or numbers.
 
 use std::path::Path;
 
 use anyhow::{Result, bail};
 
-use crate::rows::Source;
-
 /// Most columns that an error lists.
 const LISTED: usize = 10;
-
-/// Returns the names of the columns: those of the header of a text table, else numbers counted from
-/// 0.
-pub fn names(source: &Source, first: usize) -> Vec<String> {
-    match source.names() {
-        [] => (first..first + source.shape().1).map(|column| column.to_string()).collect(),
-        names => names.to_vec(),
-    }
-}
 
 /// Returns the columns with these names or numbers.
 ///

@@ -83,6 +83,15 @@ impl Source {
         &self.names
     }
 
+    /// Returns a name of each column: that in the header of a text table, else its number in the
+    /// file, of which `first` is that of the first column.
+    pub fn column_names(&self, first: usize) -> Vec<String> {
+        match self.names() {
+            [] => (first..first + self.shape().1).map(|column| column.to_string()).collect(),
+            names => names.to_vec(),
+        }
+    }
+
     /// Returns whether the matrix is read block by block.
     pub fn is_file(&self) -> bool {
         matches!(self.content, Content::File(_))

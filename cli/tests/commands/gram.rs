@@ -218,8 +218,15 @@ fn errors_name_the_file_and_the_cause() {
     folder.write("nan.csv", "1,2\n3,nan\n5,4\n");
     folder.write("b.csv", "1\n2\ninf\n");
     folder.write_npy::<f64>("none.npy", &[0, 3], &[]);
+    folder.write("far.csv", "x,y,z\n1,1e-170,1\n3,2e-170,2\n5,5e-170,1\n");
+    folder.write("long.csv", "1e200\n2\n3\n");
     folder.write("old.npz", "precious");
     for (arguments, expected) in [
+        ("lstsq far.csv --by-column x", "far.csv: the squared length of column y is out of the"),
+        ("lstsq far.csv --columns 1..3 --by-column z", "far.csv: the squared length of column y"),
+        ("lstsq a.csv long.csv", "long.csv: the squared length of column 0 is out of the range"),
+        ("pca far.csv -o x.npz", "far.csv: the squared length of column y is out of the range"),
+        ("svd long.csv -o x.npz", "long.csv: the squared length of column 0 is out of the range"),
         ("lstsq a.csv short.csv", "short.csv: 2 x 1 where the 3 rows of a.csv need 3 rows"),
         ("lstsq a.csv --by-column z -o x.npz", "a.csv: no column z; the columns are x, y"),
         ("lstsq a.csv --by-column y --weights short.csv", "short.csv: 2 x 1 where the 3 rows"),

@@ -594,23 +594,30 @@ impl<T: BlasReal> ExactSums<T, I256> {
             let exponent = self.grid.sum_exponent(j) + self.grid.weight_power;
             if centered { wide::mean_parts(self.sums[j], w, exponent) } else { [0.0; 2] }
         };
+        let entries = std::mem::take(&mut self.entries);
+        let parts = |i: usize, j: usize, c: I256, exponent: i32| match centered {
+            true => {
+                let sums = [self.sums[i], self.sums[j]];
+                wide::centered_parts(c, sums, self.weight_shift(), w, exponent)
+            }
+            false => Some(c.parts(exponent)),
+        };
+        let vanishes = |&j: &usize| {
+            let c = entries[triangle_len(j) + j];
+            let square = |exponent| parts(j, j, c, exponent).map_or(0.0, |[first, ..]| first);
+            square(self.grid.exponent(j, j)) == 0.0 && square(0) != 0.0
+        };
         let about = About {
             exact: !self.rounded,
             rows: self.rows,
             weight: self.weight(),
             mean: if self.centered { (0..n).map(mean).collect() } else { Vec::new() },
+            vanished: (0..n).filter(vanishes).collect(),
         };
         // The first column whose numbers are too long.
         let refused = AtomicUsize::new(usize::MAX);
-        let entries = std::mem::take(&mut self.entries);
         let gram = ExtendedGram::from_sums(n, entries, about, par, |i, j, c| {
-            let exponent = self.grid.exponent(i, j);
-            if !centered {
-                return c.parts(exponent);
-            }
-            let sums = [self.sums[i], self.sums[j]];
-            let parts = wide::centered_parts(c, sums, self.weight_shift(), w, exponent);
-            parts.unwrap_or_else(|| {
+            parts(i, j, c, self.grid.exponent(i, j)).unwrap_or_else(|| {
                 refused.fetch_min(i, Ordering::Relaxed);
                 [f64::NAN; 3]
             })

@@ -41,6 +41,8 @@ pub(crate) struct About {
     pub weight: f64,
     /// Means of the columns; none unless the matrix is about them.
     pub mean: Vec<[f64; 2]>,
+    /// Columns that are not zero but whose squares are, rounded to f64; ascending.
+    pub vanished: Vec<usize>,
 }
 
 impl ExtendedGram {
@@ -100,7 +102,7 @@ impl ExtendedGram {
             Error::check_shape("mean", (n, 1), (mean.len(), 1))?;
         }
         let mean = mean.iter().map(|&mean| [mean, 0.0]).collect();
-        let about = About { exact: true, rows, weight: rows as f64, mean };
+        let about = About { exact: true, rows, weight: rows as f64, mean, vanished: Vec::new() };
         Self::from_entries(n, about, Par::Seq, |i, j| [c[(i, j)], 0.0, 0.0])
     }
 
@@ -135,6 +137,37 @@ impl ExtendedGram {
     /// is about the mean.
     pub fn mean(&self) -> &[[f64; 2]] {
         &self.about.mean
+    }
+
+    /// Returns the columns, ascending, of which parts of the squared length are out of the range of
+    /// f64: those that are not zero but shorter than 2^-450, and those whose square overflows. The
+    /// functions of [`gram`](mod@crate::gram) refuse them.
+    ///
+    /// ```
+    /// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
+    /// use catamaran::{AtaOptions, faer::mat};
+    ///
+    /// let a = mat![[1e-200, 1.0, 0.0, 1e170]];
+    /// let (plain, options) = (RowOptions::<f64>::new(), AtaOptions::new());
+    /// let gram = ata_extended(&mut DenseRows(a.as_ref()), &plain, &options)?;
+    /// assert_eq!(gram.out_of_range(), [0, 3]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn out_of_range(&self) -> Vec<usize> {
+        /// The square of the shortest column whose products keep all bits of double-double, and
+        /// more.
+        const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
+        let is_out = |&j: &usize| {
+            let square = self.entry(j, j)[0];
+            let short = square != 0.0 && square.abs() < LEAST;
+            short || square == f64::INFINITY || self.about.vanished.contains(&j)
+        };
+        (0..self.n).filter(is_out).collect()
+    }
+
+    /// Returns the columns that are not zero but whose squares are, ascending.
+    pub(crate) fn vanished(&self) -> &[usize] {
+        &self.about.vanished
     }
 }
 
