@@ -141,7 +141,7 @@ impl ExtendedGram {
 
     /// Returns the columns, ascending, of which parts of the squared length are out of the range of
     /// f64: those that are not zero but shorter than 2^-450, and those whose square overflows. The
-    /// functions of [`gram`](mod@crate::gram) refuse them.
+    /// functions of the module `gram` refuse them.
     ///
     /// ```
     /// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
@@ -166,6 +166,7 @@ impl ExtendedGram {
     }
 
     /// Returns the columns that are not zero but whose squares are, ascending.
+    #[cfg(feature = "geometry")]
     pub(crate) fn vanished(&self) -> &[usize] {
         &self.about.vanished
     }
