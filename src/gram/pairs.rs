@@ -45,16 +45,8 @@ pub fn sum_of_pairs(gram: &ExtendedGram, n: usize) -> Result<ExtendedGram> {
         exact: gram.is_exact(),
         rows: gram.rows(),
         weight: gram.weight(),
-        // Rests of columns may vanish.
-        vanished: gram
-            .vanished()
-            .iter()
-            .filter_map(|&j| match j {
-                _ if j < n => Some(j),
-                _ if j < 2 * n => None,
-                _ => Some(j - n),
-            })
-            .collect(),
+        // The rests of columns, their second source, may vanish.
+        vanished: (0..columns - n).filter(|&j| gram.vanished().contains(&sources(j)[0])).collect(),
         mean: (0..columns - n).take_while(|_| !gram.mean().is_empty()).map(mean).collect(),
     };
     ExtendedGram::from_entries(columns - n, about, Par::Seq, |i, j| {

@@ -214,9 +214,9 @@ fn bad_problems_are_refused_with_the_culprit() {
 fn columns_whose_squares_are_out_of_range_are_named_and_never_lost() {
     let mut rng = Rng::new(5);
     let near = Mat::<f64>::from_fn(40, 4, |_, j| if j == 2 { 0.0 } else { rng.uniform() - 0.5 });
-    let (count, by_mean) =
-        (LeastSquaresOptions::new(), RowOptions::<f64>::new().center(Center::Mean));
-    let components = PrincipalComponentsOptions::new();
+    let as_they_are = RowOptions::<f64>::new();
+    let by_mean = as_they_are.center(Center::Mean);
+    let (solution, components) = (LeastSquaresOptions::new(), PrincipalComponentsOptions::new());
     for (scale, what, place) in [
         (1e-140, "A", 1),
         (1e-170, "A", 0),
@@ -234,10 +234,10 @@ fn columns_whose_squares_are_out_of_range_are_named_and_never_lost() {
             )
         };
         let rows = || DenseRows(a.as_ref());
-        for options in [RowOptions::new(), by_mean] {
+        for options in [as_they_are, by_mean] {
             let gram = ata_extended(&mut rows(), &options, &AtaOptions::new()).unwrap();
             assert_eq!(gram.out_of_range(), [place]);
-            let refused = LeastSquares::from_gram(&gram, 1, &count).unwrap_err().to_string();
+            let refused = LeastSquares::from_gram(&gram, 1, &solution).unwrap_err().to_string();
             assert_eq!(refused, expected(what, if what == "A" { place } else { 0 }));
             let refused = SingularValues::from_gram(&gram, Par::Seq).unwrap_err().to_string();
             assert_eq!(refused, expected("A", place));
@@ -248,17 +248,13 @@ fn columns_whose_squares_are_out_of_range_are_named_and_never_lost() {
         let refused = PrincipalComponents::from_gram(&gram, &components).unwrap_err();
         assert_eq!(refused.to_string(), expected("A", place));
         assert_eq!(correlation(&gram).unwrap_err().to_string(), expected("A", place));
-        let gram =
-            ata_extended(&mut rows(), &RowOptions::<f64>::new(), &AtaOptions::new()).unwrap();
+        let gram = ata_extended(&mut rows(), &as_they_are, &AtaOptions::new()).unwrap();
         assert_eq!(orthogonality(&gram).is_ok(), scale < 1.0);
     }
     // The rest of a column in two parts may be as small as it likes.
-    let mut parts = Mat::<f64>::zeros(40, 3);
-    (0..40).for_each(|i| parts[(i, 0)] = near[(i, 0)]);
-    (0..40).for_each(|i| parts[(i, 1)] = 1e-200 * near[(i, 1)]);
-    (0..40).for_each(|i| parts[(i, 2)] = near[(i, 3)]);
-    let plain = RowOptions::<f64>::new();
-    let gram = ata_extended(&mut DenseRows(parts.as_ref()), &plain, &AtaOptions::new()).unwrap();
+    let parts = Mat::from_fn(40, 3, |i, j| [near[(i, 0)], 1e-200 * near[(i, 1)], near[(i, 3)]][j]);
+    let rows = &mut DenseRows(parts.as_ref());
+    let gram = ata_extended(rows, &as_they_are, &AtaOptions::new()).unwrap();
     let gram = sum_of_pairs(&gram, 1).unwrap();
     assert!(gram.out_of_range().is_empty());
 }
