@@ -41,7 +41,7 @@ pub(crate) struct About {
     pub weight: f64,
     /// Means of the columns; none unless the matrix is about them.
     pub mean: Vec<[f64; 2]>,
-    /// Columns that are not zero but whose squares are, rounded to f64; ascending.
+    /// Columns that are not zero, but whose squared length rounds to 0; ascending.
     pub vanished: Vec<usize>,
 }
 
@@ -154,8 +154,7 @@ impl ExtendedGram {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     pub fn out_of_range(&self) -> Vec<usize> {
-        /// The square of the shortest column whose products keep all bits of double-double, and
-        /// more.
+        /// A squared length from which on all three parts of it are in range.
         const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
         let is_out = |&j: &usize| {
             let square = self.entry(j, j)[0];
@@ -165,7 +164,7 @@ impl ExtendedGram {
         (0..self.n).filter(is_out).collect()
     }
 
-    /// Returns the columns that are not zero but whose squares are, ascending.
+    /// Returns the columns that are not zero, but whose squared length rounds to 0; ascending.
     #[cfg(feature = "geometry")]
     pub(crate) fn vanished(&self) -> &[usize] {
         &self.about.vanished
