@@ -64,6 +64,8 @@ mod _catamaran {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::pool::remember_process();
+        // Nobody would see the library's own line on standard error.
+        catamaran::base::isa_limit().map_err(crate::error::exception)?;
         module.add("__version__", catamaran::base::VERSION)
     }
 }

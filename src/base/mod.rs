@@ -5,6 +5,7 @@ mod builder;
 mod checks;
 mod disjoint;
 mod error;
+mod isa;
 mod par;
 mod plain;
 mod progress;
@@ -21,6 +22,7 @@ pub(crate) use builder::builder;
 pub(crate) use checks::{at_least, at_least_zero, positive};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
+pub use isa::{IsaLevel, isa_limit, set_isa_limit};
 pub(crate) use par::{Latch, tickets};
 pub use par::{Par, Pin, ThreadPool, available_cores};
 pub(crate) use plain::Plain;
@@ -31,6 +33,8 @@ pub use scalar::Real;
 #[cfg(feature = "geometry")]
 pub(crate) use sets::Sets;
 pub(crate) use simd::widest;
+#[cfg(feature = "geometry")]
+pub(crate) use simd::{arch, has_fused};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub(crate) use workspace::reserved;
