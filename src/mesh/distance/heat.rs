@@ -20,7 +20,7 @@ pub struct HeatOptions {
     /// Triangulation; default [`LaplacianKind::Cotangent`]. The other kinds are more accurate on
     /// triangles of low quality, and allow faces without area.
     pub kind: LaplacianKind,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
 }
 
