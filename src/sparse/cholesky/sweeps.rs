@@ -13,7 +13,7 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::parts::split;
 use super::supernode::{Row, Supernode, WIDTH};
-use crate::base::{Disjoint, Par, Result, widest, zeros};
+use crate::base::{Disjoint, Par, Result, has_fused, widest, zeros};
 
 /// The order in which the supernodes of a factor are applied, and to which rows.
 #[derive(Debug, Default)]
@@ -313,13 +313,4 @@ fn supernodes(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Supernode> {
         values: symbolic.col_ptr_for_val()[s],
     };
     (0..symbolic.n_supernodes()).map(supernode).collect()
-}
-
-/// Returns whether the registers that [`widest`] takes multiply and add at once; elsewhere a fused
-/// operation would be a call of a function.
-fn has_fused() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return pulp::x86::V3::is_available();
-    #[cfg(not(target_arch = "x86_64"))]
-    cfg!(target_arch = "aarch64")
 }
