@@ -5,6 +5,8 @@ mod builder;
 mod checks;
 mod disjoint;
 mod error;
+#[cfg(feature = "geometry")]
+mod operations;
 mod par;
 mod plain;
 mod progress;
@@ -14,6 +16,7 @@ mod scalar;
 mod sets;
 mod simd;
 mod version;
+mod watch;
 mod workspace;
 
 pub(crate) use builder::builder;
@@ -21,6 +24,10 @@ pub(crate) use builder::builder;
 pub(crate) use checks::{at_least, at_least_zero, positive};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
+#[cfg(all(test, feature = "unions"))]
+pub(crate) use operations::measure;
+#[cfg(feature = "geometry")]
+pub(crate) use operations::{apart, ask, count, spend};
 pub(crate) use par::{Latch, tickets};
 pub use par::{Par, Pin, ThreadPool, available_cores};
 pub(crate) use plain::Plain;

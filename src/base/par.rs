@@ -7,6 +7,9 @@ use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 
 use core_affinity::CoreId;
 
+#[cfg(feature = "geometry")]
+use super::operations::spend;
+use super::watch::unwatched;
 use super::{Error, Result};
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
@@ -96,6 +99,34 @@ impl Par {
         });
     }
 
+    /// Calls [`Par::for_each`] with some of the items at a time, of which each takes so many
+    /// `operations`, and asks in between whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    #[cfg(feature = "geometry")]
+    pub(crate) fn for_each_asking<T: Send>(
+        self,
+        mut items: impl Iterator<Item = T>,
+        operations: f64,
+        work: impl Fn(usize, T) + Sync,
+    ) -> Result<()> {
+        /// Operations of a thread between two requests.
+        const PIECE: f64 = 2.5e7;
+        let each = (PIECE / operations).max(1.0) as usize;
+        let mut first = 0;
+        loop {
+            let some: Vec<T> = items.by_ref().take(each.saturating_mul(self.threads())).collect();
+            if some.is_empty() {
+                return Ok(());
+            }
+            let count = some.len();
+            self.for_each(some.into_iter(), |i, item| work(first + i, item));
+            first += count;
+            spend(operations * count.div_ceil(self.threads()) as f64)?;
+        }
+    }
+
     /// Returns what `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
     pub(crate) fn map_blocks<T: Send + Sync>(
         self,
@@ -110,6 +141,26 @@ impl Par {
             ControlFlow::Continue(())
         });
         results.into_iter().filter_map(OnceLock::into_inner).collect()
+    }
+
+    /// Returns what [`Par::map_blocks`] returns, for some blocks at a time, of which each takes so
+    /// many `operations`, and asks in between whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    #[cfg(feature = "geometry")]
+    pub(crate) fn map_blocks_asking<T: Send + Sync>(
+        self,
+        n: usize,
+        size: usize,
+        operations: f64,
+        work: impl Fn(Range<usize>) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        let mut found: Vec<Option<T>> = (0..n.div_ceil(size)).map(|_| None).collect();
+        self.for_each_asking(found.iter_mut(), operations, |block, found| {
+            *found = Some(work(block * size..n.min((block + 1) * size)));
+        })?;
+        Ok(found.into_iter().flatten().collect())
     }
 
     /// Calls [`tickets`] with workers that have no memory of their own.
@@ -149,11 +200,14 @@ pub(crate) fn tickets<W: Send>(
     }
     let wanted = others.len() + 1;
     let run = |first: &mut W, others: &mut [W]| {
-        rayon::in_place_scope(|scope| {
-            for worker in others {
-                scope.spawn(|_| serve(worker));
-            }
-            serve(first);
+        // A callback must not be called while others wait for its thread.
+        unwatched(|| {
+            rayon::in_place_scope(|scope| {
+                for worker in others {
+                    scope.spawn(|_| serve(worker));
+                }
+                serve(first);
+            });
         });
     };
     if enough_threads(wanted) {
