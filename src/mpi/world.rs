@@ -14,7 +14,7 @@ use ::mpi::raw::AsRaw;
 use ::mpi::topology::{Communicator, SimpleCommunicator};
 
 use crate::ata::AtaOptions;
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, FloatEnv, Real, Result};
 use crate::blas::BlasReal;
 
 /// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
@@ -382,6 +382,8 @@ fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: impl Fn() -> bool
         let over = &over;
         let worker = scope.spawn(move || {
             let _says_so = Over { over, caller };
+            // Threads inherit the environment of the thread that makes them.
+            let _nearest = FloatEnv::nearest();
             work()
         });
         while !over.load(Ordering::Acquire) {

@@ -35,7 +35,7 @@ pub struct GramSchmidtOptions<'a> {
     pub threshold: f64,
     /// Whether columns are projected again until they no longer change.
     pub reorthogonalize: bool,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Progress callback, which may cancel.
     pub progress: Progress<'a>,

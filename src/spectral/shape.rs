@@ -19,7 +19,7 @@ pub struct ShapeOptions<'a> {
     pub steps: usize,
     /// Mean relative difference of eigenvalues at which the deformation stops. Default 1e-3.
     pub tolerance: f64,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

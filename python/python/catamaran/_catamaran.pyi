@@ -12,6 +12,10 @@ Array = NDArray[Any]
 
 __version__: str
 
+class Nearest:
+    def __enter__(self) -> None: ...
+    def __exit__(self, *exception: Any) -> None: ...
+
 class Plan:
     @property
     def is_exact(self) -> bool: ...

@@ -25,7 +25,7 @@ pub struct HeatOptions {
     /// triangulation for any mesh. On the triangles of the mesh itself
     /// ([`LaplacianKind::Cotangent`]), long triangles can make distances wrong by half and more.
     pub kind: LaplacianKind,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
 }
 
