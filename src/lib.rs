@@ -100,6 +100,9 @@ pub mod opencl;
 #[cfg(feature = "capi-ata")]
 pub mod capi;
 
+#[cfg(all(test, feature = "unions"))]
+mod interruption;
+
 /// The matrix library whose views ([`faer::MatRef`], [`faer::MatMut`]) the API takes.
 pub use faer;
 

@@ -8,6 +8,8 @@ mod disjoint;
 mod error;
 mod float_env;
 mod isa;
+#[cfg(feature = "geometry")]
+mod operations;
 mod par;
 mod plain;
 mod pool;
@@ -18,6 +20,7 @@ mod scalar;
 mod sets;
 mod simd;
 mod version;
+mod watch;
 mod workspace;
 
 pub(crate) use builder::builder;
@@ -28,6 +31,10 @@ pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
+#[cfg(all(test, feature = "unions"))]
+pub(crate) use operations::measure;
+#[cfg(feature = "geometry")]
+pub(crate) use operations::{apart, ask, count, spend};
 pub use par::Par;
 pub(crate) use par::{Latch, tickets};
 pub(crate) use plain::Plain;
