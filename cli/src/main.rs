@@ -46,7 +46,7 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use catamaran::base::isa_limit;
+use catamaran::base::{FloatEnv, isa_limit};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -117,6 +117,8 @@ enum Command {
 fn main() -> ExitCode {
     // Before any other code allocates memory.
     let watched = shortage::watch();
+    // A library that is linked with -ffast-math sets flush-to-zero when it is loaded.
+    let _nearest = FloatEnv::nearest();
     let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
     if cli.quiet {

@@ -24,11 +24,13 @@ pub enum Why {
     Slower,
     /// More memory is needed than `CATAMARAN_BLAS_MEMORY` allows, or than there is.
     Memory,
+    /// The caller rounds otherwise than to nearest, or flushes subnormal numbers to zero.
+    Rounding,
 }
 
 impl Why {
     /// Each reason and its name in the report.
-    pub const NAMES: [(&'static str, Self); 7] = [
+    pub const NAMES: [(&'static str, Self); 8] = [
         ("off", Self::Off),
         ("arguments", Self::Arguments),
         ("trivial", Self::Trivial),
@@ -36,6 +38,7 @@ impl Why {
         ("small", Self::Small),
         ("slower", Self::Slower),
         ("memory", Self::Memory),
+        ("rounding", Self::Rounding),
     ];
 }
 

@@ -23,7 +23,9 @@ pub fn preloaded(program: &Path, more: &[&Path], variables: &[(&str, &str)]) -> 
     for name in ["", "_VERBOSE", "_MEMORY"] {
         command.env_remove(format!("CATAMARAN_BLAS{name}"));
     }
-    command.env_remove("CATAMARAN_NUM_THREADS").env_remove("OMP_NUM_THREADS");
+    for name in ["CATAMARAN", "OMP", "RAYON"] {
+        command.env_remove(format!("{name}_NUM_THREADS"));
+    }
     command.env("LD_PRELOAD", list).envs(variables.iter().copied());
     command
 }
@@ -87,6 +89,7 @@ fn in_child() {
         }
         "wrong" => wrong(),
         "two calls" => two_calls(),
+        name if name.starts_with("rounding ") => super::rounding::task(name),
         other => super::host::task(other),
     }
 }
@@ -393,7 +396,7 @@ fn values_that_are_none_are_named_once() {
     ];
     let errors = errors(&run("two calls", &[], &variables));
     for (name, value) in variables {
-        let start = format!("catamaran-blas: {name}={value}: must be ");
+        let start = format!(": {name}={value}: must be ");
         assert_eq!(errors.matches(&start).count(), 1, "{errors}");
     }
 }

@@ -11,7 +11,7 @@ use super::oracle::{Matrix, Part};
 const FAKE: &str = "CATAMARAN_BLAS_TEST_FAKE";
 
 /// Compiles the fake library into `folder`.
-fn fake(folder: &Path) -> PathBuf {
+pub fn fake(folder: &Path) -> PathBuf {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/fake.rs");
     let library = folder.join("libfake.so");
     let status = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))

@@ -81,11 +81,7 @@ impl Columns {
     }
 
     /// Does what [`Columns::new`] does, without tiles: for operands that would not fill them.
-    pub fn of_few<T: Operand>(
-        a: MatRef<'_, T>,
-        moduli: &Moduli,
-        arena: &mut Arena<'_, T>,
-    ) -> Self {
+    pub fn of_few<T: Operand>(a: MatRef<'_, T>, moduli: &Moduli, arena: &mut Arena<'_, T>) -> Self {
         let (m, n) = a.shape();
         let bands = m.div_ceil(STEP);
         let mut arena = arena.nested();
