@@ -136,12 +136,13 @@ fn multiply<T: Operand>(
 ) {
     let (rows, cols) = c.shape();
     for j in 0..cols {
-        let column = right.column(j);
+        let (column, exponent) = (right.column(j), right.columns.exponents[j]);
         let first = if symmetric { j } else { 0 };
-        for i in first..rows {
-            let exponent = -(left.columns.exponents[i] + right.columns.exponents[j]);
+        let entries = c.rb_mut().col_mut(j).subrows_mut(first, rows - first);
+        for (i, entry) in (first..).zip(entries.iter_mut()) {
+            let exponent = -(left.columns.exponents[i] + exponent);
             let value = scaled(T::dot(left.column(i), column), exponent);
-            write_entry(alpha, beta, value, &mut c[(i, j)]);
+            write_entry(alpha, beta, value, entry);
         }
     }
 }
