@@ -222,7 +222,10 @@ pub(super) unsafe fn free<T>(handle: *mut T) {
 ///
 /// # Safety
 /// It is NULL or can be written, and no other thread uses it, during `'a`.
-pub(super) unsafe fn output<'a, T>(what: &'static str, pointer: *mut T) -> Result<&'a mut T, Failure> {
+pub(super) unsafe fn output<'a, T>(
+    what: &'static str,
+    pointer: *mut T,
+) -> Result<&'a mut T, Failure> {
     let pointer = checked(what, pointer, 1)?.cast_mut();
     regions::add(region(what, Layout::RowMajor, 1, 1, pointer, 1, true))?;
     // SAFETY: the caller's promise; `checked` has excluded NULL and checked the alignment.

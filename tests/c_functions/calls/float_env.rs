@@ -27,8 +27,7 @@ impl FloatEnv {
     /// Chooses the mode of a call, mostly to nearest.
     #[cfg(target_arch = "x86_64")]
     pub fn pick(choices: &mut super::choices::Choices<'_>, quiet: bool) -> Self {
-        // Until calls keep any mode.
-        let mode = if choices.one_in(4) { choices.pick(&libm::MODES[..1]) } else { 0 };
+        let mode = if choices.one_in(4) { choices.pick(&libm::MODES) } else { 0 };
         Self { mode, quiet }
     }
 
