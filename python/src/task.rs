@@ -110,7 +110,10 @@ pub fn run<R: Send>(
     let watch = Watch::default();
     let update = |fraction: f64| watch.update(fraction);
     let guarded = || {
-        let found = catch_unwind(AssertUnwindSafe(|| work(Progress::new(&update))));
+        let progress = Progress::new(&update);
+        // Also what takes no progress asks.
+        let watched = || progress.watch(|| work(progress));
+        let found = catch_unwind(AssertUnwindSafe(watched));
         watch.finish();
         found
     };

@@ -6,7 +6,10 @@ use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
 use super::cores::{allowed_threads, available_cores};
 use super::float_env::FloatEnv;
+#[cfg(feature = "geometry")]
+use super::operations::spend;
 use super::pool::{Pin, pinned, shared};
+use super::watch::unwatched;
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
 ///
@@ -101,6 +104,34 @@ impl Par {
         });
     }
 
+    /// Calls [`Par::for_each`] with some of the items at a time, of which each takes so many
+    /// `operations`, and asks in between whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](super::Error::Cancelled).
+    #[cfg(feature = "geometry")]
+    pub(crate) fn for_each_asking<T: Send>(
+        self,
+        mut items: impl Iterator<Item = T>,
+        operations: f64,
+        work: impl Fn(usize, T) + Sync,
+    ) -> super::Result<()> {
+        /// Operations of a thread between two requests.
+        const PIECE: f64 = 2.5e7;
+        let each = (PIECE / operations).max(1.0) as usize;
+        let mut first = 0;
+        loop {
+            let some: Vec<T> = items.by_ref().take(each.saturating_mul(self.threads())).collect();
+            if some.is_empty() {
+                return Ok(());
+            }
+            let count = some.len();
+            self.for_each(some.into_iter(), |i, item| work(first + i, item));
+            first += count;
+            spend(operations * count.div_ceil(self.threads()) as f64)?;
+        }
+    }
+
     /// Returns what `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
     pub(crate) fn map_blocks<T: Send + Sync>(
         self,
@@ -115,6 +146,26 @@ impl Par {
             ControlFlow::Continue(())
         });
         results.into_iter().filter_map(OnceLock::into_inner).collect()
+    }
+
+    /// Returns what [`Par::map_blocks`] returns, for some blocks at a time, of which each takes so
+    /// many `operations`, and asks in between whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](super::Error::Cancelled).
+    #[cfg(feature = "geometry")]
+    pub(crate) fn map_blocks_asking<T: Send + Sync>(
+        self,
+        n: usize,
+        size: usize,
+        operations: f64,
+        work: impl Fn(Range<usize>) -> T + Sync,
+    ) -> super::Result<Vec<T>> {
+        let mut found: Vec<Option<T>> = (0..n.div_ceil(size)).map(|_| None).collect();
+        self.for_each_asking(found.iter_mut(), operations, |block, found| {
+            *found = Some(work(block * size..n.min((block + 1) * size)));
+        })?;
+        Ok(found.into_iter().flatten().collect())
     }
 
     /// Calls [`tickets`] with workers that have no memory of their own.
@@ -155,16 +206,20 @@ pub(crate) fn tickets<W: Send>(
     if others.is_empty() {
         return serve(first);
     }
+    // A callback must not be called while others wait for its thread.
     if inside.is_some() {
-        return rayon::in_place_scope(|scope| {
-            for worker in others {
-                scope.spawn(|_| {
-                    // The pool is one of the caller, whose threads may have another environment.
-                    let _nearest = FloatEnv::nearest();
-                    serve(worker);
-                });
-            }
-            serve(first);
+        return unwatched(|| {
+            rayon::in_place_scope(|scope| {
+                for worker in others {
+                    scope.spawn(|_| {
+                        // The pool is one of the caller, whose threads may have another
+                        // environment.
+                        let _nearest = FloatEnv::nearest();
+                        serve(worker);
+                    });
+                }
+                serve(first);
+            });
         });
     }
     // The system may give no more threads: slower, but the same result.
@@ -176,7 +231,7 @@ pub(crate) fn tickets<W: Send>(
             serve(&mut worker);
         }
     };
-    pool.help(others.len(), &help, || serve(first));
+    unwatched(|| pool.help(others.len(), &help, || serve(first)));
 }
 
 /// Returns the number of threads (>= 1) of the rayon pool that the calling thread belongs to.

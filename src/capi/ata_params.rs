@@ -126,7 +126,7 @@ pub(super) unsafe fn with_options(
     }
     let watch = watcher(params.progress, params.progress_user);
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&options.progress(progress))
+    progress.watch(|| work(&options.progress(progress)))
 }
 
 fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {

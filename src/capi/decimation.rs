@@ -422,7 +422,7 @@ unsafe fn with_options<X>(
         watch = watcher(params.progress, params.progress_user);
     }
     options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    Ok(work(&options)?)
+    Ok(options.progress.watch(|| work(&options))?)
 }
 
 /// Returns a number of passes: 0 is the default, -1 is none.

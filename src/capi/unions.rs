@@ -78,8 +78,9 @@ pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
 ///   after the other.
 /// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
 ///   that of a part of the same number. The order of the parts does not matter, bit for bit.
-/// - `ood_score`: written: how unlike the parts are to those of the training; above 1 the
-///   prediction is a guess. NULL where not wanted.
+/// - `ood_score`: written: how unlike the parts are to those of the training; above 1 they are
+///   further out than 99.5 % of its pairs, and the prediction is a guess. Below 1 the prediction
+///   may be wrong, too. NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.

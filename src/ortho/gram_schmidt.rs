@@ -174,7 +174,7 @@ pub fn gram_schmidt_in_place(
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Factors> {
     mass.check(a.nrows())?;
-    gram_schmidt_of(a, mass, options)
+    options.progress.watch(|| gram_schmidt_of(a, mass, options))
 }
 
 /// Computes [`gram_schmidt_in_place`] of the rows that this process holds; the mass has been
