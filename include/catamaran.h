@@ -10,7 +10,7 @@
  *   that need what this build does not have return CATA_ERR_UNSUPPORTED (cata_capabilities).
  * - Sizes are size_t, any, 0 included, and numbers of elements, never bytes.
  * - Pointers may not be NULL unless said so, or there is no element to point to. They are not kept
- *   after the call. No output may overlap another one or an input.
+ *   after the call. An output that overlaps another one or an input is CATA_ERR_ARGUMENT.
  * - Matrices: `layout` is CATA_ROW_MAJOR or CATA_COL_MAJOR, for all matrices of a call. m x n
  *   elements at `a` are m rows (n columns) of n (m) elements, each `lda` >= max(1, n) (max(1, m))
  *   elements after the one before. What lies between is neither read nor written.
@@ -1388,8 +1388,9 @@ void cata_unions_free(cata_unions *unions); /**< Frees a network. */
  *   after the other.
  * - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
  *   that of a part of the same number. The order of the parts does not matter, bit for bit.
- * - `ood_score`: written: how unlike the parts are to those of the training; above 1 the
- *   prediction is a guess. NULL where not wanted. */
+ * - `ood_score`: written: how unlike the parts are to those of the training; above 1 they are
+ *   further out than 99.5 % of its pairs, and the prediction is a guess. Below 1 the prediction
+ *   may be wrong, too. NULL where not wanted. */
 cata_status cata_unions_predict(const cata_unions *unions, size_t parts, const double *spectra,
     double *spectrum, double *ood_score);
 /** Fills a struct with the defaults. */

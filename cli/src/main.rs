@@ -46,7 +46,7 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use catamaran::base::FloatEnv;
+use catamaran::base::{FloatEnv, isa_limit};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -130,6 +130,7 @@ fn main() -> ExitCode {
     let done = watched
         .and_then(|()| signals::watch())
         .context("the handling of signals can't be started")
+        .and_then(|()| Ok(isa_limit().map(drop)?))
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

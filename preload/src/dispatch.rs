@@ -7,7 +7,7 @@ use catamaran::base::FloatEnv;
 
 use crate::arguments::Wrong;
 use crate::element::Element;
-use crate::entry::{Entry, Why};
+use crate::entry::{Entry, Why, count_large_forwarded, gain};
 use crate::host::Code;
 use crate::request::Request;
 use crate::settings::{Mode, Settings, complain};
@@ -32,6 +32,7 @@ pub unsafe fn call<T: Element>(
     // SAFETY: the caller's promise.
     let why = match unsafe { attempt(&request, settings) } {
         Ok(()) => {
+            gain();
             if let Some(start) = start {
                 entry.count_ours(start);
             }
@@ -41,6 +42,12 @@ pub unsafe fn call<T: Element>(
     };
     if let Some(next) = entry.next(settings.forwards_small()) {
         warn_of_other_bytes(entry, why, settings);
+        if settings.mode == Mode::Auto && matches!(why, Why::Slower | Why::Memory) {
+            count_large_forwarded();
+            if settings.hints {
+                report::at_exit();
+            }
+        }
         forward(next);
         if let Some(start) = start {
             entry.count_forwarded(why, start);

@@ -44,6 +44,8 @@ pub struct Settings {
     pub mode: Mode,
     /// `CATAMARAN_BLAS_VERBOSE`: counts and times calls, and reports them at exit.
     pub verbose: bool,
+    /// Whether to say at exit that `auto` gained nothing: unless `CATAMARAN_BLAS_VERBOSE=0`.
+    pub hints: bool,
     /// Those of [`Par::all`], which reads variables of its own.
     pub threads: usize,
     /// `CATAMARAN_BLAS_MEMORY`: bytes that a call may take beyond its operands; `None`: any number.
@@ -66,10 +68,12 @@ impl Settings {
     }
 
     fn read(variable: &dyn Fn(&str) -> Option<String>) -> Self {
+        let verbose = read(variable, "CATAMARAN_BLAS_VERBOSE", "0 or 1", switch);
         let modes = "auto, reproducible, max or off";
         Self {
             mode: read(variable, "CATAMARAN_BLAS", modes, mode).unwrap_or_default(),
-            verbose: read(variable, "CATAMARAN_BLAS_VERBOSE", "0 or 1", switch).unwrap_or(false),
+            verbose: verbose == Some(true),
+            hints: verbose != Some(false),
             threads: Par::all().threads(),
             memory: read(
                 variable,
@@ -150,6 +154,7 @@ mod tests {
         let expected = Settings {
             mode: Mode::Auto,
             verbose: false,
+            hints: true,
             threads: Par::all().threads(),
             memory: Some(64 << 20),
         };
@@ -164,6 +169,8 @@ mod tests {
             assert_eq!(mode.name(), name);
         }
         assert!(settings(&[("CATAMARAN_BLAS_VERBOSE", "1")]).verbose);
+        let silent = settings(&[("CATAMARAN_BLAS_VERBOSE", "0")]);
+        assert!(!silent.verbose && !silent.hints);
         for (text, bytes) in
             [("100", Some(100)), ("3k", Some(3072)), ("2GiB", Some(2 << 30)), ("unlimited", None)]
         {

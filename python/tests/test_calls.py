@@ -168,3 +168,24 @@ def test_the_end_of_the_interpreter_waits_for_no_daemon():
     out, err = process.communicate(timeout=60)
     assert out == "ends\n" and process.returncode == 0, (process.returncode, err)
     assert err == ""
+
+
+def test_a_wrong_limit_on_instruction_sets_is_an_error_of_the_import():
+    wrong = run("", env={**os.environ, "CATAMARAN_ISA": "avx3"})
+    text = wrong.communicate(timeout=60)[1]
+    assert wrong.returncode == 1
+    assert "CATAMARAN_ISA: must be portable, avx2, avx512, vnni or amx" in text, text
+
+
+def test_reproducible_bytes_are_the_same_within_every_limit():
+    code = """
+        a = np.random.default_rng(3).standard_normal((90, 70))
+        for n in (3, 70):
+            print(catamaran.ata(a[:, :n], reproducible=True).tobytes().hex())
+    """
+    found = set()
+    for isa in ("", "portable", "avx2", "avx512"):
+        child = run(code, env={**os.environ, "CATAMARAN_ISA": isa})
+        found.add(child.communicate(timeout=60)[0])
+        assert child.returncode == 0
+    assert len(found) == 1

@@ -7,6 +7,7 @@ mod cores;
 mod disjoint;
 mod error;
 mod float_env;
+mod isa;
 #[cfg(feature = "geometry")]
 mod operations;
 mod par;
@@ -29,6 +30,7 @@ pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
+pub use isa::{IsaLevel, isa_limit, set_isa_limit};
 #[cfg(all(test, feature = "unions"))]
 pub(crate) use operations::measure;
 #[cfg(feature = "geometry")]
@@ -44,6 +46,8 @@ pub use scalar::Real;
 #[cfg(feature = "geometry")]
 pub(crate) use sets::Sets;
 pub(crate) use simd::widest;
+#[cfg(feature = "geometry")]
+pub(crate) use simd::{arch, has_fused};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub(crate) use workspace::reserved;

@@ -13,7 +13,7 @@ use faer::prelude::ReborrowMut;
 use super::parts::split;
 use super::pattern::Pattern;
 use super::supernode::{Row, Supernode, WIDTH};
-use crate::base::{Disjoint, Par, Result, spend, widest, zeros};
+use crate::base::{Disjoint, Par, Result, has_fused, spend, widest, zeros};
 
 /// The order in which the supernodes of a factor are applied, and to which rows.
 #[derive(Debug, Default)]
@@ -341,13 +341,4 @@ impl Part {
             }
         }
     }
-}
-
-/// Returns whether the registers that [`widest`] takes multiply and add at once; elsewhere a fused
-/// operation would be a call of a function.
-fn has_fused() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return pulp::x86::V3::is_available();
-    #[cfg(not(target_arch = "x86_64"))]
-    cfg!(target_arch = "aarch64")
 }
