@@ -178,7 +178,8 @@ def write_mesh(
     colors: Optional[ArrayLike],
     uv: Optional[Array],
     overwrite: bool,
-) -> None: ...
+    text: bool,
+) -> List[str]: ...
 def laplacian(
     v: ArrayLike, f: ArrayLike, kind: str, mass: str, boundary: Any, threads: Optional[int]
 ) -> Tuple[Csr, Csr, Array]: ...
