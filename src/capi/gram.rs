@@ -338,7 +338,7 @@ pub(super) fn of_matrix(
 /// # Safety
 /// As [`matrix`].
 pub(super) unsafe fn rows_of<'a>(
-    what: &str,
+    what: &'static str,
     layout: Layout,
     m: usize,
     n: usize,

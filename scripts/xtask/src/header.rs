@@ -269,7 +269,7 @@ const CONVENTIONS: &str = "\
  *   that need what this build does not have return CATA_ERR_UNSUPPORTED (cata_capabilities).
  * - Sizes are size_t, any, 0 included, and numbers of elements, never bytes.
  * - Pointers may not be NULL unless said so, or there is no element to point to. They are not kept
- *   after the call. No output may overlap another one or an input.
+ *   after the call. An output that overlaps another one or an input is CATA_ERR_ARGUMENT.
  * - Matrices: `layout` is CATA_ROW_MAJOR or CATA_COL_MAJOR, for all matrices of a call. m x n
  *   elements at `a` are m rows (n columns) of n (m) elements, each `lda` >= max(1, n) (max(1, m))
  *   elements after the one before. What lies between is neither read nor written.
