@@ -133,6 +133,7 @@ def laplacian(
     mass: str = "barycentric",
     boundary: Union[str, ArrayLike] = "neumann",
     threads: Optional[int] = None,
+    progress: Progress = None,
 ) -> Laplacian:
     """Assemble the Laplacian of a mesh as matrices of scipy.sparse.
 
@@ -148,8 +149,8 @@ def laplacian(
     boundary : {"neumann", "dirichlet"} or array_like of vertices
         Natural boundary values, zero at the boundary, or zero at these vertices. Rows of vertices
         with value zero are left out.
-    threads : int, optional
-        Threads, at most.
+    threads, progress
+        As in `ata`.
 
     Returns
     -------
@@ -163,7 +164,9 @@ def laplacian(
     >>> float(round(mass.sum(), 2))  # about 4 pi
     12.51
     """
-    stiffness, masses, kept = _catamaran.laplacian(v, f, kind, mass, boundary, threads)
+    stiffness, masses, kept = _catamaran.laplacian(
+        v, f, kind, mass, boundary, threads, callback(progress)
+    )
     return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
 
 
