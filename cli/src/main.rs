@@ -119,6 +119,7 @@ fn main() -> ExitCode {
     let watched = shortage::watch();
     // A library that is linked with -ffast-math sets flush-to-zero when it is loaded.
     let _nearest = FloatEnv::nearest();
+    use_own_threads_only();
     let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
     if cli.quiet {

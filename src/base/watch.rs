@@ -90,5 +90,6 @@ pub(super) fn ask_again() -> ControlFlow<()> {
 /// Returns the callback that watches the calling thread and the fraction that it was last told. Not
 /// to be kept when the call that asks returns.
 pub(super) fn current<'a>() -> Option<(Callback<'a>, f64)> {
-    WATCHER.get().map(|watcher| (watcher.callback as Callback<'a>, watcher.fraction))
+    let Watcher { callback, fraction } = WATCHER.get()?;
+    Some((callback, fraction))
 }

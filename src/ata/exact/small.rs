@@ -1,6 +1,5 @@
 //! Small products: their integers are multiplied as machine words. The result is that of the
-//! residues, since both are the same integers, rounded once; but no tiles have to be filled, and no
-//! constants of moduli computed.
+//! residues, since both are the same integers, rounded once; but no tiles have to be filled.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
@@ -27,6 +26,8 @@ pub(crate) fn pays<T: Operand>(
     const ENTRY: f64 = 2e-9;
     /// Seconds of a product by residues that do not grow with the sides.
     const START: f64 = 1e-5;
+    /// Most seconds of a product by words, which takes one thread and has no progress.
+    const MOST: f64 = 1e-3;
     let product = PRODUCT[usize::from(size_of::<T>() == 8)];
     let half = if symmetric { 0.5 } else { 1.0 };
     let real = |side: usize| side as f64;
@@ -39,7 +40,7 @@ pub(crate) fn pays<T: Operand>(
     let residues = blocks * height / rates.products
         + operands / rates.conversions
         + blocks / rates.recombinations;
-    words < START + moduli as f64 * residues
+    words < MOST.min(START + moduli as f64 * residues)
 }
 
 /// Returns the elements of scratch that [`execute`] needs.
@@ -135,12 +136,13 @@ fn multiply<T: Operand>(
 ) {
     let (rows, cols) = c.shape();
     for j in 0..cols {
-        let column = right.column(j);
+        let (column, exponent) = (right.column(j), right.columns.exponents[j]);
         let first = if symmetric { j } else { 0 };
-        for i in first..rows {
-            let exponent = -(left.columns.exponents[i] + right.columns.exponents[j]);
+        let entries = c.rb_mut().col_mut(j).subrows_mut(first, rows - first);
+        for (i, entry) in (first..).zip(entries.iter_mut()) {
+            let exponent = -(left.columns.exponents[i] + exponent);
             let value = scaled(T::dot(left.column(i), column), exponent);
-            write_entry(alpha, beta, value, &mut c[(i, j)]);
+            write_entry(alpha, beta, value, entry);
         }
     }
 }

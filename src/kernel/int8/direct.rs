@@ -30,8 +30,19 @@ impl Direct for f64 {
 
     #[inline(always)]
     fn dot(left: &[i64], right: &[i64]) -> f64 {
-        let terms = left.iter().zip(right).map(|(&l, &r)| i128::from(l) * i128::from(r));
-        terms.fold(0_i128, i128::wrapping_add) as f64
+        let term = |l: &i64, r: &i64| i128::from(*l) * i128::from(*r);
+        let (left, left_rest) = left.as_chunks::<4>();
+        let (right, right_rest) = right.as_chunks::<4>();
+        let mut sum = 0_i128;
+        for (left, right) in left.iter().zip(right) {
+            for (l, r) in left.iter().zip(right) {
+                sum = sum.wrapping_add(term(l, r));
+            }
+        }
+        for (l, r) in left_rest.iter().zip(right_rest) {
+            sum = sum.wrapping_add(term(l, r));
+        }
+        sum as f64
     }
 }
 

@@ -1,9 +1,13 @@
 use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 use super::super::TriMesh;
 use super::super::vector::distance;
 use super::{Dijkstra, Graph, SearchLimits};
-use crate::base::Result;
+use crate::base::{Result, spend};
+
+/// Operations that finding the nearest source is equal to.
+const SEARCHED: f64 = 300.0;
 
 /// Bounds of the distances along a surface: paths that lie on it from above, straight lines through
 /// space from below.
@@ -34,20 +38,24 @@ impl Bounds {
         Ok(Self { positions, paths })
     }
 
-    /// Moves each distance from the nearest of the sources, of which there is at least one, to the
-    /// nearest bound that it violates.
-    pub fn impose(&self, sources: &[u32], distances: &mut [f64]) -> Result<()> {
+    /// Moves each distance from the nearest of the sources in its component to the nearest bound
+    /// that it violates. `components` has the number of the component of each vertex.
+    pub fn impose(&self, sources: &[u32], components: &[u32], distances: &mut [f64]) -> Result<()> {
         let mut search = Dijkstra::new(&self.paths);
         let starts: Vec<(u32, f64)> = sources.iter().map(|&source| (source, 0.0)).collect();
         search.search(&starts, &SearchLimits::default())?;
-        let of_sources = sources.iter().map(|&source| self.positions[source as usize]).collect();
-        let tree = RTree::bulk_load(of_sources);
-        for ((found, &above), &position) in
-            distances.iter_mut().zip(search.distances()).zip(&self.positions)
-        {
-            let nearest = tree.nearest_neighbor(position);
-            let below = nearest.map_or(0.0, |source| distance(position, *source));
-            *found = found.max(below).min(above);
+        let placed = sources.iter().map(|&source| {
+            let v = source as usize;
+            GeomWithData::new(self.positions[v], components[v])
+        });
+        let tree = RTree::bulk_load(placed.collect());
+        for (v, found) in distances.iter_mut().enumerate().filter(|(_, found)| found.is_finite()) {
+            spend(SEARCHED)?;
+            let position = self.positions[v];
+            let mut nearest = tree.nearest_neighbor_iter(position);
+            let own = nearest.find(|source| source.data == components[v]);
+            let below = own.map_or(0.0, |source| distance(position, *source.geom()));
+            *found = found.max(below).min(search.distances()[v]);
         }
         Ok(())
     }

@@ -1,9 +1,9 @@
 use super::super::{Edges, TriMesh};
 use crate::base::Result;
 
-/// Fewest faces on which heat flows: on fewer, distances would be wrong by more than a few per cent.
-/// A mesh that is refined has no path of more edges than heat can cross: a strip of so many faces
-/// is half as many edges long.
+/// Fewest faces on which heat flows: on fewer, distances would be wrong by more than a few per
+/// cent. A mesh that is refined has no path of more edges than heat can cross: a strip of so many
+/// faces is half as many edges long.
 const FEWEST: usize = 500;
 
 /// Returns the mesh with every face cut into four at the middles of its edges, as often as it takes

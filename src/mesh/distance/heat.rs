@@ -199,7 +199,7 @@ impl HeatMethod {
         for &source in sources {
             distances[source as usize] = 0.0;
         }
-        self.bounds.impose(sources, &mut distances)?;
+        self.bounds.impose(sources, &self.components, &mut distances)?;
         distances.truncate(self.vertices);
         Ok(distances)
     }
