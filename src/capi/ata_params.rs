@@ -129,8 +129,8 @@ pub(super) unsafe fn with_options(
     progress.watch(|| work(&options.progress(progress)))
 }
 
-/// Refuses schemes that differ between machines where the same bytes are asked for, also for products
-/// that need no plan.
+/// Refuses schemes that differ between machines where the same bytes are asked for, also for
+/// products that need no plan.
 fn check_reproducible(params: &cata_ata_params) -> Result<bool, Failure> {
     let reproducible = flag("params.reproducible", params.reproducible)?;
     if reproducible && !matches!(params.scheme, CATA_SCHEME_AUTO | CATA_SCHEME_EXACT) {
