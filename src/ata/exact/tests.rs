@@ -91,7 +91,7 @@ fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: 
     let moduli = Moduli::of(count);
     let whole = Layout::new([m, n, n], size_of::<T>(), count, true, true);
     let expected = run(&PORTABLE, &whole, a.as_ref(), None, 1);
-    let of_a = columns(&PORTABLE, a.as_ref(), &moduli);
+    let of_a = columns(&PORTABLE, a.as_ref(), moduli);
     let integer = |i: usize, j: usize| {
         let e = of_a.exponents[j];
         let value = a[(i, j)].to_f64() * f64::from(e / 2).exp2() * f64::from(e - e / 2).exp2();
@@ -113,7 +113,7 @@ fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: 
         }
     }
     for (name, kernel) in kernels() {
-        assert_eq!(columns(kernel, a.as_ref(), &moduli).exponents, of_a.exponents, "{name}");
+        assert_eq!(columns(kernel, a.as_ref(), moduli).exponents, of_a.exponents, "{name}");
         for (l, layout) in layouts(&whole).into_iter().enumerate() {
             // An emulated instruction takes a microsecond.
             if name == "amx" && l % 2 == 1 {
