@@ -164,3 +164,6 @@ impl Plan {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
