@@ -3,7 +3,7 @@ use faer::dyn_stack::MemStack;
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, MatRef};
 
-use super::memory::buffer;
+use super::memory::{buffer, zeros};
 use crate::base::{Error, Result};
 
 /// Eigenpairs of a dense symmetric matrix.
@@ -46,7 +46,7 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
         self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
     let mut memory = buffer(requirement)?;
     let mut values = Diag::<f64>::zeros(n);
-    let mut vectors = Mat::zeros(n, n);
+    let mut vectors = zeros(n, n)?;
     self_adjoint_evd(
         matrix,
         values.as_mut(),

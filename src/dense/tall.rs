@@ -1,12 +1,15 @@
 //! Products of tall matrices with narrow ones, by blocks of rows, so that no data is packed that is
 //! used only once.
 
+use std::sync::Mutex;
+
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef};
 
+use super::memory::zeros;
 use super::rows::for_row_blocks;
-use crate::base::Par;
+use crate::base::{Par, Result};
 
 /// Rows of a block of a sum. Their number determines the rounding of the sum.
 const SUMMED: usize = 4096;
@@ -16,19 +19,23 @@ const BLOCK: usize = 1024;
 
 /// Computes `A^T B` for A (n x p) and a narrow B (n x q): the sum over blocks of rows, in their
 /// order. The result is the same for every `par`, bit for bit.
-pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Mat<f64> {
+pub(crate) fn transposed_product(
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    par: Par,
+) -> Result<Mat<f64>> {
     let n = a.nrows();
     let parts = par.map_blocks(n, SUMMED, |rows| {
-        let mut product = Mat::<f64>::zeros(a.ncols(), b.ncols());
+        let mut product = zeros(a.ncols(), b.ncols())?;
         let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
         matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
-        product
+        Ok(product)
     });
-    let mut sum = Mat::zeros(a.ncols(), b.ncols());
+    let mut sum = zeros(a.ncols(), b.ncols())?;
     for part in parts {
-        sum += part;
+        sum += part?;
     }
-    sum
+    Ok(sum)
 }
 
 /// Computes `X := X - A B` for A (n x p) and a narrow X (n x q). The result is the same for every
@@ -47,10 +54,18 @@ pub(crate) fn subtract_product(
 
 /// Computes `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold
 /// the result. The result is the same for every `par`, bit for bit.
-pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) {
+///
+/// # Errors
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory), after which X has any contents.
+pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) -> Result<()> {
+    let refused = Mutex::new(None);
     for_row_blocks(x, BLOCK, par, |_, mut x| {
-        let mut product = Mat::zeros(x.nrows(), s.ncols());
+        let mut product = match zeros(x.nrows(), s.ncols()) {
+            Ok(product) => product,
+            Err(e) => return *refused.lock().expect("no panic") = Some(e),
+        };
         matmul(product.as_mut(), Accum::Replace, x.rb(), s, 1.0, faer::Par::Seq);
         x.rb_mut().subcols_mut(0, s.ncols()).copy_from(&product);
     });
+    refused.into_inner().expect("no panic").map_or(Ok(()), Err)
 }

@@ -319,7 +319,7 @@ impl<'a> Slices<'a> {
             let mut x = vectors.as_mut().subcols_mut(first, width);
             let mut mx = weighted.as_mut().subcols_mut(0, width);
             self.problem.pencil.inner().apply_mass(x.rb(), mx.rb_mut(), par)?;
-            let overlap = transposed_product(guard, mx.rb(), par);
+            let overlap = transposed_product(guard, mx.rb(), par)?;
             subtract_product(x.rb_mut(), guard, overlap.as_ref(), par);
         }
         Ok(())

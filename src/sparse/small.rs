@@ -5,7 +5,7 @@ use super::Mass;
 use super::options::EigenOptions;
 use crate::base::{Error, Result};
 use crate::dense::{
-    SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
+    SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place, zeros,
 };
 
 /// Computes all eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and the pairs
@@ -16,7 +16,7 @@ pub(crate) fn dense_pairs(
     options: &EigenOptions<'_>,
 ) -> Result<(Vec<f64>, Mat<f64>)> {
     let n = stiffness.rows();
-    let mut l = Mat::<f64>::zeros(n, n);
+    let mut l = zeros(n, n)?;
     match mass {
         Mass::Lumped(masses) => masses.iter().enumerate().for_each(|(i, m)| l[(i, i)] = *m),
         Mass::Full(matrix) => scatter(matrix.view(), &mut l),
@@ -25,7 +25,7 @@ pub(crate) fn dense_pairs(
         let why = format!("not positive definite (elimination fails at row {i})");
         return Err(Error::Argument { what: "mass", why });
     }
-    let mut w = Mat::<f64>::zeros(n, n);
+    let mut w = zeros(n, n)?;
     scatter(stiffness, &mut w);
     lower_solve_in_place(l.as_ref(), w.as_mut());
     lower_solve_in_place(l.as_ref(), w.as_mut().transpose_mut());

@@ -238,13 +238,13 @@ impl<'a> Smoother<'a> {
     /// eigenvalues.
     fn rotate(&mut self, vectors: &mut Mat<f64>) -> Result<Vec<f64>> {
         let (x, count, par) = (vectors.as_ref(), vectors.ncols(), self.par);
-        let (mut projected, mut gram) = (Mat::zeros(count, count), Mat::zeros(count, count));
+        let (mut projected, mut gram) = (zeros(count, count)?, zeros(count, count)?);
         for first in (0..count).step_by(PANEL) {
             let width = PANEL.min(count - first);
             let panel = x.subcols(first, width);
             let [w, m] = images_of(&self.pencil, &mut self.images, panel, par)?;
             for (product, image) in [(&mut projected, w), (&mut gram, m)] {
-                let columns = transposed_product(x, image, par);
+                let columns = transposed_product(x, image, par)?;
                 product.as_mut().subcols_mut(first, width).copy_from(&columns);
             }
         }
@@ -259,7 +259,7 @@ impl<'a> Smoother<'a> {
         lower_solve_in_place(l, projected.as_mut().transpose_mut());
         let SymmetricEigen { values, vectors: turn } = symmetric_eigen(projected.as_ref())?;
         divide_by_upper(vectors.as_mut(), l, par);
-        multiply_in_place(vectors.as_mut(), turn.as_ref(), par);
+        multiply_in_place(vectors.as_mut(), turn.as_ref(), par)?;
         Ok(values)
     }
 }
@@ -311,7 +311,8 @@ mod tests {
             assert!((-1e-9..5e-3).contains(&error), "{i}: {error:e}");
         }
         assert!(found.values[0].abs() < 1e-12);
-        let gram = transposed_product(found.vectors.as_ref(), found.vectors.as_ref(), Par::Seq);
+        let vectors = found.vectors.as_ref();
+        let gram = transposed_product(vectors, vectors, Par::Seq).unwrap();
         assert!(gram.norm_max() < 1.1, "masses are 1 and more");
         let again = eigs_two_level(w.view(), &mass, p.view(), &options(12, 3)).unwrap();
         assert_eq!((found.values, found.vectors), (again.values, again.vectors));

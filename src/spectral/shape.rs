@@ -297,7 +297,7 @@ impl Metric {
         }
         let mut steepest = slopes.clone();
         self.factor.solve(steepest.as_mut(), wanted.par)?;
-        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par);
+        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par)?;
         let gram = Mat::from_fn(k, k, |i, j| {
             (0..3).map(|c| products[(3 * i + c, 3 * j + c)]).sum::<f64>()
         });
