@@ -5,7 +5,7 @@ use faer::{ColMut, Mat, MatRef, Scale};
 
 use super::options::EigenOptions;
 use super::space::{Inverse, Pencil};
-use crate::base::{Error, Par, Result, Rng};
+use crate::base::{Error, Par, Result, Rng, spend};
 use crate::dense::{
     SymmetricEigen, filled, multiply_in_place, subtract_product, symmetric_eigen,
     transposed_product, zeros,
@@ -59,6 +59,8 @@ impl<'a> Krylov<'a> {
         options: &'a EigenOptions<'a>,
     ) -> Result<Self> {
         let (n, size) = (pencil.inner().rows().len(), basis_size(options.k) + WIDTH);
+        // The memory of the basis is cleared.
+        spend(n as f64 * size as f64)?;
         Ok(Self {
             pencil,
             options,
@@ -108,6 +110,7 @@ impl<'a> Krylov<'a> {
     /// couple to nothing.
     fn random_restart(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
+            spend(4.0 * self.pencil.inner().dimension() as f64)?;
             let column = self.work[1].as_mut().col_mut(j);
             randomize(column, self.pencil, &mut self.rng, self.mass_norm);
         }
@@ -146,7 +149,7 @@ impl<'a> Krylov<'a> {
         );
         own.copy_from(&diagonal);
         let reference = coefficients.norm_l2();
-        subtract_product(x.as_mut(), near, coefficients.as_ref(), par);
+        subtract_product(x.as_mut(), near, coefficients.as_ref(), par)?;
         let coupling = self.orthonormalize(len + WIDTH, reference, Some(len))?;
         let mut own = self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH);
         for j in 0..WIDTH {
@@ -187,7 +190,7 @@ impl<'a> Krylov<'a> {
                 pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
                 let basis = self.basis.as_ref().subcols(0, count);
                 let overlap = inner_products(pencil, basis, mx.as_ref(), par)?;
-                subtract_product(x.as_mut(), basis, overlap.as_ref(), par);
+                subtract_product(x.as_mut(), basis, overlap.as_ref(), par)?;
                 if let Some(own) = own {
                     let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
                     let mut t = self.projected.as_mut().submatrix_mut(own, own, WIDTH, WIDTH);
@@ -197,7 +200,7 @@ impl<'a> Krylov<'a> {
             pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
             let gram = inner_products(pencil, x.as_ref(), mx.as_ref(), par)?;
             let SymmetricEigen { values, vectors } =
-                symmetric_eigen(gram.as_ref()).map_err(|e| overflown(e, self.restarts))?;
+                symmetric_eigen(gram.as_ref()).map_err(|error| failed(error, self.restarts))?;
             let longest = values[WIDTH - 1].max(0.0).sqrt();
             let lengths: Vec<f64> =
                 values.iter().map(|v| v.max(0.0).sqrt().max(RANGE * longest)).collect();
@@ -248,7 +251,7 @@ impl<'a> Krylov<'a> {
             }
             next = self.len + (k / 6).max(2 * WIDTH);
             let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
-            let ritz = symmetric_eigen(t).map_err(|e| overflown(e, self.restarts))?;
+            let ritz = symmetric_eigen(t).map_err(|error| failed(error, self.restarts))?;
             let mut order: Vec<usize> = (0..self.len).collect();
             order.sort_by(|&a, &b| ritz.values[b].abs().total_cmp(&ritz.values[a].abs()));
             let residuals = self.estimates(&ritz, &order[..k])?;
@@ -408,10 +411,10 @@ fn randomize(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, ma
     }
 }
 
-/// Returns the error for numbers that have overflowed, which a dense problem reports in other words.
-fn overflown(e: Error, iterations: usize) -> Error {
-    match e {
-        Error::OutOfMemory { .. } => e,
+/// Returns the error of a small eigenproblem: a request to stop, too little memory, or numbers that have overflowed.
+fn failed(error: Error, iterations: usize) -> Error {
+    match error {
+        Error::Cancelled | Error::OutOfMemory { .. } => error,
         _ => not_finite(iterations),
     }
 }
