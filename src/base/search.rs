@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::steps::step;
 
-/// Returns the first number of `range` of which `holds` is true, or the end of the range. Of numbers
-/// after one of which it is true, it is true too.
+/// Returns the first number of `range` of which `holds` is true, or the end of the range. If it is
+/// true of a number, it is true of larger ones.
 pub(crate) fn first_that(range: Range<usize>, holds: impl Fn(usize) -> bool) -> usize {
     let Range { mut start, mut end } = range;
     while start < end {

@@ -411,7 +411,8 @@ fn randomize(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, ma
     }
 }
 
-/// Returns the error of a small eigenproblem: a request to stop, too little memory, or numbers that have overflowed.
+/// Returns the error of a small eigenproblem: a request to stop, too little memory, or numbers that
+/// have overflowed.
 fn failed(error: Error, iterations: usize) -> Error {
     match error {
         Error::Cancelled | Error::OutOfMemory { .. } => error,
