@@ -453,7 +453,7 @@ fn accumulators_with_numbers_that_no_sum_has_are_refused() {
         let error = stream(rows, None, 8, &mut longer, &options, &mut |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("21 rows are summed already, of 20"), "{error}");
     }
-    for entry in [i128::MAX, i128::MIN, 1 << 120] {
+    for entry in [i128::MAX, i128::MIN] {
         let said = refused(&with_last_entry(&exact, entry));
         assert!(said.contains("sums that its rows can't have"), "{said}");
     }

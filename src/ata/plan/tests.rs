@@ -7,9 +7,9 @@ use crate::base::steps::steps_of;
 use crate::base::{Error, Par};
 use crate::blas::BlasReal;
 
-/// Steps that a plan and its scratch may take: the products of a plan of a thousand triangles
-/// between which Strassen's algorithm is applied twice.
-const MOST: usize = 100_000;
+/// Steps that a plan and its scratch may take; that of a complex product has four plans, each with
+/// the products of a thousand triangles between which Strassen's algorithm is applied twice.
+const MOST: usize = 300_000;
 
 /// Shapes m, n, k, up to those of which no memory holds C.
 const SHAPES: [[usize; 3]; 9] = [
@@ -119,9 +119,9 @@ fn steps_of_ranks_do_not_grow_with_the_rows() {
 
 #[test]
 fn a_stream_that_would_read_a_too_often_is_refused() {
-    // Two blocks and a few rows of C.
-    let (m, n) = (10_000, 100_000);
+    // Two blocks, scratch and a few rows of C.
+    let (m, n) = (10_000, 400_000);
     let needs = |memory| StreamPlan::new::<f64>(m, n, false, None, memory, &AtaOptions::new());
-    let text = needs(2 * 1024 * n * 8 + (8 << 20)).unwrap_err().to_string();
+    let text = needs(2 * 1024 * n * 8 + (32 << 20)).unwrap_err().to_string();
     assert!(text.contains("more than 4096 times"), "{text}");
 }
