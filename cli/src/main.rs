@@ -46,7 +46,7 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use catamaran::base::{FloatEnv, isa_limit};
+use catamaran::base::{FloatEnv, isa_limit, use_own_threads_only};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 

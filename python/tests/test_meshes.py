@@ -174,8 +174,8 @@ def test_other_programs_read_what_is_written(tmp_path, read, kind, with_uv):
     ending, *text = kind.split()
     if ending == "glb" and read in (by_meshio, by_libigl):
         pytest.skip("reads no glTF")
-    if ending == "ply" and with_uv and read is by_meshio:
-        pytest.skip("reads one list of an element of PLY")
+    if with_uv and read is by_meshio and ending in ("obj", "ply"):
+        pytest.skip("reads no texture coordinates of corners")
     v, f = shapes.torus(12, 8)
     v = v + [1000, 2000, -500]
     path = tmp_path / f"a.{ending}"

@@ -91,21 +91,6 @@ static int computes(size_t threads)
     return right;
 }
 
-static void *caller(void *unused)
-{
-    (void)unused;
-    pthread_barrier_wait(&start);
-    for (int round = 0; round < rounds; round++) {
-        int right = computes(0) && computes_more();
-        int threads = count_threads();
-        pthread_mutex_lock(&lock);
-        wrong += !right;
-        most = threads > most ? threads : most;
-        pthread_mutex_unlock(&lock);
-    }
-    return NULL;
-}
-
 /* The smallest eigenpairs of a path, and least squares: what stands on other packages, too. */
 static int computes_more(void)
 {
@@ -123,6 +108,21 @@ static int computes_more(void)
                CATA_OK &&
            cata_lstsq(CATA_ROW_MAJOR, M, 8, 1, matrix, N, matrix + 9, N, NULL, x, 1, NULL, NULL) ==
                CATA_OK;
+}
+
+static void *caller(void *unused)
+{
+    (void)unused;
+    pthread_barrier_wait(&start);
+    for (int round = 0; round < rounds; round++) {
+        int right = computes(0) && computes_more();
+        int threads = count_threads();
+        pthread_mutex_lock(&lock);
+        wrong += !right;
+        most = threads > most ? threads : most;
+        pthread_mutex_unlock(&lock);
+    }
+    return NULL;
 }
 
 static void test_many_callers(void)

@@ -237,7 +237,11 @@ fn write_file(
 ) -> Result<Vec<String>> {
     file.check()?;
     file.check_finite()?;
-    let rounding = Rounding::of(format, &file.mesh, output.path())?;
+    let rounding = match format {
+        MeshFormat::Stl(StlEncoding::Binary) => Rounding::from_zero(&file.mesh, output.path())?,
+        MeshFormat::Gltf(_) => Rounding::from_middle(&file.mesh, output.path())?,
+        _ => Rounding::default(),
+    };
     write_packed(output, |sink| body(sink, &rounding))?;
     let mut notes = Vec::new();
     let left_out = format.left_out(file);

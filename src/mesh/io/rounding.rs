@@ -5,15 +5,13 @@ use std::path::Path;
 use super::super::TriMesh;
 use super::super::measure::is_flat;
 use super::super::vector::{Vector, add, middle, sub};
-use super::format::MeshFormat;
-use super::stl::StlEncoding;
 use crate::base::{Error, Result, reserved};
 
 /// Coordinates are relative to the middle of a mesh where they then are at least this many times
 /// as accurate.
 const GAIN: f64 = 4.0;
 
-/// How a format rounds the vertices of a mesh. The default rounds nothing.
+/// How a file in single precision rounds the vertices of a mesh. The default rounds nothing.
 #[derive(Default)]
 pub(super) struct Rounding {
     /// The point from which coordinates count before they are rounded.
@@ -26,22 +24,28 @@ pub(super) struct Rounding {
 }
 
 impl Rounding {
-    /// Returns how a format rounds a mesh that is written to `path`.
+    /// Returns how a mesh that is written to `path` is rounded if coordinates count from zero.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path for a coordinate that the format can't store, and for faces that
-    /// would have no area any more; [`Error::OutOfMemory`].
-    pub fn of(format: MeshFormat, mesh: &TriMesh, path: &Path) -> Result<Self> {
-        let mut found = match format {
-            MeshFormat::Stl(StlEncoding::Binary) => Self::around([0.0; 3], mesh),
-            MeshFormat::Gltf(_) => Self::centered(mesh),
-            _ => return Ok(Self::default()),
-        };
-        found.check(mesh).map_err(|what| Error::file(path, what))?;
-        if found.moved > 0.0 {
-            found.met = found.meetings(mesh)?;
-        }
-        Ok(found)
+    /// [`Error::Io`] with the path for a coordinate that single precision can't store, and for
+    /// faces that would have no area any more; [`Error::OutOfMemory`].
+    pub fn from_zero(mesh: &TriMesh, path: &Path) -> Result<Self> {
+        Self::around([0.0; 3], mesh).checked(mesh, path)
+    }
+
+    /// Returns how a mesh that is written to `path` is rounded if coordinates count from its
+    /// middle, where this is more accurate, else from zero.
+    ///
+    /// # Errors
+    /// As those of [`Rounding::from_zero`].
+    pub fn from_middle(mesh: &TriMesh, path: &Path) -> Result<Self> {
+        Self::centered(mesh).checked(mesh, path)
+    }
+
+    fn checked(self, mesh: &TriMesh, path: &Path) -> Result<Self> {
+        self.check(mesh).map_err(|what| Error::file(path, what))?;
+        let met = if self.moved > 0.0 { self.meetings(mesh)? } else { 0 };
+        Ok(Self { met, ..self })
     }
 
     /// Returns the rounding of coordinates that count from `origin`.
@@ -141,14 +145,15 @@ impl Rounding {
 #[cfg(test)]
 mod tests {
     use super::super::super::families;
-    use super::super::gltf::GltfEncoding;
     use super::*;
 
-    const STL: MeshFormat = MeshFormat::Stl(StlEncoding::Binary);
-    const GLB: MeshFormat = MeshFormat::Gltf(GltfEncoding::Binary);
+    type Way = fn(&TriMesh, &Path) -> Result<Rounding>;
 
-    fn rounding(format: MeshFormat, mesh: &TriMesh) -> Result<Rounding> {
-        Rounding::of(format, mesh, Path::new("a"))
+    const STL: Way = Rounding::from_zero;
+    const GLB: Way = Rounding::from_middle;
+
+    fn rounding(way: Way, mesh: &TriMesh) -> Result<Rounding> {
+        way(mesh, Path::new("a"))
     }
 
     fn moved(mesh: TriMesh, scale: f64, by: Vector) -> TriMesh {
@@ -160,8 +165,8 @@ mod tests {
     #[test]
     fn what_single_precision_has_is_not_rounded() {
         let grid = moved(families::grid(4, 4).unwrap(), 1.0, [4096.0, 0.0, -7.5]);
-        for format in [STL, GLB] {
-            let found = rounding(format, &grid).unwrap();
+        for way in [STL, GLB] {
+            let found = rounding(way, &grid).unwrap();
             assert_eq!((found.moved, found.met, found.origin), (0.0, 0, [0.0; 3]));
         }
     }
