@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
+use catamaran::base::check_request;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix, ReadOptions};
 use catamaran::mesh::io::MeshFile;
@@ -90,6 +91,12 @@ impl LaplacianArgs {
 
     /// Reads a mesh and computes its first `len` eigenfunctions.
     pub fn shape(&self, path: &Path, len: usize) -> Result<Shape> {
+        self.shape_for(path, len, len)
+    }
+
+    /// Reads a mesh and computes its first `len` eigenfunctions, unless there is too little memory
+    /// for as many functions as are computed from them later.
+    pub fn shape_for(&self, path: &Path, len: usize, functions: usize) -> Result<Shape> {
         let file = self.repair.read(path)?;
         let vertices = file.mesh.vertices().len();
         if len > vertices {
@@ -99,6 +106,8 @@ impl LaplacianArgs {
                 path.display()
             );
         }
+        let request = format_args!("{functions} functions of {vertices} vertices");
+        check_request("k", request, 8.0 * functions as f64 * vertices as f64)?;
         check_components(&file.mesh, path, len)?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
         let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
