@@ -8,6 +8,7 @@ use catamaran::sparse::Mass;
 use catamaran::spectral::{ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
+use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::status;
 use crate::shape::{LaplacianArgs, Mode};
@@ -45,7 +46,8 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let output = args.force.create(&args.output)?;
-    let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
+    let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
+    let shape = args.laplacian.shape(&args.mesh, &[need])?;
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
     let options = ProductBasisOptions::new()

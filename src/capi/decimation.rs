@@ -396,7 +396,7 @@ unsafe fn write<T: Copy>(what: &str, place: *mut T, values: &[T]) -> Result<(), 
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
-unsafe fn with_options<X>(
+pub(super) unsafe fn with_options<X>(
     params: *const cata_decimation_params,
     work: impl FnOnce(&DecimateOptions<'_>) -> crate::Result<X>,
 ) -> Result<X, Failure> {

@@ -9,6 +9,7 @@ Products = Tuple[str, str, Union[str, float], bool, Optional[int]]
 Csr = Tuple[Any, Any, Any, Tuple[int, int]]
 Path = Union[str, PathLike[str]]
 Array = NDArray[Any]
+Pieces = Tuple[int, int, int, int]
 
 __version__: str
 
@@ -101,9 +102,12 @@ class Eigenbasis:
         f: ArrayLike,
         k: int,
         kind: str,
+        weld: bool,
         threads: Optional[int],
         progress: Callback,
     ) -> Self: ...
+    @property
+    def _pieces(self) -> Pieces: ...
     def __len__(self) -> int: ...
     @property
     def values(self) -> Array: ...
@@ -180,7 +184,13 @@ def write_mesh(
     overwrite: bool,
 ) -> None: ...
 def laplacian(
-    v: ArrayLike, f: ArrayLike, kind: str, mass: str, boundary: Any, threads: Optional[int]
+    v: ArrayLike,
+    f: ArrayLike,
+    kind: str,
+    mass: str,
+    boundary: Any,
+    weld: bool,
+    threads: Optional[int],
 ) -> Tuple[Csr, Csr, Array]: ...
 def eigsh(
     v: ArrayLike,
@@ -189,11 +199,12 @@ def eigsh(
     kind: str,
     mass: str,
     boundary: Any,
+    weld: bool,
     progress: Callback,
-) -> Tuple[Array, Array, Array]: ...
+) -> Tuple[Tuple[Array, Array], Pieces]: ...
 def eigsh_sparse(
     a: Csr, mass: Any, search: Dict[str, Any], progress: Callback
-) -> Tuple[Array, Array, Array]: ...
+) -> Tuple[Tuple[Array, Array], int]: ...
 def eigenproducts(
     basis: Eigenbasis, order: int, method: str, threads: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array, List[List[int]]]: ...
@@ -230,9 +241,17 @@ def curve(
     v: ArrayLike, f: ArrayLike, samples: ArrayLike, how: Dict[str, Any], progress: Callback
 ) -> Tuple[str, bool, List[Dict[str, Any]], Array]: ...
 def shape_dna(
-    v: ArrayLike, f: ArrayLike, k: int, normalized: bool, kind: str, threads: Optional[int]
-) -> Array: ...
-def union_spectrum(parts: List[Any], model: Optional[Path]) -> Tuple[Array, List[Array], float]: ...
+    v: ArrayLike,
+    f: ArrayLike,
+    k: int,
+    normalized: bool,
+    kind: str,
+    weld: bool,
+    threads: Optional[int],
+) -> Tuple[Array, Pieces]: ...
+def union_spectrum(
+    parts: List[Any], model: Optional[Path], weld: bool
+) -> Tuple[Array, List[Array], float]: ...
 def read_plant(path: Path) -> PlantHandle: ...
 def grow(nodes: int, seed: int) -> PlantHandle: ...
 def wilt(
