@@ -47,6 +47,7 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use catamaran::base::{FloatEnv, isa_limit};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -117,6 +118,8 @@ enum Command {
 fn main() -> ExitCode {
     // Before any other code allocates memory.
     let watched = shortage::watch();
+    // A library that is linked with -ffast-math sets flush-to-zero when it is loaded.
+    let _nearest = FloatEnv::nearest();
     let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
     if cli.quiet {
@@ -128,6 +131,7 @@ fn main() -> ExitCode {
     let done = watched
         .and_then(|()| signals::watch())
         .context("the handling of signals can't be started")
+        .and_then(|()| Ok(isa_limit().map(drop)?))
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

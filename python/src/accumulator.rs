@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use catamaran::ata::{
     Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, block_rows, scalar_of,
 };
+use catamaran::base::FloatEnv;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
@@ -187,6 +188,7 @@ impl Accumulator {
         kind: &str,
         bounds: Option<Bounds<'_>>,
     ) -> PyResult<Self> {
+        let _nearest = FloatEnv::nearest();
         let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
         let kind = word("kind", kind, &[("float", 0), ("exact", 1), ("extended", 2)])?;
         Ok(Self::of(match single {
@@ -220,6 +222,7 @@ impl Accumulator {
     }
 
     fn _merge(&mut self, other: &Bound<'_, Self>) -> PyResult<()> {
+        let _nearest = FloatEnv::nearest();
         self.check()?;
         // One object cannot be borrowed twice; Python's side copies it for that.
         let other = other.try_borrow()?;
@@ -237,6 +240,7 @@ impl Accumulator {
 
     #[pyo3(signature = (alpha, part))]
     fn _result<'py>(&self, py: Python<'py>, alpha: f64, part: &str) -> PyResult<Bound<'py, PyAny>> {
+        let _nearest = FloatEnv::nearest();
         self.check()?;
         let part = crate::options::uplo(part)?;
         match &self.sums {

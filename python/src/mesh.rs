@@ -81,7 +81,7 @@ pub fn shape<'py>(
     counts: Vec<usize>,
     sizes: Vec<f64>,
 ) -> PyResult<Mesh<'py>> {
-    let made = run(py, Length::Short, None, |_| match (name, &counts[..], &sizes[..]) {
+    let made = run(py, Length::Long, None, |_| match (name, &counts[..], &sizes[..]) {
         ("icosphere", &[subdivisions], []) => families::icosphere(subdivisions as u32),
         ("torus", &[around, tube], &[major, minor]) => families::torus(around, tube, major, minor),
         ("knot", &[p, q, along, tube], &[radius]) => {
@@ -102,7 +102,7 @@ pub fn shape<'py>(
 
 /// Stiffness, mass and the vertices of their rows; see `catamaran.laplacian`.
 #[pyfunction]
-#[pyo3(signature = (v, f, kind, mass, boundary, weld, threads))]
+#[pyo3(signature = (v, f, kind, mass, boundary, weld, threads, progress))]
 pub fn laplacian<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -112,11 +112,12 @@ pub fn laplacian<'py>(
     boundary: &Bound<'py, PyAny>,
     weld: bool,
     threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(Parts<'py>, Parts<'py>, Bound<'py, PyAny>)> {
     let mut options = options(kind, mass, boundary, par(threads)?)?;
     let surface = Surface::new(v, f, weld)?;
     options.boundary = surface.boundary(options.boundary);
-    let (found, kept) = run(py, Length::Long, None, move |_| {
+    let (found, kept) = run(py, Length::Long, progress, move |_| {
         let found = assemble(&surface.mesh, &options)?;
         let firsts = surface.firsts();
         let kept: Vec<i64> = found.kept.iter().map(|&v| firsts(v) as i64).collect();

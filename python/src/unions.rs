@@ -13,7 +13,7 @@ use crate::task::{Length, run};
 
 /// A signature, and the components of the mesh; see `catamaran.shape_dna`.
 #[pyfunction]
-#[pyo3(signature = (v, f, k, normalized, kind, weld, threads))]
+#[pyo3(signature = (v, f, k, normalized, kind, weld, threads, progress))]
 pub fn shape_dna<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -23,15 +23,14 @@ pub fn shape_dna<'py>(
     kind: &str,
     weld: bool,
     threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Pieces)> {
     let laplacian = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par(threads)?);
     let surface = Surface::new(v, f, weld)?;
     let options = ShapeDnaOptions::new().k(k).normalized(normalized).laplacian(laplacian);
-    let (found, pieces) = run(py, Length::Long, None, move |_| {
-        Ok::<_, catamaran::Error>((
-            signature(&surface.mesh, &options)?,
-            surface.pieces(&options.laplacian.boundary)?,
-        ))
+    let (found, pieces) = run(py, Length::Long, progress, move |progress| {
+        let pieces = surface.pieces(&options.laplacian.boundary)?;
+        Ok::<_, catamaran::Error>((signature(&surface.mesh, &options.progress(progress))?, pieces))
     })?;
     Ok((from_vec(py, found).into_any(), pieces))
 }
@@ -71,16 +70,17 @@ impl Part {
 /// The spectrum of the union, those of the parts, and how unlike the training the parts are; see
 /// `catamaran.union_spectrum`.
 #[pyfunction]
-#[pyo3(signature = (parts, model, weld))]
+#[pyo3(signature = (parts, model, weld, progress))]
 pub fn union_spectrum<'py>(
     py: Python<'py>,
     parts: Vec<Bound<'py, PyAny>>,
     model: Option<PathBuf>,
     weld: bool,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, f64)> {
     let parts: Vec<Part> =
         parts.iter().map(|part| Part::new(part, weld)).collect::<PyResult<_>>()?;
-    let (union, spectra, ood_score) = run(py, Length::Long, None, move |_| {
+    let (union, spectra, ood_score) = run(py, Length::Long, progress, move |_| {
         let model = match model {
             Some(path) => SpectralUnion::read(&path)?,
             None => SpectralUnion::pretrained()?,

@@ -16,7 +16,9 @@ use std::mem::offset_of;
 
 use super::boundary::{boundary, path};
 use super::params::{Versioned, init, read};
-use super::pointer::{check_size, free, known, mesh, optional_output, output, slice, slice_mut};
+use super::pointer::{
+    check_size, copied, free, known, mesh, optional_output, output, slice, slice_mut,
+};
 use super::progress::{cata_progress, par, watcher};
 use super::status::cata_status;
 use crate::Par;
@@ -78,8 +80,9 @@ pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
 ///   after the other.
 /// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
 ///   that of a part of the same number. The order of the parts does not matter, bit for bit.
-/// - `ood_score`: written: how unlike the parts are to those of the training; above 1 the
-///   prediction is a guess. NULL where not wanted.
+/// - `ood_score`: written: how unlike the parts are to those of the training; above 1 they are
+///   further out than 99.5 % of its pairs, and the prediction is a guess. Below 1 the prediction
+///   may be wrong, too. NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -208,14 +211,12 @@ pub unsafe extern "C" fn cata_unions_interpolate(
     spectrum: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        let between = {
-            // SAFETY: the caller's promise.
-            let (first, second) =
-                unsafe { (slice("first", first, K)?, slice("second", second, K)?) };
-            interpolate(first, second, t)?
+        // SAFETY: the caller's promise.
+        let (first, second, spectrum) = unsafe {
+            let (first, second) = (copied("first", first, K)?, copied("second", second, K)?);
+            (first, second, slice_mut("spectrum", spectrum, K)?)
         };
-        // SAFETY: the caller's promise; the inputs are not read any more.
-        unsafe { slice_mut("spectrum", spectrum, K) }?.copy_from_slice(&between);
+        spectrum.copy_from_slice(&interpolate(&first, &second, t)?);
         Ok(())
     })
 }

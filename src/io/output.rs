@@ -51,10 +51,28 @@ pub struct Output {
 }
 
 /// The temporary files of all outputs.
-static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+struct Unfinished {
+    paths: Vec<PathBuf>,
+    /// Set when the files were discarded: from then on, no output is created or committed.
+    is_closed: bool,
+}
 
-fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+static UNFINISHED: Mutex<Unfinished> =
+    Mutex::new(Unfinished { paths: Vec::new(), is_closed: false });
+
+fn unfinished() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns the list while outputs may be created and committed.
+fn open_list() -> io::Result<MutexGuard<'static, Unfinished>> {
+    let unfinished = unfinished();
+    if unfinished.is_closed {
+        return Err(io::Error::other(
+            "the program discarded its unfinished files, in order to end",
+        ));
+    }
+    Ok(unfinished)
 }
 
 /// An entry of [`UNFINISHED`].
@@ -63,14 +81,14 @@ struct Listed(PathBuf);
 
 impl Drop for Listed {
     fn drop(&mut self) {
-        unfinished().retain(|path| *path != self.0);
+        unfinished().paths.retain(|path| *path != self.0);
     }
 }
 
-/// Removes the temporary file of every [`Output`] that is not committed. Afterwards, creating,
-/// committing and dropping an [`Output`] wait forever. Call it only immediately before the program
-/// exits without destructors, for example after a signal: no file stays behind, and none is
-/// committed in part.
+/// Removes the temporary file of every [`Output`] that is not committed. Afterwards, creating and
+/// committing an [`Output`] are errors for the rest of the process. Call it only immediately before
+/// the program exits without destructors, for example after a signal: no file stays behind, and
+/// none is committed in part.
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite, discard_unfinished};
@@ -80,7 +98,8 @@ impl Drop for Listed {
 /// let output = Output::create(&folder.join("a.txt"), Overwrite::Never)?;
 /// discard_unfinished();
 /// assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0);
-/// std::mem::forget(output); // its destructor would wait for ever
+/// assert!(output.commit().is_err());
+/// assert!(Output::create(&folder.join("b.txt"), Overwrite::Never).is_err());
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn discard_unfinished() {
@@ -100,7 +119,7 @@ pub fn discard_unfinished() {
 /// let output = Output::create(&folder.join("a.txt"), Overwrite::Never)?;
 /// assert!(try_discard_unfinished(Duration::from_secs(1)));
 /// assert_eq!(std::fs::read_dir(folder).unwrap().count(), 0);
-/// std::mem::forget(output); // its destructor would wait for ever
+/// assert!(output.commit().is_err());
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn try_discard_unfinished(patience: Duration) -> bool {
@@ -115,13 +134,13 @@ pub fn try_discard_unfinished(patience: Duration) -> bool {
     }
 }
 
-/// Removes the files, and keeps the list locked forever.
-fn discard(unfinished: MutexGuard<'_, Vec<PathBuf>>) -> bool {
-    for path in unfinished.iter() {
+/// Removes the files, and closes the list.
+fn discard(mut unfinished: MutexGuard<'_, Unfinished>) -> bool {
+    unfinished.is_closed = true;
+    for path in &unfinished.paths {
         // The file is gone already, or can't be removed.
         let _ = std::fs::remove_file(path);
     }
-    std::mem::forget(unfinished);
     true
 }
 
@@ -129,7 +148,8 @@ impl Output {
     /// Starts a file that will be called `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] when it exists and may not be replaced, or its folder can't be written.
+    /// [`Error::Io`] when it exists and may not be replaced, its folder can't be written, or
+    /// unfinished outputs were discarded ([`discard_unfinished`]).
     pub fn create(path: &Path, overwrite: Overwrite) -> Result<Self> {
         if overwrite == Overwrite::Never && path.symlink_metadata().is_ok() {
             return Err(exists(path));
@@ -157,10 +177,10 @@ impl Output {
             // Allocates before the lock: an abort for lack of memory needs the list.
             let line = temporary.to_owned();
             listed = Some(Listed(temporary.to_owned()));
-            let mut unfinished = unfinished();
-            unfinished.try_reserve(1)?;
+            let mut unfinished = open_list()?;
+            unfinished.paths.try_reserve(1)?;
             let file = options.open(temporary)?;
-            unfinished.push(line);
+            unfinished.paths.push(line);
             Ok(file)
         };
         let file = builder.make_in(folder_of(&target), create).map_err(|e| write_error(path, e))?;
@@ -192,9 +212,8 @@ impl Output {
         flushed.map_err(|e| self.error(e))?;
         let Self { path, target, file, overwrite, _listed } = self;
         let file = file.into_inner().map_err(|e| write_error(&path, e.into_error()))?;
-        // Locked, so that no file is committed while the files are discarded: the program then
-        // ends.
-        let unfinished = unfinished();
+        // Locked, so that no file is committed while the files are discarded, or afterwards.
+        let unfinished = open_list().map_err(|e| write_error(&path, e))?;
         let renamed = match overwrite {
             Overwrite::Replace => file.persist(&target),
             Overwrite::Never => file.persist_noclobber(&target),

@@ -218,6 +218,10 @@ fn broken_text_is_refused_with_its_line() {
         ("1,2\n3,\n", 2, "column 2: nothing where a number should be"),
         (",,\n1,2,3\n", 1, "column 1: nothing where a number should be"),
         ("1,b\n3,4\n", 1, "column 2: \"b\" is not a number"),
+        // Rows in another notation, not headers.
+        ("1,5;2,5\n3;4\n", 1, "column 1: \"1,5\" is not a number"),
+        ("1.234,5\t2,5\n3\t4\n", 1, "column 1: \"1.234,5\" is not a number"),
+        ("1.5d0,2D0\n3,4\n", 1, "column 1: \"1.5d0\" is not a number"),
         ("x,y\n# none\n", 3, "the file ends without a row of numbers"),
         ("", 1, "the file ends without a row of numbers"),
     ];
@@ -556,4 +560,38 @@ fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
     let refused = |name| Output::create(&path(name), Overwrite::Replace).unwrap_err().to_string();
     assert!(refused("circle").contains("symbolic links"), "{}", refused("circle"));
     assert!(refused("device").contains("not a regular file"), "{}", refused("device"));
+}
+
+/// Calls of outputs after all of them were discarded, by a thread that the test can give up.
+#[test]
+#[ignore = "closes all outputs of its process: run by discarded_outputs_stay_errors"]
+fn outputs_after_they_were_discarded() {
+    let (tell, told) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let folder = Folder::new();
+        let create = |name: &str| Output::create(&folder.path(name), Overwrite::Replace);
+        let [begun, dropped, kept] = ["a", "b", "c"].map(|name| create(name).unwrap());
+        kept.commit().unwrap();
+        discard_unfinished();
+        assert_eq!(folder.names(), ["c"]);
+        drop(dropped);
+        for refused in [begun.commit(), create("d").map(drop), create("c").map(drop)] {
+            let what = refused.unwrap_err().to_string();
+            assert!(what.contains("discarded its unfinished files"), "{what}");
+        }
+        assert!(try_discard_unfinished(std::time::Duration::from_secs(1)));
+        assert_eq!(folder.names(), ["c"]);
+        tell.send(()).unwrap();
+    });
+    told.recv_timeout(std::time::Duration::from_secs(60)).expect("no call waits");
+}
+
+#[test]
+fn discarded_outputs_stay_errors() {
+    let tests = std::process::Command::new(std::env::current_exe().unwrap())
+        .args(["--ignored", "--exact", "io::tests::outputs_after_they_were_discarded"])
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&tests.stdout).into_owned();
+    assert!(tests.status.success() && text.contains("1 passed"), "{text}");
 }

@@ -7,14 +7,12 @@ use faer::{MatMut, MatRef};
 
 use super::memory::append_rows;
 use super::symmetric::Symmetric;
+use super::tags::COLUMNS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
 use crate::ata::distributed::{Blocks, Layout, packed_len, piece_height};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Result, reserved, zeros};
-
-/// Tags of rows under way; those of two pieces under way at the same time differ.
-const FIRST_TAG: i32 = 32;
 
 /// Computes `C = alpha A^T A` where every rank has some `columns` of A, possibly none, in the order
 /// of the ranks.
@@ -163,7 +161,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
             return;
         }
         let (own, rows) = (self.world.rank(), self.rows(piece));
-        let tag = FIRST_TAG + (piece % 2) as i32;
+        let tag = COLUMNS.tag(piece % 2);
         let received = self.blocks.sources(own).map(|source| {
             let mut buffer = self.spare.pop().unwrap_or_default();
             buffer.resize(rows.len() * self.blocks.columns(source).len(), T::ZERO);

@@ -6,13 +6,12 @@ use super::columns::ata_columns;
 use super::memory::append_rows;
 use super::rows::ata_rows;
 use super::symmetric::Symmetric;
+use super::tags::CYCLIC;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::ata::distributed::{BlockCyclic, Cut, Delivery, GridOrder, Parts, Piece};
 use crate::ata::{AtaOptions, Uplo};
 use crate::base::{Error, Real, Result, reserved, zeros};
-
-const TAG: i32 = 4;
 
 /// The part of a block-cyclic matrix that a rank holds.
 #[derive(Debug, Clone, Copy)]
@@ -340,10 +339,10 @@ fn exchange<T: MpiReal>(
         let (to, from) = ((own + round) % ranks, (own + ranks - round) % ranks);
         incoming.clear();
         incoming.resize(received[from], T::ZERO);
-        let arriving = Transfer::receive(world, incoming, from, TAG);
+        let arriving = Transfer::receive(world, incoming, from, CYCLIC);
         outgoing.clear();
         pack(to, &mut outgoing);
-        let leaving = Transfer::send(world, outgoing, [to], TAG);
+        let leaving = Transfer::send(world, outgoing, [to], CYCLIC);
         incoming = arriving.wait();
         unpack(from, &incoming);
         outgoing = leaving.wait();

@@ -8,14 +8,12 @@ use faer::{MatMut, MatRef};
 use super::form::Form;
 use super::pending_send::PendingSends;
 use super::rows::sum_symmetric;
+use super::tags::DEALT;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
 use crate::ata::distributed::{Machine, deal};
 use crate::ata::{AtaOptions, Uplo, ata, block_rows};
 use crate::base::{Result, zeros};
-
-/// Tag of the rows that the root sends.
-const DEALT: i32 = 5;
 
 /// Computes the product: on the root, process 0, `own` is A and the lower triangle of C.
 pub(super) fn run<T: MpiReal>(

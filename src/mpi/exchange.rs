@@ -8,13 +8,11 @@ use faer::{Mat, MatRef};
 
 use super::call::Call;
 use super::memory::{entries, put_entries};
+use super::tags::{EXCHANGE, GATHER_ROWS};
 use super::transfer::{Transfer, receive, send};
 use super::world::{MpiReal, Operation, World, fact};
 use crate::base::{Result, zeros};
 use crate::dense;
-
-const EXCHANGE: i32 = 2;
-const GATHER_ROWS: i32 = 3;
 
 /// Sends one number to each rank, and returns the numbers for this rank.
 pub(super) fn exchange_numbers(call: &Call<'_>, outgoing: &[usize]) -> Result<Vec<usize>> {

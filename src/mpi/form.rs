@@ -3,6 +3,7 @@ use ::mpi::topology::Communicator;
 use faer::{MatMut, MatRef};
 
 use super::pending_send::PendingSend;
+use super::tags::Tag;
 use super::world::{MpiReal, World};
 use crate::ata::Uplo;
 
@@ -63,7 +64,7 @@ impl Form {
         world: &'a World,
         parts: &[MatRef<'a, T>],
         to: usize,
-        tag: i32,
+        tag: Tag,
     ) -> PendingSend<'a, T> {
         if self.a_by_rows {
             let parts: Vec<_> = parts.iter().map(|part| part.transpose()).collect();

@@ -29,6 +29,7 @@ mod rows;
 mod spread;
 mod stream;
 mod symmetric;
+mod tags;
 mod transfer;
 mod tree;
 mod verify;

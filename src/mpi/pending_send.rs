@@ -8,6 +8,7 @@ use ::mpi::raw::AsRaw;
 use faer::MatRef;
 
 use super::requests::Requests;
+use super::tags::Tag;
 use super::world::{MpiReal, PANICKED, Traffic, World};
 
 /// Blocks of matrices on their way to another rank, sent without a copy.
@@ -24,7 +25,7 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
     /// Starts to send `blocks`, one after another and each column by column, to rank `to`, which
     /// receives all their entries with one
     /// [`Transfer::receive`](super::transfer::Transfer::receive).
-    pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: i32) -> Self {
+    pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: Tag) -> Self {
         let len: usize = blocks.iter().map(|block| block.nrows() * block.ncols()).sum();
         let longest = world.longest_message();
         let mut send = Self { world, requests: Requests::default(), blocks: PhantomData };
@@ -38,13 +39,13 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
     }
 
     /// Starts one message of all the entries of `parts`, at least one.
-    fn start(&mut self, parts: &[MatRef<'a, T>], to: usize, tag: i32) {
+    fn start(&mut self, parts: &[MatRef<'a, T>], to: usize, tag: Tag) {
         let first = parts[0].as_ptr();
         let distance = |part: &MatRef<'_, T>| part.as_ptr() as Address - first as Address;
         let types: Vec<_> = parts.iter().map(|&part| datatype(part)).collect();
         let distances: Vec<_> = parts.iter().map(distance).collect();
         let message = UserDatatype::structured(&vec![1; parts.len()], &distances, &types);
-        let world = self.world.raw();
+        let (world, tag) = (self.world.raw(), tag.number());
         // SAFETY: the datatype covers the entries of the parts and nothing else; they are borrowed
         // until the request has ended, since the send that is dropped waits for it. MPI keeps
         // the datatype until then.

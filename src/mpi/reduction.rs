@@ -3,13 +3,11 @@ use std::ops::Range;
 use faer::MatRef;
 
 use super::memory::append_rows;
+use super::tags::{MOST_ROUNDS, ROUNDS};
 use super::transfer::Transfer;
 use super::world::{MpiReal, World};
 use crate::ata::distributed::{Chunks, rounds};
 use crate::base::{Result, reserved};
-
-/// Tags of the rounds; those of successive chunks differ.
-const FIRST_TAG: i32 = 64;
 
 /// Sums chunks over the ranks and scatters the sums, one chunk after another, in memory that is
 /// allocated once.
@@ -92,7 +90,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
     fn next_round(&mut self, world: &World) {
         let Some(piece @ 1..) = self.left else { return };
         let (ranks, parts) = (self.chunks.ranks(), &self.parts[piece]);
-        let tag = FIRST_TAG + (self.chunk % 2 * 64 + piece) as i32;
+        let tag = ROUNDS.tag(self.chunk % 2 * MOST_ROUNDS + piece);
         let to = (self.rank + parts.start) % ranks;
         let from = (self.rank + ranks - parts.start) % ranks;
         let mut incoming = std::mem::take(&mut self.incoming);

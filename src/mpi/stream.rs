@@ -6,11 +6,11 @@ use ::mpi::datatype::Equivalence;
 use ::mpi::point_to_point::{Destination, Source};
 use ::mpi::topology::Communicator;
 
+use super::tags::STREAM;
 use super::world::{MpiReal, Operation, Traffic, World, fact, flag, scalar_fact};
 use crate::ata::{Accumulator, RowBounds};
 use crate::base::{Error, Result};
 
-const TAG: i32 = 4;
 /// Bytes of a message.
 const MESSAGE: usize = 1 << 20;
 
@@ -153,7 +153,7 @@ impl<'w> Outgoing<'w> {
         self.world
             .communicator()
             .process_at_rank(self.to as i32)
-            .send_with_tag(&self.buffer[..], TAG);
+            .send_with_tag(&self.buffer[..], STREAM.number());
         self.bytes += self.buffer.len();
         self.buffer.clear();
     }
@@ -211,7 +211,7 @@ impl Read for Incoming<'_> {
         if self.taken == self.buffer.len() && !self.ended {
             let from = self.world.communicator().process_at_rank(self.from as i32);
             self.buffer.resize(MESSAGE, 0);
-            let status = from.receive_into_with_tag(&mut self.buffer[..], TAG);
+            let status = from.receive_into_with_tag(&mut self.buffer[..], STREAM.number());
             self.buffer.truncate(status.count(u8::equivalent_datatype()) as usize);
             self.taken = 0;
             self.bytes += self.buffer.len();

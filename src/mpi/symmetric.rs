@@ -3,6 +3,7 @@ use faer::prelude::ReborrowMut;
 
 use super::call::Call;
 use super::exchange::all_gather;
+use super::tags::GATHER;
 use super::transfer::{receive, send};
 use super::world::{MpiReal, Operation, World, fact};
 use crate::ata::Uplo;
@@ -65,8 +66,6 @@ impl<T: Real> Symmetric<T> {
         }
     }
 }
-
-const GATHER: i32 = 1;
 
 impl<T: MpiReal> Symmetric<T> {
     /// Gathers the whole matrix in `c` on rank `root`, the triangles of `uplo`. The other ranks

@@ -4,6 +4,7 @@ use ::mpi::raw::AsRaw;
 use ::mpi::topology::Communicator;
 
 use super::requests::Requests;
+use super::tags::Tag;
 use super::world::{MpiReal, Traffic, World};
 
 /// A message on its way that owns its entries until it has arrived.
@@ -19,7 +20,7 @@ impl<T: MpiReal> Transfer<T> {
         world: &World,
         buffer: Vec<T>,
         to: impl IntoIterator<Item = usize>,
-        tag: i32,
+        tag: Tag,
     ) -> Self {
         let datatype = T::equivalent_datatype();
         let mut transfer = Self { buffer, requests: Requests::default() };
@@ -33,7 +34,7 @@ impl<T: MpiReal> Transfer<T> {
                         part.len() as i32,
                         datatype.as_raw(),
                         to as i32,
-                        tag,
+                        tag.number(),
                         world.raw(),
                         request,
                     );
@@ -50,7 +51,7 @@ impl<T: MpiReal> Transfer<T> {
 
     /// Starts to receive as many entries as `buffer` has from rank `from`, sent by
     /// [`Transfer::send`] with the same tag.
-    pub(super) fn receive(world: &World, mut buffer: Vec<T>, from: usize, tag: i32) -> Self {
+    pub(super) fn receive(world: &World, mut buffer: Vec<T>, from: usize, tag: Tag) -> Self {
         let mut requests = Requests::default();
         let datatype = T::equivalent_datatype();
         for part in buffer.chunks_mut(world.longest_message()) {
@@ -61,7 +62,7 @@ impl<T: MpiReal> Transfer<T> {
                     part.len() as i32,
                     datatype.as_raw(),
                     from as i32,
-                    tag,
+                    tag.number(),
                     world.raw(),
                     request,
                 );
@@ -90,19 +91,19 @@ impl<T> Transfer<T> {
 }
 
 /// Sends `entries` to rank `to`, and returns when they may be changed.
-pub(super) fn send<T: MpiReal>(world: &World, entries: &[T], to: usize, tag: i32) {
+pub(super) fn send<T: MpiReal>(world: &World, entries: &[T], to: usize, tag: Tag) {
     for part in entries.chunks(world.longest_message()) {
-        world.communicator().process_at_rank(to as i32).send_with_tag(part, tag);
+        world.communicator().process_at_rank(to as i32).send_with_tag(part, tag.number());
         let (words_sent, messages_sent) = (part.len() as u64, 1);
         world.count(Traffic { words_sent, messages_sent, ..Traffic::default() });
     }
 }
 
 /// Receives `entries` from rank `from`, sent as many and with the same tag.
-pub(super) fn receive<T: MpiReal>(world: &World, entries: &mut [T], from: usize, tag: i32) {
+pub(super) fn receive<T: MpiReal>(world: &World, entries: &mut [T], from: usize, tag: Tag) {
     for part in entries.chunks_mut(world.longest_message()) {
         let (words_received, messages_received) = (part.len() as u64, 1);
-        world.communicator().process_at_rank(from as i32).receive_into_with_tag(part, tag);
+        world.communicator().process_at_rank(from as i32).receive_into_with_tag(part, tag.number());
         world.count(Traffic { words_received, messages_received, ..Traffic::default() });
     }
 }

@@ -8,15 +8,12 @@ use faer::{MatMut, MatRef, RowMut};
 
 use super::form::Form;
 use super::pending_send::{PendingSend, PendingSends};
+use super::tags::{RESULT, STRIPS};
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
 use crate::ata::distributed::{PlannedSend, RESULTS_IN_FLIGHT, TaskTree, TreeNode};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Real, Result, reserved, zeros};
-
-/// Tags: `DOWN + i` for strip i of a part of A on the way down, `UP` for a part of C on the way up.
-const DOWN: i32 = 256;
-const UP: i32 = 3;
 
 /// Runs AtA-D: on the root, process 0, `own` is A and the lower triangle of C.
 pub(super) fn run<T: MpiReal>(
@@ -139,7 +136,7 @@ impl<T: MpiReal> Worker<'_, T> {
     fn run_entries(&mut self, ids: &[usize], inputs: Vec<Vec<Vec<T>>>, blocks: Vec<Vec<T>>) {
         let Some(parent) = ids.first().and_then(|&id| self.tree.nodes()[id].parent) else { return };
         let above = self.rank(self.tree.nodes()[parent].task.process);
-        let receive = |(i, strip)| Transfer::receive(self.world, strip, above, DOWN + i);
+        let receive = |(i, strip)| Transfer::receive(self.world, strip, above, STRIPS.tag(i));
         let receive = |strips: Vec<_>| (0..).zip(strips).map(receive).collect::<Vec<_>>();
         let inputs: Vec<_> = inputs.into_iter().map(receive).collect();
         let mut returned = Vec::new();
@@ -156,7 +153,7 @@ impl<T: MpiReal> Worker<'_, T> {
             if node.task.triangle {
                 pack(&mut entries, node.task.rows.len(), self.form.c_by_rows);
             }
-            returned.push(Transfer::send(self.world, entries, [above], UP));
+            returned.push(Transfer::send(self.world, entries, [above], RESULT));
         }
         returned.into_iter().for_each(|result| drop(result.wait()));
     }
@@ -233,7 +230,7 @@ impl<T: MpiReal> Worker<'_, T> {
     {
         let PlannedSend { child, strip, rows } = planned;
         let child = &self.tree.nodes()[*child];
-        let tag = DOWN + *strip as i32;
+        let tag = STRIPS.tag(*strip);
         let parts = operands_of(child, parent, operands);
         let parts = parts.map(|part| part.subrows(rows.start, rows.len()));
         let parts = if child.task.triangle { &parts[..1] } else { &parts[..] };
@@ -250,7 +247,7 @@ impl<T: MpiReal> Worker<'_, T> {
             let node = &self.tree.nodes()[id];
             entries.resize(node.result_len(), T::ZERO);
             let from = self.rank(node.task.process);
-            let result = Transfer::receive(self.world, entries, from, UP);
+            let result = Transfer::receive(self.world, entries, from, RESULT);
             self.results.under_way.push_back(result);
         }
     }

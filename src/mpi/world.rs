@@ -14,7 +14,7 @@ use ::mpi::raw::AsRaw;
 use ::mpi::topology::{Communicator, SimpleCommunicator};
 
 use crate::ata::AtaOptions;
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, FloatEnv, Real, Result};
 use crate::blas::BlasReal;
 
 /// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
@@ -63,7 +63,9 @@ impl AddAssign for Traffic {
 /// The ranks that work together: a duplicate of the caller's communicator, so that messages of the
 /// caller and of this crate never mix.
 ///
-/// All calls of MPI are made by the calling thread, which must be allowed to call MPI. MPI is
+/// All calls of MPI are made by the calling thread, which must be allowed to call MPI: with
+/// `MPI_THREAD_FUNNELED`, a call on another thread than the one that started MPI returns
+/// [`Error::Argument`] on its rank, at once and without a message to the other ranks. MPI is
 /// neither initialized nor finalized; a world should be dropped before the caller finalizes it.
 ///
 /// ```no_run
@@ -97,28 +99,42 @@ pub(super) const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
 const FACTS: usize = 10;
 
-/// Checks that MPI was not started for a single thread.
+/// Checks that MPI was not started for a single thread, and that the calling thread may call MPI.
 ///
 /// # Errors
-/// [`Error::Argument`] when MPI was started with `MPI_THREAD_SINGLE`.
+/// [`Error::Argument`] when MPI was started with `MPI_THREAD_SINGLE`, or with `MPI_THREAD_FUNNELED`
+/// by another thread.
 fn check_threads() -> Result<()> {
+    let refuse = |why: &str| Err(Error::Argument { what: "communicator", why: why.into() });
     match ::mpi::environment::threading_support() {
-        Threading::Single => Err(Error::Argument {
-            what: "communicator",
-            why: "MPI was started with MPI_THREAD_SINGLE; MPI_THREAD_FUNNELED is needed \
-                  (MPI_Init_thread), because calls compute on other threads"
-                .into(),
-        }),
+        Threading::Single => refuse(
+            "MPI was started with MPI_THREAD_SINGLE; MPI_THREAD_FUNNELED is needed \
+             (MPI_Init_thread), because calls compute on other threads",
+        ),
+        Threading::Funneled if !is_main_thread() => refuse(
+            "MPI was started with MPI_THREAD_FUNNELED, and only the thread that started it may \
+             call it, which this thread is not; other threads need MPI_THREAD_SERIALIZED",
+        ),
         Threading::Funneled | Threading::Serialized | Threading::Multiple => Ok(()),
     }
+}
+
+/// Returns whether the calling thread is the one that started MPI.
+fn is_main_thread() -> bool {
+    let mut flag = 0;
+    // SAFETY: MPI runs, the call is local and allowed on every thread, and the flag is a place for
+    // its result.
+    unsafe { ffi::MPI_Is_thread_main(&mut flag) };
+    flag != 0
 }
 
 impl World {
     /// Creates a world of the ranks of `comm`. All ranks must call this function.
     ///
     /// # Errors
-    /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`: calls compute
-    /// on other threads than the one that calls MPI.
+    /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`, because calls
+    /// compute on other threads than the one that calls MPI; when it was started with
+    /// `MPI_THREAD_FUNNELED` by another thread.
     pub fn new(comm: &impl Communicator) -> Result<Self> {
         check_threads()?;
         Ok(Self::owning(comm.duplicate()))
@@ -222,13 +238,16 @@ impl World {
     /// The calling thread keeps messages moving, because a product takes seconds without a call of
     /// MPI. It calls `meanwhile`, which returns whether other ranks wait for what this rank sends:
     /// then there is no pause.
+    ///
+    /// # Errors
+    /// Those of `work`; [`Error::Argument`] when the operating system refuses the thread.
     pub(super) fn with_progress<X: Send>(
         &self,
         options: &AtaOptions<'_>,
         share: Range<f64>,
         meanwhile: &dyn Fn() -> bool,
-        work: impl FnOnce(&AtaOptions<'_>) -> X + Send,
-    ) -> X {
+        work: impl FnOnce(&AtaOptions<'_>) -> Result<X> + Send,
+    ) -> Result<X> {
         let options = AtaOptions { progress: options.progress.part(share), ..options.clone() };
         let start = Instant::now();
         let done = if self.size == 1 {
@@ -257,7 +276,8 @@ impl World {
     /// `prepared` and have the same `facts`, else an error everywhere, of the first rank at fault.
     ///
     /// # Errors
-    /// The error of this rank; [`Error::Rank`] for that of another rank, and for facts that differ.
+    /// The error of this rank; [`Error::Rank`] for that of another rank, and for facts that differ;
+    /// [`Error::Argument`], on this rank alone, on a thread that may not call MPI.
     pub(crate) fn begin<X>(
         &self,
         operation: Operation,
@@ -265,6 +285,7 @@ impl World {
         prepared: Result<X>,
     ) -> Result<X> {
         use ::mpi::collective::CommunicatorCollectives;
+        check_threads()?;
         assert!(facts.len() + 2 <= FACTS, "room for {FACTS} numbers");
         let mut own = [0_u64; FACTS];
         own[0] = operation as u64;
@@ -375,15 +396,28 @@ impl World {
 
 /// Calls `work` on another thread, and `meanwhile` on this one until `work` is done: again at once
 /// where `meanwhile` returns true, else after a [`PAUSE`].
-fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: impl Fn() -> bool) -> X {
+///
+/// # Errors
+/// Those of `work`; [`Error::Argument`] when the operating system refuses the thread.
+fn beside<X: Send>(
+    work: impl FnOnce() -> Result<X> + Send,
+    meanwhile: impl Fn() -> bool,
+) -> Result<X> {
     let caller = thread::current();
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
         let over = &over;
-        let worker = scope.spawn(move || {
+        let named = thread::Builder::new().name("catamaran-work".into());
+        let worker = named.spawn_scoped(scope, move || {
             let _says_so = Over { over, caller };
+            // Threads inherit the environment of the thread that makes them.
+            let _nearest = FloatEnv::nearest();
             work()
         });
+        let worker = worker.map_err(|e| Error::Argument {
+            what: "threads",
+            why: format!("one more than that of the call is needed: {e}"),
+        })?;
         while !over.load(Ordering::Acquire) {
             if meanwhile() {
                 thread::yield_now();
@@ -410,8 +444,9 @@ impl Drop for Over<'_> {
 
 impl Drop for World {
     fn drop(&mut self) {
-        // A communicator can't be freed any more once MPI is finalized.
-        if !::mpi::environment::is_finalized() {
+        // A communicator can't be freed once MPI is finalized, nor on a thread that may not call
+        // MPI; then it stays.
+        if !::mpi::environment::is_finalized() && check_threads().is_ok() {
             // SAFETY: never used again.
             unsafe { ManuallyDrop::drop(&mut self.comm) };
         }

@@ -21,7 +21,7 @@ pub struct ShapeOptions<'a> {
     pub steps: usize,
     /// Mean relative difference of eigenvalues at which the deformation stops. Default 1e-3.
     pub tolerance: f64,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
@@ -61,9 +61,9 @@ pub struct ShapeFromSpectrum {
 /// The size is fitted first. Then each step is one of Levenberg and Marquardt for the relative
 /// differences, with the displacement that has the least `integral of |grad d|^2 + |d|^2 / area`
 /// among those of the same effect, so that the surface stays smooth. A step that would turn a face
-/// over, or shrink it to less than a fifth, is shortened. Many surfaces have the same eigenvalues;
-/// the result is one of them near the template. It may fall short of the tolerance: see
-/// [`ShapeFromSpectrum::error`].
+/// over, shrink it to less than a fifth, or flatten it, is shortened. Many surfaces have the same
+/// eigenvalues; the result is one of them near the template. Many spectra are those of no surface
+/// near it: then the result falls short of the tolerance, see [`ShapeFromSpectrum::error`].
 ///
 /// ```
 /// use catamaran::{mesh::{TriMesh, families}, spectral::{ShapeOptions, shape_from_spectrum}};
@@ -102,10 +102,9 @@ pub fn shape_from_spectrum(
         let mut better = None;
         while better.is_none() && damping < DAMPING_LIMIT {
             let step = directions.step(&now.residuals, damping, template.vertices().len())?;
-            let next = wanted.shape(wanted.moved(&now, &step))?;
-            match next.cost() < now.cost() {
-                true => better = Some(next),
-                false => damping *= 10.0,
+            match wanted.tried(wanted.moved(&now, &step))? {
+                Some(next) if next.cost() < now.cost() => better = Some(next),
+                _ => damping *= 10.0,
             }
         }
         let Some(next) = better else { break };
@@ -189,11 +188,27 @@ impl<'a> Wanted<'a> {
         Ok(Shape { mesh, values, residuals, vectors })
     }
 
-    /// Returns the positions after a step, shortened until every face keeps its orientation and
-    /// enough of its area.
+    /// Returns the shape with these positions; `None` if it has no spectrum, because the step to it
+    /// was too long.
+    fn tried(&self, vertices: Vec<[f64; 3]>) -> Result<Option<Shape>> {
+        match self.shape(vertices) {
+            Ok(shape) => Ok(Some(shape)),
+            Err(Error::Mesh { .. } | Error::NonFinite { .. } | Error::NotConverged { .. }) => {
+                Ok(None)
+            }
+            Err(e) => Err(e),
+        }
+    }
+
+    /// Returns the positions after a step, shortened until every face keeps its orientation, enough
+    /// of its area, and a height. Steps that shrink a face again and again would leave one without
+    /// area.
     fn moved(&self, shape: &Shape, step: &[[f64; 3]]) -> Vec<[f64; 3]> {
         /// Least share of the area of a face that a step must leave.
         const KEPT: f64 = 0.2;
+        /// Least height of a face, as a share of its longest edge, that a step may leave, unless
+        /// the height was less before.
+        const FLATTEST: f64 = 1e-2;
         let mut length = 1.0;
         loop {
             let moved: Vec<[f64; 3]> = shape
@@ -205,7 +220,9 @@ impl<'a> Wanted<'a> {
                 .collect();
             let is_sound = |face: &[u32; 3]| {
                 let before = normal(shape.mesh.vertices(), face);
+                let least = FLATTEST.min(flatness(shape.mesh.vertices(), face));
                 dot(before, normal(&moved, face)) >= KEPT * dot(before, before)
+                    && flatness(&moved, face) >= least
             };
             if self.faces.iter().all(is_sound) {
                 return moved;
@@ -218,6 +235,14 @@ impl<'a> Wanted<'a> {
 /// Returns the normal of a face, scaled to twice its area.
 fn normal(vertices: &[[f64; 3]], face: &[u32; 3]) -> [f64; 3] {
     doubled_normal(face.map(|v| vertices[v as usize]))
+}
+
+/// Returns the height of a face over its longest edge, as a share of that edge.
+fn flatness(vertices: &[[f64; 3]], face: &[u32; 3]) -> f64 {
+    let corners = face.map(|v| vertices[v as usize]);
+    let edges = [0, 1, 2].map(|j| sub(corners[(j + 1) % 3], corners[j]));
+    let longest = edges.map(|edge| dot(edge, edge)).into_iter().fold(0.0, f64::max);
+    norm(normal(vertices, face)) / longest
 }
 
 impl Shape {
@@ -299,7 +324,7 @@ impl Metric {
         }
         let mut steepest = slopes.clone();
         self.factor.solve(steepest.as_mut(), wanted.par)?;
-        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par);
+        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par)?;
         let gram = Mat::from_fn(k, k, |i, j| {
             (0..3).map(|c| products[(3 * i + c, 3 * j + c)]).sum::<f64>()
         });
@@ -424,6 +449,32 @@ mod tests {
         let wanted = Wanted::new(&both, &[1.0; 4], Par::Seq).unwrap();
         let values = wanted.shape(both.vertices().to_vec()).unwrap().values;
         assert!(values.iter().all(|value| *value > 0.1), "{values:?}");
+    }
+
+    #[test]
+    fn a_spectrum_of_no_shape_nearby_leaves_a_sound_mesh_and_a_smaller_error() {
+        // Ascending numbers that grow much slower, or faster, than those of any surface, and one
+        // that stands alone.
+        let slow: Vec<f64> = (0..20).map(|i| 5.0 + 0.01 * f64::from(i)).collect();
+        let fast: Vec<f64> = (0..12).map(|i| 1.7_f64.powi(i)).collect();
+        let lone: Vec<f64> = (0..20).map(|i| if i == 0 { 0.02 } else { f64::from(i) }).collect();
+        let ball = bumpy(2, [1.0, 1.1, 1.25]);
+        let figure = families::figure(1, 0.2).unwrap();
+        for template in [&ball, &figure, &sheet(1.0, 1.3)] {
+            for eigenvalues in [&slow, &fast, &lone] {
+                let with = |steps: usize| {
+                    let options = ShapeOptions::new().steps(steps).par(Par::Seq);
+                    shape_from_spectrum(template, eigenvalues, &options).unwrap()
+                };
+                let cost = |found: &ShapeFromSpectrum| -> f64 {
+                    let ratios = found.eigenvalues.iter().zip(eigenvalues);
+                    ratios.map(|(found, wanted)| (found / wanted - 1.0).powi(2)).sum()
+                };
+                let (before, after) = (with(0), with(12));
+                assert!(cost(&after) < cost(&before), "{} {}", cost(&before), cost(&after));
+                assert!(after.mesh.faces_without_area().is_empty());
+            }
+        }
     }
 
     #[test]

@@ -398,7 +398,8 @@ impl SpectralUnion {
     /// score of a pair is its Mahalanobis distance from the mean of the training, or its
     /// [probability](SpectralUnion::ood_probability), whichever is larger, each in units of the
     /// limit that 99.5 % of the training pairs do not exceed. A prediction for parts with a score
-    /// above 1 is a guess.
+    /// above 1 is a guess. A score below 1 says nothing about the error: see the measurements in
+    /// docs/model-card-unions.md.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};

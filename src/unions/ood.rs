@@ -89,7 +89,8 @@ impl OodDetector {
         }
     }
 
-    /// Returns the out-of-distribution score of a pair; above 1 the pair is unlike the training.
+    /// Returns the out-of-distribution score of a pair; above 1 the pair is further out than most
+    /// pairs of the training.
     pub(super) fn ood_score(&self, pair: &[f64; SYMMETRIC], probability: f64) -> f64 {
         self.distance(pair).max(probability / f64::from(self.probability_limit))
     }

@@ -65,6 +65,10 @@ pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f6
         };
         return Err(Error::Argument { what: "k", why });
     }
+    options.progress.watch(|| signature(mesh, options))
+}
+
+fn signature(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
     let operator = laplacian(mesh, &options.laplacian)?;
     let wanted = EigenOptions {
         k: options.k,

@@ -4,6 +4,7 @@
 mod common;
 mod decimate;
 mod decimate_families;
+mod gltf_scenes;
 mod laplacian;
 mod materials;
 mod mesh;

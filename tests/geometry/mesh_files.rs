@@ -433,7 +433,7 @@ fn ply_is_read_with_any_properties_in_any_order() {
 }
 
 /// The line and the message of what reading says, or the element of what is no mesh.
-fn refusal(bytes: &[u8], format: MeshFormat) -> (Option<usize>, String) {
+pub fn refusal(bytes: &[u8], format: MeshFormat) -> (Option<usize>, String) {
     match read_bytes(bytes, format) {
         Err(Error::Io { line, what, .. }) => (line, what),
         Err(Error::Mesh { what, element }) => (None, format!("{element}: {what}")),
@@ -576,7 +576,7 @@ fn broken_binary_files_name_their_element() {
 }
 
 /// The note that begins so.
-fn note<'a>(file: &'a MeshFile, start: &str) -> &'a str {
+pub fn note<'a>(file: &'a MeshFile, start: &str) -> &'a str {
     let found = file.notes.iter().find(|note| note.starts_with(start));
     found.unwrap_or_else(|| panic!("no note {start:?}: {:?}", file.notes))
 }
@@ -964,7 +964,7 @@ fn attributes_come_back_from_gltf() {
 }
 
 /// A glTF file of these numbers as its only buffer, in the JSON of a document that lacks it.
-fn gltf(document: &str, bytes: &[u8]) -> Vec<u8> {
+pub fn gltf(document: &str, bytes: &[u8]) -> Vec<u8> {
     let json = format!(
         "{{\"asset\": {{\"version\": \"2.0\"}}, \"buffers\": [{{\"byteLength\": {}}}], {document}}}",
         bytes.len()
@@ -986,14 +986,14 @@ fn gltf(document: &str, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// The corners of a square as floats, then 0 1 2 2 1 3 as bytes.
-fn square_bytes() -> Vec<u8> {
+pub fn square_bytes() -> Vec<u8> {
     let corners = [[0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     let mut bytes: Vec<u8> = corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
     bytes.extend([0, 1, 2, 2, 1, 3]);
     bytes
 }
 
-const SQUARE: &str = r#""bufferViews": [{"buffer": 0, "byteLength": 48},
+pub const SQUARE: &str = r#""bufferViews": [{"buffer": 0, "byteLength": 48},
     {"buffer": 0, "byteOffset": 48, "byteLength": 6}],
     "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4},
     {"bufferView": 1, "componentType": 5121, "type": "SCALAR", "count": 6}],
@@ -1101,7 +1101,7 @@ fn broken_gltf_names_what_is_broken() {
         (huge, "of memory"),
         (
             format!("{SQUARE}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\"]"),
-            "compressed by KHR_draco",
+            "compressed by the extension KHR_draco",
         ),
     ];
     for (document, what) in cases {

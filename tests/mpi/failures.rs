@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::faer::Mat;
-use catamaran::mpi::{World, ata_rows};
+use catamaran::mpi::{World, ata_columns, ata_deal, ata_rows, ata_tree};
 
 use crate::Scene;
 use crate::matrices::{options, part, tell};
@@ -50,6 +50,24 @@ pub const SCENES: &[Scene] = &[
         ranks: 2,
         play: different_calls,
         printed: &["0: rank 1: called another function", "1: rank 1: called another function"],
+        succeeds: true,
+    },
+    Scene {
+        name: "a_rank_without_threads_is_named_on_every_rank",
+        ranks: 3,
+        play: no_threads,
+        printed: &[
+            "0: rank 1: threads: one more than",
+            "1: threads: one more than",
+            "2: rank 1: threads: one more than",
+        ],
+        succeeds: true,
+    },
+    Scene {
+        name: "calls_on_a_thread_that_may_not_call_mpi_are_refused",
+        ranks: 2,
+        play: other_thread,
+        printed: &["0: communicator: MPI was started", "1: communicator: MPI was started"],
         succeeds: true,
     },
     Scene {
@@ -123,6 +141,60 @@ fn different_calls(world: &World) {
         catamaran::mpi::sum_symmetric(world, a.as_ref()).unwrap_err()
     };
     tell(world, error);
+}
+
+/// Every product that computes beside messages, where rank 1 gets no thread for that.
+fn no_threads(world: &World) {
+    if world.rank() == 1 {
+        // SAFETY: no other thread of this process reads or writes the environment. The stack of a
+        // thread is then larger than the address space.
+        unsafe { std::env::set_var("RUST_MIN_STACK", (1_u64 << 47).to_string()) };
+    }
+    let a = part::<f64>(0..5, 0..7);
+    let a = a.as_ref();
+    let exact = options().reproducible(true);
+    let mut told = vec![
+        ata_rows(world, 1.0, a, &options()).map(drop),
+        ata_rows(world, 1.0, a, &exact).map(drop),
+        ata_columns(world, 1.0, a, &options()).map(drop),
+    ];
+    for product in [ata_tree, ata_deal] {
+        let mut c = Mat::<f64>::zeros(7, 7);
+        let on_root = (world.rank() == 0).then_some((a, c.as_mut()));
+        let (a, c) = on_root.unzip();
+        told.push(product(world, 0, 1.0, a, 0.0, c, &options()));
+    }
+    let told: Vec<_> = told.into_iter().map(Result::unwrap_err).collect();
+    assert!(told.iter().all(|error| error.to_string() == told[0].to_string()), "{told:?}");
+    tell(world, told[0].clone());
+}
+
+/// Calls on another thread than the one that started MPI, with MPI_THREAD_FUNNELED.
+fn other_thread(world: &World) {
+    struct Sent<'w>(&'w World);
+    // SAFETY: the thread that owns the world waits for the one that uses it.
+    unsafe impl Send for Sent<'_> {}
+    let sent = Sent(world);
+    let refused = std::thread::scope(|scope| {
+        let calls = scope.spawn(move || {
+            let Sent(world) = { sent };
+            // SAFETY: the communicator is alive.
+            let handle =
+                unsafe { mpi::ffi::RSMPI_Comm_c2f(mpi::raw::AsRaw::as_raw(world.communicator())) };
+            let a = part::<f64>(0..5, 0..7);
+            [
+                World::from_fortran(handle).map(drop).unwrap_err(),
+                World::new(world.communicator()).map(drop).unwrap_err(),
+                ata_rows(world, 1.0, a.as_ref(), &options()).unwrap_err(),
+            ]
+        });
+        calls.join().unwrap()
+    });
+    assert!(refused.iter().all(|error| error.to_string() == refused[0].to_string()));
+    tell(world, refused[0].clone());
+    // The world is as good as before.
+    let a = part::<f64>(0..5, 0..3);
+    ata_rows(world, 1.0, a.as_ref(), &options()).unwrap();
 }
 
 fn killed(world: &World) {

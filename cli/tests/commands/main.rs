@@ -8,6 +8,7 @@ mod curve;
 mod decimate;
 mod defaults;
 mod demo;
+mod documents;
 mod files;
 mod gram;
 mod guide;

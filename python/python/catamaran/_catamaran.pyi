@@ -13,6 +13,10 @@ Pieces = Tuple[int, int, int, int]
 
 __version__: str
 
+class Nearest:
+    def __enter__(self) -> None: ...
+    def __exit__(self, *exception: Any) -> None: ...
+
 class Plan:
     @property
     def is_exact(self) -> bool: ...
@@ -191,6 +195,7 @@ def laplacian(
     boundary: Any,
     weld: bool,
     threads: Optional[int],
+    progress: Callback,
 ) -> Tuple[Csr, Csr, Array]: ...
 def eigsh(
     v: ArrayLike,
@@ -248,9 +253,10 @@ def shape_dna(
     kind: str,
     weld: bool,
     threads: Optional[int],
+    progress: Callback,
 ) -> Tuple[Array, Pieces]: ...
 def union_spectrum(
-    parts: List[Any], model: Optional[Path], weld: bool
+    parts: List[Any], model: Optional[Path], weld: bool, progress: Callback
 ) -> Tuple[Array, List[Array], float]: ...
 def read_plant(path: Path) -> PlantHandle: ...
 def grow(nodes: int, seed: int) -> PlantHandle: ...

@@ -107,6 +107,7 @@ def laplacian(
     boundary: Union[str, ArrayLike] = "neumann",
     weld: bool = False,
     threads: Optional[int] = None,
+    progress: Progress = None,
 ) -> Laplacian:
     """Assemble the Laplacian of a mesh as matrices of scipy.sparse.
 
@@ -125,8 +126,8 @@ def laplacian(
     weld : bool
         Whether vertices with equal positions are joined, as along the seams of a texture. Only the
         first of them has a row.
-    threads : int, optional
-        Threads, at most.
+    threads, progress
+        As in `ata`.
 
     Returns
     -------
@@ -140,7 +141,9 @@ def laplacian(
     >>> float(round(mass.sum(), 2))  # about 4 pi
     12.51
     """
-    stiffness, masses, kept = _catamaran.laplacian(v, f, kind, mass, boundary, weld, threads)
+    stiffness, masses, kept = _catamaran.laplacian(
+        v, f, kind, mass, boundary, weld, threads, callback(progress)
+    )
     return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import warn_of_pieces
+from ._options import Progress, callback, warn_of_pieces
 
 __all__ = ["UnionSpectrum", "shape_dna", "union_spectrum"]
 
@@ -23,6 +23,7 @@ def shape_dna(
     kind: str = "cotangent",
     weld: bool = False,
     threads: Optional[int] = None,
+    progress: Progress = None,
 ) -> NDArray[np.float64]:
     """Compute the first eigenvalues of the Laplacian: a signature of the shape that does not
     depend on its pose.
@@ -41,8 +42,8 @@ def shape_dna(
         As in `laplacian`.
     weld : bool
         Whether vertices with equal positions are joined, as along the seams of a texture.
-    threads : int, optional
-        Threads, at most.
+    threads, progress
+        As in `ata`.
 
     Returns
     -------
@@ -57,7 +58,9 @@ def shape_dna(
     >>> bool(np.allclose(one, other))
     True
     """
-    values, pieces = _catamaran.shape_dna(v, f, k, normalized, kind, weld, threads)
+    values, pieces = _catamaran.shape_dna(
+        v, f, k, normalized, kind, weld, threads, callback(progress)
+    )
     warn_of_pieces(pieces)
     return values
 
@@ -78,6 +81,7 @@ def union_spectrum(
     *,
     model: Union[str, os.PathLike[str], None] = None,
     weld: bool = False,
+    progress: Progress = None,
 ) -> UnionSpectrum:
     """Predict the spectrum of the union of parts of a surface, wherever the parts are.
 
@@ -91,6 +95,8 @@ def union_spectrum(
         default (docs/model-card-unions.md says what they are good for).
     weld : bool
         As in `shape_dna`, for meshes.
+    progress
+        As in `ata`.
 
     Returns
     -------
@@ -106,4 +112,5 @@ def union_spectrum(
     >>> bool(np.all(found.union <= found.parts[0]))  # a larger domain has smaller eigenvalues
     True
     """
-    return UnionSpectrum(*_catamaran.union_spectrum(list(parts), model, weld))
+    found = _catamaran.union_spectrum(list(parts), model, weld, callback(progress))
+    return UnionSpectrum(*found)

@@ -32,6 +32,6 @@ pub use deal::deal;
 pub use layout::Layout;
 pub use machine::Machine;
 pub use segment::{Segment, packed_len};
-#[cfg(feature = "mpi")]
-pub(crate) use tree::RESULTS_IN_FLIGHT;
 pub use tree::{Load, PlannedSend, TaskTree, TreeNode, levels};
+#[cfg(feature = "mpi")]
+pub(crate) use tree::{RESULTS_IN_FLIGHT, STRIPS};

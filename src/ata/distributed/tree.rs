@@ -79,7 +79,7 @@ pub struct Load {
 }
 
 /// Most strips of rows in which a leaf gets its part of A.
-const STRIPS: usize = 4;
+pub(crate) const STRIPS: usize = 4;
 /// Entries above which a leaf gets strips: 8 MiB of f64, which take longer than a message.
 const STRIPPED: usize = 1 << 20;
 /// Least number of rows of a strip: products of fewer are slower.

@@ -9,11 +9,10 @@ use catamaran::decimate::DecimateOptions;
 use catamaran::gram::{LeastSquaresOptions, PrincipalComponentsOptions};
 use catamaran::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
 use catamaran::ortho::GramSchmidtOptions;
-use catamaran::plant::{
-    Elasticity, MotionOptions, RelaxOptions, RodOptions, Stomata,
-    SwayOptions, WaterOptions, Wind,
-};
 use catamaran::plant::families::GrowthOptions;
+use catamaran::plant::{
+    Elasticity, MotionOptions, RelaxOptions, RodOptions, Stomata, SwayOptions, WaterOptions, Wind,
+};
 use catamaran::sparse::EigenOptions;
 use catamaran::spectral::{ProductBasisOptions, ShapeOptions};
 use catamaran::texture::{newton::NewtonOptions, slime};
