@@ -134,20 +134,14 @@ fn orthogonalizations_ask() {
     });
 }
 
-/// The fractions that products tell are shares of their operations: no two that follow each other
-/// differ by more than 10^8 operations.
+/// The fractions that products of our own kernels tell are shares of their operations: no two that
+/// follow each other differ by more than 10^8 operations. Recursive schemes ask between tasks.
 #[test]
 fn products_ask() {
     let n = 900;
     let a = random(n, n);
     let operations = (n * n * n) as f64;
-    for scheme in [
-        SchemeChoice::Float,
-        SchemeChoice::Classical,
-        SchemeChoice::Ata2,
-        SchemeChoice::Rxtx,
-        SchemeChoice::Exact,
-    ] {
+    for scheme in [SchemeChoice::Float, SchemeChoice::Classical, SchemeChoice::Exact] {
         let told = std::sync::Mutex::new(vec![0.0]);
         let note = |fraction: f64| {
             told.lock().unwrap().push(fraction);

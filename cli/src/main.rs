@@ -47,7 +47,7 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use catamaran::base::{FloatEnv, isa_limit};
+use catamaran::base::{FloatEnv, isa_limit, use_own_threads_only};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -120,6 +120,7 @@ fn main() -> ExitCode {
     let watched = shortage::watch();
     // A library that is linked with -ffast-math sets flush-to-zero when it is loaded.
     let _nearest = FloatEnv::nearest();
+    use_own_threads_only();
     let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
     if cli.quiet {

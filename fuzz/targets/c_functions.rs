@@ -1,5 +1,5 @@
-//! Any bytes as a call of a function of C, with arguments that are valid or not: results within their
-//! bounds of plain loops, or an error that names the argument, and no byte written beside them.
+//! Any bytes as a call of a function of C, with arguments that are valid or not: results within
+//! their bounds of plain loops, or an error that names the argument, and no byte written beside.
 #![no_main]
 
 #[path = "../../tests/c_functions/calls/mod.rs"]

@@ -67,6 +67,7 @@ mod _catamaran {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         catamaran::base::obey_omp_num_threads();
+        catamaran::base::use_own_threads_only();
         // Nobody would see the library's own line on standard error.
         catamaran::base::isa_limit().map_err(crate::error::exception)?;
         module.add("__version__", catamaran::base::VERSION)

@@ -38,7 +38,7 @@ pub(crate) use operations::{apart, ask, count, spend};
 pub use par::Par;
 pub(crate) use par::{Latch, tickets};
 pub(crate) use plain::Plain;
-pub use pool::{Pin, ThreadPool, release_threads};
+pub use pool::{Pin, ThreadPool, release_threads, use_own_threads_only};
 pub use progress::Progress;
 pub(crate) use progress::Tracker;
 pub use rng::Rng;

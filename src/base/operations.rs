@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use super::float_env::FloatEnv;
 use super::watch;
 use super::{Error, Result};
 
@@ -62,6 +63,8 @@ pub(crate) fn apart<R: Send + 'static>(
     let take = |work: &Mutex<Option<_>>| work.lock().unwrap_or_else(PoisonError::into_inner).take();
     let theirs = Arc::clone(&work);
     let thread = thread::Builder::new().name("catamaran".into()).spawn(move || {
+        // Threads inherit the environment of the thread that makes them.
+        let _nearest = FloatEnv::nearest();
         if let Some(work) = take(&theirs) {
             // Nobody waits any more after a request to stop.
             let _ = done.send(work());

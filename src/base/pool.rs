@@ -277,6 +277,20 @@ pub(super) fn pinned(threads: usize) -> Result<Arc<ThreadPool>> {
     kept().get(Pin::Cores, threads, threads)
 }
 
+/// Makes faer compute on the calling thread, where some of its operators would start rayon's global
+/// pool beside the threads of this library: for programs and libraries whose copy of faer has no
+/// other user, as those with a C interface.
+///
+/// ```
+/// use catamaran::{base::use_own_threads_only, faer};
+///
+/// use_own_threads_only();
+/// assert_eq!(faer::get_global_parallelism(), faer::Par::Seq);
+/// ```
+pub fn use_own_threads_only() {
+    faer::set_global_parallelism(faer::Par::Seq);
+}
+
 /// Ends the threads that this process keeps for its calls, and waits until they have ended.
 ///
 /// Later calls start threads anew. A call that runs at the same time keeps its threads until it

@@ -178,10 +178,18 @@ impl<'a> Tracker<'a> {
             let (callback, fraction) = watch::current()?;
             Some(Progress { callback: Some(callback), start: fraction, length: 0.0 })
         };
-        let progress = match progress.is_watched() {
-            true => progress,
-            false => watching().unwrap_or(progress),
-        };
+        match progress.is_watched() {
+            true => Self::of(progress, total),
+            false => Self::of(watching().unwrap_or(progress), total),
+        }
+    }
+
+    /// Creates a tracker that asks nobody, for work that must be completed once it has begun.
+    pub fn unwatched() -> Self {
+        Self::of(Progress::none(), 0.0)
+    }
+
+    fn of(progress: Progress<'a>, total: f64) -> Self {
         Self {
             progress,
             total,

@@ -117,7 +117,7 @@ pub(super) unsafe fn with_options(
         .pin(if flag("params.pin", params.pin)? { Pin::Cores } else { Pin::No })
         .scheme(scheme(params.scheme)?)
         .accuracy(accuracy(params.error_factor)?)
-        .reproducible(flag("params.reproducible", params.reproducible)?)
+        .reproducible(check_reproducible(&params)?)
         .leaf((params.leaf > 0).then_some(params.leaf))
         .tasks((params.tasks > 0).then_some(params.tasks));
     // SAFETY: NULL or a live back end, as the header asks.
@@ -127,6 +127,17 @@ pub(super) unsafe fn with_options(
     let watch = watcher(params.progress, params.progress_user);
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
     progress.watch(|| work(&options.progress(progress)))
+}
+
+/// Refuses schemes that differ between machines where the same bytes are asked for, also for
+/// products that need no plan.
+fn check_reproducible(params: &cata_ata_params) -> Result<bool, Failure> {
+    let reproducible = flag("params.reproducible", params.reproducible)?;
+    if reproducible && !matches!(params.scheme, CATA_SCHEME_AUTO | CATA_SCHEME_EXACT) {
+        let why = "params.reproducible: the scheme must be CATA_SCHEME_EXACT or CATA_SCHEME_AUTO";
+        return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+    }
+    Ok(reproducible)
 }
 
 fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {

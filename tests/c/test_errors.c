@@ -69,8 +69,9 @@ static void test_overlaps(void)
     for (int i = 0; i < M; i++) {
         shared[i * (N + N)] = i + 1;
     }
-    CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, M, N, 1.0, shared, N + N, 0.0, shared + N, N + N, NULL),
-                 CATA_OK);
+    CHECK_STATUS(
+        cata_ata_f64(ROW, CATA_BOTH, M, N, 1.0, shared, N + N, 0.0, shared + N, N + N, NULL),
+        CATA_OK);
     CHECK(shared[0] == 1 && shared[N] == 30 && shared[N + 1] == 0);
     CHECK_STATUS(
         cata_ata_f64(ROW, CATA_BOTH, M, N, 1.0, shared, N + N, 0.0, shared + N - 1, N + N, NULL),

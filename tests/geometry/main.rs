@@ -9,6 +9,7 @@ mod laplacian;
 mod materials;
 mod mesh;
 mod mesh_files;
+mod mesh_files_written;
 mod ortho;
 mod plant;
 mod repair;

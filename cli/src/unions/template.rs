@@ -9,6 +9,7 @@ use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
 
 use crate::common::Force;
+use crate::output;
 use crate::report::status;
 
 /// Write the template on which `unions predict --localize` finds unions: a human at rest.
@@ -34,7 +35,7 @@ pub fn run(args: &Args) -> Result<()> {
     // y is up, as in pictures; families have z up.
     let upright = template.vertices().iter().map(|&[x, y, z]| [x, z, -y]).collect();
     let mesh = TriMesh::new(upright, template.faces().to_vec())?;
-    meshes::write(output, &MeshFile::from(mesh))?;
+    output::mesh(output, &MeshFile::from(mesh))?;
     let path = args.output.display().to_string();
     status!("written", path = path; "{path}")
 }

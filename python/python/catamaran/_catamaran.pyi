@@ -186,7 +186,8 @@ def write_mesh(
     colors: Optional[ArrayLike],
     uv: Optional[Array],
     overwrite: bool,
-) -> None: ...
+    text: bool,
+) -> List[str]: ...
 def laplacian(
     v: ArrayLike,
     f: ArrayLike,

@@ -22,12 +22,12 @@ pub(crate) fn pays<T: Operand>(
     symmetric: bool,
 ) -> bool {
     /// Seconds of a product of words, and of an entry that becomes a word.
-    const PRODUCT: [f64; 2] = [1.5e-10, 4.5e-10];
+    const PRODUCT: [f64; 2] = [1.5e-10, 8e-10];
     const ENTRY: f64 = 2e-9;
     /// Seconds of a product by residues that do not grow with the sides.
     const START: f64 = 1e-5;
     /// Most seconds of a product by words, which takes one thread and has no progress.
-    const MOST: f64 = 1e-3;
+    const MOST: f64 = 3e-3;
     let product = PRODUCT[usize::from(size_of::<T>() == 8)];
     let half = if symmetric { 0.5 } else { 1.0 };
     let real = |side: usize| side as f64;

@@ -300,7 +300,7 @@ fn heat_distances_do_not_depend_on_how_a_plane_is_cut_into_triangles() {
             let p = mesh.vertices();
             for source in [0, n, (n / 2) * (n + 2), (n + 1) * (n + 1) - 1] {
                 let exact = |v: usize| distance(p[v], p[source as usize]);
-                check(&format!("{n} x {n}, sheared by {by}"), &mesh, source, (0.02, 0.08), exact);
+                check(&format!("{n} x {n}, sheared by {by}"), &mesh, source, (0.01, 0.03), exact);
             }
         }
         for by in [0.05, 30.0] {
@@ -308,7 +308,7 @@ fn heat_distances_do_not_depend_on_how_a_plane_is_cut_into_triangles() {
             let p = mesh.vertices();
             for source in [0, n, (n / 2) * (n + 2)] {
                 let exact = |v: usize| distance(p[v], p[source as usize]);
-                check(&format!("{n} x {n}, stretched by {by}"), &mesh, source, (0.02, 0.08), exact);
+                check(&format!("{n} x {n}, stretched by {by}"), &mesh, source, (0.01, 0.03), exact);
             }
         }
     }
@@ -317,7 +317,7 @@ fn heat_distances_do_not_depend_on_how_a_plane_is_cut_into_triangles() {
     let p = mesh.vertices();
     for source in [0, p.len() as u32 / 2] {
         let exact = |v: usize| distance(p[v], p[source as usize]);
-        check("slivers", &mesh, source, (0.02, 0.08), exact);
+        check("slivers", &mesh, source, (0.01, 0.03), exact);
     }
 }
 
@@ -337,7 +337,7 @@ fn heat_distances_on_a_long_ellipsoid_are_lengths_of_its_meridian() {
             };
             (0..steps).map(length).sum()
         };
-        check(&format!("ellipsoid {long}:1"), &mesh, tip, (0.03, 0.06), meridian);
+        check(&format!("ellipsoid {long}:1"), &mesh, tip, (0.01, 0.03), meridian);
     }
 }
 
@@ -359,7 +359,7 @@ fn heat_distances_on_a_few_faces_are_those_of_the_surface() {
     for source in 0..8 {
         let exact =
             |v: usize| [0.0, 1.0, 2f64.sqrt(), 5f64.sqrt()][(v ^ source).count_ones() as usize];
-        check("cube", &cube, source as u32, (0.02, 0.05), exact);
+        check("cube", &cube, source as u32, (0.01, 0.03), exact);
     }
     // Pages that share an edge of length 1, unfolded in pairs: tips are 1 away from it.
     let book = families::pages(5).unwrap();
@@ -374,7 +374,7 @@ fn heat_distances_on_a_few_faces_are_those_of_the_surface() {
                 }
             }
         };
-        check("pages", &book, source as u32, (0.02, 0.05), exact);
+        check("pages", &book, source as u32, (0.01, 0.03), exact);
     }
 }
 

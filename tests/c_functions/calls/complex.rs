@@ -114,15 +114,22 @@ fn check<T: Real>(
                     let one = if x == 0.0 { 0.0 } else { x * s };
                     one + if y == 0.0 { 0.0 } else { y * t }
                 };
+                let old_parts = [old(0), old(1)];
                 let (sum, old) = match p {
-                    0 => (mixed(ar, real, -ai, imaginary), mixed(br, old(0), -bi, old(1))),
-                    _ => (mixed(ar, imaginary, ai, real), mixed(br, old(1), bi, old(0))),
+                    0 => (
+                        mixed(ar, real, -ai, imaginary),
+                        mixed(br, old_parts[0], -bi, old_parts[1]),
+                    ),
+                    _ => {
+                        (mixed(ar, imaginary, ai, real), mixed(br, old_parts[1], bi, old_parts[0]))
+                    }
                 };
                 let bound = match nearness {
                     Nearness::Largest => 512.0 * size * len as f64 * largest,
                     _ => 8.0 * size * left[i].0 * right[j].0,
                 };
                 let none = ar == 0.0 && ai == 0.0;
+                let size_of_old = old_parts[0].abs() + old_parts[1].abs();
                 Expected {
                     alpha: if none { 0.0 } else { 1.0 },
                     sum,
@@ -132,7 +139,9 @@ fn check<T: Real>(
                     as_loops: false,
                     spread,
                     unit: 4.0 * T::UNIT,
-                    tiny: 16.0 * (len + 1) as f64 * T::SMALLEST,
+                    // Both parts of beta C may cancel.
+                    tiny: 16.0 * (len + 1) as f64 * T::SMALLEST
+                        + 4.0 * T::UNIT * mixed(br.abs(), size_of_old, bi.abs(), size_of_old),
                 }
             };
             for p in 0..2 {

@@ -204,14 +204,14 @@ impl Entries {
         Self { kind: choices.below(8), rng: choices.rng() }
     }
 
+    /// Chooses entries of which some are NaN or infinite.
+    pub fn broken(choices: &mut Choices<'_>) -> Self {
+        Self { kind: choices.pick(&[6, 7]), rng: choices.rng() }
+    }
+
     /// Chooses finite entries that are not subnormal.
     pub fn finite(choices: &mut Choices<'_>) -> Self {
         Self { kind: choices.below(5), rng: choices.rng() }
-    }
-
-    /// Returns whether all entries are finite.
-    pub fn are_finite(&self) -> bool {
-        self.kind < 6
     }
 
     /// Returns the entry (i, j).

@@ -27,7 +27,7 @@ impl Problem {
     fn new(choices: &mut Choices<'_>, sides: (usize, usize)) -> Self {
         let layout = choices.pick(&[CATA_ROW_MAJOR, CATA_COL_MAJOR]);
         let mut entries = match choices.one_in(8) {
-            true => Entries::any(choices),
+            true => Entries::broken(choices),
             false => Entries::finite(choices),
         };
         let a = Matrix::<f64>::new(choices, layout, sides, 1, |i, j| entries.next(i, j));
