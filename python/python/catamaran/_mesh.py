@@ -10,7 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, csr, is_sparse, mass_of, to_scipy, warn, warn_of_pieces
+from ._options import (
+    Progress,
+    callback,
+    csr,
+    is_sparse,
+    mass_of,
+    to_scipy,
+    warn_caller,
+    warn_of_pieces,
+)
 
 __all__ = ["Eigenpairs", "Laplacian", "eigsh", "laplacian", "read_mesh", "write_mesh"]
 
@@ -252,7 +261,8 @@ def eigsh(
     if is_sparse(v):
         pairs, free = _catamaran.eigsh_sparse(csr(v), mass_of(f), search, callback(progress))
         if free > 1 and sigma is None:
-            warn(f"{free} eigenvalues are zero: {free} components of the matrix have rows of sum 0")
+            zeros = f"{free} eigenvalues are zero"
+            warn_caller(f"{zeros}: {free} components of the matrix have rows of sum 0")
     else:
         pairs, pieces = _catamaran.eigsh(
             v, f, search, kind, mass, boundary, weld, callback(progress)

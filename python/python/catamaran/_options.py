@@ -90,7 +90,7 @@ def mass_of(mass: Optional[ArrayLike]) -> Any:
     return csr(mass) if is_sparse(mass) else mass
 
 
-def warn(message: str) -> None:
+def warn_caller(message: str) -> None:
     """Issue a warning at the line outside of this package that called it."""
     level, frame = 1, sys._getframe()
     while frame.f_back and frame.f_globals.get("__package__") == __package__:
@@ -114,4 +114,4 @@ def warn_of_pieces(pieces: Tuple[int, int, int, int]) -> None:
     if alone > 0:
         found.append(f"vertices in no face: {alone}; eigenfunctions are zero there")
     for message in found:
-        warn(message)
+        warn_caller(message)

@@ -14,7 +14,7 @@ const COMMON: [&str; 5] = ["threads", "progress", "progress_user", "struct_size"
 const OWN: [&str; 4] = ["--max-memory", "--threads", "--up", "--view"];
 
 /// Modules of Python without options of the library: generated shapes, and the preload.
-const WITHOUT: [&str; 2] = ["preload.py", "shapes.py"];
+const WITHOUT: [&str; 3] = ["_preload.py", "preload.py", "shapes.py"];
 
 /// The place and the default of every parameter of every face.
 pub fn defaults() -> Defaults {
