@@ -894,10 +894,19 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
  * @{
  */
 
+/** Counts the eigenvalues of the Laplacian of a triangle mesh that are 0: one for each connected
+ * component without a vertex that is held at zero, as all are under CATA_BOUNDARY_NEUMANN. More
+ * than 1 are often pieces that belong together, such as those beside a seam of the texture.
+ * - `count`: written.
+ * - `params`: `boundary` is used, the rest is only checked. */
+cata_status cata_mesh_free_components(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t *count, const cata_eigs_params *params);
+
 /** Computes the k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle
  * mesh, W phi = lambda M phi, and their eigenfunctions.
  * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
- * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
+ * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2; the first ones are 0,
+ *   as many as cata_mesh_free_components counts.
  * - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of
  *   M, 0 where functions are held at zero and at vertices in no face.
  * - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.
@@ -1326,7 +1335,8 @@ cata_status cata_transfer_details(size_t n_vertices, const double *vertices, siz
 
 /** Computes ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its
  * signature (Reuter, Wolter and Peinecke 2006).
- * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
+ * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero, and
+ *   more than are 0 (cata_mesh_free_components).
  * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
  *   the mesh; 0: they are not.
  * - `signature`: k elements, written: ascending.
@@ -1634,6 +1644,7 @@ cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods
 #define CATA_SLIME_BLUR_TEXTURE 1 /**< `blur`: of the texture alone. */
 #define CATA_SLIME_LENGTHS_SURFACE 0 /**< `lengths`: those of the surface. */
 #define CATA_SLIME_LENGTHS_TEXTURE 1 /**< `lengths`: those of the texture, of side 1. */
+#define CATA_SLIME_SIZE 2048 /**< `size`, where it is 0. */
 
 /** Slime moulds on a surface. */
 typedef struct cata_slime cata_slime;
@@ -1661,7 +1672,8 @@ typedef struct cata_slime_params {
     /** Distance from an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1. */
     double vision_distance;
     double vision_angle; /**< Angle between sensors, in degrees, such as 10 to 50; 0: 30. */
-    double evaporation_rate; /**< Part that evaporates in a second, such as 0.2 to 1; 0: 0.4. */
+    /** Pheromone that evaporates in a second, where an agent leaves 1, such as 0.2 to 1; 0: 0.4. */
+    double evaporation_rate;
     double diffusion_rate; /**< Blurs a second; 0: 6. */
     int32_t turns; /**< One of CATA_SLIME_TURNS_*. */
     int32_t blur; /**< One of CATA_SLIME_BLUR_*. */

@@ -8,6 +8,7 @@ use catamaran::sparse::Mass;
 use catamaran::spectral::{Eigenproducts, ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
+use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::status;
 use crate::shape::{LaplacianArgs, Mode};
@@ -45,8 +46,9 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let output = args.force.create(&args.output)?;
+    let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
     let products = Eigenproducts::new(args.k, args.order)?.len();
-    let shape = args.laplacian.shape_for(&args.mesh, args.k.saturating_add(1), products)?;
+    let shape = args.laplacian.shape_for(&args.mesh, &[need], products)?;
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
     let options = ProductBasisOptions::new()

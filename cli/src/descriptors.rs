@@ -15,6 +15,7 @@ use clap::ValueEnum;
 use crate::common::Force;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs, first_column};
+use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::status;
 use crate::shape::LaplacianArgs;
@@ -125,7 +126,10 @@ fn normals(args: &Args, radius: f64) -> Result<(TriMesh, Mat<f64>)> {
 }
 
 fn spectral(args: &Args) -> Result<(TriMesh, Mat<f64>)> {
-    let shape = args.laplacian.shape(&args.mesh, args.k.unwrap_or(K).saturating_add(1))?;
+    // Energies of waves range between two different eigenvalues.
+    let positive = if args.kind == Kind::Wks { 2 } else { 1 };
+    let need = Need { option: "-k", len: args.k.unwrap_or(K).saturating_add(1), positive };
+    let shape = args.laplacian.shape(&args.mesh, &[need])?;
     let (values, vectors) = (shape.eigenbasis.values(), shape.eigenbasis.functions());
     let (scales, par) = (args.scales.unwrap_or(SCALES), args.laplacian.par());
     let table = match args.kind {

@@ -18,6 +18,7 @@ use clap::ArgGroup;
 use crate::common::Force;
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
+use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::{note, status};
 use crate::shape::{self, LaplacianArgs, Shape};
@@ -109,7 +110,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
-    let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
+    let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
+    let shape = args.laplacian.shape(&args.mesh, &[need])?;
     let f = match &args.functions {
         Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices())?,
         None => coordinates(&shape.file.mesh),

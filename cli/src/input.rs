@@ -117,6 +117,16 @@ impl MeshArgs {
         self.apply(mesh(path)?, path)
     }
 
+    /// Returns the option of `catamaran mesh` that joins the vertices that these options join.
+    pub fn weld_flag(&self) -> String {
+        match self.weld {
+            Some(Weld::Within(tolerance)) if tolerance > 0.0 => format!(" --weld={tolerance}"),
+            Some(Weld::Within(_) | Weld::Exact) => " --weld".into(),
+            _ if self.strict => String::new(),
+            _ => " --weld seams".into(),
+        }
+    }
+
     /// Repairs a mesh that was read from `path`, as [`MeshArgs::read`] does.
     ///
     /// # Errors

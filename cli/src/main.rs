@@ -25,6 +25,7 @@ mod output;
 mod parse;
 mod pca;
 mod picture;
+mod pieces;
 mod progress;
 mod ranks;
 mod report;

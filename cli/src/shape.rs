@@ -8,13 +8,14 @@ use catamaran::base::check_request;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix, ReadOptions};
 use catamaran::mesh::io::MeshFile;
-use catamaran::mesh::{Components, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
+use catamaran::mesh::{Boundary, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
 
 use crate::common::Threads;
 use crate::input::{self, MeshArgs};
+use crate::pieces::{Need, Pieces};
 use crate::progress::Bar;
 use crate::report::status;
 
@@ -89,15 +90,16 @@ impl LaplacianArgs {
         self.threads.par()
     }
 
-    /// Reads a mesh and computes its first `len` eigenfunctions.
-    pub fn shape(&self, path: &Path, len: usize) -> Result<Shape> {
-        self.shape_for(path, len, len)
+    /// Reads a mesh and computes its first eigenfunctions, as many as the largest of `needs` says.
+    pub fn shape(&self, path: &Path, needs: &[Need]) -> Result<Shape> {
+        self.shape_for(path, needs, 0)
     }
 
-    /// Reads a mesh and computes its first `len` eigenfunctions, unless there is too little memory
-    /// for as many functions as are computed from them later.
-    pub fn shape_for(&self, path: &Path, len: usize, functions: usize) -> Result<Shape> {
+    /// The same, unless there is too little memory for as many functions as are computed from the
+    /// eigenfunctions later.
+    pub fn shape_for(&self, path: &Path, needs: &[Need], functions: usize) -> Result<Shape> {
         let file = self.repair.read(path)?;
+        let len = needs.iter().map(|need| need.len).max().unwrap_or(0);
         let vertices = file.mesh.vertices().len();
         if len > vertices {
             let k = len - 1;
@@ -106,14 +108,21 @@ impl LaplacianArgs {
                 path.display()
             );
         }
+        let functions = functions.max(len);
         let request = format_args!("{functions} functions of {vertices} vertices");
         check_request("k", request, 8.0 * functions as f64 * vertices as f64)?;
-        check_components(&file.mesh, path, len)?;
+        let pieces = Pieces::new(&file.mesh, path, &self.repair, &Boundary::Neumann)?;
+        needs.iter().try_for_each(|need| pieces.check(*need))?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
         let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
         if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
-            bail!("{}: vertex {vertex} is in no face", path.display());
+            let path = path.display();
+            bail!(
+                "{path}: vertex {vertex} is in no face (`catamaran mesh {path} --compact -o FILE` \
+                 drops such vertices)"
+            );
         }
+        pieces.note();
         let bar = Bar::new("spectrum");
         let update = |fraction| bar.update(fraction);
         let options = EigenOptions::new().k(len).par(self.par()).progress(&update);
@@ -136,22 +145,6 @@ impl LaplacianArgs {
         )?;
         Ok(Shape { file, stiffness: found.stiffness, eigenbasis })
     }
-}
-
-/// Refuses fewer eigenfunctions than components: each component has a constant function of its own,
-/// and a component without it would move to the origin.
-pub fn check_components(mesh: &TriMesh, path: &Path, len: usize) -> Result<()> {
-    let components = Components::new(mesh).len();
-    if len >= components {
-        return Ok(());
-    }
-    bail!(
-        "{}: {components} components, each with a constant function of its own: {len} \
-         eigenfunctions are too few (--weld joins pieces that belong together, `catamaran mesh \
-         --component` extracts one, and -k {} or more is enough)",
-        path.display(),
-        components - 1
-    )
 }
 
 /// Reads a matrix of numbers with a row for each of `rows` vertices.

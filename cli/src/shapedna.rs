@@ -10,6 +10,7 @@ use catamaran::unions::{ShapeDnaOptions, retrieve, shape_dna};
 
 use crate::common::Force;
 use crate::input;
+use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::report::{head, row, status};
 use crate::shape::LaplacianArgs;
@@ -68,6 +69,9 @@ pub fn run(args: &Args) -> Result<()> {
         let file = read_with(name, &input::source())?;
         input::pass_on(&file, name);
         let mesh = args.laplacian.repair.apply(file, name)?.mesh;
+        let pieces = Pieces::new(&mesh, name, &args.laplacian.repair, &options.laplacian.boundary)?;
+        pieces.check_signature(args.k)?;
+        pieces.note();
         found.push(shape_dna(&mesh, &options).with_context(|| name.display().to_string())?);
         bar.step((i + 1) as f64 / names.len() as f64)?;
     }

@@ -12,6 +12,7 @@ use clap::ValueEnum;
 
 use crate::common::Force;
 use crate::picture::{Paint, PictureArgs};
+use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{head, note, report, row, seconds, shown, status};
@@ -247,6 +248,10 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
         "{entries} entries, in {}",
         seconds(time)
     )?;
+    if args.shift.is_none() {
+        let repair = &args.laplacian.repair;
+        Pieces::new(&file.mesh, &args.input, repair, &options.boundary)?.note();
+    }
     Ok((file.mesh, operator))
 }
 

@@ -22,6 +22,7 @@ use clap::{ArgGroup, ValueEnum};
 use crate::common::Force;
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
+use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::{report, status};
 use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
@@ -165,11 +166,9 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(args.force)?;
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
-    let source = args.laplacian.shape(&args.source, eigenfunctions(args, lens.0))?;
-    let target = args.laplacian.shape(&args.target, eigenfunctions(args, lens.1))?;
-    // Refinement may use more eigenfunctions than the transfer.
-    shape::check_components(&source.file.mesh, &args.source, lens.0)?;
-    shape::check_components(&target.file.mesh, &args.target, lens.1)?;
+    let of_target = if args.target_k.is_some() { "--target-k" } else { "-k" };
+    let source = args.laplacian.shape(&args.source, &needs(args, "-k", lens.0))?;
+    let target = args.laplacian.shape(&args.target, &needs(args, of_target, lens.1))?;
     let f = match &args.functions {
         Some(path) => shape::functions(path, source.eigenbasis.basis().vertices())?,
         None => coordinates(&source.file.mesh),
@@ -253,13 +252,19 @@ fn write_mesh(
     Ok(output::mesh(output, &moved)?)
 }
 
-/// Returns the number of eigenfunctions to compute, where the transfer itself needs `len`.
-fn eigenfunctions(args: &Args, len: usize) -> usize {
+/// Returns the eigenfunctions that the transfer of `len` functions, which `option` sets, needs.
+fn needs(args: &Args, option: &'static str, len: usize) -> Vec<Need> {
     let is_fitted = args.landmarks.is_some() || args.segments.is_some();
-    let zoom = if is_fitted && args.refine == Refine::Zoomout { args.zoom } else { 0 };
-    let heights = args.details == Some(Details::Heights);
-    let smooth = if heights { smooth(args) } else { 0 };
-    len.max(zoom).max(smooth)
+    // Wave kernel signatures range between two different eigenvalues.
+    let mut needs = vec![Need { option, len, positive: if is_fitted { 2 } else { 0 } }];
+    if is_fitted && args.refine == Refine::Zoomout {
+        // Refinement may use more eigenfunctions than the transfer, and uses no fewer.
+        needs.push(Need { option: "--zoom", len: args.zoom.max(len), positive: 0 });
+    }
+    if args.details == Some(Details::Heights) {
+        needs.push(Need { option: "--smooth", len: smooth(args), positive: 0 });
+    }
+    needs
 }
 
 /// Returns the number of eigenfunctions of the smooth surfaces of --details heights.
@@ -291,8 +296,6 @@ fn with_heights(
     transfer: &Transfer<'_>,
 ) -> Result<Mat<f64>> {
     let len = smooth(args);
-    shape::check_components(&source.file.mesh, &args.source, len)?;
-    shape::check_components(&target.file.mesh, &args.target, len)?;
     let smooth = (source.eigenbasis.truncated(len)?, target.eigenbasis.truncated(len)?);
     let moved = transfer_details(
         &source.file.mesh,
@@ -402,7 +405,7 @@ fn signatures(source: &Eigenbasis, target: &Eigenbasis, par: Par) -> Result<[Mat
         Ok((values, Scale(area.sqrt()) * basis.functions()))
     };
     let (source, target) = (normalized(source)?, normalized(target)?);
-    let scales = wave_scales(&source.0, SIGNATURES)?;
+    let scales = wave_scales(&source.0, SIGNATURES).context("wave kernel signatures (raise -k)")?;
     let signature = |(values, vectors): &(Vec<f64>, Mat<f64>)| {
         wave_kernel_signature(values, vectors.as_ref(), &scales, par)
     };

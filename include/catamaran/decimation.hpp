@@ -18,7 +18,7 @@ struct decimation_options {
     bool thesis = false;
     /// Passes that move samples to the centroids of their cells.
     std::int32_t lloyd = 0;
-    /// Passes that flip edges and move vertices of the result; 0: the default, or CATA_NO_PASSES.
+    /// Passes that flip edges and move vertices of the result; 0: 12, or CATA_NO_PASSES.
     std::int32_t relaxation = 0;
     /// The vertex that the first sample is; none: the lowest that a face has.
     std::optional<std::uint32_t> first;

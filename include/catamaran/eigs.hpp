@@ -156,6 +156,16 @@ inline eigenpairs eigs(const mesh_view& mesh, std::size_t k, const eigs_options&
     return pairs;
 }
 
+/// The number of eigenvalues of the Laplacian of a triangle mesh that are 0, one for each component
+/// without a vertex that is held at zero: cata_mesh_free_components.
+inline std::size_t free_components(const mesh_view& mesh, const eigs_options& how = {}) {
+    std::size_t count = 0;
+    detail::eigs_call call(how);
+    call.finish(cata_mesh_free_components(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                          &count, call.params()));
+    return count;
+}
+
 /// The k smallest eigenvalues of a part of a triangle mesh, ascending: cata_mesh_part_eigenvalues.
 /// mask: 1 for each vertex of the part, 0 for each other.
 inline std::vector<double> part_eigenvalues(const mesh_view& mesh,

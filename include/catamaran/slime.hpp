@@ -56,7 +56,7 @@ struct slime_options {
     double vision_distance = 0.0;
     /// Between sensors, in degrees, such as 10 to 50; 0: 30.
     double vision_angle = 0.0;
-    /// Pheromone that is gone after a second, where an agent leaves 1, such as 0.2 to 1; 0: 0.4.
+    /// Pheromone that evaporates in a second, where an agent leaves 1, such as 0.2 to 1; 0: 0.4.
     double evaporation_rate = 0.0;
     /// Blurs a second; 0: 6.
     double diffusion_rate = 0.0;
@@ -80,7 +80,8 @@ public:
         : watcher_(how.progress) {
         detail::require(uv.empty() || uv.size() == mesh.n_faces, CATA_ERR_SHAPE,
                         "uv: must be as many as faces");
-        const std::size_t side = how.size > 0 ? how.size : 2048;
+        // The size is passed on, so that masks end where C stops to read.
+        const std::size_t side = how.size > 0 ? how.size : CATA_SLIME_SIZE;
         for (const auto* mask : {&start, &ground}) {
             detail::require(mask->empty() || mask->size() == side * side, CATA_ERR_SHAPE,
                             "start and ground: must have a value for each texel");
@@ -90,7 +91,7 @@ public:
         params.threads = how.threads;
         params.agents = how.agents;
         params.species = how.species;
-        params.size = how.size;
+        params.size = side;
         params.device = how.device ? how.device->c_str() : nullptr;
         params.seed = how.seed;
         params.substeps = how.substeps;

@@ -23,6 +23,7 @@ mod scalar;
 mod sparse;
 mod spectral;
 mod spectrum;
+mod surface;
 mod task;
 mod texture;
 mod unions;

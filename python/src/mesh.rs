@@ -8,6 +8,7 @@ use crate::array::{Array, from_rows, from_vec, untyped};
 use crate::error::{exception, refused};
 use crate::options::{laplacian as options, par};
 use crate::sparse::{Parts, mass_parts, parts};
+use crate::surface::Surface;
 use crate::task::{Length, run};
 
 /// Vertices and faces.
@@ -101,7 +102,7 @@ pub fn shape<'py>(
 
 /// Stiffness, mass and the vertices of their rows; see `catamaran.laplacian`.
 #[pyfunction]
-#[pyo3(signature = (v, f, kind, mass, boundary, threads, progress))]
+#[pyo3(signature = (v, f, kind, mass, boundary, weld, threads, progress))]
 pub fn laplacian<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -109,13 +110,19 @@ pub fn laplacian<'py>(
     kind: &str,
     mass: &str,
     boundary: &Bound<'py, PyAny>,
+    weld: bool,
     threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Parts<'py>, Parts<'py>, Bound<'py, PyAny>)> {
-    let options = options(kind, mass, boundary, par(threads)?)?;
-    let mesh = mesh(v, f)?;
-    let found = run(py, Length::Long, progress, move |_| assemble(&mesh, &options))?;
-    let kept: Vec<i64> = found.kept.iter().map(|&v| v as i64).collect();
+    let mut options = options(kind, mass, boundary, par(threads)?)?;
+    let surface = Surface::new(v, f, weld)?;
+    options.boundary = surface.boundary(options.boundary);
+    let (found, kept) = run(py, Length::Long, progress, move |_| {
+        let found = assemble(&surface.mesh, &options)?;
+        let firsts = surface.firsts();
+        let kept: Vec<i64> = found.kept.iter().map(|&v| firsts(v) as i64).collect();
+        Ok::<_, catamaran::Error>((found, kept))
+    })?;
     Ok((parts(py, found.stiffness), mass_parts(py, found.mass), from_vec(py, kept).into_any()))
 }
 

@@ -3,7 +3,7 @@
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
-use catamaran::mesh::{LaplacianOptions, laplacian};
+use catamaran::mesh::{Boundary, LaplacianOptions, laplacian};
 use catamaran::sparse::{EigenOptions, eigs};
 use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
 use catamaran::spectral::functional_map::{MapFit, icp, map_from_points, points_from_map, zoomout};
@@ -12,44 +12,53 @@ use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::refused;
-use crate::mesh::mesh;
 use crate::options::{laplacian_kind, orthogonalization, par, vertices, word};
 use crate::sparse::{Parts, mass_parts};
+use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
 /// Eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
 #[pyclass(frozen, subclass, module = "catamaran._catamaran")]
 pub struct Eigenbasis {
     basis: Basis,
+    pieces: Pieces,
 }
 
 #[pymethods]
 impl Eigenbasis {
     #[new]
-    #[pyo3(signature = (v, f, k, kind, threads, progress))]
+    #[pyo3(signature = (v, f, k, kind, weld, threads, progress))]
     fn new(
         py: Python<'_>,
         v: &Bound<'_, PyAny>,
         f: &Bound<'_, PyAny>,
         k: usize,
         kind: &str,
+        weld: bool,
         threads: Option<i64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let (mesh, par) = (mesh(v, f)?, par(threads)?);
+        let (surface, par) = (Surface::new(v, f, weld)?, par(threads)?);
         let options = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par);
-        let basis = run(py, Length::Long, progress, move |progress| {
-            let found = laplacian(&mesh, &options)?;
+        let (basis, pieces) = run(py, Length::Long, progress, move |progress| {
+            let found = laplacian(&surface.mesh, &options)?;
             let missing = (0..found.vertices).find(|&v| found.kept.get(v) != Some(&v));
             if let Some(vertex) = missing {
-                let element = format!("vertex {vertex}");
+                let element = format!("vertex {}", surface.firsts()(vertex));
                 return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
             }
             let search = EigenOptions::new().k(k).par(par).progress(progress);
             let pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
-            Basis::new(pairs.values, pairs.vectors, found.mass)
+            let (vectors, mass) = (surface.extend(pairs.vectors), surface.shares(found.mass));
+            let pieces = surface.pieces(&Boundary::Neumann)?;
+            Ok((Basis::new(pairs.values, vectors, mass)?, pieces))
         })?;
-        Ok(Self { basis })
+        Ok(Self { basis, pieces })
+    }
+
+    #[getter]
+    fn _pieces(&self) -> Pieces {
+        self.pieces
     }
 
     fn __len__(&self) -> usize {

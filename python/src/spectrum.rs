@@ -2,14 +2,14 @@
 
 use catamaran::base::Progress;
 use catamaran::mesh::laplacian;
-use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs};
+use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs, free_components};
 use catamaran::{Error, Par};
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_vec};
-use crate::mesh::mesh;
 use crate::options::{laplacian as laplacian_options, par};
 use crate::sparse::{Csr, mass as mass_of};
+use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
 /// How eigenpairs are computed, as a dictionary.
@@ -49,20 +49,17 @@ impl Search {
     }
 }
 
-/// Values, vectors, residuals.
-type Pairs<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+/// Values, vectors.
+type Pairs<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 fn arrays(py: Python<'_>, pairs: Eigenpairs) -> PyResult<Pairs<'_>> {
-    Ok((
-        from_vec(py, pairs.values).into_any(),
-        from_matrix(py, pairs.vectors.as_ref())?.into_any(),
-        from_vec(py, pairs.residuals).into_any(),
-    ))
+    let vectors = from_matrix(py, pairs.vectors.as_ref())?;
+    Ok((from_vec(py, pairs.values).into_any(), vectors.into_any()))
 }
 
-/// Eigenpairs of the Laplacian of a mesh; see `catamaran.eigsh`.
+/// Eigenpairs of the Laplacian of a mesh, and its components; see `catamaran.eigsh`.
 #[pyfunction]
-#[pyo3(signature = (v, f, search, kind, mass, boundary, progress))]
+#[pyo3(signature = (v, f, search, kind, mass, boundary, weld, progress))]
 pub fn eigsh<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -71,23 +68,27 @@ pub fn eigsh<'py>(
     kind: &str,
     mass: &str,
     boundary: &Bound<'py, PyAny>,
+    weld: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Pairs<'py>> {
+) -> PyResult<(Pairs<'py>, Pieces)> {
     let par = par(search.threads)?;
-    let options = laplacian_options(kind, mass, boundary, par)?;
-    let mesh = mesh(v, f)?;
-    let pairs = run(py, Length::Long, progress, move |progress| {
-        let found = laplacian(&mesh, &options)?;
+    let mut options = laplacian_options(kind, mass, boundary, par)?;
+    let surface = Surface::new(v, f, weld)?;
+    options.boundary = surface.boundary(options.boundary);
+    let (pairs, pieces) = run(py, Length::Long, progress, move |progress| {
+        let found = laplacian(&surface.mesh, &options)?;
         let mut pairs = search.pairs(found.stiffness.view(), &found.mass, par, progress)?;
         if found.kept.len() < found.vertices {
             pairs.vectors = found.extend(pairs.vectors.as_ref())?;
         }
-        Ok::<_, Error>(pairs)
+        pairs.vectors = surface.extend(pairs.vectors);
+        Ok::<_, Error>((pairs, surface.pieces(&options.boundary)?))
     })?;
-    arrays(py, pairs)
+    Ok((arrays(py, pairs)?, pieces))
 }
 
-/// Eigenpairs of a sparse symmetric matrix; see `catamaran.eigsh`.
+/// Eigenpairs of a sparse symmetric matrix, and the number of components of its graph whose rows
+/// sum to zero; see `catamaran.eigsh`.
 #[pyfunction]
 #[pyo3(signature = (a, mass, search, progress))]
 pub fn eigsh_sparse<'py>(
@@ -96,12 +97,13 @@ pub fn eigsh_sparse<'py>(
     mass: Option<&Bound<'py, PyAny>>,
     search: Search,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Pairs<'py>> {
+) -> PyResult<(Pairs<'py>, usize)> {
     let par = par(search.threads)?;
     let a = a.matrix("a")?.to_matrix()?;
     let mass = mass_of(mass, a.rows())?;
-    let pairs = run(py, Length::Long, progress, move |progress| {
-        search.pairs(a.view(), &mass, par, progress)
+    let (pairs, free) = run(py, Length::Long, progress, move |progress| {
+        let pairs = search.pairs(a.view(), &mass, par, progress)?;
+        Ok::<_, Error>((pairs, free_components(a.view(), &mass)?))
     })?;
-    arrays(py, pairs)
+    Ok((arrays(py, pairs)?, free))
 }

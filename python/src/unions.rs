@@ -2,18 +2,18 @@
 
 use std::path::PathBuf;
 
-use catamaran::mesh::{LaplacianOptions, TriMesh};
+use catamaran::mesh::{Boundary, LaplacianOptions, TriMesh, free_components};
 use catamaran::unions::{K, PartSpectra, ShapeDnaOptions, SpectralUnion, shape_dna as signature};
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_vec};
-use crate::mesh::mesh;
 use crate::options::{laplacian_kind, par};
+use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
-/// See `catamaran.shape_dna`.
+/// A signature, and the components of the mesh; see `catamaran.shape_dna`.
 #[pyfunction]
-#[pyo3(signature = (v, f, k, normalized, kind, threads, progress))]
+#[pyo3(signature = (v, f, k, normalized, kind, weld, threads, progress))]
 pub fn shape_dna<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -21,16 +21,18 @@ pub fn shape_dna<'py>(
     k: usize,
     normalized: bool,
     kind: &str,
+    weld: bool,
     threads: Option<i64>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<(Bound<'py, PyAny>, Pieces)> {
     let laplacian = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par(threads)?);
-    let mesh = mesh(v, f)?;
+    let surface = Surface::new(v, f, weld)?;
     let options = ShapeDnaOptions::new().k(k).normalized(normalized).laplacian(laplacian);
-    let found = run(py, Length::Long, progress, move |progress| {
-        signature(&mesh, &options.progress(progress))
+    let (found, pieces) = run(py, Length::Long, progress, move |progress| {
+        let pieces = surface.pieces(&options.laplacian.boundary)?;
+        Ok::<_, catamaran::Error>((signature(&surface.mesh, &options.progress(progress))?, pieces))
     })?;
-    Ok(from_vec(py, found).into_any())
+    Ok((from_vec(py, found).into_any(), pieces))
 }
 
 /// A part: its spectrum, or the mesh that it is of.
@@ -40,11 +42,11 @@ enum Part {
 }
 
 impl Part {
-    fn new(object: &Bound<'_, PyAny>) -> PyResult<Self> {
+    fn new(object: &Bound<'_, PyAny>, weld: bool) -> PyResult<Self> {
         if let Ok((v, f)) = object.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>()
             && v.len().is_ok()
         {
-            return Ok(Self::Mesh(mesh(&v, &f)?));
+            return Ok(Self::Mesh(Surface::new(&v, &f, weld)?.mesh));
         }
         let values = Array::<f64>::new("parts", object, &[1])?;
         Ok(Self::Spectrum(values.entries().into_owned()))
@@ -54,6 +56,10 @@ impl Part {
         match self {
             Self::Spectrum(values) => Ok(values),
             Self::Mesh(mesh) => {
+                if free_components(&mesh, &Boundary::Dirichlet)? > 0 {
+                    let why = "a component is closed: each component of a part needs a boundary";
+                    return Err(catamaran::Error::Argument { what: "parts", why: why.into() });
+                }
                 let all = vec![true; mesh.vertices().len()];
                 PartSpectra::new(&mesh, &LaplacianOptions::default())?.dirichlet(&all, K)
             }
@@ -64,14 +70,16 @@ impl Part {
 /// The spectrum of the union, those of the parts, and how unlike the training the parts are; see
 /// `catamaran.union_spectrum`.
 #[pyfunction]
-#[pyo3(signature = (parts, model, progress))]
+#[pyo3(signature = (parts, model, weld, progress))]
 pub fn union_spectrum<'py>(
     py: Python<'py>,
     parts: Vec<Bound<'py, PyAny>>,
     model: Option<PathBuf>,
+    weld: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, f64)> {
-    let parts: Vec<Part> = parts.iter().map(Part::new).collect::<PyResult<_>>()?;
+    let parts: Vec<Part> =
+        parts.iter().map(|part| Part::new(part, weld)).collect::<PyResult<_>>()?;
     let (union, spectra, ood_score) = run(py, Length::Long, progress, move |_| {
         let model = match model {
             Some(path) => SpectralUnion::read(&path)?,

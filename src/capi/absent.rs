@@ -79,6 +79,7 @@ absent! { "capi":
     fn cata_ortho_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_ortho_gram_schmidt(layout: i32, n: usize, c: usize, a: *mut f64, lda: usize, masses: *const f64, r: *mut f64, ldr: usize, kept: *mut usize, rank: *mut usize, params: *const c_void) -> cata_status;
     fn cata_ortho_cholesky_qr(layout: i32, n: usize, c: usize, a: *mut f64, lda: usize, masses: *const f64, r: *mut f64, ldr: usize, params: *const c_void) -> cata_status;
+    fn cata_mesh_free_components(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: *mut usize, params: *const c_void) -> cata_status;
     fn cata_mesh_eigs(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, masses: *mut f64, params: *const c_void) -> cata_status;
     fn cata_mesh_eigs_sliced(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, memory: usize, slice: c_void, user: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_mesh_part_eigenvalues(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, mask: *const u8, k: usize, eigenvalues: *mut f64, params: *const c_void) -> cata_status;

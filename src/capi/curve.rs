@@ -233,7 +233,10 @@ pub unsafe extern "C" fn cata_curve_solver_find(
     })
 }
 
-fn fill(options: &mut CurveOptions<'_>, params: &cata_curve_params) -> Result<(), Failure> {
+pub(super) fn fill(
+    options: &mut CurveOptions<'_>,
+    params: &cata_curve_params,
+) -> Result<(), Failure> {
     if flag("params.faithful", params.faithful)? {
         options.mode = Mode::Faithful;
     }

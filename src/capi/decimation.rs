@@ -398,7 +398,7 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
-unsafe fn with_options<X>(
+pub(super) unsafe fn with_options<X>(
     params: *const cata_decimation_params,
     work: impl FnOnce(&DecimateOptions<'_>) -> crate::Result<X>,
 ) -> Result<X, Failure> {

@@ -15,17 +15,48 @@ use std::ffi::c_void;
 
 use super::boundary::boundary;
 use super::eigs::{Outputs, cata_eigs_params, cata_eigs_slice, sink, with_eigen_options};
-use super::pointer::{mesh, optional_slice_mut, slice, slice_mut};
+use super::pointer::{mesh, optional_slice_mut, output, slice, slice_mut};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use crate::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
+use crate::mesh::{Boundary, LaplacianOptions, MassKind, free_components, laplacian};
 use crate::sparse::{EigenOptions, Mass, eigs, eigs_sliced};
 use crate::unions::PartSpectra;
+
+/// Counts the eigenvalues of the Laplacian of a triangle mesh that are 0: one for each connected
+/// component without a vertex that is held at zero, as all are under CATA_BOUNDARY_NEUMANN. More
+/// than 1 are often pieces that belong together, such as those beside a seam of the texture.
+///
+/// - `count`: written.
+/// - `params`: `boundary` is used, the rest is only checked.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_mesh_free_components(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    count: *mut usize,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, count) =
+            unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("count", count)?) };
+        let work =
+            |_: &EigenOptions<'_>, of: &LaplacianOptions| Ok(free_components(&mesh, &of.boundary)?);
+        // SAFETY: the caller's promise.
+        *count = unsafe { with_eigen_options(0, params, work) }?;
+        Ok(())
+    })
+}
 
 /// Computes the k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle
 /// mesh, W phi = lambda M phi, and their eigenfunctions.
 ///
 /// - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
-/// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
+/// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2; the first ones are 0,
+///   as many as cata_mesh_free_components counts.
 /// - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of
 ///   M, 0 where functions are held at zero and at vertices in no face.
 /// - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.

@@ -40,6 +40,8 @@ mod basis;
 mod curve;
 #[cfg(feature = "capi")]
 mod decimation;
+#[cfg(all(feature = "capi", test))]
+mod defaults;
 #[cfg(feature = "capi")]
 mod device;
 #[cfg(feature = "capi")]

@@ -137,7 +137,7 @@ pub unsafe extern "C" fn cata_newton_new(
     })
 }
 
-fn fill(
+pub(super) fn fill(
     options: &mut NewtonOptions,
     params: &cata_newton_params,
     roots: &[f64],

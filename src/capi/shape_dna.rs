@@ -11,7 +11,8 @@ use crate::unions::{ShapeDnaOptions, retrieve, shape_dna};
 /// Computes ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its
 /// signature (Reuter, Wolter and Peinecke 2006).
 ///
-/// - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
+/// - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero, and
+///   more than are 0 (cata_mesh_free_components).
 /// - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
 ///   the mesh; 0: they are not.
 /// - `signature`: k elements, written: ascending.

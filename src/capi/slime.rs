@@ -47,6 +47,9 @@ pub const CATA_SLIME_LENGTHS_SURFACE: i32 = 0;
 /// `lengths`: those of the texture, of side 1.
 pub const CATA_SLIME_LENGTHS_TEXTURE: i32 = 1;
 
+/// `size`, where it is 0.
+pub const CATA_SLIME_SIZE: usize = 2048;
+
 /// Properties of slime moulds (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
 /// hundredths of the square root of the area of the surface, times in seconds.
 #[repr(C)]
@@ -84,7 +87,7 @@ pub struct cata_slime_params {
     pub vision_distance: f64,
     /// Angle between sensors, in degrees, such as 10 to 50; 0: 30.
     pub vision_angle: f64,
-    /// Part that evaporates in a second, such as 0.2 to 1; 0: 0.4.
+    /// Pheromone that evaporates in a second, where an agent leaves 1, such as 0.2 to 1; 0: 0.4.
     pub evaporation_rate: f64,
     /// Blurs a second; 0: 6.
     pub diffusion_rate: f64,
@@ -201,7 +204,7 @@ pub unsafe extern "C" fn cata_slime_new(
 }
 
 /// Returns the options of the caller.
-fn options(params: &cata_slime_params) -> Result<Options, Failure> {
+pub(super) fn options(params: &cata_slime_params) -> Result<Options, Failure> {
     let default = Options::default();
     let count = |value: usize, default: usize| if value == 0 { default } else { value };
     let real = |value: f64, default: f64| if value == 0.0 { default } else { value };
@@ -210,7 +213,7 @@ fn options(params: &cata_slime_params) -> Result<Options, Failure> {
     Ok(Options {
         agents: count(params.agents, default.agents),
         species: count(params.species, default.species),
-        size: count(params.size, default.size),
+        size: count(params.size, CATA_SLIME_SIZE),
         seed: params.seed,
         time_step: real(params.time_step, default.time_step),
         movement_speed: real(params.movement_speed, default.movement_speed),

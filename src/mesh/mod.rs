@@ -27,7 +27,9 @@ pub use compare::{Comparison, OneSided};
 pub(crate) use compare::{Triangles, nearest_on_triangle, squares};
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use isosurface::{Lattice, Rim, isosurface, label_surface, label_surface_by};
-pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
+pub use laplacian::{
+    Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, free_components, laplacian,
+};
 pub use measure::Normalization;
 pub(crate) use measure::quality;
 pub use operators::{divergence, gradient, vertex_areas};

@@ -1,8 +1,33 @@
 use sprs::CsMatView;
 
 use super::Mass;
+use super::check::check_symmetric;
 use super::product::row_sum;
-use crate::base::Sets;
+use crate::base::{Result, Sets};
+
+/// Counts the eigenvalues of `W phi = lambda M phi` that are zero because W is a Laplacian: one for
+/// each connected component of the graph of W and M in which the rows of W sum to zero (to within
+/// rounding). W is n x n, symmetric, with all entries stored, by rows.
+///
+/// ```
+/// use catamaran::sparse::{CsMat, Mass, free_components};
+///
+/// // Two vertices that an edge joins, one that is held at zero, and one alone.
+/// let edge = [1.0, -1.0, -1.0, 1.0, 2.0];
+/// let w = CsMat::new((4, 4), vec![0, 2, 4, 5, 5], vec![0, 1, 0, 1, 2], edge.to_vec());
+/// assert_eq!(free_components(w.view(), &Mass::identity(4))?, 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Shape`](crate::Error::Shape), [`Error::NonFinite`](crate::Error::NonFinite) and
+/// [`Error::Argument`](crate::Error::Argument) name W ("stiffness") or "mass", as
+/// [`eigs`](super::eigs()) does.
+pub fn free_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Result<usize> {
+    check_symmetric("stiffness", stiffness)?;
+    mass.check(stiffness.rows())?;
+    Ok(null_components(stiffness, mass).len())
+}
 
 /// Returns the null vectors of W that can be seen without arithmetic: each is 1 on one connected
 /// component of the graph of W and M, if the rows of W there sum to zero, and 0 elsewhere. They are

@@ -4,6 +4,7 @@ use sprs::CsMatView;
 use super::Mass;
 use super::certificate::{Certificate, ROUNDINGS, certify, count_is_complete};
 use super::check::check_symmetric;
+use super::components::null_components;
 use super::eigenpairs::{Eigenpairs, ascending};
 use super::lanczos::{WIDTH, basis_size};
 use super::options::EigenOptions;
@@ -21,8 +22,9 @@ use crate::dense::filled;
 /// Lewis and Simon 1994) on a sparse Cholesky factorization of `W - sigma M`. Without a shift,
 /// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
 /// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null vectors that are constant
-/// on components of the graph of W are not iterated, however many there are. Other eigenvalues
-/// of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
+/// on components of the graph of W are not iterated, however many there are
+/// ([`free_components`](super::free_components) counts them): their eigenvalues are 0. Other
+/// eigenvalues of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors
 /// of n, the result, and the factor.
@@ -142,7 +144,12 @@ fn small(
     }
     order.truncate(options.k);
     order.sort_unstable();
-    let values: Vec<f64> = order.iter().map(|&j| values[j]).collect();
+    let mut values: Vec<f64> = order.iter().map(|&j| values[j]).collect();
+    if options.shift.is_none() {
+        // The values of constants on components are zero, not rounding errors.
+        let free = null_components(stiffness, mass).len().min(options.k);
+        values[..free].fill(0.0);
+    }
     let rows = pencil.inner().rows();
     let vectors = filled(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])])?;
     let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());

@@ -24,6 +24,7 @@ mod two_level;
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
 pub(crate) use cholesky::{Factor, Symbolic};
+pub use components::free_components;
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
 pub use eigs::eigs;

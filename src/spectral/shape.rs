@@ -8,7 +8,9 @@ use crate::dense::{
     cholesky, lower_solve_in_place, transposed_product, upper_solve_in_place, zeros,
 };
 use crate::mesh::vector::{add, cross, dot, doubled_normal, norm, scale, sub};
-use crate::mesh::{Boundary, Components, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
+use crate::mesh::{
+    Boundary, Edges, Laplacian, LaplacianOptions, TriMesh, free_components, laplacian,
+};
 use crate::sparse::{EigenOptions, Factor, Inverse, Shifted, Symbolic, eigs};
 
 /// Options of [`shape_from_spectrum`].
@@ -52,8 +54,9 @@ pub struct ShapeFromSpectrum {
 }
 
 /// Deforms a template until the first eigenvalues of its cotangent Laplacian with barycentric
-/// masses are `eigenvalues`: with a Dirichlet boundary, or, if the template is closed, without the
-/// zeros. The eigenvalues are positive and ascending, in 1 / length^2.
+/// masses are `eigenvalues`: with a Dirichlet boundary, or, if the template is closed, a Neumann
+/// one; the zeros of closed components are left out. The eigenvalues are positive and ascending, in
+/// 1 / length^2.
 ///
 /// The size is fitted first. Then each step is one of Levenberg and Marquardt for the relative
 /// differences, with the displacement that has the least `integral of |grad d|^2 + |d|^2 / area`
@@ -85,7 +88,7 @@ pub fn shape_from_spectrum(
     options: &ShapeOptions<'_>,
 ) -> Result<ShapeFromSpectrum> {
     check(template, eigenvalues)?;
-    let wanted = Wanted::new(template, eigenvalues, options.par);
+    let wanted = Wanted::new(template, eigenvalues, options.par)?;
     let as_given = wanted.shape(template.vertices().to_vec())?;
     // Eigenvalues scale with 1 / length^2.
     let mean = 1.0 + as_given.residuals.iter().sum::<f64>() / eigenvalues.len() as f64;
@@ -163,13 +166,12 @@ struct Shape {
 }
 
 impl<'a> Wanted<'a> {
-    fn new(template: &'a TriMesh, eigenvalues: &'a [f64], par: Par) -> Self {
+    fn new(template: &'a TriMesh, eigenvalues: &'a [f64], par: Par) -> Result<Self> {
         let closed = Edges::new(template).boundary().next().is_none();
-        let (boundary, zeros) = match closed {
-            true => (Boundary::Neumann, Components::new(template).len()),
-            false => (Boundary::Dirichlet, 0),
-        };
-        Self { faces: template.faces(), eigenvalues, boundary, zeros, par }
+        let boundary = if closed { Boundary::Neumann } else { Boundary::Dirichlet };
+        // A template with a boundary may have closed components, too.
+        let zeros = free_components(template, &boundary)?;
+        Ok(Self { faces: template.faces(), eigenvalues, boundary, zeros, par })
     }
 
     fn shape(&self, vertices: Vec<[f64; 3]>) -> Result<Shape> {
@@ -392,7 +394,7 @@ mod tests {
         let mut rng = Rng::new(7);
         for template in [bumpy(2, [1.0, 1.2, 1.5]), sheet(1.0, 1.3)] {
             let eigenvalues = [1.0, 2.0, 3.0, 4.0];
-            let wanted = Wanted::new(&template, &eigenvalues, Par::Seq);
+            let wanted = Wanted::new(&template, &eigenvalues, Par::Seq).unwrap();
             let shape = wanted.shape(template.vertices().to_vec()).unwrap();
             let direction: Vec<[f64; 3]> = (0..template.vertices().len())
                 .map(|_| std::array::from_fn(|_| rng.uniform() - 0.5))
@@ -415,7 +417,7 @@ mod tests {
     #[test]
     fn a_template_gets_the_spectrum_of_another_shape() {
         let spectrum = |mesh: &TriMesh| {
-            let wanted = Wanted::new(mesh, &[1.0; 12], Par::Seq);
+            let wanted = Wanted::new(mesh, &[1.0; 12], Par::Seq).unwrap();
             wanted.shape(mesh.vertices().to_vec()).unwrap().values
         };
         for (template, other) in [
@@ -434,6 +436,19 @@ mod tests {
             let same = shape_from_spectrum(&template, &eigenvalues, &threads).unwrap();
             assert_eq!(found.mesh, same.mesh);
         }
+    }
+
+    #[test]
+    fn zeros_of_closed_components_beside_an_open_one_are_left_out() {
+        let (grid, ball) = (sheet(1.0, 1.3), bumpy(1, [1.0, 1.2, 1.5]));
+        let first = grid.vertices().len() as u32;
+        let vertices = [grid.vertices(), ball.vertices()].concat();
+        let moved = ball.faces().iter().map(|face| face.map(|v| v + first));
+        let faces = grid.faces().iter().copied().chain(moved).collect();
+        let both = TriMesh::new(vertices, faces).unwrap();
+        let wanted = Wanted::new(&both, &[1.0; 4], Par::Seq).unwrap();
+        let values = wanted.shape(both.vertices().to_vec()).unwrap().values;
+        assert!(values.iter().all(|value| *value > 0.1), "{values:?}");
     }
 
     #[test]

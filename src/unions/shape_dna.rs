@@ -4,14 +4,14 @@
 //! solids (2006).
 
 use crate::base::{Error, Par, Progress, Result, builder};
-use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
+use crate::mesh::{LaplacianOptions, TriMesh, free_components, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
 /// Options of [`shape_dna`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ShapeDnaOptions<'a> {
-    /// Number of eigenvalues; default 20.
+    /// Number of eigenvalues, more than there are zeros ([`free_components`]); default 20.
     pub k: usize,
     /// Whether the eigenvalues are multiplied by the area, so that they do not depend on the size
     /// of the shape; default true.
@@ -37,7 +37,9 @@ builder! { ShapeDnaOptions<'a> {
 }}
 
 /// Computes the k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or
-/// without unit if they are normalized by the area. The first eigenvalue of a closed surface is 0.
+/// without unit if they are normalized by the area. As many of them are 0 as the surface has
+/// components without a vertex that is held at zero ([`free_components`]): one of a connected
+/// surface under Neumann conditions.
 ///
 /// ```
 /// use catamaran::{mesh::families, unions::{ShapeDnaOptions, shape_dna}};
@@ -49,8 +51,20 @@ builder! { ShapeDnaOptions<'a> {
 ///
 /// # Errors
 /// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when fewer than k vertices are not held at
-/// zero.
+/// zero, and when all k eigenvalues would be 0, which all such surfaces have in common.
 pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
+    let free = free_components(mesh, &options.laplacian.boundary)?;
+    if options.k <= free {
+        let why = match free {
+            0 => "must be at least 1, is 0".into(),
+            _ => format!(
+                "must be more than {free}, is {}: {free} eigenvalues are zero, one for each \
+                 component without a vertex held at zero",
+                options.k
+            ),
+        };
+        return Err(Error::Argument { what: "k", why });
+    }
     options.progress.watch(|| signature(mesh, options))
 }
 

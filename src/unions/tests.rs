@@ -180,3 +180,19 @@ fn parts_without_enough_inside_are_refused() {
     let all = vec![true; mesh.vertices().len()];
     assert!(parts.dirichlet(&all, 1).unwrap()[0].abs() < 1e-9);
 }
+
+#[test]
+fn a_signature_of_zeros_alone_is_refused() {
+    let mesh = crate::mesh::families::spheres(3, 1).unwrap();
+    let of = |k| shape_dna(&mesh, &ShapeDnaOptions::new().k(k));
+    for k in 0..4 {
+        let why = of(k).unwrap_err().to_string();
+        assert!(why.contains("k: must be more than 3"), "{why}");
+    }
+    let found = of(4).unwrap();
+    assert!(found[..3] == [0.0; 3] && found[3] > 0.0, "{found:?}");
+    let dirichlet = LaplacianOptions::new().boundary(Boundary::Dirichlet);
+    let flat = ShapeDnaOptions::new().laplacian(dirichlet).k(0);
+    let why = shape_dna(&grid(4, 4).unwrap(), &flat).unwrap_err().to_string();
+    assert!(why.contains("k: must be at least 1"), "{why}");
+}

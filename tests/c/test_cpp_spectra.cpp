@@ -231,6 +231,7 @@ void meshes() {
     for (std::size_t v = 0; v < 4; ++v) {
         for (std::size_t k = 0; k < 3; ++k) CHECK(std::abs(moved[v][k] - corners[v][k]) < 1e-12);
     }
+    CHECK(catamaran::free_components(mesh) == 1);
     const auto signature = catamaran::shape_dna(mesh, 4);
     CHECK(std::abs(signature[0]) < 1e-9 && std::abs(signature[1] / signature[3] - 1) < 1e-9);
     catamaran::eigs_options how;

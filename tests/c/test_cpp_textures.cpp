@@ -128,6 +128,11 @@ void slimes() {
     CHECK(slime.steps() == 4 && slime.uv().size() == 2);
     CHECK(status_of([&] { catamaran::slime(square, how, {{{0}}}); }) == CATA_ERR_SHAPE);
     CHECK(status_of([&] { catamaran::slime(square, how, {}, {1, 2}); }) == CATA_ERR_SHAPE);
+    // Without a size, masks are as large as the texture that the library makes by default.
+    how.size = 0;
+    CHECK(status_of([&] { catamaran::slime(square, how, {}, {1, 2}); }) == CATA_ERR_SHAPE);
+    const std::vector<std::uint8_t> everywhere(CATA_SLIME_SIZE * CATA_SLIME_SIZE, 1);
+    CHECK(catamaran::slime(square, how, {}, everywhere).size() == CATA_SLIME_SIZE);
     how.progress = nullptr;
     how.lengths = catamaran::slime_lengths::texture;
     CHECK(catamaran::slime(square, how, slime.uv()).uv() == slime.uv());

@@ -93,6 +93,37 @@ static void test_parts(void)
     CHECK(again[0] == -7 && calls == 2);
 }
 
+/* Two squares that share no vertex, then a tetrahedron. */
+static void test_free_components(void)
+{
+    double v[3 * 12] = {0};
+    const uint32_t f[24] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7, 8, 10, 9, 8, 9, 11, 8, 11, 10, 9, 10, 11};
+    for (size_t i = 0; i < 12; i++) {
+        const double square[6] = {(i % 4 == 1 || i % 4 == 2), i % 4 > 1, 0};
+        const double corner[6] = {i == 9, i == 10, i == 11};
+        memcpy(v + 3 * i, i < 8 ? square : corner, 3 * sizeof(double));
+    }
+    size_t count = 7;
+    double signature[4] = {-7, -7, -7, -7};
+    cata_eigs_params params = {.struct_size = sizeof params};
+    CHECK_STATUS(cata_mesh_free_components(12, v, 8, f, &count, NULL), CATA_OK);
+    CHECK(count == 3);
+    params.boundary = CATA_BOUNDARY_DIRICHLET;
+    CHECK_STATUS(cata_mesh_free_components(12, v, 8, f, &count, &params), CATA_OK);
+    CHECK(count == 1);
+    params.boundary = 9;
+    CHECK_STATUS(cata_mesh_free_components(12, v, 8, f, &count, &params), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_mesh_free_components(2, v, 8, f, &count, NULL), CATA_ERR_MESH);
+    CHECK_STATUS(cata_mesh_free_components(12, v, 8, f, NULL, NULL), CATA_ERR_NULL);
+    CHECK(count == 1);
+    /* A signature of zeros alone is that of any such mesh. */
+    CHECK_STATUS(cata_shape_dna(12, v, 8, f, 3, 1, signature, NULL), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("k: must be more than 3");
+    CHECK(signature[0] == -7);
+    CHECK_STATUS(cata_shape_dna(12, v, 8, f, 4, 1, signature, NULL), CATA_OK);
+    CHECK(signature[0] == 0 && signature[2] == 0 && signature[3] > 0);
+}
+
 static void test_shape_dna(void)
 {
     double one[K], scaled[K], plain[K];
@@ -127,6 +158,7 @@ int main(void)
 {
     make_square();
     test_parts();
+    test_free_components();
     test_shape_dna();
     return report("test_parts");
 }

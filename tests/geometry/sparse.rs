@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::base::Rng;
 use catamaran::faer::Mat;
-use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced, multiply};
+use catamaran::sparse::{
+    CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced, free_components, multiply,
+};
 use catamaran::{Error, Par};
 
 /// A sparse matrix of these entries; those of the same place are summed.
@@ -474,4 +476,39 @@ fn what_rounding_leaves_of_huge_weights_is_no_reason_to_go_on() {
         // The dense solver is exact to the largest eigenvalue only.
         assert!((found - expected).abs() < 1e-5 + 1e-6 * size, "{found} instead of {expected}");
     }
+}
+
+#[test]
+fn free_components_are_counted_and_have_eigenvalues_that_are_exactly_zero() {
+    use catamaran::mesh::{self, Boundary, LaplacianKind, LaplacianOptions, TriMesh, families};
+    let scaled = |mesh: TriMesh, x: f64| {
+        let (mut vertices, faces) = mesh.into_parts();
+        vertices.iter_mut().flatten().for_each(|p| *p *= x);
+        TriMesh::new(vertices, faces).unwrap()
+    };
+    let torus = families::torus(16, 8, 1.0, 0.3).unwrap();
+    for mesh in [
+        families::icosphere(0).unwrap(),
+        families::spheres(4, 0).unwrap(),
+        families::spheres(3, 3).unwrap(),
+        scaled(families::spheres(2, 2).unwrap(), 1e-5),
+        families::grid(5, 4).unwrap(),
+        families::bow_tie().unwrap(),
+        scaled(torus, 1e4),
+    ] {
+        for boundary in [Boundary::Neumann, Boundary::Dirichlet, Boundary::Mixed(vec![0])] {
+            for kind in [LaplacianKind::Cotangent, LaplacianKind::Tufted] {
+                let how = LaplacianOptions::new().kind(kind).boundary(boundary.clone());
+                let found = mesh::laplacian(&mesh, &how).unwrap();
+                let count = free_components(found.stiffness.view(), &found.mass).unwrap();
+                assert_eq!(count, mesh::free_components(&mesh, &boundary).unwrap());
+                let k = (count + 2).min(found.kept.len());
+                let pairs = eigs(found.stiffness.view(), &found.mass, &options(k)).unwrap();
+                let zeros = pairs.values.iter().take_while(|value| **value == 0.0).count();
+                assert_eq!(zeros, count, "{boundary:?} {kind:?}: {:?}", pairs.values);
+            }
+        }
+    }
+    let outside = Boundary::Mixed(vec![42]);
+    assert!(mesh::free_components(&families::icosphere(0).unwrap(), &outside).is_err());
 }

@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
-use catamaran::mesh::{CloudOptions, LaplacianOptions, TriMesh};
+use catamaran::mesh::{
+    Boundary, CloudOptions, Components, LaplacianOptions, TriMesh, free_components,
+};
 use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
 
 use crate::input::MeshArgs;
+use crate::pieces::Pieces;
 use crate::report::{report, row};
 
 /// The options of the network and of its input.
@@ -35,6 +38,7 @@ impl PartArgs {
     pub fn read(&self, path: &Path) -> Result<(TriMesh, Vec<f64>)> {
         let mesh = self.repair.read(path)?.mesh;
         let spectrum = spectrum(&mesh).with_context(|| path.display().to_string())?;
+        Pieces::new(&mesh, path, &self.repair, &Boundary::Dirichlet)?.note();
         Ok((mesh, spectrum))
     }
 
@@ -86,11 +90,14 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     if mesh.faces().is_empty() {
         return Ok(cloud_spectrum(mesh.vertices(), K, &CloudOptions::new())?);
     }
+    let closed = free_components(mesh, &Boundary::Dirichlet)?;
+    if closed > 0 {
+        let count = Components::new(mesh).len();
+        bail!(
+            "a component is closed ({closed} of {count}): each component of a part needs a boundary"
+        );
+    }
     let all = vec![true; mesh.vertices().len()];
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
-    let values = spectra.dirichlet(&all, K)?;
-    if values[0] <= 0.0 {
-        bail!("a component is closed: each component of a part needs a boundary");
-    }
-    Ok(values)
+    Ok(spectra.dirichlet(&all, K)?)
 }

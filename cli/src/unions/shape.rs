@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
 use catamaran::mesh::io::{MeshFile, check_name};
+use catamaran::mesh::{Boundary, Edges};
 use catamaran::spectral::{ShapeOptions, shape_from_spectrum};
 
 use crate::common::{Force, Threads};
 use crate::input::MeshArgs;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
+use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::report::{note, report, status};
 use crate::shape::dense;
@@ -57,6 +59,9 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
     let template = args.repair.read(&args.template)?.mesh;
+    let closed = Edges::new(&template).boundary().next().is_none();
+    let boundary = if closed { Boundary::Neumann } else { Boundary::Dirichlet };
+    Pieces::new(&template, &args.template, &args.repair, &boundary)?.note();
     let table = dense(&args.spectrum)?;
     let named = || args.spectrum.display().to_string();
     let last = table.ncols().checked_sub(1).context("no columns").with_context(named)?;

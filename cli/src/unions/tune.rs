@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use catamaran::base::Progress;
-use catamaran::mesh::TriMesh;
+use catamaran::mesh::{Boundary, TriMesh};
 use catamaran_training::train::Trainer;
 use catamaran_training::tune::{TuneOptions, family_examples, start};
 
 use super::parts::model;
 use crate::common::{Force, Threads};
 use crate::input::MeshArgs;
+use crate::pieces::Pieces;
 use crate::progress::{self, Bar};
 use crate::report::{report, status};
 
@@ -59,7 +60,11 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut output = args.force.create(&args.output)?;
     let base = model(args.weights.as_deref())?;
-    let read = |path: &PathBuf| Ok(args.repair.read(path)?.mesh);
+    let read = |path: &PathBuf| {
+        let mesh = args.repair.read(path)?.mesh;
+        Pieces::new(&mesh, path, &args.repair, &Boundary::Neumann)?.note();
+        Ok(mesh)
+    };
     let meshes: Vec<TriMesh> = args.meshes.iter().map(read).collect::<Result<_>>()?;
     let options = TuneOptions {
         pairs: args.pairs,

@@ -9,6 +9,7 @@ Products = Tuple[str, str, Union[str, float], bool, Optional[int]]
 Csr = Tuple[Any, Any, Any, Tuple[int, int]]
 Path = Union[str, PathLike[str]]
 Array = NDArray[Any]
+Pieces = Tuple[int, int, int, int]
 
 __version__: str
 
@@ -105,9 +106,12 @@ class Eigenbasis:
         f: ArrayLike,
         k: int,
         kind: str,
+        weld: bool,
         threads: Optional[int],
         progress: Callback,
     ) -> Self: ...
+    @property
+    def _pieces(self) -> Pieces: ...
     def __len__(self) -> int: ...
     @property
     def values(self) -> Array: ...
@@ -190,6 +194,7 @@ def laplacian(
     kind: str,
     mass: str,
     boundary: Any,
+    weld: bool,
     threads: Optional[int],
     progress: Callback,
 ) -> Tuple[Csr, Csr, Array]: ...
@@ -200,11 +205,12 @@ def eigsh(
     kind: str,
     mass: str,
     boundary: Any,
+    weld: bool,
     progress: Callback,
-) -> Tuple[Array, Array, Array]: ...
+) -> Tuple[Tuple[Array, Array], Pieces]: ...
 def eigsh_sparse(
     a: Csr, mass: Any, search: Dict[str, Any], progress: Callback
-) -> Tuple[Array, Array, Array]: ...
+) -> Tuple[Tuple[Array, Array], int]: ...
 def eigenproducts(
     basis: Eigenbasis, order: int, method: str, threads: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array, List[List[int]]]: ...
@@ -246,11 +252,12 @@ def shape_dna(
     k: int,
     normalized: bool,
     kind: str,
+    weld: bool,
     threads: Optional[int],
     progress: Callback,
-) -> Array: ...
+) -> Tuple[Array, Pieces]: ...
 def union_spectrum(
-    parts: List[Any], model: Optional[Path], progress: Callback
+    parts: List[Any], model: Optional[Path], weld: bool, progress: Callback
 ) -> Tuple[Array, List[Array], float]: ...
 def read_plant(path: Path) -> PlantHandle: ...
 def grow(nodes: int, seed: int) -> PlantHandle: ...

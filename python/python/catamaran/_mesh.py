@@ -10,7 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, csr, is_sparse, mass_of, to_scipy
+from ._options import (
+    Progress,
+    callback,
+    csr,
+    is_sparse,
+    mass_of,
+    to_scipy,
+    warn_caller,
+    warn_of_pieces,
+)
 
 __all__ = ["Eigenpairs", "Laplacian", "eigsh", "laplacian", "read_mesh", "write_mesh"]
 
@@ -132,6 +141,7 @@ def laplacian(
     kind: str = "cotangent",
     mass: str = "barycentric",
     boundary: Union[str, ArrayLike] = "neumann",
+    weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Laplacian:
@@ -149,6 +159,9 @@ def laplacian(
     boundary : {"neumann", "dirichlet"} or array_like of vertices
         Natural boundary values, zero at the boundary, or zero at these vertices. Rows of vertices
         with value zero are left out.
+    weld : bool
+        Whether vertices with equal positions are joined, as along the seams of a texture. Only the
+        first of them has a row.
     threads, progress
         As in `ata`.
 
@@ -165,7 +178,7 @@ def laplacian(
     12.51
     """
     stiffness, masses, kept = _catamaran.laplacian(
-        v, f, kind, mass, boundary, threads, callback(progress)
+        v, f, kind, mass, boundary, weld, threads, callback(progress)
     )
     return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
 
@@ -182,7 +195,7 @@ class Eigenpairs(NamedTuple):
 def eigsh(
     v: Any,
     f: Any = None,
-    k: int = 6,
+    k: int = 100,
     *,
     kind: str = "cotangent",
     mass: str = "barycentric",
@@ -191,6 +204,7 @@ def eigsh(
     tol: float = 1e-9,
     verify_count: bool = False,
     seed: int = 0,
+    weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Eigenpairs:
@@ -199,12 +213,15 @@ def eigsh(
     ``eigsh(v, f, k)`` takes a mesh. ``eigsh(A, M, k)`` takes a symmetric positive semi-definite
     matrix of scipy.sparse and a mass: a positive definite one, a vector, or None.
 
+    Every component of a mesh has an eigenvalue zero. A warning says how many there are where the
+    mesh has several components, and how many vertices are in no face.
+
     Parameters
     ----------
     v, f : array_like, n x 3 and m x 3
         Vertices and faces; or the matrices.
     k : int
-        Eigenpairs.
+        Eigenpairs, at most the number of rows.
     kind, mass, boundary
         As in `laplacian`; for a mesh. Vectors are zero where boundary values are set to zero.
     sigma : float, optional
@@ -215,6 +232,9 @@ def eigsh(
         Whether eigenvalues are counted by a factorization, until none is missing.
     seed : int
         Of the vectors that the iteration starts with.
+    weld : bool
+        Whether vertices with equal positions are joined, as along the seams of a texture. Results
+        have a row for each vertex of `v`.
     threads, progress
         As in `ata`.
 
@@ -239,7 +259,13 @@ def eigsh(
         "threads": threads,
     }
     if is_sparse(v):
-        found = _catamaran.eigsh_sparse(csr(v), mass_of(f), search, callback(progress))
+        pairs, free = _catamaran.eigsh_sparse(csr(v), mass_of(f), search, callback(progress))
+        if free > 1 and sigma is None:
+            zeros = f"{free} eigenvalues are zero"
+            warn_caller(f"{zeros}: {free} components of the matrix have rows of sum 0")
     else:
-        found = _catamaran.eigsh(v, f, search, kind, mass, boundary, callback(progress))
-    return Eigenpairs(found[0], found[1])
+        pairs, pieces = _catamaran.eigsh(
+            v, f, search, kind, mass, boundary, weld, callback(progress)
+        )
+        warn_of_pieces(pieces)
+    return Eigenpairs(*pairs)

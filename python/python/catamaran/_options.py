@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from functools import wraps
-from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple, TypeVar, Union, cast
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, TypeVar, Union, cast
 
 from ._catamaran import Nearest
 
@@ -86,3 +88,30 @@ def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:
 def mass_of(mass: Optional[ArrayLike]) -> Any:
     """Return a vector of masses or a sparse matrix as the extension takes it."""
     return csr(mass) if is_sparse(mass) else mass
+
+
+def warn_caller(message: str) -> None:
+    """Issue a warning at the line outside of this package that called it."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, UserWarning, stacklevel=level)
+
+
+def warn_of_pieces(pieces: Tuple[int, int, int, int]) -> None:
+    """Warn of a mesh with several components, and of vertices in no face.
+
+    `pieces` are the components, those without a vertex held at zero, those that are left with
+    `weld`, and the vertices in no face.
+    """
+    count, free, left, alone = pieces
+    found: List[str] = []
+    if count > 1:
+        found.append(
+            f"the mesh has {count} components: {free} eigenvalues are zero, one for each without a "
+            "vertex held at zero" + (f"; weld=True joins them into {left}" if left < count else "")
+        )
+    if alone > 0:
+        found.append(f"vertices in no face: {alone}; eigenfunctions are zero there")
+    for message in found:
+        warn_caller(message)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_scipy
+from ._options import Progress, callback, to_scipy, warn_of_pieces
 
 __all__ = [
     "Eigenbasis",
@@ -31,6 +31,8 @@ class Eigenbasis(_catamaran.Eigenbasis):
         Eigenfunctions, the constant one included; at least one for each piece of the mesh.
     kind : {"cotangent", "intrinsic", "tufted"}
         As in `laplacian`.
+    weld : bool
+        As in `eigsh`; vertices that are joined share their mass.
     threads, progress
         As in `ata`.
 
@@ -58,10 +60,13 @@ class Eigenbasis(_catamaran.Eigenbasis):
         k: int = 31,
         *,
         kind: str = "cotangent",
+        weld: bool = False,
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> Eigenbasis:
-        return super().__new__(cls, v, f, k, kind, threads, callback(progress))
+        basis = super().__new__(cls, v, f, k, kind, weld, threads, callback(progress))
+        warn_of_pieces(basis._pieces)
+        return basis
 
     @property
     def mass(self) -> Any:
@@ -76,11 +81,11 @@ class Eigenbasis(_catamaran.Eigenbasis):
 Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike]]
 
 
-def _basis(shape: Shape, k: int, threads: Optional[int]) -> Eigenbasis:
+def _basis(shape: Shape, k: int, weld: bool, threads: Optional[int]) -> Eigenbasis:
     if isinstance(shape, Eigenbasis):
         return shape
     v, f = shape
-    return Eigenbasis(v, f, k, threads=threads)
+    return Eigenbasis(v, f, k, weld=weld, threads=threads)
 
 
 class Eigenproducts(NamedTuple):
@@ -105,6 +110,7 @@ def eigenproducts(
     *,
     method: str = "single_pass",
     kind: str = "cotangent",
+    weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Eigenproducts:
@@ -126,6 +132,8 @@ def eigenproducts(
         orthogonal to rounding, the larger one; or by numerical rank.
     kind : {"cotangent", "intrinsic", "tufted"}
         As in `laplacian`.
+    weld : bool
+        As in `Eigenbasis`.
     threads, progress
         As in `ata`.
 
@@ -140,7 +148,10 @@ def eigenproducts(
     >>> found.factors[:6]
     [[], [1], [2], [3], [1, 1], [1, 2]]
     """
-    basis = v if isinstance(v, Eigenbasis) else Eigenbasis(v, f, k + 1, kind=kind, threads=threads)
+    if isinstance(v, Eigenbasis):
+        basis = v
+    else:
+        basis = Eigenbasis(v, f, k + 1, kind=kind, weld=weld, threads=threads)
     found = _catamaran.eigenproducts(basis, order, method, threads, callback(progress))
     return Eigenproducts(*found)
 
@@ -165,6 +176,7 @@ def functional_map(
     signatures: bool = True,
     commutativity: float = 1e-3,
     refine: str = "zoomout",
+    weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> FunctionalMap:
@@ -188,6 +200,8 @@ def functional_map(
         Weight of the commutativity with the Laplacians.
     refine : {"zoomout", "icp", "none"}
         How the map is refined.
+    weld : bool
+        As in `Eigenbasis`, for meshes.
     threads, progress
         As in `ata`.
 
@@ -209,7 +223,7 @@ def functional_map(
     both = (k, k) if isinstance(k, int) else k
     lens = (both[0] + 1, both[1] + 1)
     more = [max(n, zoom) if refine == "zoomout" else n for n in lens]
-    bases = [_basis(shape, n, threads) for shape, n in zip((source, target), more)]
+    bases = [_basis(shape, n, weld, threads) for shape, n in zip((source, target), more)]
     found = _catamaran.functional_map(
         bases[0],
         bases[1],
@@ -234,6 +248,7 @@ def transfer(
     k: Union[int, Tuple[int, int]] = 30,
     order: int = 2,
     method: str = "single_pass",
+    weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
@@ -254,6 +269,8 @@ def transfer(
         Factors of a product, at most; 1 transfers through eigenfunctions alone.
     method
         As in `eigenproducts`.
+    weld : bool
+        As in `Eigenbasis`, for meshes.
     threads, progress
         As in `ata`.
 
@@ -272,7 +289,7 @@ def transfer(
     """
     both = (k, k) if isinstance(k, int) else k
     lens = (both[0] + 1, both[1] + 1)
-    bases = [_basis(shape, n, threads) for shape, n in zip((source, target), lens)]
+    bases = [_basis(shape, n, weld, threads) for shape, n in zip((source, target), lens)]
     if points is None:
         points = np.arange(bases[1].functions.shape[0])
     found = _catamaran.transfer(

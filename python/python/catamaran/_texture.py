@@ -27,11 +27,11 @@ class Slime(NamedTuple):
 def slime(
     v: ArrayLike,
     f: ArrayLike,
-    steps: int = 300,
+    steps: int = 900,
     *,
-    agents: int = 10_000,
+    agents: int = 1_000_000,
     species: int = 1,
-    size: int = 512,
+    size: int = 2048,
     seed: int = 0,
     uv: Optional[ArrayLike] = None,
     start: Optional[ArrayLike] = None,
@@ -46,7 +46,7 @@ def slime(
     turn_noise: Optional[float] = None,
     project: Optional[int] = None,
     gaussian: bool = False,
-    length_rescaling: bool = False,
+    length_rescaling: bool = True,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Slime:
@@ -59,9 +59,9 @@ def slime(
     steps : int
         Steps of all agents.
     agents, species : int
-        How many.
+        How many: agents below 2^32, species from 1 to 15.
     size : int
-        Side of the texture, in texels.
+        Texels of a side of the texture, a multiple of 32, at most 16384.
     seed : int
         Of all random numbers.
     uv : array_like, faces x 3 x 2, optional
@@ -79,7 +79,7 @@ def slime(
     gaussian : bool
         Blur in the texture, without regard to its seams.
     length_rescaling : bool
-        Rescale steps by the distortion of the texture.
+        Whether lengths are measured on the surface, not in the texture.
     threads, progress
         As in `ata`.
 
@@ -133,9 +133,9 @@ def newton(
     *,
     power: Optional[int] = None,
     roots: Optional[Sequence[complex]] = None,
-    size: Union[int, Tuple[int, int]] = 512,
+    size: Union[int, Tuple[int, int], None] = None,
     center: Tuple[float, float] = (0.0, 0.0),
-    extent: float = 2.0,
+    extent: float = 3.0,
     volume: bool = False,
     iterations: int = 32,
     theta: float = 3.5,
@@ -156,14 +156,16 @@ def newton(
         The polynomial ``z^power - 1``; 3 by default.
     roots : sequence of complex, optional
         The roots of another polynomial.
-    size : int or (width, height)
-        Points of the grid.
-    center, extent
-        The middle of the plane, and how far it extends from there.
+    size : int or (width, height), optional
+        Points of the grid along each side; 1024 in a plane and 128 in a cube by default.
+    center : (float, float)
+        The middle of the plane.
+    extent : float
+        The width of the plane, or of the cube, whose middle is the origin.
     volume : bool
         Whether the grid is a cube of size^3 points.
     iterations : int
-        Of Newton's method.
+        Of Newton's method, at most 1000.
     theta : float
         The larger, the earlier a point counts as not converged.
     gradient : {"thesis", "shader"}
@@ -189,6 +191,8 @@ def newton(
         power = 3
     if gradient not in ("thesis", "shader"):
         raise ValueError(f"gradient: '{gradient}' is not one of 'thesis', 'shader'")
+    if size is None:
+        size = 128 if volume else 1024
     width, height = (size, size) if isinstance(size, int) else size
     kind = "list" if points is not None else "cube" if volume else "plane"
     shapes = {"cube": (width, width, width), "plane": (height, width)}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback
+from ._options import Progress, callback, warn_of_pieces
 
 __all__ = ["UnionSpectrum", "shape_dna", "union_spectrum"]
 
@@ -21,22 +21,27 @@ def shape_dna(
     *,
     normalized: bool = True,
     kind: str = "cotangent",
+    weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Compute the first eigenvalues of the Laplacian that are not zero: a signature of the shape
-    that does not depend on its pose.
+    """Compute the first eigenvalues of the Laplacian: a signature of the shape that does not
+    depend on its pose.
+
+    As many of them are zero as the mesh has components: a warning says so where there are several.
 
     Parameters
     ----------
     v, f : array_like
         Vertices and faces.
     k : int
-        Eigenvalues.
+        Eigenvalues, more than the mesh has components.
     normalized : bool
         Whether they are multiplied by the area, so that the size does not count.
     kind : {"cotangent", "intrinsic", "tufted"}
         As in `laplacian`.
+    weld : bool
+        Whether vertices with equal positions are joined, as along the seams of a texture.
     threads, progress
         As in `ata`.
 
@@ -53,7 +58,11 @@ def shape_dna(
     >>> bool(np.allclose(one, other))
     True
     """
-    return _catamaran.shape_dna(v, f, k, normalized, kind, threads, callback(progress))
+    values, pieces = _catamaran.shape_dna(
+        v, f, k, normalized, kind, weld, threads, callback(progress)
+    )
+    warn_of_pieces(pieces)
+    return values
 
 
 class UnionSpectrum(NamedTuple):
@@ -71,6 +80,7 @@ def union_spectrum(
     parts: Sequence[Any],
     *,
     model: Union[str, os.PathLike[str], None] = None,
+    weld: bool = False,
     progress: Progress = None,
 ) -> UnionSpectrum:
     """Predict the spectrum of the union of parts of a surface, wherever the parts are.
@@ -78,10 +88,13 @@ def union_spectrum(
     Parameters
     ----------
     parts : sequence of (v, f) or of 20 eigenvalues
-        The parts, at least two: meshes, or their first 20 Dirichlet eigenvalues.
+        The parts, at least two: meshes of which each component has a boundary, or their first 20
+        Dirichlet eigenvalues.
     model : path, optional
         Weights, as ``catamaran unions train`` writes them; those that come with the library by
         default (docs/model-card-unions.md says what they are good for).
+    weld : bool
+        As in `shape_dna`, for meshes.
     progress
         As in `ata`.
 
@@ -99,4 +112,5 @@ def union_spectrum(
     >>> bool(np.all(found.union <= found.parts[0]))  # a larger domain has smaller eigenvalues
     True
     """
-    return UnionSpectrum(*_catamaran.union_spectrum(list(parts), model, callback(progress)))
+    found = _catamaran.union_spectrum(list(parts), model, weld, callback(progress))
+    return UnionSpectrum(*found)

@@ -66,8 +66,8 @@ pub const SECTIONS: &[Section] = &[
 
 /// Files of src/capi without exports, or with those of tests alone.
 const WITHOUT_EXPORTS: &[&str] = &[
-    "mod", "absent", "boundary", "entries", "internal", "message", "outputs", "params", "pointer",
-    "ranks",
+    "mod", "absent", "boundary", "defaults", "entries", "internal", "message", "outputs", "params",
+    "pointer", "ranks", "regions",
 ];
 
 fn generate(root: &Path) -> Result<String, String> {

@@ -1,10 +1,38 @@
 use sprs::CsMat;
 
-use super::super::{Edges, TriMesh};
+use super::super::{Components, Edges, TriMesh};
 use super::matrices::Laplacian;
 use super::options::Boundary;
 use crate::base::{Error, Result};
 use crate::sparse::{Mass, select};
+
+/// Counts the eigenvalues zero of the Laplacian of a mesh: one for each connected component
+/// ([`Components`]) without a vertex that is held at zero. Under [`Boundary::Neumann`] these are
+/// all components, under [`Boundary::Dirichlet`] the closed ones.
+///
+/// ```
+/// use catamaran::mesh::{Boundary, families, free_components};
+///
+/// let spheres = families::spheres(3, 1)?;
+/// assert_eq!(free_components(&spheres, &Boundary::Neumann)?, 3);
+/// // The first sphere has the vertices 0 to 41.
+/// assert_eq!(free_components(&spheres, &Boundary::Mixed(vec![0, 1]))?, 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Mesh`] for a vertex of [`Boundary::Mixed`] that does not exist.
+pub fn free_components(mesh: &TriMesh, boundary: &Boundary) -> Result<usize> {
+    let components = Components::new(mesh);
+    let mut free = vec![true; components.len()];
+    for (&component, removed) in components.of_vertices().iter().zip(removed(mesh, boundary)?) {
+        // A vertex without a face is removed, too, but belongs to no component.
+        if removed && let Some(free) = free.get_mut(component as usize) {
+            *free = false;
+        }
+    }
+    Ok(free.into_iter().filter(|free| *free).count())
+}
 
 /// Returns which vertices have no row: those held at zero, and those in no face.
 pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {

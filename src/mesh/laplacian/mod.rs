@@ -23,6 +23,7 @@ use super::TriMesh;
 use crate::base::{Error, Result};
 
 pub(crate) use assembly::assemble;
+pub use boundary::free_components;
 pub(crate) use complex::Complex;
 pub(crate) use delaunay::ROUNDING;
 pub(crate) use element::{Element, of_mesh};

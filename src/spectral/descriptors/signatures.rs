@@ -11,6 +11,9 @@ const BLOCK: usize = 1 << 10;
 /// rounding.
 const ZERO: f64 = 1e-9;
 
+/// Eigenvalues that differ by less than this share are one multiple eigenvalue, up to rounding.
+const EQUAL: f64 = 1e-9;
+
 /// Computes the heat kernel signature of Sun, Ovsjanikov and Guibas, A Concise and Provably
 /// Informative Multi-Scale Signature Based on Heat Diffusion (2009):
 /// `sum_i exp(-lambda_i t) phi_i(x)^2`, one row for each vertex x and one column for each time t.
@@ -145,8 +148,9 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
     let (low, high) = positive_range(values)?;
     let (low, high) = (low.ln(), high.ln());
     let sigma = 7.0 * (high - low) / (count as f64 + 27.0);
-    if sigma <= 0.0 {
-        let why = "must have at least two different positive values, has one".into();
+    if high - low <= EQUAL {
+        let why =
+            "must have at least two different positive values, has one: more are needed".into();
         return Err(Error::Argument { what: "eigenvalues", why });
     }
     Ok(WaveScales { energies: between(low + 2.0 * sigma, high - 2.0 * sigma, count), sigma })

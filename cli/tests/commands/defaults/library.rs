@@ -1,0 +1,161 @@
+//! The defaults of the library, as `Debug` prints them.
+
+use std::fmt::Debug;
+use std::path::Path;
+
+use catamaran::AtaOptions;
+use catamaran::curve::CurveOptions;
+use catamaran::decimate::DecimateOptions;
+use catamaran::gram::{LeastSquaresOptions, PrincipalComponentsOptions};
+use catamaran::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
+use catamaran::ortho::GramSchmidtOptions;
+use catamaran::plant::families::GrowthOptions;
+use catamaran::plant::{
+    Elasticity, MotionOptions, RelaxOptions, RodOptions, Stomata, SwayOptions, WaterOptions, Wind,
+};
+use catamaran::sparse::EigenOptions;
+use catamaran::spectral::{ProductBasisOptions, ShapeOptions};
+use catamaran::texture::{newton::NewtonOptions, slime};
+use catamaran::unions::ShapeDnaOptions;
+
+use super::Defaults;
+
+/// Fields that are compared under another name, or that no face has a default of: threads, progress,
+/// options within options, what must be given.
+const OTHERS: [&str; 14] = [
+    "par",
+    "progress",
+    "laplacian",
+    "elasticity",
+    "motion",
+    "rods",
+    "water",
+    "stomata",
+    "soil",
+    "wind",
+    "cycle",
+    "rewatering",
+    "nights",
+    "classes",
+];
+
+/// Structs with a builder that are not compared: those whose options must be given or are those of
+/// other structs, and looks. `Options` are those of slime moulds, here `SlimeOptions`.
+const EXEMPT: [&str; 13] = [
+    "Finish",
+    "Inlay",
+    "Look",
+    "Material",
+    "ReadOptions",
+    "RingOptions",
+    "RowOptions",
+    "ShotOptions",
+    "Soil",
+    "SourceOptions",
+    "WiltOptions",
+    "FitOptions",
+    "Options",
+];
+
+/// The name and the default of each struct.
+fn all() -> Vec<(&'static str, String)> {
+    fn of<T: Default + Debug>(name: &'static str) -> (&'static str, String) {
+        (name, format!("{:?}", T::default()))
+    }
+    vec![
+        of::<AtaOptions<'_>>("AtaOptions"),
+        of::<LeastSquaresOptions>("LeastSquaresOptions"),
+        of::<PrincipalComponentsOptions>("PrincipalComponentsOptions"),
+        of::<GramSchmidtOptions<'_>>("GramSchmidtOptions"),
+        of::<EigenOptions<'_>>("EigenOptions"),
+        of::<LaplacianOptions>("LaplacianOptions"),
+        of::<HeatOptions>("HeatOptions"),
+        of::<CloudOptions>("CloudOptions"),
+        of::<RepairOptions>("RepairOptions"),
+        of::<ProductBasisOptions<'_>>("ProductBasisOptions"),
+        of::<ShapeDnaOptions<'_>>("ShapeDnaOptions"),
+        of::<ShapeOptions<'_>>("ShapeOptions"),
+        of::<DecimateOptions<'_>>("DecimateOptions"),
+        of::<CurveOptions<'_>>("CurveOptions"),
+        of::<WaterOptions>("WaterOptions"),
+        of::<Elasticity>("Elasticity"),
+        of::<RodOptions>("RodOptions"),
+        of::<RelaxOptions<'_>>("RelaxOptions"),
+        of::<MotionOptions>("MotionOptions"),
+        of::<GrowthOptions>("GrowthOptions"),
+        of::<Stomata>("Stomata"),
+        of::<Wind>("Wind"),
+        of::<SwayOptions<'_>>("SwayOptions"),
+        of::<slime::Options>("SlimeOptions"),
+        of::<NewtonOptions>("NewtonOptions"),
+    ]
+}
+
+/// STRUCT.FIELD and its default, for all structs.
+pub fn defaults() -> Defaults {
+    let mut found = Defaults::new();
+    for (name, printed) in all() {
+        add(&mut found, name, &printed);
+    }
+    found
+}
+
+/// Adds the fields of a printed struct, and those of structs within.
+fn add(found: &mut Defaults, name: &str, printed: &str) {
+    let (_, body) = printed.split_once('{').expect("a struct with fields");
+    for field in split(body.trim_end().trim_end_matches('}')) {
+        let (field, value) = field.split_once(':').expect("a name and a value");
+        if OTHERS.contains(&field.trim()) {
+            continue;
+        }
+        let name = format!("{name}.{}", field.trim());
+        match value.contains('{') {
+            true => add(found, &name, value),
+            false => drop(found.insert(name, value.trim().to_owned())),
+        }
+    }
+}
+
+/// Splits at the commas that are in no brackets; empty parts are left out.
+pub fn split(text: &str) -> Vec<&str> {
+    let mut depth = 0;
+    let at_comma = |c: char| {
+        match c {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            _ => {}
+        }
+        c == ',' && depth == 0
+    };
+    text.split(at_comma).map(str::trim).filter(|part| !part.is_empty()).collect()
+}
+
+/// The structs that are compared or exempt.
+pub fn structs() -> Vec<&'static str> {
+    all().into_iter().map(|(name, _)| name).chain(EXEMPT).collect()
+}
+
+/// The structs of the library that the macro `builder!` makes.
+pub fn builders() -> Vec<String> {
+    let mut found = Vec::new();
+    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../src"), &mut found);
+    assert!(found.len() > 25, "{found:?}");
+    found
+}
+
+fn collect(folder: &Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).expect("a folder of src") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("builder.rs") {
+            let text = std::fs::read_to_string(&path).expect("a source file");
+            let starts = text.split("\nbuilder! {").skip(1);
+            let words = starts.filter_map(|start| {
+                let start = start.trim_start().trim_start_matches("setters only").trim_start();
+                start.split(|c: char| !c.is_alphanumeric()).next()
+            });
+            found.extend(words.map(str::to_owned));
+        }
+    }
+}
