@@ -83,7 +83,7 @@ pub fn water_course(
         }
     }
     let request = format_args!("{} times of {} nodes", times.len(), water.len());
-    let bytes = times.len() as f64 * (water.len() * size_of::<f64>()) as f64;
+    let bytes = times.len() as f64 * size_of_val(water) as f64;
     check_request("times", request, bytes)?;
     let mut walk = Walk::new(model, water, times, options)?;
     let mut course = WaterCourse { water: Vec::with_capacity(times.len()), balance: vec![] };

@@ -150,7 +150,7 @@ fn every_kernel_and_layout_gives_the_bytes_of_the_integers() {
 /// to the middle between numbers, subnormal, zero, and not finite.
 fn awkward<T: Operand>(m: usize, n: usize, rng: &mut Rng) -> Mat<T> {
     let (least, digits) = if size_of::<T>() == 8 { (-1074, 52) } else { (-149, 23) };
-    let finite = rng.bits() % 2 == 0;
+    let finite = rng.bits().is_multiple_of(2);
     Mat::from_fn(m, n, |_, j| {
         let power = |e: u64| f64::from(-(e as i32)).exp2();
         let value = match rng.bits() % 16 {
