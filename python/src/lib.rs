@@ -11,6 +11,7 @@ mod ata;
 mod curve;
 mod decimate;
 mod error;
+mod exclusive;
 mod gram;
 mod mesh;
 mod mesh_file;
