@@ -10,7 +10,7 @@
  *   that need what this build does not have return CATA_ERR_UNSUPPORTED (cata_capabilities).
  * - Sizes are size_t, any, 0 included, and numbers of elements, never bytes.
  * - Pointers may not be NULL unless said so, or there is no element to point to. They are not kept
- *   after the call. No output may overlap another one or an input.
+ *   after the call. An output that overlaps another one or an input is CATA_ERR_ARGUMENT.
  * - Matrices: `layout` is CATA_ROW_MAJOR or CATA_COL_MAJOR, for all matrices of a call. m x n
  *   elements at `a` are m rows (n columns) of n (m) elements, each `lda` >= max(1, n) (max(1, m))
  *   elements after the one before. What lies between is neither read nor written.
@@ -29,8 +29,13 @@
  *   to be called once, for which NULL does nothing.
  * - Threads: functions may be called from any thread, and at the same time, as long as no output
  *   is shared and nobody else uses a handle that a call takes without const. Each call uses up to
- *   `params.threads` threads, by default all cores of the affinity mask of the process. Their
- *   number changes no result, not by a bit.
+ *   `params.threads` threads, by default one for each core in the affinity mask of the process, or
+ *   fewer where CATAMARAN_NUM_THREADS or RAYON_NUM_THREADS is set to a lower number. Their number
+ *   changes no result, not by a bit. Calls at the same time share the threads of the process,
+ *   which cata_threads_release ends.
+ * - Rounding: numbers are rounded to nearest, and subnormal numbers are kept, whatever mode the
+ *   calling thread has set (fesetround, flush-to-zero); it has the same mode after the call. So no
+ *   result encloses an exact value. Progress callbacks and back ends run in the mode to nearest.
  */
 
 #ifndef CATAMARAN_H
@@ -52,7 +57,7 @@ extern "C" {
 /**
  * @defgroup status Status, version, memory
  * Functions that can fail return a status. Others report the capabilities and the version of the
- * build, or free scratch memory that is kept between calls.
+ * build, or release the scratch memory and the threads that are kept between calls.
  * @code{.c}
  * if (cata_memory_release() != CATA_OK) {
  *     fprintf(stderr, "%s\n", cata_last_error_message());
@@ -112,6 +117,11 @@ uint64_t cata_capabilities(void);
 
 /** Frees the memory that products keep for later ones, at most 1.25 GiB, except what is in use. */
 cata_status cata_memory_release(void);
+
+/** Ends the threads that the library keeps between calls, and waits until they have ended.
+ *
+ * Later calls start threads anew. No thread may be in a call of this library. */
+cata_status cata_threads_release(void);
 
 /** @} */
 

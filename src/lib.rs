@@ -43,7 +43,7 @@
 //!
 //! # Features
 //!
-//! Without features (`default-features = false`) the crate is A^T A: 53 packages instead of 107.
+//! Without features (`default-features = false`) the crate is A^T A, with half of the packages.
 //! Rows of a matrix that is larger than memory then come through [`ata::RowBlocks`]; readers of
 //! files are part of `geometry`.
 //!
@@ -99,6 +99,9 @@ pub mod opencl;
 
 #[cfg(feature = "capi-ata")]
 pub mod capi;
+
+#[cfg(all(test, feature = "unions"))]
+mod interruption;
 
 /// The matrix library whose views ([`faer::MatRef`], [`faer::MatMut`]) the API takes.
 pub use faer;

@@ -1,4 +1,6 @@
-//! The documents: links lead somewhere, the book has every page, and the README is short.
+//! The documents: links lead somewhere, what they name exists, the book has every page, and the
+//! README is short. The commands and options that they name are compared with the help of the
+//! command line in `cli/tests/commands/documents.rs`.
 
 use std::collections::HashSet;
 use std::fs;
@@ -95,6 +97,113 @@ fn links_lead_to_files_and_headings_that_exist() {
         }
     }
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// What stands between single backticks outside of code.
+fn spans(text: &str) -> Vec<String> {
+    let mut is_code = false;
+    let mut found = vec![];
+    for line in text.lines() {
+        is_code ^= line.trim_start().starts_with("```");
+        if !is_code {
+            found.extend(line.split('`').skip(1).step_by(2).map(str::to_owned));
+        }
+    }
+    found
+}
+
+/// Words of letters, digits and underscores of a text.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty())
+}
+
+/// Returns whether a path stands for several files.
+fn is_pattern(path: &str) -> bool {
+    path.contains(['*', '{', '<'])
+}
+
+/// Reads all files with one of these extensions below the folders.
+fn sources(folders: &[&str], extensions: &[&str]) -> String {
+    let pairs = folders.iter().flat_map(|f| extensions.iter().map(move |e| (f, e)));
+    let paths = pairs.flat_map(|(folder, extension)| files(folder, extension));
+    paths.map(|path| fs::read_to_string(path).unwrap() + "\n").collect()
+}
+
+#[test]
+fn files_that_documents_name_exist() {
+    let folders = [
+        "src/",
+        "cli/",
+        "bench/",
+        "charts/",
+        "training/",
+        "preload/",
+        "python/",
+        "tests/",
+        "fuzz/",
+        "include/",
+        "scripts/",
+        "docs/",
+        "cmake/",
+        "c_examples/",
+    ];
+    let mut missing = vec![];
+    for document in documents().iter().filter(|path| !path.ends_with("CHANGELOG.md")) {
+        for span in spans(&fs::read_to_string(document).unwrap()) {
+            // Arguments may follow a script.
+            let path = span.split([' ', ':']).next().unwrap_or_default();
+            let is_file = folders.iter().any(|folder| path.starts_with(folder));
+            if is_file && !is_pattern(path) && !root().join(path).exists() {
+                missing.push(format!("{}: {path}", document.display()));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
+fn functions_that_documents_name_exist() {
+    let header = sources(&["include"], &["h", "hpp"]);
+    let of_c: HashSet<&str> = words(&header).collect();
+    let code = ["src", "cli", "bench", "charts", "training", "preload", "python", "tests"];
+    let rust = sources(&code, &["rs"]);
+    let of_rust: HashSet<&str> = words(&rust).collect();
+    let public = fs::read_to_string(root().join("python/python/catamaran/__init__.py")).unwrap();
+    let rest = sources(&["python/python"], &["py", "pyi"]);
+    let of_python: HashSet<&str> = words(&public).chain(words(&rest)).collect();
+    let mut missing = vec![];
+    for document in documents().iter().filter(|path| !path.ends_with("CHANGELOG.md")) {
+        let text = fs::read_to_string(document).unwrap();
+        let mut note = |name: &str| missing.push(format!("{}: {name}", document.display()));
+        // Of C, in prose and in code. A name that ends with `_` stands for all that begin so.
+        for name in words(&text).filter(|w| w.starts_with("cata_") || w.starts_with("CATA_")) {
+            let exists = match name.strip_suffix('_') {
+                Some(_) => of_c.iter().any(|c| c.starts_with(name)),
+                None => of_c.contains(name),
+            };
+            if !exists {
+                note(name);
+            }
+        }
+        for span in spans(&text) {
+            // Of Rust and C++: the last name of a path.
+            for path in span.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':') {
+                let Some((_, name)) = path.rsplit_once("::") else { continue };
+                if !name.is_empty() && !of_rust.contains(name) && !of_c.contains(name) {
+                    note(path);
+                }
+            }
+            // Of Python: `catamaran.name`.
+            let names = span.strip_prefix("catamaran.").and_then(|rest| words(rest).next());
+            if let Some(name) = names.filter(|name| !of_python.contains(name)) {
+                // Files of the library: `catamaran.h`.
+                if !root().join("include").join(&span).exists() {
+                    note(&format!("catamaran.{name}"));
+                }
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
 }
 
 #[test]

@@ -13,8 +13,8 @@ pub const HEADING: &str = "Common options";
 /// How many threads a command uses.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Threads {
-    /// Number of threads, at most 4 for each core. Does not change the result [default: all cores
-    /// of the affinity mask].
+    /// Number of threads, at most 4 for each core. Does not change the result [default: one for
+    /// each core of the affinity mask, at most CATAMARAN_NUM_THREADS].
     #[arg(long, value_name = "N", help_heading = HEADING)]
     threads: Option<NonZeroUsize>,
 }

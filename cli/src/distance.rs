@@ -11,10 +11,11 @@ use catamaran::mesh::{
 };
 use clap::ValueEnum;
 
-use crate::common::Force;
+use crate::common::{Force, Threads};
+use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs};
 use crate::report::{report, seconds, status};
-use crate::shape::LaplacianArgs;
+use crate::shape::Kind;
 
 /// Compute the distance of every vertex of a mesh from the nearest of the vertices of --from.
 ///
@@ -28,16 +29,24 @@ pub struct Args {
     /// Vertices that distances are measured from, numbered from 0 and separated by commas.
     #[arg(long, value_name = "VERTEX,...", value_delimiter = ',', required = true)]
     from: Vec<u32>,
-    /// Method: over the faces, accurate to a few per cent (heat, the heat method), or exactly along
-    /// edges, which gives longer distances (edges).
+    /// Method: over the faces (heat, the heat method; where the exact distances are known, the
+    /// largest error is 2 % of the largest distance), or exactly along edges, which gives longer
+    /// distances (edges).
     #[arg(long, value_name = "METHOD", default_value = "heat")]
     method: How,
-    /// Time that heat flows in the heat method, in units of the squared mean edge length; a longer
-    /// time gives smoother distances and reaches farther.
+    /// Time that heat flows in the heat method, in units of the squared mean edge length of the
+    /// triangulation; a longer time gives smoother distances and reaches farther.
     #[arg(long, value_name = "T", default_value_t = 1.0)]
     time: f64,
+    /// Triangulation on which heat flows: the intrinsic Delaunay triangulation of the tufted cover,
+    /// for any mesh (tufted), that of a surface whose edges have two faces at most (intrinsic), or
+    /// the triangles of the mesh (cotan), where long ones make distances wrong.
+    #[arg(long, value_name = "KIND", default_value = "tufted")]
+    laplacian: Kind,
     #[command(flatten)]
-    laplacian: LaplacianArgs,
+    repair: MeshArgs,
+    #[command(flatten)]
+    threads: Threads,
     /// Output file of the distances, with a row for each vertex (.npy, .csv, .tsv, .txt or .mtx,
     /// and .gz after it).
     #[arg(short, long, value_name = "FILE")]
@@ -59,7 +68,7 @@ pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
-    let mesh = args.laplacian.repair.read(&args.mesh)?.mesh;
+    let mesh = args.repair.read(&args.mesh)?.mesh;
     let components = Components::new(&mesh);
     let is_alone = |v: &&u32| components.of_vertices().get(**v as usize) == Some(&Components::NONE);
     if let Some(vertex) = args.from.iter().find(is_alone) {
@@ -97,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn over_faces(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
-    let (kind, par) = (args.laplacian.kind(), args.laplacian.par());
+    let (kind, par) = (args.laplacian.into(), args.threads.par());
     let options = HeatOptions::default().time(args.time).kind(kind).par(par);
     HeatMethod::new(mesh, &options)?.distances(&args.from)
 }

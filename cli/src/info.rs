@@ -1,7 +1,7 @@
 //! `catamaran info`.
 
 use anyhow::Result;
-use catamaran::base::{VERSION, available_cores, cpu_features};
+use catamaran::base::{IsaLevel, VERSION, available_cores, cpu_features, isa_limit};
 use catamaran::kernel::packed::Rates;
 use catamaran::kernel::{int8, packed};
 
@@ -30,6 +30,7 @@ pub fn run(args: &Args) -> Result<()> {
     let names = cpu_features();
     let known = if names.is_empty() { "none known".into() } else { names.join(" ") };
     row!("instructions", names = names; "{:WIDTH$}{known}", "instructions")?;
+    limit()?;
     let back_ends = ["native", "openblas"].into_iter().chain(args.backend.as_deref());
     back_ends.into_iter().try_for_each(back_end)?;
     head(format_args!("{:WIDTH$}any CBLAS library: --backend PATH", ""))?;
@@ -52,6 +53,13 @@ pub fn run(args: &Args) -> Result<()> {
 /// Returns the label on the first line of a block, and an empty one on the others.
 pub fn first(line: usize, label: &'static str) -> &'static str {
     if line == 0 { label } else { "" }
+}
+
+/// Reports the limit on the instruction sets of this process.
+fn limit() -> Result<()> {
+    let limit = isa_limit()?;
+    let what = if limit == IsaLevel::Amx { "none" } else { limit.name() };
+    row!("limit", isa = limit.name(); "{:WIDTH$}{what} (CATAMARAN_ISA)", "limit")
 }
 
 fn back_end(name: &str) -> Result<()> {

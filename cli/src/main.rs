@@ -48,6 +48,7 @@ use std::io;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
+use catamaran::base::{FloatEnv, isa_limit};
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -118,6 +119,9 @@ enum Command {
 fn main() -> ExitCode {
     // Before any other code allocates memory.
     let watched = shortage::watch();
+    // A library that is linked with -ffast-math sets flush-to-zero when it is loaded.
+    let _nearest = FloatEnv::nearest();
+    use_own_threads_only();
     let cli = parse_command_line();
     input::limit_memory(cli.max_memory);
     if cli.quiet {
@@ -129,6 +133,7 @@ fn main() -> ExitCode {
     let done = watched
         .and_then(|()| signals::watch())
         .context("the handling of signals can't be started")
+        .and_then(|()| Ok(isa_limit().map(drop)?))
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
     signals::wait_for_end();

@@ -4,21 +4,39 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use catamaran::io::{Output, check_arrays_name};
-use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
+use catamaran::mesh::io::{self as meshes, Material, MeshFile, MeshFormat};
 
 use crate::common::Force;
 use crate::report;
 
-/// Writes a mesh, and prints a note about attributes that the format can't store.
+/// Writes a mesh, and prints notes about what the format can't store or rounds.
 pub fn mesh(output: Output, file: &MeshFile) -> catamaran::Result<()> {
+    let format = MeshFormat::of(output.path())?;
+    mesh_as(output, file, format)
+}
+
+/// Writes a mesh as [`mesh`] does, in a format.
+pub fn mesh_as(output: Output, file: &MeshFile, format: MeshFormat) -> catamaran::Result<()> {
     let path = output.path().to_owned();
-    let left_out = MeshFormat::of(&path)?.left_out(file);
-    meshes::write(output, file)?;
-    if !left_out.is_empty() {
-        let what = left_out.join(", ");
-        report::note(format_args!("{}: this format can't store {what}", path.display()));
-    }
+    notes(&path, &meshes::write_as(output, file, format)?);
     Ok(())
+}
+
+/// Writes a mesh with a material, and prints notes as [`mesh`] does.
+pub fn mesh_with_material(
+    output: Output,
+    file: &MeshFile,
+    material: &Material,
+) -> catamaran::Result<()> {
+    let path = output.path().to_owned();
+    notes(&path, &meshes::write_with_material(output, file, material)?);
+    Ok(())
+}
+
+fn notes(path: &Path, lines: &[String]) {
+    for line in lines {
+        report::note(format_args!("{}: {line}", path.display()));
+    }
 }
 
 /// Starts a table of comma-separated values with a line of titles.

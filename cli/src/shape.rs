@@ -31,11 +31,22 @@ pub struct LaplacianArgs {
     threads: Threads,
 }
 
+/// Triangulations of a Laplacian.
 #[derive(Clone, Copy, ValueEnum)]
-enum Kind {
+pub enum Kind {
     Cotan,
     Intrinsic,
     Tufted,
+}
+
+impl From<Kind> for LaplacianKind {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Cotan => Self::Cotangent,
+            Kind::Intrinsic => Self::IntrinsicDelaunay,
+            Kind::Tufted => Self::Tufted,
+        }
+    }
 }
 
 /// How products are orthogonalized.
@@ -70,11 +81,7 @@ pub struct Shape {
 
 impl LaplacianArgs {
     pub fn kind(&self) -> LaplacianKind {
-        match self.laplacian {
-            Kind::Cotan => LaplacianKind::Cotangent,
-            Kind::Intrinsic => LaplacianKind::IntrinsicDelaunay,
-            Kind::Tufted => LaplacianKind::Tufted,
-        }
+        self.laplacian.into()
     }
 
     pub fn par(&self) -> Par {

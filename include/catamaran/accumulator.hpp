@@ -19,7 +19,7 @@ enum class sums : std::int32_t {
 
 /// What an accumulator adds, and how: the fields of cata_accumulator_params.
 struct accumulator_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// What is added up.
     catamaran::sums sums = sums::floating;

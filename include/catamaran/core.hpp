@@ -225,6 +225,10 @@ private:
 
 }  // namespace detail
 
+/// Ends the threads that the library keeps between calls, and waits until they have ended; later
+/// calls start threads anew. No thread may be in a call of the library.
+inline void release_threads() { detail::check(cata_threads_release()); }
+
 }  // namespace catamaran
 
 #endif

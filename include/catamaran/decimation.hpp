@@ -12,7 +12,7 @@ namespace catamaran {
 
 /// How a mesh is decimated: the fields of cata_decimation_params.
 struct decimation_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// The thesis literally, for comparison.
     bool thesis = false;

@@ -35,7 +35,7 @@ enum class boundary : std::int32_t {
 /// How eigenpairs are computed, and of which Laplacian where it is that of a mesh: the fields of
 /// cata_eigs_params.
 struct eigs_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Restarts, at most; 0: 60.
     std::size_t max_restarts = 0;
@@ -266,7 +266,7 @@ enum class ortho_method : std::int32_t {
 
 /// How columns are made orthonormal: the fields of cata_ortho_params.
 struct ortho_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// 0: 1e-9, or 1e-2 with ortho_method::single_pass.
     double threshold = 0.0;

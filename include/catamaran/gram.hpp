@@ -12,7 +12,7 @@ namespace catamaran {
 
 /// How a Gram matrix in extended precision is computed: the fields of cata_gram_params.
 struct gram_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// As options::progress.
     std::function<bool(double)> progress;
@@ -20,7 +20,7 @@ struct gram_options {
 
 /// How a least-squares problem is solved: the fields of cata_lstsq_params.
 struct lstsq_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Multiple of |X|^2 that is added.
     double ridge = 0.0;
@@ -34,7 +34,7 @@ struct lstsq_options {
 
 /// How principal components are computed: the fields of cata_pca_params.
 struct pca_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Whether columns are divided by their standard deviations.
     bool standardize = false;

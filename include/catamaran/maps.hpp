@@ -12,7 +12,7 @@ namespace catamaran {
 
 /// How bases of products are made and other work is done: the fields of cata_basis_params.
 struct basis_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Of products: most factors; 0: 2.
     std::size_t order = 0;

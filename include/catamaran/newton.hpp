@@ -18,7 +18,7 @@ enum class newton_gradient : std::int32_t {
 
 /// What a Newton fractal is of: the fields of cata_newton_params; 0 is the default of each.
 struct newton_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// As options::progress, of all calls of the fractal.
     std::function<bool(double)> progress;

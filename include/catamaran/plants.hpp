@@ -12,7 +12,7 @@ namespace catamaran {
 
 /// The constants of a plant: the fields of cata_plant_params; 0 is the default of each.
 struct plant_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// As options::progress, of all calls of the plant.
     std::function<bool(double)> progress;

@@ -30,7 +30,7 @@ enum class slime_lengths : std::int32_t {
 
 /// What slime moulds are like: the fields of cata_slime_params; 0 is the default of each.
 struct slime_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// As options::progress, of all calls of the simulation.
     std::function<bool(double)> progress;

@@ -11,7 +11,7 @@ namespace catamaran {
 
 /// How a union is located: the fields of cata_unions_params.
 struct unions_options {
-    /// 0: all cores of the affinity mask.
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// As options::progress.
     std::function<bool(double)> progress;

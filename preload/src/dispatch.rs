@@ -3,9 +3,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use catamaran::base::FloatEnv;
+
 use crate::arguments::Wrong;
 use crate::element::Element;
-use crate::entry::{Entry, Why};
+use crate::entry::{Entry, Why, count_large_forwarded, gain};
 use crate::host::Code;
 use crate::request::Request;
 use crate::settings::{Mode, Settings, complain};
@@ -30,6 +32,7 @@ pub unsafe fn call<T: Element>(
     // SAFETY: the caller's promise.
     let why = match unsafe { attempt(&request, settings) } {
         Ok(()) => {
+            gain();
             if let Some(start) = start {
                 entry.count_ours(start);
             }
@@ -39,6 +42,12 @@ pub unsafe fn call<T: Element>(
     };
     if let Some(next) = entry.next(settings.forwards_small()) {
         warn_of_other_bytes(entry, why, settings);
+        if settings.mode == Mode::Auto && matches!(why, Why::Slower | Why::Memory) {
+            count_large_forwarded();
+            if settings.hints {
+                report::at_exit();
+            }
+        }
         forward(next);
         if let Some(start) = start {
             entry.count_forwarded(why, start);
@@ -67,7 +76,7 @@ fn warn_of_other_bytes(entry: &Entry, why: Why, settings: &Settings) {
     }
 }
 
-/// Computes the request, or returns why it is forwarded.
+/// Computes the request to nearest, or returns why it is forwarded.
 ///
 /// # Safety
 /// As [`call`].
@@ -76,6 +85,10 @@ unsafe fn attempt<T: Element>(
     settings: &Settings,
 ) -> Result<(), Why> {
     let request = request.as_ref().map_err(|_| Why::Arguments)?;
+    if settings.mode == Mode::Auto && !FloatEnv::is_default() {
+        return Err(Why::Rounding);
+    }
+    let _nearest = FloatEnv::nearest();
     let plan = policy::decide(request, settings)?;
     // SAFETY: the caller's promise; requests that overlap get no plan.
     unsafe { product::compute(request, &plan, settings.threads) }.map_err(|_| Why::Memory)
@@ -90,6 +103,7 @@ unsafe fn alone<T: Element>(
     request: &Result<Request<T>, Wrong>,
     settings: &Settings,
 ) {
+    let _nearest = FloatEnv::nearest();
     let name = entry.name();
     let request = match request {
         Ok(request) => request,

@@ -2,7 +2,7 @@
 
 use std::ffi::{CStr, c_void};
 use std::ptr::{self, NonNull};
-use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
 use std::time::Instant;
 
 use crate::host::{Code, Next};
@@ -24,11 +24,13 @@ pub enum Why {
     Slower,
     /// More memory is needed than `CATAMARAN_BLAS_MEMORY` allows, or than there is.
     Memory,
+    /// The caller rounds otherwise than to nearest, or flushes subnormal numbers to zero.
+    Rounding,
 }
 
 impl Why {
     /// Each reason and its name in the report.
-    pub const NAMES: [(&'static str, Self); 7] = [
+    pub const NAMES: [(&'static str, Self); 8] = [
         ("off", Self::Off),
         ("arguments", Self::Arguments),
         ("trivial", Self::Trivial),
@@ -36,6 +38,7 @@ impl Why {
         ("small", Self::Small),
         ("slower", Self::Slower),
         ("memory", Self::Memory),
+        ("rounding", Self::Rounding),
     ];
 }
 
@@ -184,8 +187,34 @@ pub fn called() -> Vec<&'static Entry> {
     found
 }
 
+/// Whether a call was computed here because that was expected to be faster.
+static GAINED: AtomicBool = AtomicBool::new(false);
+/// Calls that were large enough for a plan, and were forwarded.
+static LARGE_FORWARDED: AtomicU64 = AtomicU64::new(0);
+
+/// Remembers that a call was computed here.
+pub fn gain() {
+    // A store would move the line between the caches of threads.
+    if !GAINED.load(Ordering::Relaxed) {
+        GAINED.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Counts a large call that was forwarded.
+pub fn count_large_forwarded() {
+    LARGE_FORWARDED.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Returns the number of large calls that were forwarded, if no call was computed here.
+pub fn forwarded_without_gain() -> Option<u64> {
+    let count = LARGE_FORWARDED.load(Ordering::Relaxed);
+    (count > 0 && !GAINED.load(Ordering::Relaxed)).then_some(count)
+}
+
 /// Forgets all calls, for a process that was forked.
 pub fn forget_calls() {
+    GAINED.store(false, Ordering::Relaxed);
+    LARGE_FORWARDED.store(0, Ordering::Relaxed);
     for entry in called() {
         entry.ours.clear();
         entry.forwarded.iter().for_each(Tally::clear);

@@ -16,7 +16,7 @@
 //! | `product`, `element` | the computation, of real or complex elements |
 //! | `threads` | the threads of this library |
 //! | `entry`, `host` | counts of a symbol; where the next library has it |
-//! | `report` | what `CATAMARAN_BLAS_VERBOSE=1` prints at exit |
+//! | `report` | what is printed at exit |
 //! | `settings` | environment variables |
 
 #![cfg(target_os = "linux")]

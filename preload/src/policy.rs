@@ -180,8 +180,13 @@ mod tests {
     use super::*;
     use crate::request::{Side, Stored};
 
-    const SETTINGS: Settings =
-        Settings { mode: Mode::Auto, verbose: false, threads: 2, memory: Some(64 << 20) };
+    const SETTINGS: Settings = Settings {
+        mode: Mode::Auto,
+        verbose: false,
+        hints: true,
+        threads: 2,
+        memory: Some(64 << 20),
+    };
 
     fn syrk(n: usize, k: usize, c: usize) -> Request<f64> {
         let stored = Stored {

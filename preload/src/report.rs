@@ -1,27 +1,27 @@
-//! What `CATAMARAN_BLAS_VERBOSE=1` prints on standard error at exit.
+//! What the library prints on standard error at exit: with `CATAMARAN_BLAS_VERBOSE=1` its calls, and
+//! by default a line if nothing was gained.
 
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::entry::{Entry, called};
+use catamaran::kernel::packed::Isa;
+
+use crate::entry::{Entry, called, forwarded_without_gain};
 use crate::host::file_of;
 use crate::settings::{Settings, complain};
 use crate::threads::watch_forks;
 
-/// Makes the process print the report when it ends by `exit`.
+/// Makes the process print what the settings ask for when it ends by `exit`.
 pub fn at_exit() {
     extern "C" fn print() {
         let settings = Settings::get();
-        let (mode, threads) = (settings.mode.name(), settings.threads);
-        let memory = match settings.memory {
-            Some(bytes) => format!("{} MiB", bytes >> 20),
-            None => "any memory".into(),
-        };
-        complain(&format!("process {}, {mode}, {threads} threads, {memory}", std::process::id()));
-        for entry in called() {
-            if let Some(line) = line(entry) {
-                complain(&line);
-            }
+        if settings.verbose {
+            print_calls(settings);
+        }
+        if settings.hints
+            && let Some(count) = forwarded_without_gain()
+        {
+            complain(&hint(count));
         }
     }
     static ASKED: AtomicBool = AtomicBool::new(false);
@@ -30,6 +30,30 @@ pub fn at_exit() {
         // SAFETY: a function of this library, which is never unloaded.
         unsafe { libc::atexit(print) };
     }
+}
+
+/// Prints a line about the process, and one about each symbol.
+fn print_calls(settings: &Settings) {
+    let (mode, threads) = (settings.mode.name(), settings.threads);
+    let memory = match settings.memory {
+        Some(bytes) => format!("{} MiB", bytes >> 20),
+        None => "any memory".into(),
+    };
+    complain(&format!("process {}, {mode}, {threads} threads, {memory}", std::process::id()));
+    for entry in called() {
+        if let Some(line) = line(entry) {
+            complain(&line);
+        }
+    }
+}
+
+/// Returns the line that says that nothing was gained.
+fn hint(count: u64) -> String {
+    format!(
+        "nothing gained: auto forwarded all large products ({count}), for which kernels for {} are \
+         not expected to be faster (CATAMARAN_BLAS_VERBOSE=1: why, 0: without this line)",
+        Isa::best().name()
+    )
 }
 
 /// Returns the line of a symbol, or `None` when it was not called.

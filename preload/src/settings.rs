@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::sync::OnceLock;
 
 use catamaran::Par;
-use catamaran::base::available_cores;
+use catamaran::base::obey_omp_num_threads;
 
 /// Which products are computed here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,7 +44,9 @@ pub struct Settings {
     pub mode: Mode,
     /// `CATAMARAN_BLAS_VERBOSE`: counts and times calls, and reports them at exit.
     pub verbose: bool,
-    /// `CATAMARAN_NUM_THREADS`, else `OMP_NUM_THREADS`, else the cores of the affinity mask.
+    /// Whether to say at exit that `auto` gained nothing: unless `CATAMARAN_BLAS_VERBOSE=0`.
+    pub hints: bool,
+    /// Those of [`Par::all`], which reads variables of its own.
     pub threads: usize,
     /// `CATAMARAN_BLAS_MEMORY`: bytes that a call may take beyond its operands; `None`: any number.
     pub memory: Option<usize>,
@@ -55,6 +57,7 @@ impl Settings {
     pub fn get() -> &'static Self {
         static SETTINGS: OnceLock<Settings> = OnceLock::new();
         SETTINGS.get_or_init(|| {
+            obey_omp_num_threads();
             Self::read(&|name| Some(std::env::var_os(name)?.to_string_lossy().into_owned()))
         })
     }
@@ -65,17 +68,13 @@ impl Settings {
     }
 
     fn read(variable: &dyn Fn(&str) -> Option<String>) -> Self {
-        let own_threads = read(variable, "CATAMARAN_NUM_THREADS", "a number from 1", count);
-        // A list gives the numbers of nested levels; the first is that of BLAS.
-        let first = |text: &str| count(text.split(',').next().unwrap_or_default());
-        let threads = own_threads
-            .or_else(|| read(variable, "OMP_NUM_THREADS", "a number from 1", first))
-            .unwrap_or_else(available_cores);
+        let verbose = read(variable, "CATAMARAN_BLAS_VERBOSE", "0 or 1", switch);
         let modes = "auto, reproducible, max or off";
         Self {
             mode: read(variable, "CATAMARAN_BLAS", modes, mode).unwrap_or_default(),
-            verbose: read(variable, "CATAMARAN_BLAS_VERBOSE", "0 or 1", switch).unwrap_or(false),
-            threads: Par::Threads(threads).threads(),
+            verbose: verbose == Some(true),
+            hints: verbose != Some(false),
+            threads: Par::all().threads(),
             memory: read(
                 variable,
                 "CATAMARAN_BLAS_MEMORY",
@@ -110,10 +109,6 @@ fn read<V>(
 pub fn complain(what: &dyn Display) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "catamaran-blas: {what}");
-}
-
-fn count(text: &str) -> Option<usize> {
-    text.trim().parse().ok().filter(|&count| count > 0)
 }
 
 fn switch(text: &str) -> Option<bool> {
@@ -159,11 +154,12 @@ mod tests {
         let expected = Settings {
             mode: Mode::Auto,
             verbose: false,
-            threads: available_cores(),
+            hints: true,
+            threads: Par::all().threads(),
             memory: Some(64 << 20),
         };
         assert_eq!(settings(&[]), expected);
-        assert_eq!(settings(&[("CATAMARAN_BLAS", " "), ("OMP_NUM_THREADS", "")]), expected);
+        assert_eq!(settings(&[("CATAMARAN_BLAS", " ")]), expected);
     }
 
     #[test]
@@ -173,6 +169,8 @@ mod tests {
             assert_eq!(mode.name(), name);
         }
         assert!(settings(&[("CATAMARAN_BLAS_VERBOSE", "1")]).verbose);
+        let silent = settings(&[("CATAMARAN_BLAS_VERBOSE", "0")]);
+        assert!(!silent.verbose && !silent.hints);
         for (text, bytes) in
             [("100", Some(100)), ("3k", Some(3072)), ("2GiB", Some(2 << 30)), ("unlimited", None)]
         {
@@ -181,20 +179,10 @@ mod tests {
     }
 
     #[test]
-    fn our_own_number_of_threads_goes_before_that_of_openmp() {
-        let of = |variables: &[(&str, &str)]| settings(variables).threads;
-        assert_eq!(of(&[("OMP_NUM_THREADS", "1,8")]), 1);
-        assert_eq!(of(&[("OMP_NUM_THREADS", "2"), ("CATAMARAN_NUM_THREADS", "1")]), 1);
-        assert_eq!(of(&[("OMP_NUM_THREADS", "1"), ("CATAMARAN_NUM_THREADS", "0")]), 1);
-    }
-
-    #[test]
     fn what_is_no_value_leaves_the_default() {
         for (name, text) in [
             ("CATAMARAN_BLAS", "fast"),
             ("CATAMARAN_BLAS_VERBOSE", "yes"),
-            ("CATAMARAN_NUM_THREADS", "-1"),
-            ("OMP_NUM_THREADS", "many"),
             ("CATAMARAN_BLAS_MEMORY", "1T"),
             ("CATAMARAN_BLAS_MEMORY", "99999999999G"),
         ] {

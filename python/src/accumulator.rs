@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use catamaran::ata::{
     Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, block_rows, scalar_of,
 };
+use catamaran::base::FloatEnv;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
@@ -217,6 +218,7 @@ impl Accumulator {
         kind: &str,
         bounds: Option<Bounds<'_>>,
     ) -> PyResult<Self> {
+        let _nearest = FloatEnv::nearest();
         let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
         let kind = word("kind", kind, &[("float", 0), ("exact", 1), ("extended", 2)])?;
         Ok(Self::of(match single {
@@ -250,6 +252,7 @@ impl Accumulator {
     }
 
     fn _merge(&self, other: &Bound<'_, Self>) -> PyResult<()> {
+        let _nearest = FloatEnv::nearest();
         let py = other.py();
         // A copy, so that no thread holds one object while it waits for another.
         let others = match &other.get().valid(py)?.sums {
@@ -270,12 +273,14 @@ impl Accumulator {
 
     #[pyo3(signature = (alpha, part))]
     fn _result<'py>(&self, py: Python<'py>, alpha: f64, part: &str) -> PyResult<Bound<'py, PyAny>> {
+        let _nearest = FloatEnv::nearest();
         let part = crate::options::uplo(part)?;
         self.valid(py)?.result(py, alpha, part)
     }
 
     /// The covariance matrix; weight and sums are of the same rows.
     fn _cov<'py>(&self, py: Python<'py>, ddof: f64) -> PyResult<Bound<'py, PyAny>> {
+        let _nearest = FloatEnv::nearest();
         let state = self.valid(py)?;
         let (centered, weight, rows) =
             each!(&state.sums, sum => (sum.is_centered(), sum.weight(), sum.rows()));

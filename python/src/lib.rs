@@ -10,6 +10,7 @@ mod array;
 mod ata;
 mod curve;
 mod decimate;
+mod environment;
 mod error;
 mod exclusive;
 mod gram;
@@ -18,7 +19,6 @@ mod mesh_file;
 mod options;
 mod ortho;
 mod plant;
-mod pool;
 mod product_plan;
 mod scalar;
 mod sparse;
@@ -42,6 +42,8 @@ mod _catamaran {
     #[pymodule_export]
     use crate::decimate::{decimate, farthest_points};
     #[pymodule_export]
+    use crate::environment::Nearest;
+    #[pymodule_export]
     use crate::gram::{PrincipalComponents, corrcoef, lstsq, orthogonality, pca, svd};
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
@@ -64,7 +66,10 @@ mod _catamaran {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        crate::pool::remember_process();
+        catamaran::base::obey_omp_num_threads();
+        catamaran::base::use_own_threads_only();
+        // Nobody would see the library's own line on standard error.
+        catamaran::base::isa_limit().map_err(crate::error::exception)?;
         module.add("__version__", catamaran::base::VERSION)
     }
 }

@@ -80,7 +80,7 @@ pub fn shape<'py>(
     counts: Vec<usize>,
     sizes: Vec<f64>,
 ) -> PyResult<Mesh<'py>> {
-    let made = run(py, Length::Short, None, |_| match (name, &counts[..], &sizes[..]) {
+    let made = run(py, Length::Long, None, |_| match (name, &counts[..], &sizes[..]) {
         ("icosphere", &[subdivisions], []) => families::icosphere(subdivisions as u32),
         ("torus", &[around, tube], &[major, minor]) => families::torus(around, tube, major, minor),
         ("knot", &[p, q, along, tube], &[radius]) => {
@@ -101,7 +101,7 @@ pub fn shape<'py>(
 
 /// Stiffness, mass and the vertices of their rows; see `catamaran.laplacian`.
 #[pyfunction]
-#[pyo3(signature = (v, f, kind, mass, boundary, threads))]
+#[pyo3(signature = (v, f, kind, mass, boundary, threads, progress))]
 pub fn laplacian<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -110,10 +110,11 @@ pub fn laplacian<'py>(
     mass: &str,
     boundary: &Bound<'py, PyAny>,
     threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(Parts<'py>, Parts<'py>, Bound<'py, PyAny>)> {
     let options = options(kind, mass, boundary, par(threads)?)?;
     let mesh = mesh(v, f)?;
-    let found = run(py, Length::Long, None, move |_| assemble(&mesh, &options))?;
+    let found = run(py, Length::Long, progress, move |_| assemble(&mesh, &options))?;
     let kept: Vec<i64> = found.kept.iter().map(|&v| v as i64).collect();
     Ok((parts(py, found.stiffness), mass_parts(py, found.mass), from_vec(py, kept).into_any()))
 }

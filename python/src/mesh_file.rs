@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::{Attribute, MeshFile, read, write};
+use catamaran::mesh::io::{Attribute, MeshFile, MeshFormat, read, write_as};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::{Array, from_rows, from_vec};
-use crate::error::refused;
+use crate::error::{exception, refused};
 use crate::mesh::{arrays, mesh};
 use crate::task::{Length, run};
 
@@ -54,9 +54,10 @@ pub fn read_mesh(
     Ok((v, f, more))
 }
 
-/// Writes a mesh; see `catamaran.write_mesh`.
+/// Writes a mesh, and returns notes about what the file does not hold as it is given; see
+/// `catamaran.write_mesh`.
 #[pyfunction]
-#[pyo3(signature = (path, v, f, colors, uv, overwrite))]
+#[pyo3(signature = (path, v, f, colors, uv, overwrite, text))]
 pub fn write_mesh<'py>(
     py: Python<'py>,
     path: PathBuf,
@@ -65,7 +66,8 @@ pub fn write_mesh<'py>(
     colors: Option<&Bound<'py, PyAny>>,
     uv: Option<&Bound<'py, PyAny>>,
     overwrite: bool,
-) -> PyResult<()> {
+    text: bool,
+) -> PyResult<Vec<String>> {
     let mut file = MeshFile::from(mesh(v, f)?);
     if let Some(colors) = colors {
         let colors = Array::<f64>::new("colors", colors, &[2])?;
@@ -83,14 +85,30 @@ pub fn write_mesh<'py>(
         file.uv = Some(texture_coordinates(uv, file.mesh.faces().len())?);
     }
     let overwrite = if overwrite { Overwrite::Replace } else { Overwrite::Never };
-    run(py, Length::Long, None, move |_| write(Output::create(&path, overwrite)?, &file))
+    let mut format = MeshFormat::of(&path).map_err(exception)?;
+    if text {
+        let why = "glTF has single precision as text, too";
+        format = format.as_text().ok_or_else(|| refused("text", why))?;
+    }
+    run(py, Length::Long, None, move |_| write_as(Output::create(&path, overwrite)?, &file, format))
 }
 
-/// Texture coordinates of the corners of faces, faces x 3 x 2.
+/// Texture coordinates of the corners of faces, faces x 3 x 2; a face with a NaN has none.
 pub fn texture_coordinates(uv: &Bound<'_, PyAny>, faces: usize) -> PyResult<Attribute<2>> {
     let rows = Array::<f64>::new("uv", &uv.call_method1("reshape", ((3 * faces, 2),))?, &[2])?;
     let view = rows.view();
-    let values = (0..view.nrows()).map(|i| [view[(i, 0)], view[(i, 1)]]).collect();
-    let corners = (0..faces as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let mut values: Vec<[f64; 2]> =
+        (0..view.nrows()).map(|i| [view[(i, 0)], view[(i, 1)]]).collect();
+    let mut corners = Vec::with_capacity(faces);
+    for f in 0..faces as u32 {
+        let numbers = [3 * f, 3 * f + 1, 3 * f + 2];
+        let absent = numbers.iter().any(|&i| values[i as usize].iter().any(|x| x.is_nan()));
+        corners.push(if absent { [Attribute::<2>::ABSENT; 3] } else { numbers });
+    }
+    // The values of no face.
+    values
+        .iter_mut()
+        .filter(|value| value[0].is_nan() || value[1].is_nan())
+        .for_each(|value| *value = [0.0; 2]);
     Ok(Attribute { values, corners: Some(corners) })
 }

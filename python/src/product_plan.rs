@@ -1,6 +1,7 @@
 //! Plans of products, which say what will run.
 
 use catamaran::Plan as ProductPlan;
+use catamaran::base::FloatEnv;
 use pyo3::prelude::*;
 
 use crate::error::exception;
@@ -22,6 +23,7 @@ pub fn plan(
     scalar: &str,
     products: Products<'_>,
 ) -> PyResult<Plan> {
+    let _nearest = FloatEnv::nearest();
     let options = products.options()?;
     let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
     let plan = match (k, single) {

@@ -12,11 +12,10 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use catamaran::base::Progress;
+use catamaran::base::{FloatEnv, Progress};
 use pyo3::prelude::*;
 
 use crate::error::{exception, of_panic};
-use crate::pool::with_threads;
 
 /// How often signals are handled and progress is told.
 const INTERVAL: Duration = Duration::from_millis(50);
@@ -92,7 +91,8 @@ impl Callback {
     }
 }
 
-/// Calls `work` with the interpreter released and returns what it returns.
+/// Calls `work` with the interpreter released, in the default floating-point environment, and
+/// returns what it returns.
 ///
 /// `progress` is None or a callable that is told how much is done: `progress(done, total)`.
 pub fn run<R: Send>(
@@ -101,15 +101,19 @@ pub fn run<R: Send>(
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(Progress<'_>) -> catamaran::Result<R> + Send,
 ) -> PyResult<R> {
+    // The thread that is started below inherits it.
+    let _nearest = FloatEnv::nearest();
     if length == Length::Short && progress.is_none() {
-        let guarded = || catch_unwind(AssertUnwindSafe(|| with_threads(|| work(Progress::none()))));
+        let guarded = || catch_unwind(AssertUnwindSafe(|| work(Progress::none())));
         return flatten(py.detach(guarded));
     }
     let watch = Watch::default();
     let update = |fraction: f64| watch.update(fraction);
     let guarded = || {
-        let found =
-            catch_unwind(AssertUnwindSafe(|| with_threads(|| work(Progress::new(&update)))));
+        let progress = Progress::new(&update);
+        // Also what takes no progress asks.
+        let watched = || progress.watch(|| work(progress));
+        let found = catch_unwind(AssertUnwindSafe(watched));
         watch.finish();
         found
     };

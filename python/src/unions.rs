@@ -13,7 +13,7 @@ use crate::task::{Length, run};
 
 /// See `catamaran.shape_dna`.
 #[pyfunction]
-#[pyo3(signature = (v, f, k, normalized, kind, threads))]
+#[pyo3(signature = (v, f, k, normalized, kind, threads, progress))]
 pub fn shape_dna<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
@@ -22,11 +22,14 @@ pub fn shape_dna<'py>(
     normalized: bool,
     kind: &str,
     threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let laplacian = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par(threads)?);
     let mesh = mesh(v, f)?;
     let options = ShapeDnaOptions::new().k(k).normalized(normalized).laplacian(laplacian);
-    let found = run(py, Length::Long, None, move |_| signature(&mesh, &options))?;
+    let found = run(py, Length::Long, progress, move |progress| {
+        signature(&mesh, &options.progress(progress))
+    })?;
     Ok(from_vec(py, found).into_any())
 }
 
@@ -61,14 +64,15 @@ impl Part {
 /// The spectrum of the union, those of the parts, and how unlike the training the parts are; see
 /// `catamaran.union_spectrum`.
 #[pyfunction]
-#[pyo3(signature = (parts, model))]
+#[pyo3(signature = (parts, model, progress))]
 pub fn union_spectrum<'py>(
     py: Python<'py>,
     parts: Vec<Bound<'py, PyAny>>,
     model: Option<PathBuf>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, f64)> {
     let parts: Vec<Part> = parts.iter().map(Part::new).collect::<PyResult<_>>()?;
-    let (union, spectra, ood_score) = run(py, Length::Long, None, move |_| {
+    let (union, spectra, ood_score) = run(py, Length::Long, progress, move |_| {
         let model = match model {
             Some(path) => SpectralUnion::read(&path)?,
             None => SpectralUnion::pretrained()?,

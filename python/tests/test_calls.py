@@ -129,6 +129,33 @@ def test_ctrl_c_ends_a_call():
     assert "interrupted" in out and "[0. 1.]" in out and process.returncode == 0, err
 
 
+# None of these reports progress while it factorizes, flips edges or solves for pairs.
+LONG = {
+    "shape_dna": "catamaran.shape_dna(v, f, 100, threads=1)",
+    "eigsh": "catamaran.eigsh(v, f, 60, threads=1)",
+    "laplacian": "catamaran.laplacian(v, f, kind='tufted', threads=1)",
+    "decimate": "catamaran.decimate(v, f, 20_000, threads=1)",
+    "farthest_points": "catamaran.farthest_points(v, f, 50_000)",
+    "eigsh_dense": "catamaran.eigsh(*catamaran.shapes.grid(33, 33), 1000, threads=1)",
+}
+
+
+@pytest.mark.parametrize("call", LONG)
+def test_an_exception_ends_long_calls_before_they_are_done(call):
+    v, f = catamaran.shapes.icosphere(7)
+    names = {"catamaran": catamaran, "v": v, "f": f}
+    told = []
+
+    def stop(done, total):
+        told.append(done)
+        raise KeyboardInterrupt
+
+    code = LONG[call][:-1] + ", progress=stop)"
+    with pytest.raises(KeyboardInterrupt):
+        eval(code, names | {"stop": stop})
+    assert len(told) == 1 and told[0] < 1000
+
+
 def test_the_end_of_the_interpreter_waits_for_no_daemon():
     process = run("""
         import threading, time
@@ -141,3 +168,24 @@ def test_the_end_of_the_interpreter_waits_for_no_daemon():
     out, err = process.communicate(timeout=60)
     assert out == "ends\n" and process.returncode == 0, (process.returncode, err)
     assert err == ""
+
+
+def test_a_wrong_limit_on_instruction_sets_is_an_error_of_the_import():
+    wrong = run("", env={**os.environ, "CATAMARAN_ISA": "avx3"})
+    text = wrong.communicate(timeout=60)[1]
+    assert wrong.returncode == 1
+    assert "CATAMARAN_ISA: must be portable, avx2, avx512, vnni or amx" in text, text
+
+
+def test_reproducible_bytes_are_the_same_within_every_limit():
+    code = """
+        a = np.random.default_rng(3).standard_normal((90, 70))
+        for n in (3, 70):
+            print(catamaran.ata(a[:, :n], reproducible=True).tobytes().hex())
+    """
+    found = set()
+    for isa in ("", "portable", "avx2", "avx512"):
+        child = run(code, env={**os.environ, "CATAMARAN_ISA": isa})
+        found.add(child.communicate(timeout=60)[0])
+        assert child.returncode == 0
+    assert len(found) == 1

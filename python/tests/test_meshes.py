@@ -1,11 +1,13 @@
 """Meshes: files, Laplacians, spectra beside libigl and scipy."""
 
 import gzip
+import warnings
 
 import numpy as np
 import pytest
 import scipy.sparse
 import scipy.sparse.linalg
+import scipy.spatial
 
 import catamaran
 from catamaran import shapes
@@ -95,6 +97,103 @@ def test_files(tmp_path):
     (tmp_path / "bad.off").write_text("OFF\n1 1 0\n0 0 0\n3 0 1 2\n")
     with pytest.raises(OSError, match="bad.off"):
         catamaran.read_mesh(tmp_path / "bad.off")
+
+
+def test_what_a_file_does_not_hold_is_a_warning(tmp_path):
+    v, f = shapes.icosphere(2)
+    far = v + [691608.37, 5334764.91, 519.25]
+    with pytest.warns(UserWarning, match="a.stl: rounded coordinates .* move by up to 2"):
+        catamaran.write_mesh(tmp_path / "a.stl", far, f)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        catamaran.write_mesh(tmp_path / "b.stl", far, f, text=True)
+        w, g = catamaran.read_mesh(tmp_path / "b.stl")
+    assert np.array_equal(w[g], far[f])
+    with pytest.warns(UserWarning, match="c.stl: this format can't store colours"):
+        catamaran.write_mesh(tmp_path / "c.stl", v, f, colors=v)
+    with pytest.raises(OSError, match="320 of 320 faces vanish"):
+        catamaran.write_mesh(tmp_path / "d.stl", 1e-3 * v + 1e6, f)
+    assert not (tmp_path / "d.stl").exists()
+    with pytest.raises(ValueError, match="text"):
+        catamaran.write_mesh(tmp_path / "e.glb", v, f, text=True)
+    (tmp_path / "f.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n")
+    with pytest.warns(UserWarning, match="f.obj: left out lines"):
+        catamaran.read_mesh(tmp_path / "f.obj")
+    # Faces without texture coordinates come as they go.
+    uv = np.random.default_rng(0).uniform(size=(len(f), 3, 2))
+    uv[7] = np.nan
+    catamaran.write_mesh(tmp_path / "g.obj", v, f, uv=uv)
+    assert "nan" not in (tmp_path / "g.obj").read_text().lower()
+    again = catamaran.read_mesh(tmp_path / "g.obj", attributes=True)[2]["uv"]
+    assert np.array_equal(again, uv, equal_nan=True)
+
+
+def by_trimesh(path):
+    mesh = pytest.importorskip("trimesh").load(path, process=False, force="mesh")
+    return mesh.vertices, mesh.faces
+
+
+def by_meshio(path):
+    mesh = pytest.importorskip("meshio").read(path)
+    return mesh.points, mesh.cells_dict["triangle"]
+
+
+def by_libigl(path):
+    return igl.read_triangle_mesh(str(path))[:2]
+
+
+def by_vtk(path):
+    vtk = pytest.importorskip("vtk")
+    numpy_support = pytest.importorskip("vtk.util.numpy_support")
+    kinds = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLTF"}
+    reader = getattr(vtk, f"vtk{kinds[path.suffix[1:]]}Reader")()
+    reader.SetFileName(str(path))
+    if path.suffix == ".glb":
+        flat = vtk.vtkCompositeDataGeometryFilter()
+        flat.SetInputConnection(reader.GetOutputPort())
+        reader = flat
+    reader.Update()
+    mesh = reader.GetOutput()
+    faces = numpy_support.vtk_to_numpy(mesh.GetPolys().GetConnectivityArray())
+    return numpy_support.vtk_to_numpy(mesh.GetPoints().GetData()), faces.reshape(-1, 3)
+
+
+def by_meshlab(path):
+    meshes = pytest.importorskip("pymeshlab").MeshSet()
+    meshes.load_new_mesh(str(path))
+    meshes.apply_matrix_freeze()
+    return meshes.current_mesh().vertex_matrix(), meshes.current_mesh().face_matrix()
+
+
+# scripts/test-python installs the first three.
+@pytest.mark.parametrize("read", [by_trimesh, by_meshio, by_libigl, by_vtk, by_meshlab])
+@pytest.mark.parametrize("kind", ["obj", "ply", "ply text", "stl", "stl text", "off", "glb"])
+@pytest.mark.parametrize("with_uv", [False, True])
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_other_programs_read_what_is_written(tmp_path, read, kind, with_uv):
+    ending, *text = kind.split()
+    if ending == "glb" and read in (by_meshio, by_libigl):
+        pytest.skip("reads no glTF")
+    if ending == "ply" and with_uv and read is by_meshio:
+        pytest.skip("reads one list of an element of PLY")
+    v, f = shapes.torus(12, 8)
+    v = v + [1000, 2000, -500]
+    path = tmp_path / f"a.{ending}"
+    uv = None
+    if with_uv:
+        uv = np.random.default_rng(0).uniform(size=(len(f), 3, 2))
+        # Two faces without texture coordinates.
+        uv[5:7] = np.nan
+    # VTK and meshio read OFF without colours only.
+    plain = ending == "off" and read in (by_meshio, by_vtk)
+    colors = None if plain else np.random.default_rng(0).uniform(size=(len(v), 3))
+    catamaran.write_mesh(path, v, f, colors=colors, uv=uv, text=bool(text))
+    theirs, faces = read(path)
+    assert np.asarray(faces).shape == f.shape
+    # Each of our faces is one of theirs: faces of glTF are ordered by what they have.
+    ours, theirs = v[f].reshape(-1, 9), np.asarray(theirs)[faces].reshape(-1, 9)
+    distances, numbers = scipy.spatial.cKDTree(theirs).query(ours)
+    assert distances.max() < 5e-4 and len(np.unique(numbers)) == len(f)
 
 
 def test_real_meshes_are_as_libigl_reads_them(tmp_path):

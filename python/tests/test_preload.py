@@ -36,6 +36,7 @@ def test_scripts_modules_and_code_run_with_the_library(tmp_path):
             "-m", "catamaran.preload", *map(str, arguments), CATAMARAN_BLAS_LIBRARY=library
         )
         assert found.stdout == f"{library} ['x', '-y']\n", found.stderr
+        assert found.stderr == ""
     found = python("-m", "catamaran.preload", "-m", "this", CATAMARAN_BLAS_LIBRARY=library)
     assert "Zen" in found.stdout
 
@@ -64,6 +65,13 @@ def test_a_missing_library_is_an_error_that_says_where_it_was_looked_for(tmp_pat
     )
     assert found.returncode == 1 and "there is no file" in found.stderr
     assert python("-m", "catamaran.preload").returncode == 2
+
+
+def test_the_module_runs_without_a_warning_and_has_its_names():
+    found = python("-W", "error", "-m", "catamaran.preload", "--help")
+    assert found.returncode == 0 and "Warning" not in found.stderr, found.stderr
+    for name in preload.__all__:
+        assert hasattr(preload, name)
 
 
 def test_the_library_is_found_where_build_blas_puts_it(tmp_path, monkeypatch):

@@ -213,7 +213,7 @@ impl<'a> AtaOptions<'a> {
         Self { uplo, ..self }
     }
 
-    /// Sets how many threads a call may use; all cores of the affinity mask by default. The result
+    /// Sets how many threads a call may use; those of [`Par::all`] by default. The result
     /// does not depend on it.
     pub fn par(self, par: Par) -> Self {
         Self { par, ..self }

@@ -3,10 +3,16 @@
 mod builder;
 #[cfg(feature = "geometry")]
 mod checks;
+mod cores;
 mod disjoint;
 mod error;
+mod float_env;
+mod isa;
+#[cfg(feature = "geometry")]
+mod operations;
 mod par;
 mod plain;
+mod pool;
 mod progress;
 mod rng;
 mod scalar;
@@ -14,16 +20,25 @@ mod scalar;
 mod sets;
 mod simd;
 mod version;
+mod watch;
 mod workspace;
 
 pub(crate) use builder::builder;
 #[cfg(feature = "geometry")]
 pub(crate) use checks::{at_least, at_least_zero, positive};
+pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
+pub use float_env::FloatEnv;
+pub use isa::{IsaLevel, isa_limit, set_isa_limit};
+#[cfg(all(test, feature = "unions"))]
+pub(crate) use operations::measure;
+#[cfg(feature = "geometry")]
+pub(crate) use operations::{apart, ask, count, spend};
+pub use par::Par;
 pub(crate) use par::{Latch, tickets};
-pub use par::{Par, Pin, ThreadPool, available_cores};
 pub(crate) use plain::Plain;
+pub use pool::{Pin, ThreadPool, release_threads, use_own_threads_only};
 pub use progress::Progress;
 pub(crate) use progress::Tracker;
 pub use rng::Rng;
@@ -31,6 +46,8 @@ pub use scalar::Real;
 #[cfg(feature = "geometry")]
 pub(crate) use sets::Sets;
 pub(crate) use simd::widest;
+#[cfg(feature = "geometry")]
+pub(crate) use simd::{arch, has_fused};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub(crate) use workspace::reserved;

@@ -1,13 +1,15 @@
-//! Threads: their number, pools of them, and the loop that distributes work among them.
+//! Threads: their number, and the loop that distributes work among them.
 
-use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
-use core_affinity::CoreId;
-
-use super::{Error, Result};
+use super::cores::{allowed_threads, available_cores};
+use super::float_env::FloatEnv;
+#[cfg(feature = "geometry")]
+use super::operations::spend;
+use super::pool::{Pin, pinned, shared};
+use super::watch::unwatched;
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
 ///
@@ -26,8 +28,10 @@ use super::{Error, Result};
 pub enum Par {
     /// The calling thread only.
     Seq,
-    /// At most this many threads (at least 1): those of the rayon pool that the call runs in, or of
-    /// a pool made for the call if that pool is smaller. At most [`Par::MOST_PER_CORE`] threads per
+    /// At most this many threads (at least 1): inside of a rayon pool, as in
+    /// [`ThreadPool::run`](super::ThreadPool::run), threads of that pool; elsewhere the calling
+    /// thread and threads that the process keeps for all calls
+    /// ([`release_threads`](super::release_threads)). At most [`Par::MOST_PER_CORE`] threads per
     /// core are used, because more would only wait for each other.
     Threads(usize),
 }
@@ -36,9 +40,13 @@ impl Par {
     /// Largest number of threads per core.
     pub const MOST_PER_CORE: usize = 4;
 
-    /// Returns one thread for each core in the affinity mask of this process.
+    /// Returns as many threads as this process may use: one for each core in its affinity mask, or
+    /// fewer where the calling thread belongs to a smaller rayon pool, or where the environment has
+    /// a lower number in `RAYON_NUM_THREADS` or `CATAMARAN_NUM_THREADS`
+    /// ([`obey_omp_num_threads`](super::obey_omp_num_threads) adds `OMP_NUM_THREADS`). The
+    /// variables are read once.
     pub fn all() -> Self {
-        Self::Threads(available_cores())
+        Self::Threads(threads_of_pool().unwrap_or(usize::MAX).min(allowed_threads()))
     }
 
     /// Returns the number of threads that are used.
@@ -96,6 +104,34 @@ impl Par {
         });
     }
 
+    /// Calls [`Par::for_each`] with some of the items at a time, of which each takes so many
+    /// `operations`, and asks in between whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](super::Error::Cancelled).
+    #[cfg(feature = "geometry")]
+    pub(crate) fn for_each_asking<T: Send>(
+        self,
+        mut items: impl Iterator<Item = T>,
+        operations: f64,
+        work: impl Fn(usize, T) + Sync,
+    ) -> super::Result<()> {
+        /// Operations of a thread between two requests.
+        const PIECE: f64 = 2.5e7;
+        let each = (PIECE / operations).max(1.0) as usize;
+        let mut first = 0;
+        loop {
+            let some: Vec<T> = items.by_ref().take(each.saturating_mul(self.threads())).collect();
+            if some.is_empty() {
+                return Ok(());
+            }
+            let count = some.len();
+            self.for_each(some.into_iter(), |i, item| work(first + i, item));
+            first += count;
+            spend(operations * count.div_ceil(self.threads()) as f64)?;
+        }
+    }
+
     /// Returns what `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
     pub(crate) fn map_blocks<T: Send + Sync>(
         self,
@@ -112,6 +148,26 @@ impl Par {
         results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 
+    /// Returns what [`Par::map_blocks`] returns, for some blocks at a time, of which each takes so
+    /// many `operations`, and asks in between whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](super::Error::Cancelled).
+    #[cfg(feature = "geometry")]
+    pub(crate) fn map_blocks_asking<T: Send + Sync>(
+        self,
+        n: usize,
+        size: usize,
+        operations: f64,
+        work: impl Fn(Range<usize>) -> T + Sync,
+    ) -> super::Result<Vec<T>> {
+        let mut found: Vec<Option<T>> = (0..n.div_ceil(size)).map(|_| None).collect();
+        self.for_each_asking(found.iter_mut(), operations, |block, found| {
+            *found = Some(work(block * size..n.min((block + 1) * size)));
+        })?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
     /// Calls [`tickets`] with workers that have no memory of their own.
     pub(crate) fn tickets(self, count: usize, work: impl Fn(usize) -> ControlFlow<()> + Sync) {
         let mut workers = vec![(); self.at_most(count).threads()];
@@ -124,7 +180,7 @@ impl Par {
 /// `Break`.
 ///
 /// Which worker gets which ticket varies from run to run, so results must not depend on it. The
-/// calling thread is the first worker. If the thread of a worker never starts, the other workers
+/// calling thread is the first worker. If no thread is free for another worker, those that run
 /// serve its tickets.
 pub(crate) fn tickets<W: Send>(
     workers: &mut [W],
@@ -144,46 +200,44 @@ pub(crate) fn tickets<W: Send>(
         }
     };
     let [first, others @ ..] = workers else { return };
+    let inside = threads_of_pool();
+    let most = others.len().min(inside.unwrap_or(usize::MAX) - 1);
+    let others = &mut others[..most];
     if others.is_empty() {
         return serve(first);
     }
-    let wanted = others.len() + 1;
-    let run = |first: &mut W, others: &mut [W]| {
-        rayon::in_place_scope(|scope| {
-            for worker in others {
-                scope.spawn(|_| serve(worker));
-            }
-            serve(first);
+    // A callback must not be called while others wait for its thread.
+    if inside.is_some() {
+        return unwatched(|| {
+            rayon::in_place_scope(|scope| {
+                for worker in others {
+                    scope.spawn(|_| {
+                        // The pool is one of the caller, whose threads may have another
+                        // environment.
+                        let _nearest = FloatEnv::nearest();
+                        serve(worker);
+                    });
+                }
+                serve(first);
+            });
         });
+    }
+    // The system may give no more threads: slower, but the same result.
+    let Ok(pool) = shared(others.len() + 1) else { return serve(first) };
+    let others: Vec<_> = others.iter_mut().map(Mutex::new).collect();
+    let help = |i: usize| {
+        // Each is locked once.
+        if let Ok(mut worker) = others[i].lock() {
+            serve(&mut worker);
+        }
     };
-    if enough_threads(wanted) {
-        return run(first, others);
-    }
-    match ThreadPool::new(wanted, Pin::No) {
-        Ok(pool) => pool.run(|| run(first, others)),
-        // The system gives no more threads: slower, but the same result.
-        Err(_) => serve(first),
-    }
+    unwatched(|| pool.help(others.len(), &help, || serve(first)));
 }
 
-/// Returns whether the rayon pool of the caller, or else the global pool, has at least `wanted`
-/// threads. This call starts the global pool; rayon panics where the system refuses its threads.
-fn enough_threads(wanted: usize) -> bool {
-    std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= wanted)
-}
-
-/// Returns the number of cores in the affinity mask of this process, at least 1. The mask is read
-/// on the first call.
-///
-/// ```
-/// use catamaran::{Par, base::available_cores};
-///
-/// assert_eq!(Par::all().threads(), available_cores());
-/// ```
-pub fn available_cores() -> usize {
-    // Asking the system takes longer than a small product.
-    static CORES: OnceLock<usize> = OnceLock::new();
-    *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
+/// Returns the number of threads (>= 1) of the rayon pool that the calling thread belongs to.
+/// rayon's global pool is not started.
+fn threads_of_pool() -> Option<usize> {
+    rayon::current_thread_index().map(|_| rayon::current_num_threads().max(1))
 }
 
 /// A counter that threads wait for until it has been counted down to zero.
@@ -236,94 +290,12 @@ impl Latch {
     }
 }
 
-/// Whether threads stay on one core each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Pin {
-    /// The operating system may move threads between cores.
-    #[default]
-    No,
-    /// Thread `i` stays on the `i`-th core of the affinity mask (modulo their number), where the
-    /// operating system allows it.
-    ///
-    /// The mask is that of the process at the first call that needs it, as set by `taskset` or by
-    /// the binding of `mpirun`. Processes that share a mask share its first cores.
-    Cores,
-}
-
-/// Returns the cores of the affinity mask in ascending order, or none where the system does not
-/// report them. The mask is read once, because a pinned thread sees one core only.
-fn cores() -> &'static [CoreId] {
-    static CORES: OnceLock<Vec<CoreId>> = OnceLock::new();
-    CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
-}
-
-/// Returns a pool of `threads` pinned threads. Pools are kept, because starting threads takes
-/// longer than a small product.
-fn pinned(threads: usize) -> Result<Arc<ThreadPool>> {
-    static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
-    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(pool) = pools.get(&threads) {
-        return Ok(pool.clone());
-    }
-    let pool = Arc::new(ThreadPool::new(threads, Pin::Cores)?);
-    pools.insert(threads, pool.clone());
-    Ok(pool)
-}
-
-/// A group of threads, made once and used for many calls: everything called inside
-/// [`ThreadPool::run`] uses these threads and no others.
-///
-/// ```
-/// use catamaran::{AtaOptions, Uplo, ata, base::{Pin, ThreadPool}, faer::Mat};
-///
-/// let pool = ThreadPool::new(2, Pin::No)?;
-/// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
-/// let options = AtaOptions::new().threads(2).uplo(Uplo::Both);
-/// pool.run(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options))?;
-/// assert_eq!(c, Mat::<f64>::identity(3, 3));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-#[derive(Debug)]
-pub struct ThreadPool {
-    pool: rayon::ThreadPool,
-}
-
-impl ThreadPool {
-    /// Creates a pool of `threads` threads (at least 1).
-    ///
-    /// # Errors
-    /// [`Error::Argument`] when the operating system refuses the threads.
-    pub fn new(threads: usize, pin: Pin) -> Result<Self> {
-        let mut builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
-        if pin == Pin::Cores {
-            let cores = cores();
-            builder = builder.start_handler(|i| {
-                if !cores.is_empty() {
-                    core_affinity::set_for_current(cores[i % cores.len()]);
-                }
-            });
-        }
-        let pool =
-            builder.build().map_err(|e| Error::Argument { what: "threads", why: e.to_string() })?;
-        Ok(Self { pool })
-    }
-
-    /// Calls `work` on a thread of the pool.
-    ///
-    /// ```
-    /// use catamaran::base::{Pin, ThreadPool};
-    ///
-    /// let pool = ThreadPool::new(2, Pin::No)?;
-    /// assert_eq!(pool.run(|| (1..=4).product::<u32>()), 24);
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        self.pool.install(work)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    #[cfg(target_os = "linux")]
+    use core_affinity::CoreId;
+
+    use super::super::pool::ThreadPool;
     use super::*;
 
     /// Returns the cores that the calling thread may run on.
@@ -376,6 +348,25 @@ mod tests {
         let caller = std::thread::current().id();
         for (par, pin) in [(Par::Threads(2), Pin::No), (Par::Seq, Pin::Cores)] {
             assert_eq!(par.on_cores(pin, || std::thread::current().id()), caller);
+        }
+    }
+
+    #[test]
+    fn inside_of_a_pool_its_threads_work_and_no_others() {
+        for threads in [1, 2] {
+            let pool = ThreadPool::new(threads, Pin::No).unwrap();
+            let own = pool.run(|| {
+                assert_eq!(Par::all().threads(), threads.min(allowed_threads()));
+                let seen = Mutex::new(Vec::new());
+                Par::Threads(4).tickets(50, |_| {
+                    seen.lock().unwrap().push(std::thread::current().id());
+                    ControlFlow::Continue(())
+                });
+                let inside = Mutex::new(vec![std::thread::current().id()]);
+                rayon::broadcast(|_| inside.lock().unwrap().push(std::thread::current().id()));
+                (seen.into_inner().unwrap(), inside.into_inner().unwrap())
+            });
+            assert!(own.0.len() == 50 && own.0.iter().all(|thread| own.1.contains(thread)));
         }
     }
 

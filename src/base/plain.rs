@@ -13,6 +13,8 @@ unsafe impl Plain for i8 {}
 // SAFETY: as the trait asks.
 unsafe impl Plain for i32 {}
 // SAFETY: as the trait asks.
+unsafe impl Plain for i64 {}
+// SAFETY: as the trait asks.
 unsafe impl Plain for i128 {}
 // SAFETY: as the trait asks.
 unsafe impl Plain for f32 {}

@@ -4,10 +4,8 @@ use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use super::watch::{self, Callback};
 use super::{Error, Result};
-
-/// A function that is told the fraction of the work that is done.
-type Callback<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
 
 /// Reports the fraction of the work that is done to a callback, or does nothing
 /// ([`Progress::none`], the default).
@@ -54,7 +52,8 @@ impl<'a, F: Fn(f64) -> ControlFlow<()> + Sync> From<&'a F> for Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Returns a progress that reports to no callback and never stops.
+    /// Returns a progress without a callback of its own: it asks the one that watches the thread
+    /// ([`Progress::watch`]), if there is one.
     pub const fn none() -> Self {
         Self { callback: None, start: 0.0, length: 1.0 }
     }
@@ -118,8 +117,40 @@ impl<'a> Progress<'a> {
     /// Reports as [`Progress::report`] does, for callbacks that forward a report: returns what the
     /// callback returns.
     pub fn tell(self, fraction: f64) -> ControlFlow<()> {
-        let Some(callback) = self.callback else { return ControlFlow::Continue(()) };
-        callback((self.start + fraction.clamp(0.0, 1.0) * self.length).clamp(0.0, 1.0))
+        let Some(callback) = self.callback else { return watch::ask_again() };
+        let fraction = self.fraction(fraction);
+        watch::told(callback, fraction);
+        watch::unwatched(|| callback(fraction))
+    }
+
+    /// Returns a fraction of this part as one of the whole work.
+    fn fraction(self, fraction: f64) -> f64 {
+        (self.start + fraction.clamp(0.0, 1.0) * self.length).clamp(0.0, 1.0)
+    }
+
+    /// Calls `work` on the calling thread; every call of this library in it asks this callback
+    /// whether to stop, at least every 10^8 floating-point operations, whether or not it takes a
+    /// progress of its own. The callback is told the last fraction again where the call does not
+    /// know a better one.
+    ///
+    /// Loops that several threads share do not ask, except by a progress that their call takes:
+    /// they are short.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    /// use catamaran::{Error, base::Progress, mesh::{LaplacianOptions, families, laplacian}};
+    ///
+    /// let mesh = families::icosphere(7)?;
+    /// let stop = |_: f64| ControlFlow::Break(());
+    /// let found = Progress::new(&stop).watch(|| laplacian(&mesh, &LaplacianOptions::new()));
+    /// assert_eq!(found, Err(Error::Cancelled));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn watch<R>(self, work: impl FnOnce() -> R) -> R {
+        match self.callback {
+            Some(callback) => watch::watched(callback, self.start.clamp(0.0, 1.0), work),
+            None => work(),
+        }
     }
 }
 
@@ -140,7 +171,25 @@ pub(crate) struct Tracker<'a> {
 
 impl<'a> Tracker<'a> {
     /// Creates a tracker of `total` units of work, none of which is done.
+    ///
+    /// Without a callback, the tracker asks the one that watches the calling thread.
     pub fn new(progress: Progress<'a>, total: f64) -> Self {
+        let watching = || {
+            let (callback, fraction) = watch::current()?;
+            Some(Progress { callback: Some(callback), start: fraction, length: 0.0 })
+        };
+        match progress.is_watched() {
+            true => Self::of(progress, total),
+            false => Self::of(watching().unwrap_or(progress), total),
+        }
+    }
+
+    /// Creates a tracker that asks nobody, for work that must be completed once it has begun.
+    pub fn unwatched() -> Self {
+        Self::of(Progress::none(), 0.0)
+    }
+
+    fn of(progress: Progress<'a>, total: f64) -> Self {
         Self {
             progress,
             total,
@@ -192,6 +241,10 @@ impl<'a> Tracker<'a> {
         let done = f64::from_bits(self.done.load(Ordering::Relaxed));
         if self.progress.is_watched() && self.state().is_continue() && *reported < done {
             self.report(&mut reported);
+        }
+        if let (Some(callback), true) = (self.progress.callback, self.total > 0.0) {
+            // Another thread may have been in the callback last.
+            watch::told(callback, self.progress.fraction(done / self.total));
         }
         match self.state() {
             ControlFlow::Continue(()) => Ok(()),

@@ -1,5 +1,8 @@
 use std::sync::OnceLock;
 
+#[cfg(target_arch = "x86_64")]
+use super::isa::IsaLevel;
+
 /// Version of this crate, `major.minor.patch`.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -29,7 +32,7 @@ pub fn version() -> VersionNumber {
 }
 
 /// Returns the names of the instruction sets of this CPU that the kernels can use, as detected at
-/// run time.
+/// run time, up to the limit of this process ([`isa_limit`](super::isa_limit)).
 ///
 /// ```
 /// use catamaran::base::cpu_features;
@@ -42,18 +45,15 @@ pub fn cpu_features() -> Vec<&'static str> {
     let mut found = Vec::new();
     #[cfg(target_arch = "x86_64")]
     {
-        if is_x86_feature_detected!("avx2") {
-            found.push("avx2");
-        }
-        if is_x86_feature_detected!("fma") {
-            found.push("fma");
-        }
-        if is_x86_feature_detected!("avx512f") {
-            found.push("avx512f");
-        }
-        if is_x86_feature_detected!("avx512vnni") {
-            found.push("avx512vnni");
-        }
+        let mut add = |level: IsaLevel, detected, name| {
+            if detected && level.permitted().is_ok() {
+                found.push(name);
+            }
+        };
+        add(IsaLevel::Avx2, is_x86_feature_detected!("avx2"), "avx2");
+        add(IsaLevel::Avx2, is_x86_feature_detected!("fma"), "fma");
+        add(IsaLevel::Avx512, is_x86_feature_detected!("avx512f"), "avx512f");
+        add(IsaLevel::Vnni, is_x86_feature_detected!("avx512vnni"), "avx512vnni");
     }
     found
 }

@@ -1,7 +1,7 @@
 use faer::{MatMut, MatRef};
 
 use super::kernels::Kernels;
-use crate::base::{Par, Progress, Scratch, Tracker};
+use crate::base::{Par, Scratch, Tracker};
 use crate::kernel::packed::{
     self, Destination, Isa, Job, Kernel, Operand, Part, Product, Shape, Source, is_small, run,
     run_small, scratch_len,
@@ -125,7 +125,7 @@ fn large_product<T: Operand>(
     let shapes = products.iter().map(|p| p.shape);
     let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
     let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");
-    let progress = &Tracker::new(Progress::none(), 0.0);
+    let progress = &Tracker::unwatched();
     let job = Job { kernel, products: &products, budget: BUDGET, progress };
     // SAFETY: C is borrowed for the length of this call.
     unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };

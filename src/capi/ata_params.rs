@@ -116,7 +116,7 @@ pub(super) unsafe fn with_options(
         .par(par(params.threads))
         .pin(if flag("params.pin", params.pin)? { Pin::Cores } else { Pin::No })
         .scheme(scheme(params.scheme)?)
-        .accuracy(accuracy(params.error_factor))
+        .accuracy(accuracy(params.error_factor)?)
         .reproducible(flag("params.reproducible", params.reproducible)?)
         .leaf((params.leaf > 0).then_some(params.leaf))
         .tasks((params.tasks > 0).then_some(params.tasks));
@@ -126,7 +126,7 @@ pub(super) unsafe fn with_options(
     }
     let watch = watcher(params.progress, params.progress_user);
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&options.progress(progress))
+    progress.watch(|| work(&options.progress(progress)))
 }
 
 fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
@@ -154,9 +154,9 @@ fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
     })
 }
 
-/// Returns the accuracy for an error factor; the planner checks its range.
-fn accuracy(error_factor: f64) -> Accuracy {
-    if error_factor == 0.0 {
+/// Returns the accuracy for an error factor.
+fn accuracy(error_factor: f64) -> Result<Accuracy, Failure> {
+    Ok(if error_factor == 0.0 {
         Accuracy::Default
     } else if error_factor == CATA_ERROR_LEAST {
         Accuracy::Max
@@ -164,7 +164,12 @@ fn accuracy(error_factor: f64) -> Accuracy {
         Accuracy::Classical
     } else if error_factor == f64::INFINITY {
         Accuracy::Fast
-    } else {
+    } else if error_factor > 1.0 {
         Accuracy::Bounded(error_factor)
-    }
+    } else {
+        let why = format!(
+            "params.error_factor: must be at least 1, 0 or CATA_ERROR_LEAST (-1), is {error_factor}"
+        );
+        return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+    })
 }

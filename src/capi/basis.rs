@@ -479,7 +479,7 @@ pub(super) unsafe fn with_basis_options<X>(
         watch = watcher(params.progress, params.progress_user);
     }
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&BasisOptions { order, method, par: threads, progress })
+    progress.watch(|| work(&BasisOptions { order, method, par: threads, progress }))
 }
 
 fn made(functions: Functions, par: Par) -> *mut cata_basis {

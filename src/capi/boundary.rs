@@ -6,10 +6,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use super::message::set_last_message;
+use super::regions::Call;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_PANIC, CATA_OK, Failure, cata_status};
+use crate::base::{FloatEnv, use_own_threads_only};
 
-/// Calls `work`; turns its failure, or its panic, into a status and this thread's last message.
+/// Calls `work` in the default floating-point environment; turns its failure, or its panic, into a
+/// status and this thread's last message.
 pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_status {
+    let _nearest = FloatEnv::nearest();
+    let _call = Call::begin();
+    use_own_threads_only();
     // Memory that `work` borrowed mutably is the caller's, and documented as unspecified then.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => CATA_OK,

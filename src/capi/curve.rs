@@ -221,10 +221,13 @@ pub unsafe extern "C" fn cata_curve_solver_find(
             watch = watcher(params.progress, params.progress_user);
         }
         options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let mut found = solver.reconstruct(samples, &options)?;
-        if smooth {
-            found.smooth(solver.mesh(), samples)?;
-        }
+        let found = options.progress.watch(|| {
+            let mut found = solver.reconstruct(samples, &options)?;
+            if smooth {
+                found.smooth(solver.mesh(), samples)?;
+            }
+            Ok::<_, Failure>(found)
+        })?;
         *curves = Box::into_raw(Box::new(cata_curves { found }));
         Ok(())
     })

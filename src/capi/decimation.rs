@@ -19,6 +19,7 @@ use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
+use super::outputs::fill_slice;
 use super::params::{Versioned, flag, init, read};
 use super::pointer::{
     check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
@@ -189,9 +190,13 @@ pub unsafe extern "C" fn cata_decimation_get(
         // SAFETY: the caller's promise.
         unsafe {
             let mesh = &known("decimation", decimation)?.found.mesh;
-            write("vertices", vertices, mesh.vertices().as_flattened())?;
-            write("faces", faces, mesh.faces().as_flattened())
+            let (points, corners) = (mesh.vertices().as_flattened(), mesh.faces().as_flattened());
+            let vertices = optional_slice_mut("vertices", vertices, points.len())?;
+            let faces = optional_slice_mut("faces", faces, corners.len())?;
+            fill_slice(vertices, points);
+            fill_slice(faces, corners);
         }
+        Ok(())
     })
 }
 
@@ -215,15 +220,24 @@ pub unsafe extern "C" fn cata_decimation_places(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        unsafe {
+        let (found, cells, distances, places, weights) = unsafe {
             let found = &known("decimation", decimation)?.found;
-            let of_faces: Vec<u32> = found.places.iter().map(|place| place.face).collect();
-            let inside: Vec<[f64; 3]> = found.places.iter().map(|place| place.weights).collect();
-            write("cells", cells, found.cells.of_vertices())?;
-            write("distances", distances, found.cells.distances())?;
-            write("places", places, &of_faces)?;
-            write("weights", weights, inside.as_flattened())
-        }
+            let (before, after) = (found.cells.of_vertices().len(), found.places.len());
+            (
+                found,
+                optional_slice_mut("cells", cells, before)?,
+                optional_slice_mut("distances", distances, before)?,
+                optional_slice_mut("places", places, after)?,
+                optional_slice_mut("weights", weights, 3 * after)?,
+            )
+        };
+        let of_faces: Vec<u32> = found.places.iter().map(|place| place.face).collect();
+        let inside: Vec<[f64; 3]> = found.places.iter().map(|place| place.weights).collect();
+        fill_slice(cells, found.cells.of_vertices());
+        fill_slice(distances, found.cells.distances());
+        fill_slice(places, &of_faces);
+        fill_slice(weights, inside.as_flattened());
+        Ok(())
     })
 }
 
@@ -380,18 +394,6 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
     })
 }
 
-/// Writes values where the caller wants them.
-///
-/// # Safety
-/// As [`optional_slice_mut`].
-unsafe fn write<T: Copy>(what: &str, place: *mut T, values: &[T]) -> Result<(), Failure> {
-    // SAFETY: the caller's promise.
-    if let Some(place) = unsafe { optional_slice_mut(what, place, values.len()) }? {
-        place.copy_from_slice(values);
-    }
-    Ok(())
-}
-
 /// Returns what `work` returns for the options of the caller.
 ///
 /// # Safety
@@ -422,7 +424,7 @@ unsafe fn with_options<X>(
         watch = watcher(params.progress, params.progress_user);
     }
     options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    Ok(work(&options)?)
+    Ok(options.progress.watch(|| work(&options))?)
 }
 
 /// Returns a number of passes: 0 is the default, -1 is none.

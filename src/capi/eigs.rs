@@ -342,7 +342,7 @@ pub(super) unsafe fn with_eigen_options<X>(
         watch = watcher(params.progress, params.progress_user);
     }
     options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&options, &laplacian)
+    options.progress.watch(|| work(&options, &laplacian))
 }
 
 fn laplacian_options(params: &cata_eigs_params) -> Result<LaplacianOptions, Failure> {

@@ -11,7 +11,7 @@ use super::pointer::{
     Layout, matrix, matrix_mut, optional_matrix_mut, optional_output, optional_slice,
     optional_slice_mut,
 };
-use super::progress::{cata_progress, par, watcher};
+use super::progress::{cata_progress, par, watched, watcher};
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::ata::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
@@ -32,6 +32,13 @@ pub struct cata_gram_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
+}
+
+impl cata_gram_params {
+    /// Calls `work`, which asks the callback whether to stop.
+    pub(super) fn watch<R>(&self, work: impl FnOnce() -> R) -> R {
+        watched(self.progress, self.progress_user, work)
+    }
 }
 
 impl Versioned for cata_gram_params {
@@ -93,7 +100,7 @@ pub unsafe extern "C" fn cata_svd(
             return Ok(());
         }
         let gram = of_matrix("a", a, Center::No, &params)?;
-        let found = SingularValues::from_gram(&gram, par(params.threads))?;
+        let found = params.watch(|| SingularValues::from_gram(&gram, par(params.threads)))?;
         fill_slice(values, &found.values[..most]);
         if let Some(v) = v {
             fill(v, found.v.subcols(0, found.rank().min(most)));
@@ -286,7 +293,9 @@ pub unsafe extern "C" fn cata_gram_cholesky_qr(
             return Ok(());
         }
         let par = par(params.threads);
-        let qr = GramQr::from_gram(&of_matrix("a", a.rb(), Center::No, &params)?, par)?;
+        let gram = of_matrix("a", a.rb(), Center::No, &params)?;
+        let qr = params.watch(|| GramQr::from_gram(&gram, par))?;
+        // Not to be stopped between rows of A and rows of Q.
         qr.apply(a, par)?;
         if let Some(r) = r {
             fill(r, qr.r().as_ref());
@@ -329,7 +338,7 @@ pub(super) fn of_matrix(
 /// # Safety
 /// As [`matrix`].
 pub(super) unsafe fn rows_of<'a>(
-    what: &str,
+    what: &'static str,
     layout: Layout,
     m: usize,
     n: usize,

@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use super::boundary::boundary;
 use super::status::cata_status;
-use crate::base::{Latch, tickets};
+use crate::base::{Latch, Pin, ThreadPool, tickets};
 
 /// Panics, for the tests of this ABI only, inside the library, on the calling thread if `worker` is
 /// 0 and else on a thread of its own, to show that no panic reaches the caller.
@@ -24,12 +24,15 @@ pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
 pub(super) fn on_a_worker(work: impl Fn() + Sync) {
     // Two tickets that wait for each other run on two threads.
     let both = Latch::new(2);
-    tickets(&mut [(), ()], 2, |(), ticket| {
-        both.count_down();
-        both.wait();
-        if ticket == 1 {
-            work();
-        }
-        ControlFlow::Continue(())
+    let Ok(pool) = ThreadPool::new(2, Pin::No) else { return };
+    pool.run(|| {
+        tickets(&mut [(), ()], 2, |(), ticket| {
+            both.count_down();
+            both.wait();
+            if ticket == 1 {
+                work();
+            }
+            ControlFlow::Continue(())
+        });
     });
 }

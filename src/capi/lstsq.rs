@@ -153,7 +153,8 @@ pub unsafe extern "C" fn cata_lstsq(
         let rows = &mut JoinedRows::new(&mut a, &mut b)?;
         let name = |j: usize| if j < n { ("a", j) } else { ("b", j - n) };
         let gram = extended(rows, &row_options, &call.params.watched(), name)?;
-        let found = LeastSquares::from_gram(&gram, k, &call.options)?;
+        let watched = call.params.watched();
+        let found = watched.watch(|| LeastSquares::from_gram(&gram, k, &call.options))?;
         call.finish(&found);
         Ok(())
     })

@@ -24,6 +24,7 @@ mod message;
 mod params;
 mod pointer;
 mod progress;
+mod regions;
 mod rows;
 mod status;
 mod verify;

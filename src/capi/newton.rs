@@ -145,7 +145,13 @@ fn fill(
     let given = |x: f64, default: f64| if x == 0.0 { default } else { x };
     options.polynomial = match (roots, params.power) {
         ([], 0) => Polynomial::Power(3),
-        ([], power) => Polynomial::Power(power),
+        ([], power) => {
+            if power < 2 || power as usize > Polynomial::MOST_ROOTS {
+                let why = format!("params.power: must be from 2 to 64, is {power}");
+                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            }
+            Polynomial::Power(power)
+        }
         (roots, 0) => Polynomial::Roots(roots.as_chunks().0.to_vec()),
         (_, power) => {
             let why = format!("params.power: must be 0 where roots are given, is {power}");

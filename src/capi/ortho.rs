@@ -216,7 +216,7 @@ pub(super) unsafe fn with_ortho_options<X>(
         watch = watcher(params.progress, params.progress_user);
     }
     options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&options, method)
+    options.progress.watch(|| work(&options, method))
 }
 
 /// Returns a method of the caller, or the default.

@@ -10,9 +10,9 @@ pub(super) fn fill(mut place: MatMut<'_, f64>, found: MatRef<'_, f64>) {
 }
 
 /// Writes values, and zeros after them.
-pub(super) fn fill_slice(place: Option<&mut [f64]>, found: &[f64]) {
+pub(super) fn fill_slice<T: Copy + Default>(place: Option<&mut [T]>, found: &[T]) {
     if let Some(place) = place {
-        place[found.len()..].fill(0.0);
+        place[found.len()..].fill(T::default());
         place[..found.len()].copy_from_slice(found);
     }
 }

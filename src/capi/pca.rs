@@ -104,7 +104,8 @@ pub unsafe extern "C" fn cata_pca(
             return Ok(());
         }
         let gram = of_matrix("a", a, Center::Mean, &params.watched())?;
-        outputs.write(&PrincipalComponents::from_gram(&gram, &options)?);
+        let found = params.watched().watch(|| PrincipalComponents::from_gram(&gram, &options))?;
+        outputs.write(&found);
         Ok(())
     })
 }

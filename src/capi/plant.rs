@@ -21,7 +21,7 @@ use std::sync::Arc;
 use super::boundary::{boundary, path};
 use super::params::{Versioned, flag, init, read};
 use super::pointer::{
-    check_size, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
+    check_size, copied, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
     slice_mut,
 };
 use super::progress::{cata_progress, par, watcher};
@@ -358,8 +358,8 @@ pub unsafe extern "C" fn cata_plant_water_after(
     result: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise. The copy ends the borrow before `result` is written.
-        let (plant, water) = unsafe { (live_of(plant, n)?, slice("water", water, n)?.to_vec()) };
+        // SAFETY: the caller's promise.
+        let (plant, water) = unsafe { (live_of(plant, n)?, copied("water", water, n)?) };
         // SAFETY: the caller's promise.
         let result = unsafe { slice_mut("result", result, n) }?;
         let watch = watcher(plant.progress, plant.user);

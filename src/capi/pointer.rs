@@ -6,6 +6,7 @@ use sprs::CsMatView;
 
 use super::boundary::boundary;
 use super::layout::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
+use super::regions::{self, Region};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
 #[cfg(feature = "capi")]
 use crate::Real;
@@ -84,7 +85,7 @@ pub(super) unsafe fn sparse<'a, T: Real>(
 /// # Safety
 /// The elements that the arguments describe can be read, and no thread writes them, during `'a`.
 pub(super) unsafe fn matrix<'a, T: Copy>(
-    what: &str,
+    what: &'static str,
     layout: Layout,
     rows: usize,
     cols: usize,
@@ -93,6 +94,7 @@ pub(super) unsafe fn matrix<'a, T: Copy>(
 ) -> Result<MatRef<'a, T>, Failure> {
     let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
     let pointer = checked(what, pointer, len)?;
+    regions::add(region(what, layout, rows, cols, pointer, ld, false))?;
     // SAFETY: not NULL, aligned, and its extent is within an allocation's limit; the rest is the
     // caller's promise.
     Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, row_stride, col_stride) })
@@ -104,7 +106,7 @@ pub(super) unsafe fn matrix<'a, T: Copy>(
 /// The elements that the arguments describe can be read and written, and no other thread does
 /// either, during `'a`.
 pub(super) unsafe fn matrix_mut<'a, T: Copy>(
-    what: &str,
+    what: &'static str,
     layout: Layout,
     rows: usize,
     cols: usize,
@@ -113,6 +115,7 @@ pub(super) unsafe fn matrix_mut<'a, T: Copy>(
 ) -> Result<MatMut<'a, T>, Failure> {
     let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
     let pointer = checked(what, pointer, len)?.cast_mut();
+    regions::add(region(what, layout, rows, cols, pointer, ld, true))?;
     // SAFETY: as in `matrix`; strides of distinct entries differ as ld >= the length of a line.
     Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
 }
@@ -122,14 +125,31 @@ pub(super) unsafe fn matrix_mut<'a, T: Copy>(
 /// # Safety
 /// They can be read, and no thread writes them, during `'a`.
 pub(super) unsafe fn slice<'a, T: Copy>(
-    what: &str,
+    what: &'static str,
     pointer: *const T,
     len: usize,
 ) -> Result<&'a [T], Failure> {
     check_size::<T>(what, len, 1)?;
     let pointer = checked(what, pointer, len)?;
+    regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, false))?;
     // SAFETY: not NULL, aligned, within an allocation's limit; the rest is the caller's promise.
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
+}
+
+/// Returns a copy of `len` elements, where an output may be.
+///
+/// # Safety
+/// They can be read, and no thread writes them.
+#[cfg(feature = "capi")]
+pub(super) unsafe fn copied<T: Copy>(
+    what: &str,
+    pointer: *const T,
+    len: usize,
+) -> Result<Vec<T>, Failure> {
+    check_size::<T>(what, len, 1)?;
+    let pointer = checked(what, pointer, len)?;
+    // SAFETY: as in `slice`.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, len) }.to_vec())
 }
 
 /// Returns elements, or `None` for NULL.
@@ -137,7 +157,7 @@ pub(super) unsafe fn slice<'a, T: Copy>(
 /// # Safety
 /// As [`slice()`], or the pointer is NULL.
 pub(super) unsafe fn optional_slice<'a, T: Copy>(
-    what: &str,
+    what: &'static str,
     pointer: *const T,
     len: usize,
 ) -> Result<Option<&'a [T]>, Failure> {
@@ -153,12 +173,13 @@ pub(super) unsafe fn optional_slice<'a, T: Copy>(
 /// # Safety
 /// They can be read and written, and no other thread does either, during `'a`.
 pub(super) unsafe fn slice_mut<'a, T: Copy>(
-    what: &str,
+    what: &'static str,
     pointer: *mut T,
     len: usize,
 ) -> Result<&'a mut [T], Failure> {
     check_size::<T>(what, len, 1)?;
     let pointer = checked(what, pointer, len)?.cast_mut();
+    regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, true))?;
     // SAFETY: as in `slice`.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
 }
@@ -201,9 +222,14 @@ pub(super) unsafe fn free<T>(handle: *mut T) {
 ///
 /// # Safety
 /// It is NULL or can be written, and no other thread uses it, during `'a`.
-pub(super) unsafe fn output<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T, Failure> {
+pub(super) unsafe fn output<'a, T>(
+    what: &'static str,
+    pointer: *mut T,
+) -> Result<&'a mut T, Failure> {
+    let pointer = checked(what, pointer, 1)?.cast_mut();
+    regions::add(region(what, Layout::RowMajor, 1, 1, pointer, 1, true))?;
     // SAFETY: the caller's promise; `checked` has excluded NULL and checked the alignment.
-    Ok(unsafe { &mut *checked(what, pointer, 1)?.cast_mut() })
+    Ok(unsafe { &mut *pointer })
 }
 
 /// Returns a place for one result, or `None` for NULL.
@@ -211,7 +237,7 @@ pub(super) unsafe fn output<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mu
 /// # Safety
 /// As [`output`].
 pub(super) unsafe fn optional_output<'a, T>(
-    what: &str,
+    what: &'static str,
     pointer: *mut T,
 ) -> Result<Option<&'a mut T>, Failure> {
     if pointer.is_null() {
@@ -247,7 +273,7 @@ pub(super) unsafe fn mesh(
 /// As [`slice_mut`], or the pointer is NULL.
 #[cfg(feature = "capi")]
 pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
-    what: &str,
+    what: &'static str,
     pointer: *mut T,
     len: usize,
 ) -> Result<Option<&'a mut [T]>, Failure> {
@@ -264,7 +290,7 @@ pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
 /// NULL, or as [`matrix_mut`].
 #[cfg(feature = "capi")]
 pub(super) unsafe fn optional_matrix_mut<'a>(
-    what: &str,
+    what: &'static str,
     layout: Layout,
     rows: usize,
     cols: usize,
@@ -324,6 +350,26 @@ fn strides<T>(
             ),
         )),
     }
+}
+
+/// Returns the memory of a matrix whose size and leading dimension have been checked.
+fn region<T>(
+    what: &'static str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *const T,
+    ld: usize,
+    written: bool,
+) -> Region {
+    let (lines, line) = match layout {
+        Layout::RowMajor => (rows, cols),
+        Layout::ColMajor => (cols, rows),
+    };
+    let (line, start) = (line * size_of::<T>(), pointer.addr());
+    // A single line has no stride; ld may then be anything.
+    let stride = if lines > 1 { ld * size_of::<T>() } else { line };
+    Region { what, start, line, stride, lines, written }
 }
 
 /// Returns `pointer`, or any aligned pointer when `len` is 0.

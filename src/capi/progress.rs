@@ -12,6 +12,8 @@ use std::ffi::c_void;
 use std::ops::ControlFlow;
 
 use crate::base::Par;
+#[cfg(feature = "geometry")]
+use crate::base::Progress;
 
 /// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to continue; anything
 /// else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
@@ -44,6 +46,17 @@ pub(super) fn watcher(
         0 => ControlFlow::Continue(()),
         _ => ControlFlow::Break(()),
     })
+}
+
+/// Calls `work`, which asks a callback of the ABI whether to stop.
+#[cfg(feature = "geometry")]
+pub(super) fn watched<R>(
+    progress: cata_progress,
+    user: *mut c_void,
+    work: impl FnOnce() -> R,
+) -> R {
+    let watch = watcher(progress, user);
+    watch.as_ref().map_or(Progress::none(), Progress::from).watch(work)
 }
 
 /// Returns the threads of a field of that name: 0 stands for all.

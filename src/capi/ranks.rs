@@ -83,7 +83,7 @@ pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s En
 ///
 /// # Safety
 /// As the header says.
-pub(super) unsafe fn number(what: &str, place: *mut usize, value: usize) -> Outcome {
+pub(super) unsafe fn number(what: &'static str, place: *mut usize, value: usize) -> Outcome {
     // SAFETY: the caller's promise.
     *unsafe { output(what, place) }? = value;
     Ok(())

@@ -1,7 +1,7 @@
 //! # Status, version, memory
 //!
 //! Functions that can fail return a status. Others report the capabilities and the version of the
-//! build, or free scratch memory that is kept between calls.
+//! build, or release the scratch memory and the threads that are kept between calls.
 //!
 //! ```c
 //! if (cata_memory_release() != CATA_OK) {

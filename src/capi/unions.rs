@@ -16,7 +16,9 @@ use std::mem::offset_of;
 
 use super::boundary::{boundary, path};
 use super::params::{Versioned, init, read};
-use super::pointer::{check_size, free, known, mesh, optional_output, output, slice, slice_mut};
+use super::pointer::{
+    check_size, copied, free, known, mesh, optional_output, output, slice, slice_mut,
+};
 use super::progress::{cata_progress, par, watcher};
 use super::status::cata_status;
 use crate::Par;
@@ -209,14 +211,12 @@ pub unsafe extern "C" fn cata_unions_interpolate(
     spectrum: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        let between = {
-            // SAFETY: the caller's promise.
-            let (first, second) =
-                unsafe { (slice("first", first, K)?, slice("second", second, K)?) };
-            interpolate(first, second, t)?
+        // SAFETY: the caller's promise.
+        let (first, second, spectrum) = unsafe {
+            let (first, second) = (copied("first", first, K)?, copied("second", second, K)?);
+            (first, second, slice_mut("spectrum", spectrum, K)?)
         };
-        // SAFETY: the caller's promise; the inputs are not read any more.
-        unsafe { slice_mut("spectrum", spectrum, K) }?.copy_from_slice(&between);
+        spectrum.copy_from_slice(&interpolate(&first, &second, t)?);
         Ok(())
     })
 }

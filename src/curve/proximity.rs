@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::search::Search;
 use super::surface::Surface;
-use crate::base::Sets;
+use crate::base::{Result, Sets, ask};
 use crate::mesh::vector::distance;
 
 /// Radius to which cells grow, relative to the radius at which all samples are connected.
@@ -28,12 +28,13 @@ pub(super) struct Proximity {
 
 impl Proximity {
     /// Computes the neighbours of samples on one component.
-    pub fn new(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Self {
-        let dual = dual(surface, search, samples);
+    pub fn new(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Result<Self> {
+        let dual = dual(surface, search, samples)?;
         let count = samples.len();
         let (mut rows, mut nearest, mut horizon) = (Vec::new(), Vec::new(), Vec::new());
         for from in 0..count as u32 {
             let mut row = Vec::new();
+            ask()?;
             search.start(&[from]);
             while let Some((i, to_i)) = search.next() {
                 if i != from {
@@ -52,7 +53,7 @@ impl Proximity {
             rows.push(row);
         }
         let positions = samples.iter().map(|&v| surface.position(v)).collect();
-        Self { rows, nearest, horizon, positions }
+        Ok(Self { rows, nearest, horizon, positions })
     }
 
     /// Returns the number of samples.
@@ -88,7 +89,11 @@ impl Proximity {
 
 /// Returns for each sample those whose cells touch its own, with the length of the shortest path
 /// through both cells.
-fn dual(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Vec<Vec<(u32, f64)>> {
+fn dual(
+    surface: &Surface<'_>,
+    search: &mut Search,
+    samples: &[u32],
+) -> Result<Vec<Vec<(u32, f64)>>> {
     // Sorted, so that the result does not depend on the order in which cells meet.
     let mut edges: BTreeMap<(u32, u32), f64> = BTreeMap::new();
     let mut sets = Sets::new(samples.len());
@@ -96,6 +101,7 @@ fn dual(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Vec<Vec<
     let mut limit = f64::INFINITY;
     search.start(samples);
     while let Some((v, to_v)) = search.next() {
+        ask()?;
         if to_v > limit {
             break;
         }
@@ -122,5 +128,5 @@ fn dual(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Vec<Vec<
         dual[i as usize].push((j, length));
         dual[j as usize].push((i, length));
     }
-    dual
+    Ok(dual)
 }

@@ -1,7 +1,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::base::{Result, reserved};
+use crate::base::{Result, count, reserved};
 
 /// Marks the absence of a vertex.
 const NONE: u32 = u32::MAX;
@@ -17,6 +17,9 @@ struct Label {
 }
 
 const BLANK: Label = Label { distance: f64::INFINITY, predecessor: NONE, origin: NONE, stamp: 0 };
+
+/// Operations that a step of a search is equal to: it waits for memory.
+const STEP: f64 = 100.0;
 
 /// A search for shortest paths (Dijkstra 1959) that the caller drives: [`Search::next`] returns the
 /// next vertex, and the caller passes its neighbours, with any cost, to [`Search::relax`]. A new
@@ -68,6 +71,7 @@ impl Search {
     /// Returns the next vertex whose distance is final, and the distance.
     pub fn next(&mut self) -> Option<(u32, f64)> {
         while let Some(Reverse((_, v))) = self.heap.pop() {
+            count(STEP);
             let label = &mut self.labels[v as usize];
             if label.stamp == self.current {
                 label.stamp = self.current + 1;

@@ -169,11 +169,11 @@ impl<'m> CurveSolver<'m> {
         options: &CurveOptions<'_>,
     ) -> Result<Reconstruction> {
         self.check(samples, options)?;
-        let found = match options.mode {
+        let found = options.progress.watch(|| match options.mode {
             Mode::Faithful => self.faithful(samples, options),
             Mode::Robust => self.robust(samples, options),
             Mode::Ordered => self.ordered(samples, options),
-        };
+        });
         self.surface.forget_refinement();
         found
     }
@@ -256,7 +256,7 @@ impl<'m> CurveSolver<'m> {
         let mut orders = Vec::new();
         for group in &groups {
             options.progress.report(0.0)?;
-            orders.extend(self.orders(samples, group, options.open, several));
+            orders.extend(self.orders(samples, group, options.open, several)?);
         }
         orders.sort_unstable_by_key(|order| order[0]);
         Ok(Reconstruction { left_out, ..self.routed(samples, &orders, options)? })
@@ -280,18 +280,18 @@ impl<'m> CurveSolver<'m> {
         group: &[u32],
         open: bool,
         several: bool,
-    ) -> Vec<Vec<u32>> {
+    ) -> Result<Vec<Vec<u32>>> {
         let vertices: Vec<u32> = group.iter().map(|&i| samples[i as usize]).collect();
-        let proximity = Proximity::new(&self.surface, &mut self.search, &vertices);
+        let proximity = Proximity::new(&self.surface, &mut self.search, &vertices)?;
         let all: Vec<u32> = (0..group.len() as u32).collect();
         let best = |members: &[u32]| tour(&Costs::new(&proximity, members, open), SEED);
-        let whole = best(&all);
+        let whole = best(&all)?;
         let parts = if several { split(&proximity, whole) } else { vec![whole] };
         let numbered = |tour: Vec<u32>| {
             let order: Vec<u32> = tour.into_iter().map(|i| group[i as usize]).collect();
             normalized(order, open)
         };
-        parts.into_iter().map(numbered).collect()
+        Ok(parts.into_iter().map(numbered).collect())
     }
 
     /// Finds paths through the samples in these orders.

@@ -2,7 +2,7 @@
 //! neighbours, and random kicks.
 
 use super::proximity::Proximity;
-use crate::base::Rng;
+use crate::base::{Result, Rng, spend};
 use crate::mesh::vector::{dot, norm, sub};
 
 /// Number of neighbours of a sample that moves try.
@@ -22,6 +22,12 @@ const POWER: f64 = 1.0;
 const TABLE: usize = 512;
 /// Least gain of a move, relative to the length of the tour.
 const GAIN: f64 = 1e-12;
+
+/// Operations for the cost of a node of a tour.
+const MEASURED: f64 = 30.0;
+
+/// Operations that looking for a move at a node is equal to.
+const TRIED: f64 = 5000.0;
 
 /// The costs of tours. Node `count` stands for no sample, at distance 0 from all: a tour through it
 /// is an open curve.
@@ -117,20 +123,25 @@ impl<'a> Costs<'a> {
 
 /// Returns a short tour through the members, as samples; an open curve goes from one end to the
 /// other.
-pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Result<Vec<u32>> {
     let neighbours = costs.neighbours();
     let mut state = Tour::new(costs, &neighbours, greedy(costs, &neighbours));
     let all: Vec<u32> = state.order.clone();
-    state.improve(all);
+    state.improve(all)?;
     let mut cost = costs.tour(&state.order);
     let mut rng = Rng::new(seed);
     let n = state.order.len();
     // With fewer nodes, moves undo every kick.
     let kicks = if n < 8 { 0 } else { KICKS.min(KICKS_A_NODE * n) };
     for _ in 0..kicks {
+        // The tour is copied and measured.
+        spend(MEASURED * n as f64)?;
         let before = state.order.clone();
         let ends = state.kick(&mut rng);
-        state.improve(ends);
+        state.improve(ends)?;
         let after = costs.tour(&state.order);
         if after < cost - GAIN * cost {
             cost = after;
@@ -144,7 +155,7 @@ pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
         order.rotate_left(nowhere);
         order.remove(0);
     }
-    order.into_iter().map(|i| costs.members[i as usize]).collect()
+    Ok(order.into_iter().map(|i| costs.members[i as usize]).collect())
 }
 
 /// Returns a tour of short edges first, as long as no sample gets three edges and no cycle closes;
@@ -273,9 +284,10 @@ impl<'a> Tour<'a> {
     }
 
     /// Makes moves at these nodes, and at those that moves touch, until none gains.
-    fn improve(&mut self, mut waiting: Vec<u32>) {
+    fn improve(&mut self, mut waiting: Vec<u32>) -> Result<()> {
         if self.len() < 5 {
-            return self.best_of_few();
+            self.best_of_few();
+            return Ok(());
         }
         let mut is_waiting = vec![false; self.len()];
         for &v in &waiting {
@@ -283,7 +295,10 @@ impl<'a> Tour<'a> {
         }
         while let Some(v) = waiting.pop() {
             is_waiting[v as usize] = false;
+            spend(TRIED)?;
             while let Some(touched) = self.exchange(v).or_else(|| self.displace(v)) {
+                // A move reverses or shifts a part of the tour.
+                spend(TRIED + self.len() as f64)?;
                 for u in touched {
                     for w in [self.before(u, 1), u, self.after(u, 1)] {
                         if !is_waiting[w as usize] {
@@ -294,6 +309,7 @@ impl<'a> Tour<'a> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Tries all tours: four nodes have three.

@@ -41,7 +41,7 @@ pub(super) fn add_samples(
     let mut threshold = (spacing as f32).max(SHORTEST);
     let mut cutoff = DETOUR * threshold;
     let mut settled = false;
-    growth.grow(surface, &seeds(samples, 0), cutoff);
+    growth.grow(surface, &seeds(samples, 0), cutoff)?;
     while samples.len() < n {
         progress.report(samples.len() as f64 / n as f64)?;
         let candidates = farther_than(surface, growth, threshold, par);
@@ -64,16 +64,16 @@ pub(super) fn add_samples(
             threshold *= 1.4;
             cutoff = DETOUR * threshold;
             growth.clear();
-            growth.grow(surface, &seeds(samples, 0), cutoff);
+            growth.grow(surface, &seeds(samples, 0), cutoff)?;
             continue;
         }
         settled = true;
         taken.truncate(left);
         let first = samples.len();
         samples.extend(taken);
-        growth.grow(surface, &seeds(samples, first), cutoff);
+        growth.grow(surface, &seeds(samples, first), cutoff)?;
     }
-    growth.grow_on(surface);
+    growth.grow_on(surface)?;
     Ok(())
 }
 

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::surface::Surface;
-use crate::base::{Par, Result, reserved};
+use crate::base::{Par, Result, ask, count, reserved, spend};
 
 /// A partition of the vertices of a mesh: each vertex belongs to its nearest sample, along edges.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -90,6 +90,9 @@ type Queue = BinaryHeap<Reverse<u64>>;
 /// Number of seeds that one thread takes at a time.
 const BATCH: usize = 8;
 
+/// Operations that a step of growth is equal to: it waits for memory.
+const STEP: f64 = 100.0;
+
 impl Growth {
     /// Creates a state without cells.
     pub fn new(surface: &Surface<'_>, par: Par) -> Result<Self> {
@@ -114,22 +117,33 @@ impl Growth {
     }
 
     /// Grows all seeds up to the distance `cutoff` (relative to the surface's scale).
-    pub fn grow(&self, surface: &Surface<'_>, seeds: &[Seed], cutoff: f32) {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), after whole cells.
+    pub fn grow(&self, surface: &Surface<'_>, seeds: &[Seed], cutoff: f32) -> Result<()> {
         if self.par.threads() == 1 {
             let mut queue = Queue::new();
-            seeds.iter().for_each(|seed| self.grow_one::<true>(surface, seed, cutoff, &mut queue));
-            return;
+            for seed in seeds {
+                self.grow_one::<true>(surface, seed, cutoff, &mut queue);
+                ask()?;
+            }
+            return Ok(());
         }
-        self.par.map_blocks(seeds.len(), BATCH, |range| {
+        let operations = STEP * (surface.len() * BATCH) as f64 / seeds.len().max(1) as f64;
+        let done = self.par.map_blocks_asking(seeds.len(), BATCH, operations, |range| {
             let mut queue = Queue::new();
             seeds[range]
                 .iter()
                 .for_each(|seed| self.grow_one::<false>(surface, seed, cutoff, &mut queue));
         });
+        done.map(|_| ())
     }
 
     /// Continues growth beyond the cut-off to all vertices that can be reached.
-    pub fn grow_on(&self, surface: &Surface<'_>) {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn grow_on(&self, surface: &Surface<'_>) -> Result<()> {
         let free = |v: u32| self.state[v as usize].load(Ordering::Relaxed) == FREE;
         let mut queue = Queue::new();
         for v in 0..surface.len() as u32 {
@@ -138,6 +152,7 @@ impl Growth {
             }
         }
         while let Some(Reverse(entry)) = queue.pop() {
+            spend(STEP)?;
             let (from, v) = (distance_of(entry), entry as u32);
             let cell = self.cell(v);
             if self.state[v as usize].load(Ordering::Relaxed) != pack(from, cell) {
@@ -150,6 +165,7 @@ impl Growth {
                 }
             }
         }
+        Ok(())
     }
 
     /// Grows one seed; `ALONE` when no other thread grows.
@@ -166,6 +182,9 @@ impl Growth {
             queue.push(Reverse(pack(seed.distance, seed.vertex)));
         }
         while let Some(Reverse(entry)) = queue.pop() {
+            if ALONE {
+                count(STEP);
+            }
             let (from, v) = (distance_of(entry), entry as u32);
             if self.state[v as usize].load(Ordering::Relaxed) != pack(from, cell) {
                 continue; // another seed is nearer now

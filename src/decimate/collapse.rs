@@ -7,18 +7,22 @@ use std::collections::BinaryHeap;
 use super::guard::allows_collapse;
 use super::loss::loss_of_collapse;
 use super::patch::Patch;
+use crate::base::{Result, spend};
 use crate::mesh::vector::Vector;
 
 /// Largest distance of the ends of a collapsed edge from the new faces, relative to the mean
 /// length.
 const LOSS: f64 = 0.15;
 
+/// Operations that deciding about a collapse is equal to.
+const TRIED: f64 = 2000.0;
+
 /// Collapses the shortest edges that can collapse, until `n` vertices are left, and returns the
 /// number left. Collapses first without turning faces over or losing thin parts, then without
 /// making faces intersect, then, if that is not enough, in any case.
-pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
+pub(super) fn reduce(patch: &mut Patch, n: usize) -> Result<usize> {
     if patch.count <= n {
-        return patch.count;
+        return Ok(patch.count);
     }
     let loss = LOSS * patch.mean_length();
     for care in [Care::Shape(loss), Care::Intersections, Care::Topology] {
@@ -26,6 +30,7 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
             patch.edges().into_iter().map(|[a, b]| Reverse((key(patch, a, b), [a, b]))).collect();
         while patch.count > n {
             let Some(Reverse((was, [a, b]))) = waiting.pop() else { break };
+            spend(TRIED)?;
             if patch.sides(a, b).is_none() || was != key(patch, a, b) {
                 continue; // the edge is gone, or has moved and is in the heap again
             }
@@ -42,7 +47,7 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
             }
         }
     }
-    patch.count
+    Ok(patch.count)
 }
 
 /// The restrictions of a collapse, besides the topology, which never changes.
@@ -96,7 +101,7 @@ const SHORT: f64 = 0.78;
 const LONG: f64 = 1.3;
 
 /// Collapses short edges and splits as many long ones: vertices move from dense to sparse regions.
-pub(super) fn exchange(patch: &mut Patch) {
+pub(super) fn exchange(patch: &mut Patch) -> Result<()> {
     let edges: Vec<(f64, [u32; 2])> =
         patch.edges().into_iter().map(|[a, b]| (patch.length(a, b), [a, b])).collect();
     let mean = edges.iter().map(|edge| edge.0).sum::<f64>() / edges.len().max(1) as f64;
@@ -112,6 +117,7 @@ pub(super) fn exchange(patch: &mut Patch) {
         patch.sides(a, b).is_some() && patch.length(a, b) == was
     };
     for edge in &short {
+        spend(TRIED)?;
         let [a, b] = edge.1;
         if !untouched(patch, edge) || !patch.can_collapse(a, b) {
             continue;
@@ -125,4 +131,5 @@ pub(super) fn exchange(patch: &mut Patch) {
             patch.split(c, d);
         }
     }
+    Ok(())
 }

@@ -40,7 +40,7 @@ impl<'m> FarthestPoints<'m> {
     pub fn new(mesh: &'m TriMesh, first: Option<u32>) -> Result<Self> {
         let surface = Surface::of_edges(Cow::Borrowed(mesh), Par::Seq)?;
         let mut sampler = Sampler::empty(&surface, Par::Seq)?;
-        sampler.start(&surface, first_sample(&surface, first)?);
+        sampler.start(&surface, first_sample(&surface, first)?)?;
         Ok(Self { surface, sampler })
     }
 
@@ -111,12 +111,12 @@ impl Sampler {
     }
 
     /// Takes the first sample, and its cell, which is the whole component.
-    pub fn start(&mut self, surface: &Surface<'_>, first: u32) {
+    pub fn start(&mut self, surface: &Surface<'_>, first: u32) -> Result<()> {
         self.growth.clear();
         self.samples = vec![first];
         self.threshold = f32::INFINITY;
         self.waiting.clear();
-        self.growth.grow(surface, &seeds(&self.samples, 0), f32::INFINITY);
+        self.growth.grow(surface, &seeds(&self.samples, 0), f32::INFINITY)
     }
 
     /// Returns the samples.
@@ -153,7 +153,7 @@ impl Sampler {
             };
             self.samples.push(farthest);
             let seed = seeds(&self.samples, self.samples.len() - 1);
-            self.growth.grow(surface, &seed, f32::INFINITY);
+            self.growth.grow(surface, &seed, f32::INFINITY)?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::closest::on_surface;
 use super::guard::move_all;
 use super::patch::Patch;
 use super::surface::Surface;
-use crate::base::Par;
+use crate::base::{Par, Result};
 use crate::mesh::vector::{Vector, dot, scale, sub, unit};
 
 /// Number of vertices or faces that one thread processes at a time.
@@ -15,18 +15,23 @@ const BLOCK: usize = 512;
 /// middles of faces; in measurements, it is least at 1/2.
 const PART: f64 = 0.5;
 
+/// Operations that finding the height of a face is equal to.
+const MEASURED: f64 = 5000.0;
+
 /// Raises all vertices except those on the boundary by a share of the mean height of the surface
 /// above the surrounding faces.
-pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
-    let heights = par.map_blocks(patch.faces.len(), BLOCK, |range| {
+pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) -> Result<()> {
+    let operations = MEASURED * BLOCK as f64;
+    let heights = par.map_blocks_asking(patch.faces.len(), BLOCK, operations, |range| {
         range.map(|f| height(surface, patch, f)).collect::<Vec<_>>()
-    });
+    })?;
     let heights = heights.concat();
     let raised = par.map_blocks(patch.positions().len(), BLOCK, |range| {
         let to = range.map(|v| Some((raised(patch, v as u32, &heights)?, patch.anchors[v])));
         to.collect::<Vec<_>>()
     });
     move_all(patch, &raised.concat(), par);
+    Ok(())
 }
 
 /// Returns the height of the surface above the middle of a face, along its normal.

@@ -4,19 +4,24 @@ use std::collections::{HashMap, VecDeque};
 
 use super::collapse::reduce;
 use super::patch::Patch;
+use crate::base::{Result, spend};
 
 /// Handles with a loop of three edges shorter than this number of edges of the result are cut,
 /// because triangles around them would be smaller than the others.
 const NARROW: f64 = 2.0;
 
+/// Operations that looking for a loop at an edge is equal to.
+const TRIED: f64 = 200.0;
+
 /// Cuts narrow handles where a loop of three edges goes around them, closes both ends with a face,
 /// and collapses edges to restore the number of vertices, as far as possible. `length` is the
 /// length of an edge of the result.
-pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) {
+pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) -> Result<()> {
     let n = patch.count;
     loop {
         let mut cut = false;
         for [a, b] in patch.edges() {
+            spend(TRIED)?;
             if patch.length(a, b) > NARROW * length / 2.0 {
                 continue; // no loop of that length has a longer edge
             }
@@ -30,9 +35,9 @@ pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) {
             }
         }
         if !cut {
-            return;
+            return Ok(());
         }
-        reduce(patch, n);
+        reduce(patch, n)?;
     }
 }
 

@@ -3,6 +3,7 @@
 use super::batches::seeds;
 use super::cells::Growth;
 use super::surface::Surface;
+use crate::base::Result;
 use crate::mesh::vector::{Vector, distance, scale};
 
 /// Moves each sample to the vertex of its cell nearest to the centroid of the cell, and grows cells
@@ -13,7 +14,7 @@ pub(super) fn pass(
     samples: &mut [u32],
     areas: &[f64],
     cutoff: f32,
-) {
+) -> Result<()> {
     let mut sums: Vec<(Vector, f64)> = vec![([0.0; 3], 0.0); samples.len()];
     let each = || (0..surface.len() as u32).map(|v| (v, growth.cell(v) as usize));
     for (v, cell) in each() {
@@ -43,6 +44,6 @@ pub(super) fn pass(
         }
     }
     growth.clear();
-    growth.grow(surface, &seeds(samples, 0), cutoff);
-    growth.grow_on(surface);
+    growth.grow(surface, &seeds(samples, 0), cutoff)?;
+    growth.grow_on(surface)
 }

@@ -55,7 +55,7 @@ pub(super) fn mend(
     let splits = part(SPLITS, n);
     mend_with(gaps, quadrics, patch, least, splits, par, progress.part(0.0..0.5))?;
     if patch.count > n {
-        reduce(patch, n);
+        reduce(patch, n)?;
         mend_with(gaps, quadrics, patch, least, 0, par, progress.part(0.5..1.0))?;
     }
     Ok(())

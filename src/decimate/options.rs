@@ -49,7 +49,7 @@ pub struct DecimateOptions<'a> {
     /// The vertex of the first sample, which must have a face; default the lowest vertex with a
     /// face.
     pub first: Option<u32>,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

@@ -31,7 +31,7 @@ pub(super) fn refine(
         // A cell that was found to be right stays so as long as no cell nearby changes.
         census.doubtful.fill(false);
         bad.into_iter().for_each(|cell| census.doubtful[cell as usize] = true);
-        growth.grow(surface, &seeds(samples, first), f32::INFINITY);
+        growth.grow(surface, &seeds(samples, first), f32::INFINITY)?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use super::loss::{gap_of_move, loss_of_flip};
 use super::patch::Patch;
 use super::quadric::Quadrics;
 use super::surface::Surface;
-use crate::base::{Par, Progress, Result};
+use crate::base::{Par, Progress, Result, spend};
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 
 /// Number of vertices that one thread moves at a time.
@@ -38,30 +38,37 @@ pub(super) fn relax(
         progress.report(pass as f64 / passes as f64)?;
         if pass < lively {
             if narrow > 0.0 && pass % 3 == 1 {
-                cut_narrow_handles(patch, narrow);
+                cut_narrow_handles(patch, narrow)?;
             }
             if pass > 0 {
-                exchange(patch);
+                exchange(patch)?;
             }
-            make_regular(patch);
+            make_regular(patch)?;
         } else {
-            make_delaunay(patch);
+            make_delaunay(patch)?;
         }
-        move_vertices(surface, quadrics, patch, par);
+        move_vertices(surface, quadrics, patch, par)?;
     }
     if passes > 0 {
-        make_delaunay(patch);
-        fit(surface, patch, par);
+        make_delaunay(patch)?;
+        fit(surface, patch, par)?;
     }
     Ok(())
 }
 
+/// Operations that deciding about a flip is equal to.
+const TRIED: f64 = 500.0;
+
+/// Operations that finding the new position of a vertex is equal to.
+const MOVED: f64 = 5000.0;
+
 /// Flips edges whose opposite angles have a sum above pi.
-fn make_delaunay(patch: &mut Patch) {
+fn make_delaunay(patch: &mut Patch) -> Result<()> {
     let mut edges = patch.edges();
     for _ in 0..SWEEPS {
         let mut changed = Vec::new();
         for &[a, b] in &edges {
+            spend(TRIED)?;
             let Some(flip) = patch.flipped(a, b) else { continue };
             let [c, d, _] = flip.new[0];
             if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) >= -1e-9 {
@@ -82,13 +89,15 @@ fn make_delaunay(patch: &mut Patch) {
         }
         edges = changed;
     }
+    Ok(())
 }
 
 /// Flips edges where that brings the numbers of edges at the four vertices nearer to 6, or 4 on the
 /// boundary (Botsch and Kobbelt, A Remeshing Approach to Multiresolution Modeling, 2004), unless
 /// the sum of the opposite angles is far below pi.
-fn make_regular(patch: &mut Patch) {
+fn make_regular(patch: &mut Patch) -> Result<()> {
     for [a, b] in patch.edges() {
+        spend(TRIED)?;
         let Some(flip) = patch.flipped(a, b) else { continue };
         let [c, d, _] = flip.new[0];
         if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) > FAR_FROM_DELAUNAY {
@@ -105,6 +114,7 @@ fn make_regular(patch: &mut Patch) {
             patch.flip(&flip);
         }
     }
+    Ok(())
 }
 
 /// Sum of the cotangents of the angles opposite to an edge above which a flip would make slivers.
@@ -136,13 +146,20 @@ fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
     new.iter().any(|&normal| dot(normal, mean) <= 0.0) || dot(new[0], new[1]) < bend.min(0.5)
 }
 
-fn move_vertices(surface: &Surface<'_>, quadrics: &Quadrics<'_, '_>, patch: &mut Patch, par: Par) {
+fn move_vertices(
+    surface: &Surface<'_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &mut Patch,
+    par: Par,
+) -> Result<()> {
     let vertices = patch.positions().len();
-    let moves = par.map_blocks(vertices, BLOCK, |range| {
+    let operations = MOVED * BLOCK as f64;
+    let moves = par.map_blocks_asking(vertices, BLOCK, operations, |range| {
         let found = range.map(|v| target(surface, quadrics, patch, v as u32));
         found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
-    });
+    })?;
     move_all(patch, &moves.concat(), par);
+    Ok(())
 }
 
 /// Returns the new position of a vertex; `None` if it stays.

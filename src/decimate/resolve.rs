@@ -4,7 +4,7 @@ use super::closest::nearest;
 use super::guard::{untangles_flip, untangles_move};
 use super::patch::Patch;
 use super::surface::Surface;
-use crate::base::Par;
+use crate::base::{Par, Result, spend};
 use crate::mesh::intersections::intersect;
 use crate::mesh::vector::Vector;
 use crate::mesh::{TriMesh, quality};
@@ -12,15 +12,24 @@ use crate::mesh::{TriMesh, quality};
 /// Largest number of searches for all pairs.
 const ROUNDS: usize = 4;
 
+/// Operations that finding the faces which a face meets is equal to.
+const MET: f64 = 500.0;
+
 /// Least regularity of faces (see [`quality`]) after a change, unless they were less regular
 /// before.
 const REGULAR: f64 = 0.1;
 
 /// Moves vertices and flips edges of intersecting faces as long as that reduces their number; does
 /// nothing unless there are more than in `input`.
-pub(super) fn resolve(surface: &Surface<'_>, input: &TriMesh, patch: &mut Patch, par: Par) {
+pub(super) fn resolve(
+    surface: &Surface<'_>,
+    input: &TriMesh,
+    patch: &mut Patch,
+    par: Par,
+) -> Result<()> {
     let mut allowed = None;
     for _ in 0..ROUNDS {
+        spend(MET * patch.faces.len() as f64)?;
         patch.plant_tree();
         let meet = |f, g| intersect(&patch.corners_of(f), &patch.corners_of(g));
         let pairs = patch.tree().pairs(par, meet);
@@ -39,6 +48,7 @@ pub(super) fn resolve(surface: &Surface<'_>, input: &TriMesh, patch: &mut Patch,
             break;
         }
     }
+    Ok(())
 }
 
 /// Changes the mesh at this face; returns whether that helped.

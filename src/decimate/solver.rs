@@ -40,7 +40,7 @@ use crate::mesh::{TriMesh, vertex_areas};
 /// # Errors
 /// As [`Decimator::new`] and [`Decimator::decimate`].
 pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Result<Decimation> {
-    Decimator::new(mesh, options)?.decimate(n)
+    options.progress.watch(|| Decimator::new(mesh, options)?.decimate(n))
 }
 
 /// Longest edge before sampling, relative to the edges of the result, so that a cell has vertices
@@ -139,6 +139,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
         let progress = self.options.progress;
+        progress.watch(|| self.decimate_watched(n, progress))
+    }
+
+    fn decimate_watched(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
         progress.report(0.0)?;
         self.check(n)?;
         if self.resamples() {
@@ -196,7 +200,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let Source { prepared, sampler, components, .. } = &mut self.source;
         let surface = &prepared.surface;
         if sampler.samples().is_empty() || sampler.samples().len() > n {
-            sampler.start(surface, components[0].first);
+            sampler.start(surface, components[0].first)?;
         }
         sampler.extend_to(surface, n, progress)?;
         let positions = sampler.samples().iter().map(|&v| surface.position(v)).collect();
@@ -229,12 +233,12 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
         for pass in 0..self.options.lloyd {
             progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
-            lloyd::pass(surface, growth, &mut samples, &areas, cutoff);
+            lloyd::pass(surface, growth, &mut samples, &areas, cutoff)?;
         }
         refine(surface, growth, &mut samples, par, progress.part(0.6..0.7))?;
 
         let mut patch = dual_patch(surface, growth, &samples, self.options);
-        let reach = |patch: &mut Patch| match reduce(patch, n) {
+        let reach = |patch: &mut Patch| match reduce(patch, n)? {
             left if left == n => Ok(()),
             left => {
                 let topology = topology(surface, components.len());
@@ -255,10 +259,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
             let quadrics = Quadrics::new(surface, par);
             relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
             reach(&mut patch)?;
-            resolve(surface, self.input, &mut patch, par);
+            resolve(surface, self.input, &mut patch, par)?;
             growth.clear();
-            growth.grow(surface, &anchor_seeds(&patch), cutoff);
-            growth.grow_on(surface);
+            growth.grow(surface, &anchor_seeds(&patch), cutoff)?;
+            growth.grow_on(surface)?;
             let cells = (0..surface.len() as u32).map(|v| growth.cell(v));
             let gaps = Gaps::new(surface, cells, patch.positions().len());
             mend(&gaps, &quadrics, &mut patch, par, progress.part(0.9..0.98))?;
@@ -274,8 +278,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
             })
             .collect();
         growth.clear();
-        growth.grow(surface, &place_seeds(surface, &mesh, &places), cutoff);
-        growth.grow_on(surface);
+        growth.grow(surface, &place_seeds(surface, &mesh, &places), cutoff)?;
+        growth.grow_on(surface)?;
         let cells = growth.cells(surface.scale);
         self.finish(mesh, cells, places)
     }

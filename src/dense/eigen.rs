@@ -3,8 +3,8 @@ use faer::dyn_stack::MemStack;
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, MatRef};
 
-use super::memory::buffer;
-use crate::base::{Error, Result};
+use super::memory::{buffer, zeros};
+use crate::base::{Error, Result, apart};
 
 /// Eigenpairs of a dense symmetric matrix.
 #[derive(Debug, Clone)]
@@ -14,6 +14,9 @@ pub struct SymmetricEigen {
     /// n x n, one orthonormal column for each value.
     pub vectors: Mat<f64>,
 }
+
+/// Operations of a decomposition, in units of n^3 (Golub and Van Loan, section 8.3).
+const OPERATIONS: f64 = 9.0;
 
 /// Computes all eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the
 /// calling thread.
@@ -41,14 +44,21 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
         // faer's scratch query subtracts from the size.
         return Ok(SymmetricEigen { values: vec![], vectors: Mat::new() });
     }
-    let par = faer::Par::Seq;
+    let mut owned = zeros(n, n)?;
+    owned.copy_from(matrix);
+    apart(OPERATIONS * (n as f64).powi(3), move || decompose(&owned))?
+}
+
+/// Computes [`symmetric_eigen`] of a finite matrix that has entries.
+fn decompose(matrix: &Mat<f64>) -> Result<SymmetricEigen> {
+    let (n, par) = (matrix.nrows(), faer::Par::Seq);
     let requirement =
         self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
     let mut memory = buffer(requirement)?;
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::zeros(n, n);
     self_adjoint_evd(
-        matrix,
+        matrix.as_ref(),
         values.as_mut(),
         Some(vectors.as_mut()),
         par,

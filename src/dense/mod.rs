@@ -10,7 +10,7 @@ mod triangular;
 pub use eigen::{SymmetricEigen, symmetric_eigen};
 pub(crate) use memory::{buffer, zeros};
 pub(crate) use rank::{pivots, right_singular};
-pub(crate) use rows::{ROW_BLOCK, for_row_blocks};
+pub(crate) use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
 pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};
 pub(crate) use triangular::{
     cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place,

@@ -7,13 +7,24 @@ use faer::linalg::svd;
 use faer::{Mat, MatRef, Spec};
 
 use super::memory::{buffer, zeros};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, apart};
 
 const SEQ: faer::Par = faer::Par::Seq;
+
+/// Operations of a decomposition of a square matrix, in units of n^3 (Golub and Van Loan, section
+/// 8.6).
+const OPERATIONS: f64 = 12.0;
 
 /// Returns the singular values of a finite matrix (m x n), descending, and the right singular
 /// vectors, n x min(m, n).
 pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)> {
+    let (m, n) = a.shape();
+    let mut owned = zeros(m, n)?;
+    owned.copy_from(a);
+    apart(OPERATIONS * m.max(n) as f64 * (m.min(n) as f64).powi(2), move || decompose(&owned))?
+}
+
+fn decompose(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>)> {
     let (m, n) = a.shape();
     let size = m.min(n);
     let (mut values, mut vectors) = (Diag::zeros(size), zeros(n, size)?);
@@ -22,7 +33,7 @@ pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)>
         let (none, thin) = (svd::ComputeSvdVectors::No, svd::ComputeSvdVectors::Thin);
         let mut memory = buffer(svd::svd_scratch::<f64>(m, n, none, thin, SEQ, params))?;
         let stack = MemStack::new(&mut memory);
-        svd::svd(a, values.as_mut(), None, Some(vectors.as_mut()), SEQ, stack, params)
+        svd::svd(a.as_ref(), values.as_mut(), None, Some(vectors.as_mut()), SEQ, stack, params)
             .map_err(|_| Error::NotConverged { iterations: 0, residual: f64::NAN })?;
     }
     Ok((values.column_vector().iter().copied().collect(), vectors))
@@ -33,11 +44,16 @@ pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)>
 /// again.
 pub(crate) fn pivots(a: MatRef<'_, f64>) -> Result<Vec<usize>> {
     let (m, n) = a.shape();
+    let mut work = zeros(m, n)?;
+    work.copy_from(a);
+    apart(4.0 * m.max(n) as f64 * (m.min(n) as f64).powi(2), move || order_of_pivots(work))?
+}
+
+fn order_of_pivots(mut work: Mat<f64>) -> Result<Vec<usize>> {
+    let (m, n) = work.shape();
     if m.min(n) == 0 {
         return Ok((0..n).collect());
     }
-    let mut work = zeros(m, n)?;
-    work.copy_from(a);
     let block = no_pivoting::factor::recommended_block_size::<f64>(m, n).clamp(1, m.min(n));
     let mut coefficients = zeros(block, m.min(n))?;
     let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);

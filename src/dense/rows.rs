@@ -1,6 +1,7 @@
 use faer::MatMut;
+use faer::prelude::ReborrowMut;
 
-use crate::base::Par;
+use crate::base::{Par, Result, spend};
 
 /// Rows of a block, for work whose blocks stay in the second-level cache.
 pub(crate) const ROW_BLOCK: usize = 1024;
@@ -22,6 +23,45 @@ pub(crate) fn for_row_blocks(
     }
     blocks.push(rest);
     par.for_each(blocks.into_iter(), |i, block| work(i * rows, block));
+}
+
+/// Operations after which the thread asks whether to go on.
+const PIECE: usize = 1 << 25;
+
+/// Calls [`for_row_blocks`] for some blocks at a time, and asks in between whether to go on. A row
+/// takes so many `operations`.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub(crate) fn by_pieces(
+    mut matrix: MatMut<'_, f64>,
+    rows: usize,
+    operations: usize,
+    par: Par,
+    work: impl Fn(usize, MatMut<'_, f64>) + Sync,
+) -> Result<()> {
+    for (first, height) in pieces(matrix.nrows(), rows, operations) {
+        let piece = matrix.rb_mut().subrows_mut(first, height);
+        for_row_blocks(piece, rows, par, |start, block| work(first + start, block));
+        spend(height as f64 * operations as f64)?;
+    }
+    Ok(())
+}
+
+/// Returns the first rows and the heights of pieces of whole blocks, after each of which a thread
+/// asks whether to go on.
+pub(super) fn pieces(
+    n: usize,
+    rows: usize,
+    operations: usize,
+) -> impl Iterator<Item = (usize, usize)> {
+    let height = (PIECE / operations.max(1) / rows).max(1) * rows;
+    (0..n).step_by(height).map(move |first| (first, height.min(n - first)))
+}
+
+/// Returns how many rows a block has, at most `largest`, where each takes so many `operations`.
+pub(super) fn block(operations: usize, largest: usize) -> usize {
+    (PIECE / operations.max(1)).clamp(largest / 32, largest)
 }
 
 #[cfg(test)]

@@ -5,30 +5,42 @@ use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef};
 
-use super::rows::for_row_blocks;
-use crate::base::Par;
+use super::rows::{block, by_pieces, pieces};
+use crate::base::{Par, Result, spend};
 
-/// Rows of a block of a sum. Their number determines the rounding of the sum.
+/// Largest number of rows of a block of a sum. It determines the rounding of the sum.
 const SUMMED: usize = 4096;
 
-/// Rows of a block of a product without sums over rows.
+/// Largest number of rows of a block of a product without sums over rows.
 const BLOCK: usize = 1024;
 
 /// Computes `A^T B` for A (n x p) and a narrow B (n x q): the sum over blocks of rows, in their
 /// order. The result is the same for every `par`, bit for bit.
-pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Mat<f64> {
-    let n = a.nrows();
-    let parts = par.map_blocks(n, SUMMED, |rows| {
-        let mut product = Mat::<f64>::zeros(a.ncols(), b.ncols());
-        let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
-        matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
-        product
-    });
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled), as for the other products.
+pub(crate) fn transposed_product(
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    par: Par,
+) -> Result<Mat<f64>> {
+    let operations = 2 * a.ncols() * b.ncols();
+    let block = block(operations, SUMMED);
     let mut sum = Mat::zeros(a.ncols(), b.ncols());
-    for part in parts {
-        sum += part;
+    for (first, height) in pieces(a.nrows(), block, operations) {
+        let (a, b) = (a.subrows(first, height), b.subrows(first, height));
+        let parts = par.map_blocks(height, block, |rows| {
+            let mut product = Mat::<f64>::zeros(a.ncols(), b.ncols());
+            let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
+            matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
+            product
+        });
+        for part in parts {
+            sum += part;
+        }
+        spend(height as f64 * operations as f64)?;
     }
-    sum
+    Ok(sum)
 }
 
 /// Computes `X := X - A B` for A (n x p) and a narrow X (n x q). The result is the same for every
@@ -38,19 +50,23 @@ pub(crate) fn subtract_product(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
     par: Par,
-) {
-    for_row_blocks(x, BLOCK, par, |first, x| {
+) -> Result<()> {
+    let operations = 2 * a.ncols() * x.ncols();
+    let block = block(operations, BLOCK);
+    by_pieces(x, block, operations, par, |first, x| {
         let a = a.subrows(first, x.nrows());
         matmul(x, Accum::Add, a, b, -1.0, faer::Par::Seq);
-    });
+    })
 }
 
 /// Computes `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold
 /// the result. The result is the same for every `par`, bit for bit.
-pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) {
-    for_row_blocks(x, BLOCK, par, |_, mut x| {
+pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) -> Result<()> {
+    let operations = 2 * s.nrows() * s.ncols();
+    let block = block(operations, BLOCK);
+    by_pieces(x, block, operations, par, |_, mut x| {
         let mut product = Mat::zeros(x.nrows(), s.ncols());
         matmul(product.as_mut(), Accum::Replace, x.rb(), s, 1.0, faer::Par::Seq);
         x.rb_mut().subcols_mut(0, s.ncols()).copy_from(&product);
-    });
+    })
 }

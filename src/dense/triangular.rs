@@ -3,16 +3,39 @@ use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_s
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::prelude::ReborrowMut;
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::memory::buffer;
-use super::{ROW_BLOCK, for_row_blocks};
-use crate::base::{Par, Result};
+use super::ROW_BLOCK;
+use super::memory::{buffer, zeros};
+use super::rows::{block, by_pieces};
+use crate::base::{Par, Result, apart, count};
+
+/// Operations of a factorization that is not copied for another thread to do.
+const WHOLE: f64 = 1e7;
 
 /// Computes L of `A = L L^T` in the lower triangle of A, the only part that is read or written.
 /// Returns `Ok(Err(i))` when the i-th pivot is not positive.
 pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
+    let operations = (a.nrows() as f64).powi(3) / 3.0;
+    if operations < WHOLE {
+        count(operations);
+        return factorize(a);
+    }
+    let n = a.nrows();
+    let mut owned = zeros(n, n)?;
+    owned.copy_from(a.rb());
+    let (owned, done) = apart(operations, move || {
+        let done = factorize(owned.as_mut());
+        (owned, done)
+    })?;
+    for j in 0..n {
+        (j..n).for_each(|i| a[(i, j)] = owned[(i, j)]);
+    }
+    done
+}
+
+fn factorize(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
     let requirement =
         cholesky_in_place_scratch::<f64>(a.nrows(), faer::Par::Seq, Default::default());
     let mut memory = buffer(requirement)?;
@@ -39,8 +62,13 @@ pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(),
 
 /// Computes `X := X R^-1` for an upper triangular R, given as `L = R^T`: rows by blocks, each on
 /// one thread.
-pub(crate) fn divide_by_upper(x: MatMut<'_, f64>, l: MatRef<'_, f64>, par: Par) {
-    for_row_blocks(x, ROW_BLOCK, par, |_, block| lower_solve_in_place(l, block.transpose_mut()));
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub(crate) fn divide_by_upper(x: MatMut<'_, f64>, l: MatRef<'_, f64>, par: Par) -> Result<()> {
+    let operations = l.nrows() * l.nrows();
+    let block = block(operations, ROW_BLOCK);
+    by_pieces(x, block, operations, par, |_, rows| lower_solve_in_place(l, rows.transpose_mut()))
 }
 
 /// Computes `X := L^-1 X` on the calling thread.

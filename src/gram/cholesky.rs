@@ -27,6 +27,9 @@ const PANEL: usize = 64;
 /// Columns of the trailing matrix that one thread updates at a time, a multiple of [`LANES`].
 const TASK: usize = 32;
 
+/// Operations that a product takes in twice the precision, and the sum with it.
+const SUBTRACTED: f64 = 20.0;
+
 /// Rows of a column that stay in the first-level cache while it is updated.
 const ROWS: usize = 64;
 
@@ -174,7 +177,7 @@ impl PivotedCholesky {
                 left.exchange(j, pivot);
                 self.eliminate_column(first, j, &mut left);
             }
-            self.update(first, end, par);
+            self.update(first, end, par)?;
             first = end;
         }
         self.clear()
@@ -216,13 +219,14 @@ impl PivotedCholesky {
     /// Subtracts the product of columns `first..end` from the trailing matrix.
     ///
     /// The entries that it writes above the diagonal are never read.
-    fn update(&mut self, first: usize, end: usize, par: Par) {
+    fn update(&mut self, first: usize, end: usize, par: Par) -> Result<()> {
         let stride = self.lower.stride;
         let [hi, lo] = &mut self.lower.parts;
         let (done_hi, rest_hi) = hi.split_at_mut(end * stride);
         let (done_lo, rest_lo) = lo.split_at_mut(end * stride);
         let tasks = rest_hi.chunks_mut(TASK * stride).zip(rest_lo.chunks_mut(TASK * stride));
-        par.for_each(tasks, |task, (hi, lo)| {
+        let operations = SUBTRACTED * (TASK * (stride - end) * (end - first)) as f64;
+        par.for_each_asking(tasks, operations, |task, (hi, lo)| {
             let start = end + task * TASK;
             widest(
                 #[inline(always)]
@@ -246,7 +250,7 @@ impl PivotedCholesky {
                     }
                 },
             );
-        });
+        })
     }
 
     /// Clears what is above the diagonal of the factor, and behind its last column.

@@ -85,12 +85,15 @@ fn rotate(columns: &mut [f64], exponents: &mut [i32], n: usize, par: Par) -> Res
                     (a, b, 0.0)
                 })
                 .collect();
-            par.at_most(meetings.len()).for_each(meetings.iter_mut(), |_, (a, b, found)| {
+            // Each pair of two blocks takes a product and perhaps a rotation.
+            let operations = (8 * n * BLOCK * BLOCK) as f64;
+            let par = par.at_most(meetings.len());
+            par.for_each_asking(meetings.iter_mut(), operations, |_, (a, b, found)| {
                 widest(
                     #[inline(always)]
                     || *found = meet(a, b, n, limit, round == 0),
                 );
-            });
+            })?;
             largest = meetings.iter().fold(largest, |largest, m| largest.max(m.2));
         }
         if largest <= limit {

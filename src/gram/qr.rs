@@ -3,11 +3,11 @@ use faer::{Mat, MatMut};
 use super::cholesky::{PivotedCholesky, Pivoting, named};
 use super::columns::Columns;
 use super::double::{DoubleDouble, scaled};
-use super::refine::scaled_columns;
+use super::refine::{TRIPLED, scaled_columns};
 use super::slices::{PairsMut, add_triples, normalize_triples};
 use crate::ata::ExtendedGram;
 use crate::base::{Error, Par, Result, widest};
-use crate::dense::for_row_blocks;
+use crate::dense::by_pieces;
 
 /// Rows of A that are multiplied at a time.
 const ROWS: usize = 64;
@@ -99,7 +99,7 @@ impl GramQr {
     pub fn apply(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
         let n = self.exponents.len();
         Error::check_shape("X", (x.nrows(), n), x.shape())?;
-        for_row_blocks(x, ROWS, par, |_, mut x| {
+        by_pieces(x, ROWS, 10 * n * n, par, |_, mut x| {
             let rows = x.nrows();
             let mut a = vec![0.0; ROWS * n];
             for (j, column) in a.chunks_mut(ROWS).enumerate() {
@@ -121,8 +121,7 @@ impl GramQr {
                 );
                 (0..rows).for_each(|i| x[(i, j)] = hi[i]);
             }
-        });
-        Ok(())
+        })
     }
 }
 
@@ -158,7 +157,9 @@ fn gram_of_inverse(
         );
         (d, e, f)
     };
-    let blocks = par.map_blocks(n, TASK, |cols| cols.map(column).collect::<Vec<_>>());
+    let operations = TRIPLED * (TASK * n * n) as f64;
+    let blocks =
+        par.map_blocks_asking(n, TASK, operations, |cols| cols.map(column).collect::<Vec<_>>())?;
     let mut product = Columns::new(n, n)?;
     for (j, (d, e, f)) in blocks.into_iter().flatten().enumerate() {
         for i in 0..=j {
@@ -214,7 +215,8 @@ fn upper_product(
     let stride = product.stride;
     let [hi, lo] = &mut product.parts;
     let rows = hi.chunks_mut(stride).zip(lo.chunks_mut(stride));
-    par.for_each(rows, |i, (hi, lo)| {
+    let operations = 10.0 * (n * stride) as f64;
+    par.for_each_asking(rows, operations, |i, (hi, lo)| {
         widest(
             #[inline(always)]
             || {
@@ -225,6 +227,6 @@ fn upper_product(
                 row.normalize();
             },
         );
-    });
+    })?;
     Ok(product)
 }

@@ -9,6 +9,9 @@ use crate::base::{Par, Result, widest};
 /// Rows of a residual that stay in the first-level cache.
 const ROWS: usize = 8 * LANES;
 
+/// Operations that a product takes in three times the precision, and the sum with it.
+pub(super) const TRIPLED: f64 = 60.0;
+
 /// Largest number of corrections.
 const MOST: usize = 40;
 
@@ -44,7 +47,8 @@ impl<'a> Refined<'a> {
     pub fn residual(&self, b: &Columns<3>, x: &Columns<2>) -> Result<Columns<3>> {
         let mut residual = b.clone();
         let stride = b.stride;
-        let blocks = self.par.map_blocks(stride, ROWS, |rows| {
+        let operations = TRIPLED * (ROWS * b.cols * self.matrix.cols) as f64;
+        let blocks = self.par.map_blocks_asking(stride, ROWS, operations, |rows| {
             let mut sums = Vec::with_capacity(b.cols);
             widest(
                 #[inline(always)]
@@ -67,7 +71,7 @@ impl<'a> Refined<'a> {
                 },
             );
             (rows, sums)
-        });
+        })?;
         for (rows, sums) in blocks {
             for (q, sum) in sums.into_iter().enumerate() {
                 let at = q * stride;

@@ -8,8 +8,21 @@ use super::columns::{Columns, LANES};
 use super::double::DoubleDouble;
 use crate::base::{Par, Result, widest};
 
-/// Right-hand sides that one thread works on at a time.
+/// Most right-hand sides that one thread works on at a time.
 const BLOCK: usize = 64;
+
+/// Operations that a product takes in twice the precision, and the difference with it.
+const SUBTRACTED: f64 = 20.0;
+
+/// Returns how many right-hand sides a thread works on at a time, and the operations that it takes,
+/// for this many rows.
+fn block(rows: usize) -> (usize, f64) {
+    /// Operations of a block, unless it has the least width.
+    const WANTED: f64 = 2.5e7;
+    let each = 0.5 * SUBTRACTED * (rows * rows).max(1) as f64;
+    let width = ((WANTED / each) as usize / LANES * LANES).clamp(LANES, BLOCK);
+    (width, width as f64 * each)
+}
 
 impl PivotedCholesky {
     /// Computes `X := R^-T X`, for the first `rank` rows and columns of the scaled R; X has at
@@ -81,7 +94,8 @@ impl PivotedCholesky {
     /// Returns `R^-1` of the first `rank` rows and columns of the scaled R, by rows.
     pub(super) fn inverse(&self, par: Par) -> Result<Columns<2>> {
         let mut inverse = Columns::new(self.rank, self.rank)?;
-        let blocks = par.map_blocks(self.rank, BLOCK, |cols| {
+        let (width, operations) = block(self.rank);
+        let blocks = par.map_blocks_asking(self.rank, width, operations, |cols| {
             let mut x = Columns::new(cols.len(), cols.end)?;
             for j in cols.clone() {
                 x.set_double(j - cols.start, j, DoubleDouble::ONE);
@@ -91,7 +105,7 @@ impl PivotedCholesky {
                 || self.substitute(&mut x, cols.end),
             );
             Ok((cols, x))
-        });
+        })?;
         for block in blocks {
             let (cols, x) = block?;
             copy_into(&mut inverse, &x, &cols);
@@ -113,7 +127,8 @@ fn copy_into(x: &mut Columns<2>, block: &Columns<2>, cols: &Range<usize>) {
 /// Calls `work` for blocks of right-hand sides.
 fn by_blocks(x: &mut Columns<2>, par: Par, work: impl Fn(&mut Columns<2>) + Sync) -> Result<()> {
     const { assert!(BLOCK.is_multiple_of(LANES)) };
-    let solved = par.map_blocks(x.rows, BLOCK, |cols| {
+    let (width, operations) = block(x.cols);
+    let solved = par.map_blocks_asking(x.rows, width, operations, |cols| {
         let mut block = Columns::new(cols.len(), x.cols)?;
         for (part, from) in block.parts.iter_mut().zip(&x.parts) {
             let from = from.chunks(x.stride);
@@ -126,7 +141,7 @@ fn by_blocks(x: &mut Columns<2>, par: Par, work: impl Fn(&mut Columns<2>) + Sync
             || work(&mut block),
         );
         Ok((cols, block))
-    });
+    })?;
     for block in solved {
         let (cols, block) = block?;
         copy_into(x, &block, &cols);

@@ -122,8 +122,22 @@ fn separator_of(line: &str) -> char {
 
 /// Returns whether a line has names and no numbers.
 fn is_header(line: &str, separator: char) -> bool {
-    fields(line, separator).all(|field| field.parse::<f64>().is_err())
+    fields(line, separator).all(|field| !may_be_number(field))
         && fields(line, separator).any(|field| !field.is_empty())
+}
+
+/// Returns whether a field is a number here or in another notation (`1,5`, `1.234,5`, `1.5d0`,
+/// `1'000`), whose row must not be lost as a header.
+fn may_be_number(field: &str) -> bool {
+    let decimal_comma = field.contains(',');
+    let plain = |c: char| match c {
+        '.' if decimal_comma => None,
+        ',' => Some('.'),
+        'd' | 'D' => Some('e'),
+        '\'' | ' ' | '\u{a0}' => None,
+        _ => Some(c),
+    };
+    field.chars().filter_map(plain).collect::<String>().parse::<f64>().is_ok()
 }
 
 /// Returns the fields of a line, without blanks and quotes around them; a run of blanks separates

@@ -218,6 +218,10 @@ fn broken_text_is_refused_with_its_line() {
         ("1,2\n3,\n", 2, "column 2: nothing where a number should be"),
         (",,\n1,2,3\n", 1, "column 1: nothing where a number should be"),
         ("1,b\n3,4\n", 1, "column 2: \"b\" is not a number"),
+        // Rows in another notation, not headers.
+        ("1,5;2,5\n3;4\n", 1, "column 1: \"1,5\" is not a number"),
+        ("1.234,5\t2,5\n3\t4\n", 1, "column 1: \"1.234,5\" is not a number"),
+        ("1.5d0,2D0\n3,4\n", 1, "column 1: \"1.5d0\" is not a number"),
         ("x,y\n# none\n", 3, "the file ends without a row of numbers"),
         ("", 1, "the file ends without a row of numbers"),
     ];

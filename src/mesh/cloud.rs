@@ -22,7 +22,7 @@ pub struct CloudOptions {
     /// Condition at the boundary, which consists of the points around which the triangles leave a
     /// gap. Default [`Boundary::Neumann`].
     pub boundary: Boundary,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
 }
 

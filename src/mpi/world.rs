@@ -14,7 +14,7 @@ use ::mpi::raw::AsRaw;
 use ::mpi::topology::{Communicator, SimpleCommunicator};
 
 use crate::ata::AtaOptions;
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, FloatEnv, Real, Result};
 use crate::blas::BlasReal;
 
 /// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
@@ -410,6 +410,8 @@ fn beside<X: Send>(
         let named = thread::Builder::new().name("catamaran-work".into());
         let worker = named.spawn_scoped(scope, move || {
             let _says_so = Over { over, caller };
+            // Threads inherit the environment of the thread that makes them.
+            let _nearest = FloatEnv::nearest();
             work()
         });
         let worker = worker.map_err(|e| Error::Argument {

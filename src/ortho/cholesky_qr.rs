@@ -82,7 +82,7 @@ pub(crate) fn cholesky_qr_of(
         for j in 0..c {
             (0..j).for_each(|i| l[(i, j)] = 0.0);
         }
-        divide_by_upper(a.rb_mut(), l.as_ref(), par);
+        divide_by_upper(a.rb_mut(), l.as_ref(), par)?;
         let mut next = zeros(c, c)?;
         inner.add_product(next.as_mut(), l.transpose(), r.as_ref())?;
         r = next;

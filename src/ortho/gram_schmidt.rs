@@ -35,7 +35,7 @@ pub struct GramSchmidtOptions<'a> {
     pub threshold: f64,
     /// Whether columns are projected again until they no longer change.
     pub reorthogonalize: bool,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Progress callback, which may cancel.
     pub progress: Progress<'a>,
@@ -174,7 +174,7 @@ pub fn gram_schmidt_in_place(
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Factors> {
     mass.check(a.nrows())?;
-    gram_schmidt_of(a, mass, options)
+    options.progress.watch(|| gram_schmidt_of(a, mass, options))
 }
 
 /// Computes [`gram_schmidt_in_place`] of the rows that this process holds; the mass has been

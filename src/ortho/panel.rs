@@ -98,7 +98,7 @@ impl Pass {
             inverse.as_mut().col_mut(j).iter_mut().for_each(|x| *x /= lengths[j]);
         }
         let block = panel.rb_mut().subcols_mut(range.start, width);
-        multiply_in_place(block, inverse.transpose(), inner.par());
+        multiply_in_place(block, inverse.transpose(), inner.par())?;
         for j in 0..width {
             if count < range.start {
                 scaled_move(panel.rb_mut(), range.start + j, 1.0, count + j);

@@ -106,8 +106,8 @@ pub fn rank_revealing_in_place(
     // The columns that pivoting takes first are independent, far above rounding, so all of them
     // stay.
     let kept: Vec<usize> = turn.kept.iter().map(|&j| kept[j]).collect();
-    multiply_in_place(a.subcols_mut(0, found.kept.len()), turn.q.as_ref(), options.par);
-    let mut r = transposed_product(turn.q.as_ref(), found.r.as_ref(), options.par);
+    multiply_in_place(a.subcols_mut(0, found.kept.len()), turn.q.as_ref(), options.par)?;
+    let mut r = transposed_product(turn.q.as_ref(), found.r.as_ref(), options.par)?;
     for (j, &column) in kept.iter().enumerate() {
         // The entries below the diagonal are rounding errors.
         (j + 1..r.nrows()).for_each(|i| r[(i, column)] = 0.0);

@@ -76,7 +76,7 @@ pub struct CurveOptions<'a> {
     pub soil: Option<Soil>,
     /// When the soil is watered, in any order; requires a soil.
     pub rewatering: Vec<Rewatering>,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

@@ -37,7 +37,7 @@ pub struct SwayOptions<'a> {
     pub motion: MotionOptions,
     /// The wind; by default there is no air.
     pub wind: Option<Wind>,
-    /// Threads of the water; default all cores of the affinity mask. Does not change the result.
+    /// Threads of the water; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

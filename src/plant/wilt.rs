@@ -29,7 +29,7 @@ pub struct WiltOptions<'a> {
     pub soil: Option<Soil>,
     /// As [`CurveOptions::rewatering`].
     pub rewatering: Vec<Rewatering>,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

@@ -3,7 +3,7 @@ use faer::{Mat, MatRef};
 
 use super::options::EigenOptions;
 use super::space::Pencil;
-use crate::base::Result;
+use crate::base::{Result, spend};
 
 /// Columns that are processed together.
 const COLUMNS: usize = 8;
@@ -44,6 +44,7 @@ pub(crate) fn certify(
         let mut m = m.as_mut().subcols_mut(0, values.len());
         pencil.apply_differences(x, w.rb_mut(), par)?;
         pencil.inner().apply_mass(x, m.rb_mut(), par)?;
+        spend(7.0 * (x.nrows() * x.ncols()) as f64)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
             for i in 0..x.nrows() {

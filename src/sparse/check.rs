@@ -1,9 +1,12 @@
 use sprs::CsMatView;
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, spend};
 
 /// Asymmetry that may be rounding, relative to the entries and to the diagonal.
 const SYMMETRY: f64 = 1e-10;
+
+/// Operations that finding an entry of a row is equal to.
+const SEARCHED: f64 = 20.0;
 
 /// Checks that the matrix is square, finite and symmetric; errors name `what` and the entry.
 pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) -> Result<()> {
@@ -21,6 +24,7 @@ pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) ->
         }
     }
     for (i, row) in matrix.outer_iterator().enumerate() {
+        spend(SEARCHED * row.nnz() as f64)?;
         for (j, &x) in row.iter().filter(|&(j, _)| j != i) {
             let mirrored = matrix.outer_view(j).and_then(|row| row.get(i).copied()).unwrap_or(0.0);
             check_mirrored(what, (i, j), [x, mirrored], [diagonal[i], diagonal[j]])?;

@@ -53,6 +53,14 @@ pub fn eigs(
     mass: &Mass,
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
+    options.progress.watch(|| find(stiffness, mass, options))
+}
+
+fn find(
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+) -> Result<Eigenpairs> {
     check(stiffness, mass, options)?;
     let pencil = WholePencil { stiffness, mass };
     if let Some(pairs) = without_iteration(&pencil, stiffness, mass, options)? {

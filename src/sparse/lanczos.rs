@@ -5,7 +5,7 @@ use faer::{ColMut, Mat, MatRef, Scale};
 
 use super::options::EigenOptions;
 use super::space::{Inverse, Pencil};
-use crate::base::{Error, Par, Result, Rng};
+use crate::base::{Error, Par, Result, Rng, spend};
 use crate::dense::{
     SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product, zeros,
 };
@@ -58,6 +58,8 @@ impl<'a> Krylov<'a> {
         options: &'a EigenOptions<'a>,
     ) -> Result<Self> {
         let (n, size) = (pencil.inner().rows().len(), basis_size(options.k) + WIDTH);
+        // The memory of the basis is cleared.
+        spend(n as f64 * size as f64)?;
         Ok(Self {
             pencil,
             options,
@@ -107,6 +109,7 @@ impl<'a> Krylov<'a> {
     /// couple to nothing.
     fn random_restart(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
+            spend(4.0 * self.pencil.inner().dimension() as f64)?;
             let column = self.work[1].as_mut().col_mut(j);
             randomize(column, self.pencil, &mut self.rng, self.mass_norm);
         }
@@ -145,7 +148,7 @@ impl<'a> Krylov<'a> {
         );
         own.copy_from(&diagonal);
         let reference = coefficients.norm_l2();
-        subtract_product(x.as_mut(), near, coefficients.as_ref(), par);
+        subtract_product(x.as_mut(), near, coefficients.as_ref(), par)?;
         let coupling = self.orthonormalize(len + WIDTH, reference, Some(len))?;
         let mut own = self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH);
         for j in 0..WIDTH {
@@ -186,7 +189,7 @@ impl<'a> Krylov<'a> {
                 pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
                 let basis = self.basis.as_ref().subcols(0, count);
                 let overlap = inner_products(pencil, basis, mx.as_ref(), par)?;
-                subtract_product(x.as_mut(), basis, overlap.as_ref(), par);
+                subtract_product(x.as_mut(), basis, overlap.as_ref(), par)?;
                 if let Some(own) = own {
                     let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
                     let mut t = self.projected.as_mut().submatrix_mut(own, own, WIDTH, WIDTH);
@@ -196,7 +199,7 @@ impl<'a> Krylov<'a> {
             pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
             let gram = inner_products(pencil, x.as_ref(), mx.as_ref(), par)?;
             let SymmetricEigen { values, vectors } =
-                symmetric_eigen(gram.as_ref()).map_err(|_| not_finite(self.restarts))?;
+                symmetric_eigen(gram.as_ref()).map_err(|error| failed(error, self.restarts))?;
             let longest = values[WIDTH - 1].max(0.0).sqrt();
             let lengths: Vec<f64> =
                 values.iter().map(|v| v.max(0.0).sqrt().max(RANGE * longest)).collect();
@@ -208,7 +211,7 @@ impl<'a> Krylov<'a> {
             let unit = Mat::from_fn(WIDTH, WIDTH, |i, j| {
                 vectors[(i, j)] / lengths[j].max(f64::MIN_POSITIVE)
             });
-            multiply_in_place(x.as_mut(), unit.as_ref(), par);
+            multiply_in_place(x.as_mut(), unit.as_ref(), par)?;
             let mut replaced = false;
             for i in 0..WIDTH {
                 let length = turned(i).map(|p| next[p] * next[p]).sum::<f64>().sqrt();
@@ -247,7 +250,7 @@ impl<'a> Krylov<'a> {
             }
             next = self.len + (k / 6).max(2 * WIDTH);
             let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
-            let ritz = symmetric_eigen(t).map_err(|_| not_finite(self.restarts))?;
+            let ritz = symmetric_eigen(t).map_err(|error| failed(error, self.restarts))?;
             let mut order: Vec<usize> = (0..self.len).collect();
             order.sort_by(|&a, &b| ritz.values[b].abs().total_cmp(&ritz.values[a].abs()));
             let residuals = self.estimates(&ritz, &order[..k])?;
@@ -255,7 +258,7 @@ impl<'a> Krylov<'a> {
             let good = residuals.iter().filter(|r| **r <= bound).count();
             self.report(good)?;
             if good == k {
-                self.restart(&ritz, &order[..k]);
+                self.restart(&ritz, &order[..k])?;
                 self.found = self.eigenvalues(&ritz, &order[..k]);
                 return Ok(());
             }
@@ -265,7 +268,7 @@ impl<'a> Krylov<'a> {
                     return Err(Error::NotConverged { iterations: self.restarts, residual });
                 }
                 let keep = k + (self.len - k) / 2;
-                self.restart(&ritz, &order[..keep.min(self.len - 2 * WIDTH)]);
+                self.restart(&ritz, &order[..keep.min(self.len - 2 * WIDTH)])?;
                 self.restarts += 1;
             }
         }
@@ -307,17 +310,19 @@ impl<'a> Krylov<'a> {
     }
 
     /// Keeps these Ritz vectors, and Q, and discards the rest of the basis.
-    fn restart(&mut self, ritz: &SymmetricEigen, order: &[usize]) {
+    fn restart(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<()> {
         let (len, keep) = (self.len, order.len());
         let turn = Mat::from_fn(len, keep, |i, j| ritz.vectors[(i, order[j])]);
         let coupling = self.coupling() * turn.as_ref().subrows(self.coupled, len - self.coupled);
-        multiply_in_place(self.basis.as_mut().subcols_mut(0, len), turn.as_ref(), self.options.par);
+        let basis = self.basis.as_mut().subcols_mut(0, len);
+        multiply_in_place(basis, turn.as_ref(), self.options.par)?;
         let (mut kept, rest) = self.basis.as_mut().split_at_col_mut(len);
         kept.rb_mut().subcols_mut(keep, WIDTH).copy_from(rest.subcols(0, WIDTH));
         self.projected.fill(0.0);
         order.iter().enumerate().for_each(|(j, &i)| self.projected[(j, j)] = ritz.values[i]);
         self.projected.as_mut().submatrix_mut(keep, 0, WIDTH, keep).copy_from(&coupling);
         (self.len, self.coupled) = (keep, 0);
+        Ok(())
     }
 
     /// Applies the operator once to the vectors that [`Krylov::converge`] found (Ericsson and Ruhe
@@ -387,7 +392,7 @@ fn inner_products(
     y: MatRef<'_, f64>,
     par: Par,
 ) -> Result<Mat<f64>> {
-    let mut products = transposed_product(x, y, par);
+    let mut products = transposed_product(x, y, par)?;
     pencil.inner().sum(products.as_mut())?;
     Ok(products)
 }
@@ -403,6 +408,11 @@ fn randomize(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, ma
             column[i - here.start] = entry;
         }
     }
+}
+
+/// Returns the error of a small eigenproblem: a request to stop, or numbers that have overflowed.
+fn failed(error: Error, iterations: usize) -> Error {
+    if error == Error::Cancelled { error } else { not_finite(iterations) }
 }
 
 /// Returns the error for numbers that have overflowed.

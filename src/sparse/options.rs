@@ -28,7 +28,7 @@ pub struct EigenOptions<'a> {
     /// Counts the eigenvalues by the inertia of another factorization (Sylvester), and continues
     /// until none is missing; default false.
     pub verify_count: bool,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Seed of the starting block. Default 0.
     pub seed: u64,

@@ -2,7 +2,7 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 use sprs::CsMatView;
 
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, count};
 use crate::dense::{ROW_BLOCK, for_row_blocks};
 
 /// Computes `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides.
@@ -41,6 +41,7 @@ pub(crate) fn multiply_symmetric_or_rows(
     y: MatMut<'_, f64>,
     par: Par,
 ) {
+    count(2.0 * a.nnz() as f64 * x.ncols() as f64);
     for_row_blocks(y, ROW_BLOCK, par, |first, mut y| {
         // The rows of a block stay in the cache from one column to the next.
         for j in 0..x.ncols() {
@@ -76,6 +77,7 @@ pub(crate) fn multiply_by_differences(
     y: MatMut<'_, f64>,
     par: Par,
 ) {
+    count(3.0 * a.nnz() as f64 * x.ncols() as f64);
     for_row_blocks(y, ROW_BLOCK, par, |first, mut y| {
         for i in 0..y.nrows() {
             let row = a.outer_view(first + i).expect("as many rows as Y has");
@@ -95,6 +97,7 @@ pub(crate) fn multiply_magnitudes(
     x: MatRef<'_, f64>,
     mut y: MatMut<'_, f64>,
 ) {
+    count(2.0 * a.nnz() as f64 * x.ncols() as f64);
     for (i, row) in a.outer_iterator().enumerate() {
         for j in 0..x.ncols() {
             y[(i, j)] = row.iter().map(|(l, a)| (a * x[(l, j)]).abs()).sum();

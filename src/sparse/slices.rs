@@ -70,6 +70,16 @@ pub fn eigs_sliced(
     mass: &Mass,
     options: &EigenOptions<'_>,
     memory: usize,
+    sink: impl FnMut(Eigenpairs) -> Result<()>,
+) -> Result<()> {
+    options.progress.watch(|| find(stiffness, mass, options, memory, sink))
+}
+
+fn find(
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+    memory: usize,
     mut sink: impl FnMut(Eigenpairs) -> Result<()>,
 ) -> Result<()> {
     check(stiffness, mass, options)?;
@@ -319,8 +329,8 @@ impl<'a> Slices<'a> {
             let mut x = vectors.as_mut().subcols_mut(first, width);
             let mut mx = weighted.as_mut().subcols_mut(0, width);
             self.problem.pencil.inner().apply_mass(x.rb(), mx.rb_mut(), par)?;
-            let overlap = transposed_product(guard, mx.rb(), par);
-            subtract_product(x.rb_mut(), guard, overlap.as_ref(), par);
+            let overlap = transposed_product(guard, mx.rb(), par)?;
+            subtract_product(x.rb_mut(), guard, overlap.as_ref(), par)?;
         }
         Ok(())
     }

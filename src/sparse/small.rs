@@ -3,10 +3,13 @@ use sprs::CsMatView;
 
 use super::Mass;
 use super::options::EigenOptions;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, apart};
 use crate::dense::{
     SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
 };
+
+/// Operations for all eigenpairs, in units of n^3.
+const OPERATIONS: f64 = 12.0;
 
 /// Computes all eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and the pairs
 /// of `L^-1 W L^-T`. Values ascend, vectors are M-orthonormal.
@@ -21,18 +24,20 @@ pub(crate) fn dense_pairs(
         Mass::Lumped(masses) => masses.iter().enumerate().for_each(|(i, m)| l[(i, i)] = *m),
         Mass::Full(matrix) => scatter(matrix.view(), &mut l),
     }
-    if let Err(i) = cholesky(l.as_mut())? {
-        let why = format!("not positive definite (elimination fails at row {i})");
-        return Err(Error::Argument { what: "mass", why });
-    }
     let mut w = Mat::<f64>::zeros(n, n);
     scatter(stiffness, &mut w);
-    lower_solve_in_place(l.as_ref(), w.as_mut());
-    lower_solve_in_place(l.as_ref(), w.as_mut().transpose_mut());
     options.progress.report(0.1)?;
-    let SymmetricEigen { values, mut vectors } = symmetric_eigen(w.as_ref())?;
-    upper_solve_in_place(l.transpose(), vectors.as_mut());
-    Ok((values, vectors))
+    apart(OPERATIONS * (n as f64).powi(3), move || {
+        if let Err(i) = cholesky(l.as_mut())? {
+            let why = format!("not positive definite (elimination fails at row {i})");
+            return Err(Error::Argument { what: "mass", why });
+        }
+        lower_solve_in_place(l.as_ref(), w.as_mut());
+        lower_solve_in_place(l.as_ref(), w.as_mut().transpose_mut());
+        let SymmetricEigen { values, mut vectors } = symmetric_eigen(w.as_ref())?;
+        upper_solve_in_place(l.transpose(), vectors.as_mut());
+        Ok((values, vectors))
+    })?
 }
 
 fn scatter(matrix: CsMatView<'_, f64>, dense: &mut Mat<f64>) {

@@ -65,6 +65,15 @@ pub fn eigs_two_level(
     prolongation: CsMatView<'_, f64>,
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
+    options.progress.watch(|| find(stiffness, mass, prolongation, options))
+}
+
+fn find(
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    prolongation: CsMatView<'_, f64>,
+    options: &EigenOptions<'_>,
+) -> Result<Eigenpairs> {
     check(stiffness, mass, options)?;
     check_options(options)?;
     let coarse_space = used_columns(stiffness.rows(), prolongation, options.k)?;
@@ -244,7 +253,7 @@ impl<'a> Smoother<'a> {
             let panel = x.subcols(first, width);
             let [w, m] = images_of(&self.pencil, &mut self.images, panel, par)?;
             for (product, image) in [(&mut projected, w), (&mut gram, m)] {
-                let columns = transposed_product(x, image, par);
+                let columns = transposed_product(x, image, par)?;
                 product.as_mut().subcols_mut(first, width).copy_from(&columns);
             }
         }
@@ -258,8 +267,8 @@ impl<'a> Smoother<'a> {
         lower_solve_in_place(l, projected.as_mut());
         lower_solve_in_place(l, projected.as_mut().transpose_mut());
         let SymmetricEigen { values, vectors: turn } = symmetric_eigen(projected.as_ref())?;
-        divide_by_upper(vectors.as_mut(), l, par);
-        multiply_in_place(vectors.as_mut(), turn.as_ref(), par);
+        divide_by_upper(vectors.as_mut(), l, par)?;
+        multiply_in_place(vectors.as_mut(), turn.as_ref(), par)?;
         Ok(values)
     }
 }
@@ -311,7 +320,8 @@ mod tests {
             assert!((-1e-9..5e-3).contains(&error), "{i}: {error:e}");
         }
         assert!(found.values[0].abs() < 1e-12);
-        let gram = transposed_product(found.vectors.as_ref(), found.vectors.as_ref(), Par::Seq);
+        let found_vectors = found.vectors.as_ref();
+        let gram = transposed_product(found_vectors, found_vectors, Par::Seq).unwrap();
         assert!(gram.norm_max() < 1.1, "masses are 1 and more");
         let again = eigs_two_level(w.view(), &mass, p.view(), &options(12, 3)).unwrap();
         assert_eq!((found.values, found.vectors), (again.values, again.vectors));

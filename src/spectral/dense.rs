@@ -12,7 +12,7 @@ use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef, Spec};
 
 use crate::ata::{Accuracy, AtaOptions, atb};
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, apart};
 use crate::dense::{self, zeros};
 
 const SEQ: faer::Par = faer::Par::Seq;
@@ -78,6 +78,14 @@ pub(super) struct Svd {
 pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
     check_finite(what, a)?;
     let (m, n) = a.shape();
+    let mut owned = zeros(m, n)?;
+    owned.copy_from(a);
+    let operations = 20.0 * m.max(n) as f64 * (m.min(n) as f64).powi(2);
+    apart(operations, move || decompose(owned.as_ref()))?
+}
+
+fn decompose(a: MatRef<'_, f64>) -> Result<Svd> {
+    let (m, n) = a.shape();
     let size = m.min(n);
     let (mut u, mut v, mut s) = (zeros(m, size)?, zeros(n, size)?, Diag::zeros(size));
     let params = Spec::<svd::SvdParams, f64>::default();
@@ -97,11 +105,17 @@ pub(super) fn least_squares(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Ma
     basis.copy_from(a);
     let mut x = zeros(m, b.ncols())?;
     x.copy_from(b);
+    let operations = 2.0 * m as f64 * n as f64 * (n + 2 * b.ncols()) as f64;
+    apart(operations, move || solve_least_squares(basis, x))?
+}
+
+fn solve_least_squares(mut basis: Mat<f64>, mut x: Mat<f64>) -> Result<Mat<f64>> {
+    let ((m, n), columns) = (basis.shape(), x.ncols());
     let block = qr::factor::recommended_block_size::<f64>(m, n).min(m.min(n)).max(1);
     let mut coefficients = zeros(block, m.min(n))?;
     let scratch = StackReq::any_of(&[
         qr::factor::qr_in_place_scratch::<f64>(m, n, block, SEQ, Spec::default()),
-        qr::solve::solve_lstsq_in_place_scratch::<f64>(m, n, block, b.ncols(), SEQ),
+        qr::solve::solve_lstsq_in_place_scratch::<f64>(m, n, block, columns, SEQ),
     ]);
     let mut memory = MemBuffer::new(scratch);
     let stack = MemStack::new(&mut memory);

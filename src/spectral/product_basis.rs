@@ -34,7 +34,7 @@ pub enum Orthogonalization {
 pub struct ProductBasisOptions<'a> {
     /// The method; default [`Orthogonalization::SinglePass`].
     pub orthogonalization: Orthogonalization,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

@@ -19,7 +19,7 @@ pub struct ShapeOptions<'a> {
     pub steps: usize,
     /// Mean relative difference of eigenvalues at which the deformation stops. Default 1e-3.
     pub tolerance: f64,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,
@@ -322,7 +322,7 @@ impl Metric {
         }
         let mut steepest = slopes.clone();
         self.factor.solve(steepest.as_mut(), wanted.par)?;
-        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par);
+        let products = transposed_product(slopes.as_ref(), steepest.as_ref(), wanted.par)?;
         let gram = Mat::from_fn(k, k, |i, j| {
             (0..3).map(|c| products[(3 * i + c, 3 * j + c)]).sum::<f64>()
         });

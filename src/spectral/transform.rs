@@ -91,7 +91,7 @@ pub fn transform_by_columns(
     check(map, source, target)?;
     let mut o = images(map, target, source.kept(), par)?;
     // Column i: (R C~)[.., i] less R[h, i] times the columns h before it, divided by R[i, i].
-    divide_by_upper(o.as_mut(), source.triangle().transpose(), par);
+    divide_by_upper(o.as_mut(), source.triangle().transpose(), par)?;
     Ok(o)
 }
 

@@ -119,6 +119,15 @@ impl Localizer {
         par: Par,
         progress: Progress<'_>,
     ) -> Result<LocalizerOn> {
+        progress.watch(|| self.on_template(template, par, progress))
+    }
+
+    fn on_template(
+        &self,
+        template: &TriMesh,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> Result<LocalizerOn> {
         // Checked before the expensive work.
         Error::check_shape("template", (self.vertices, 3), (template.vertices().len(), 3))?;
         let settings = LaplacianOptions { par, ..LaplacianOptions::default() };

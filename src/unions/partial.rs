@@ -74,9 +74,11 @@ impl<'m> PartSpectra<'m> {
     /// [`Error::Shape`] unless the mask has an entry for each vertex; [`Error::Argument`] when the
     /// part has fewer than k vertices inside; as [`eigs`] otherwise.
     pub fn dirichlet(&self, mask: &[bool], k: usize) -> Result<Vec<f64>> {
-        let inside = self.inside(mask)?;
-        let operator = self.operator.restricted(&inside)?;
-        self.eigenvalues(&operator, k)
+        self.progress.watch(|| {
+            let inside = self.inside(mask)?;
+            let operator = self.operator.restricted(&inside)?;
+            self.eigenvalues(&operator, k)
+        })
     }
 
     /// Computes the k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for
@@ -96,8 +98,10 @@ impl<'m> PartSpectra<'m> {
     /// # Errors
     /// As [`PartSpectra::dirichlet`], and as [`laplacian()`] of the part.
     pub fn neumann(&self, mask: &[bool], k: usize) -> Result<Vec<f64>> {
-        let part = self.mesh.masked(mask)?;
-        self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
+        self.progress.watch(|| {
+            let part = self.mesh.masked(mask)?;
+            self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
+        })
     }
 
     /// Returns for each vertex whether it is inside of the part: the vertex and its neighbours

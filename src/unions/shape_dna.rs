@@ -51,6 +51,10 @@ builder! { ShapeDnaOptions<'a> {
 /// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when fewer than k vertices are not held at
 /// zero.
 pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
+    options.progress.watch(|| signature(mesh, options))
+}
+
+fn signature(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
     let operator = laplacian(mesh, &options.laplacian)?;
     let wanted = EigenOptions {
         k: options.k,

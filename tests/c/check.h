@@ -1,4 +1,5 @@
-/* CHECK for the C and C++ tests: reports, counts, goes on. Not for use by two threads at once. */
+/* CHECK for the C and C++ tests: reports, counts, goes on. Not for use by two threads at once.
+ * To be included after the header of the library. */
 
 #ifndef CHECK_H
 #define CHECK_H
@@ -31,6 +32,8 @@ static int failures = 0;
 
 static int report(const char *name)
 {
+    /* What a thread that still runs has allocated would be a leak. */
+    CHECK(cata_threads_release() == CATA_OK);
     printf("%s: %d checks, %d failed\n", name, checks, failures);
     return failures == 0 ? 0 : 1;
 }

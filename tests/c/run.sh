@@ -18,10 +18,11 @@ quietly() { # LOG COMMAND...: the output is shown only if it fails
     shift
     "$@" > "$log" 2>&1 || { cat "$log"; echo "failed: $*" >&2; exit 1; }
 }
-tests() { # NAME BUILD_DIR CTEST_ARGUMENTS...: runs them and remembers the count
+failed=0
+tests() { # NAME BUILD_DIR CTEST_ARGUMENTS...: runs them and remembers the count and failures
     local name=$1 dir=$2
     shift 2
-    (cd "$build/$dir" && ctest --output-on-failure "$@") | tee "$build/ctest-$name.log"
+    (cd "$build/$dir" && ctest --output-on-failure "$@") | tee "$build/ctest-$name.log" || failed=1
     kinds+=("$name: $(grep -E 'tests passed|No tests' "$build/ctest-$name.log")")
 }
 configure() { # BUILD_DIR OPTIONS...
@@ -62,3 +63,4 @@ kinds+=("$(tail -n 1 "$build/consumer.log")")
 
 echo
 printf '%s\n' "${kinds[@]}"
+exit $failed

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfenv>
 #include <cmath>
 #include <complex>
 #include <string>
@@ -337,9 +338,29 @@ void parts_and_unions() {
     CHECK(status_of([&] { catamaran::part_eigenvalues(mesh, {1}, 2); }) == CATA_ERR_SHAPE);
 }
 
+/// Results are rounded to nearest in any mode of the caller, which stays as it is; and so they are
+/// once the threads have been released.
+void rounding() {
+    std::vector<double> data(150 * 120);
+    for (std::size_t i = 0; i < data.size(); ++i) {
+        data[i] = static_cast<double>((i * 7919) % 10007) / 3.0;
+    }
+    const auto a = catamaran::row_major(data.data(), 150, 120);
+    const auto expected = catamaran::ata(a);
+    for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        catamaran::release_threads();
+        std::fesetround(mode);
+        const auto found = catamaran::ata(a);
+        const int after = std::fegetround();
+        std::fesetround(FE_TONEAREST);
+        CHECK(found == expected && after == mode);
+    }
+}
+
 }  // namespace
 
 int main() {
+    rounding();
     products();
     complex_products();
     reproducible();

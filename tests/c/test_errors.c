@@ -52,6 +52,32 @@ static void test_null(void)
     CHECK_UNTOUCHED();
 }
 
+/* No output may overlap another one or an input; lines between those of another matrix may. */
+static void test_overlaps(void)
+{
+    double square[N * N], shared[M * (N + N)] = {0};
+    memcpy(square, untouched, sizeof square);
+    CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, N, N, 1.0, square, N, 0.0, square, N, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("c: must not overlap a");
+    CHECK_STATUS(cata_gram_orthogonality(ROW, M, N, a, N, c, c, NULL), CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("frobenius: must not overlap max");
+    CHECK_STATUS(cata_svd(ROW, M, N, a, N, square + 2, square, N, NULL), CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("v: must not overlap values");
+    CHECK(memcmp(square, untouched, sizeof square) == 0);
+    CHECK_UNTOUCHED();
+    for (int i = 0; i < M; i++) {
+        shared[i * (N + N)] = i + 1;
+    }
+    CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, M, N, 1.0, shared, N + N, 0.0, shared + N, N + N, NULL),
+                 CATA_OK);
+    CHECK(shared[0] == 1 && shared[N] == 30 && shared[N + 1] == 0);
+    CHECK_STATUS(
+        cata_ata_f64(ROW, CATA_BOTH, M, N, 1.0, shared, N + N, 0.0, shared + N - 1, N + N, NULL),
+        CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_atb_f64(ROW, M, N, N, 1.0, a, N, a, N, 0.0, square, N, NULL), CATA_OK);
+}
+
 static void test_enums(void)
 {
     CHECK_STATUS(ata(0, CATA_BOTH, a, N, c, N, NULL), CATA_ERR_ARGUMENT);
@@ -367,6 +393,7 @@ int main(int argc, char **argv)
     }
     test_no_message_yet();
     test_null();
+    test_overlaps();
     test_enums();
     test_shapes();
     test_scratch();

@@ -305,7 +305,7 @@ static void test_refusals(void)
     CHECK_MENTIONS("step");
     CHECK_STATUS(cata_map_zoomout(from, to, 1, CATA_ROW_MAJOR, 3, 3, c, K, map, K, found, &params),
                  CATA_ERR_CANCELLED);
-    CHECK_STATUS(cata_map_zoomout(from, to, 1, CATA_ROW_MAJOR, 3, K + 1, map, K + 1, map, K, found, NULL),
+    CHECK_STATUS(cata_map_zoomout(from, to, 1, CATA_ROW_MAJOR, 3, K + 1, c, K + 1, map, K, found, NULL),
                  CATA_ERR_SHAPE);
     CHECK_STATUS(cata_map_points(from, to, CATA_ROW_MAJOR, c, K, found, &params), CATA_ERR_CANCELLED);
     c[3] = INFINITY;

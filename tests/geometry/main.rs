@@ -4,10 +4,12 @@
 mod common;
 mod decimate;
 mod decimate_families;
+mod gltf_scenes;
 mod laplacian;
 mod materials;
 mod mesh;
 mod mesh_files;
+mod mesh_files_written;
 mod ortho;
 mod plant;
 mod repair;

@@ -6,7 +6,7 @@ use std::fs;
 use super::{rust_files, src};
 
 /// Module, layer, and the modules of the same layer that it may import.
-const LAYERS: [(&str, u8, &[&str]); 21] = [
+const LAYERS: [(&str, u8, &[&str]); 22] = [
     ("base", 0, &[]),
     ("kernel", 1, &[]),
     ("blas", 1, &["kernel"]),
@@ -28,7 +28,9 @@ const LAYERS: [(&str, u8, &[&str]); 21] = [
     ("opencl", 5, &[]),
     ("capi", 6, &[]),
     ("prelude", 6, &[]),
-    ("lib", 7, &[]),
+    // Tests of calls of all layers.
+    ("interruption", 7, &[]),
+    ("lib", 8, &[]),
 ];
 
 /// The C ABI stands on everything.

@@ -99,5 +99,6 @@ impl Inputs {
 /// When the file can't be written.
 pub fn write(path: &Path, mesh: &TriMesh, overwrite: Overwrite) -> Result<()> {
     let output = Output::create(path, overwrite)?;
-    Ok(catamaran::mesh::io::write(output, &MeshFile::from(mesh.clone()))?)
+    catamaran::mesh::io::write(output, &MeshFile::from(mesh.clone()))?;
+    Ok(())
 }

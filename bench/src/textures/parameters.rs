@@ -69,16 +69,6 @@ fn settled(options: &Options, measure: impl Fn(&Pattern) -> f64) -> Result<f64> 
     })
 }
 
-/// Returns the scale of the pattern: the geometric mean of the widths of strands and of gaps.
-fn scale(pattern: &Pattern) -> f64 {
-    (pattern.thickness * pattern.gap).sqrt()
-}
-
-/// Returns the number of cells of equal area: 1 where strands enclose none.
-fn formed(pattern: &Pattern) -> f64 {
-    (1.0 - pattern.covered) * (TABLE_SIZE * TABLE_SIZE) as f64 / pattern.cell
-}
-
 /// Returns the inverse of the relative change of the pheromone.
 fn stability(options: &Options) -> Result<f64> {
     let mut all = grown(options, (EARLY / FRAME) as u32)?;
@@ -89,7 +79,10 @@ fn stability(options: &Options) -> Result<f64> {
 }
 
 /// Computes table 3.1: the property that each parameter is said to change, at the ends of its range
-/// and for turn speeds over their whole range, and whether the sign is that of the thesis.
+/// and for turn speeds over their whole range, and whether the sign is that of the thesis. The
+/// properties are measures of [`Pattern`], as in the tests of the library: scale is `gap`, cell
+/// formation `cell`, thickness `thickness`, clustering `cluster`. Stabilization is that of
+/// [`stability`].
 ///
 /// # Errors
 /// The errors of the simulation.
@@ -103,15 +96,10 @@ pub fn table() -> Result<Part> {
     };
     for turns in TURNS {
         let (base, at) = (of_table(turns), format!("turn speed {turns}"));
-        let speed = |speed| settled(&base.movement_speed(2.0 * speed), scale);
-        let [slow, fast] = both([1.0, 2.0], speed)?;
-        row(format!("{at}: movement speed 1 to 2: scale (mean width)"), [slow, fast], true);
-        let far = |distance| settled(&base.vision_distance(2.0 * distance), formed);
-        row(
-            format!("{at}: vision distance 0.4 to 2: cells (how many)"),
-            both([0.4, 2.0], far)?,
-            true,
-        );
+        let speed = |speed| settled(&base.movement_speed(2.0 * speed), |p| p.gap);
+        row(format!("{at}: movement speed 1 to 2: scale (gap)"), both([1.0, 2.0], speed)?, true);
+        let far = |distance| settled(&base.vision_distance(2.0 * distance), |p| p.cell);
+        row(format!("{at}: vision distance 0.4 to 2: cells (area)"), both([0.4, 2.0], far)?, true);
         let wide = |angle| settled(&base.vision_angle(angle), |p| p.thickness);
         let ([narrow, middle], broad) = (both([10.0, 30.0], wide)?, wide(50.0)?);
         row(format!("{at}: vision angle 10 to 30 degrees: thickness"), [narrow, middle], true);

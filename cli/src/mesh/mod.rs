@@ -2,11 +2,11 @@
 
 mod report;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::mesh::io::{self as files, MeshFile};
+use catamaran::mesh::io::{self as files, MeshFile, MeshFormat};
 use catamaran::mesh::{
     Components, Normalization, Part, RepairOptions, RepairReport, RepairStep, TriMesh, Weld, repair,
 };
@@ -38,6 +38,10 @@ pub struct Args {
     /// Write the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write .stl and .ply as text with every digit. Binary .stl has single precision, which moves
+    /// vertices far from the origin.
+    #[arg(long, requires = "output")]
+    text: bool,
     /// Keep one component only: its number, from 0 in the order of the lowest vertices, or
     /// `largest` (most faces).
     #[arg(long, value_name = "NUMBER", value_parser = component, requires = "output")]
@@ -122,7 +126,8 @@ pub fn run(args: &Args) -> Result<()> {
     let output = match &args.output {
         Some(path) => {
             files::check_name(path)?;
-            Some(args.force.create(path)?)
+            let format = format(path, args.text)?;
+            Some((args.force.create(path)?, format))
         }
         None => None,
     };
@@ -171,9 +176,9 @@ pub fn run(args: &Args) -> Result<()> {
         let paint = colors.as_deref().map_or(PLAIN, Paint::Colors);
         args.picture.draw(picture, &args.input, &[(&file.mesh, paint, "")])?;
     }
-    let Some(output) = output else { return Ok(()) };
+    let Some((output, format)) = output else { return Ok(()) };
     let path = output.path().display().to_string();
-    output::mesh(output, &file)?;
+    output::mesh_as(output, &file, format)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     status!(
         "written",
@@ -200,6 +205,18 @@ impl Args {
         options.drop_specks = self.drop_specks;
         options.fill_holes = self.fill_holes;
         (options != RepairOptions::new()).then_some(options)
+    }
+}
+
+/// Returns the format of a file with this name.
+fn format(path: &Path, text: bool) -> Result<MeshFormat> {
+    let format = MeshFormat::of(path)?;
+    match format.as_text() {
+        Some(as_text) if text => Ok(as_text),
+        None if text => {
+            bail!("{}: --text: glTF has single precision as text, too", path.display())
+        }
+        _ => Ok(format),
     }
 }
 

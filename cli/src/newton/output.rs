@@ -197,7 +197,7 @@ impl<'a> Outputs<'a> {
                 Stuff::Stones => Inlay::stones(),
             };
             let made = newton.material(&file.mesh, uv, texels, *width, fractal, &inlay, par)?;
-            meshes::write_with_material(material.file()?, file, &made)?;
+            output::mesh_with_material(material.file()?, file, &made)?;
         }
         match drawing {
             Drawing::Plane { .. } | Drawing::Texels { .. } => {

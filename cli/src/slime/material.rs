@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use catamaran::mesh::io::{self as meshes, Attribute, Material, MeshFile, Picture};
+use catamaran::mesh::io::{Attribute, Material, MeshFile, Picture};
 use catamaran::texture::{Finish, Look, MaterialMaps, Preset};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Deserialize;
 
 use super::images;
 use crate::common::Force;
+use crate::output;
 
 /// The file of the mesh with its material.
 pub const MODEL: &str = "material.glb";
@@ -162,7 +163,7 @@ pub fn write(
     // Without normals viewers show flat faces.
     let values = model.mesh.vertex_normals();
     model.normals = Some(Attribute { values, corners: None });
-    meshes::write_with_material(create(MODEL)?, &model, &material)
+    output::mesh_with_material(create(MODEL)?, &model, &material)
         .with_context(|| folder.join(MODEL).display().to_string())
 }
 

@@ -17,8 +17,13 @@ use gltf::json::scene::UnitQuaternion;
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{Index, Node, Root, Scene, Skin, Value};
 
+use crate::report::note;
+
 /// Joints have numbers of 16 bits.
 const MOST_SEGMENTS: usize = 1 << 16;
+
+/// Rounding of coordinates up to this is not noted, in metres.
+const ROUNDING: f64 = 1e-6;
 
 /// Linear colours of a leaf and of a stem.
 const COLORS: [[f32; 3]; 2] = [[0.10, 0.42, 0.09], [0.28, 0.17, 0.07]];
@@ -130,6 +135,14 @@ impl File {
         let (vertices, faces) = tubes(plant, rest, sides, 0.0)?.into_parts();
         let vertex_data = Some(buffer::Target::ArrayBuffer);
         let positions: Vec<[f32; 3]> = vertices.iter().map(|p| p.map(|x| x as f32)).collect();
+        let moved = |x: &f64| (f64::from(*x as f32) - x).abs();
+        let moved = vertices.as_flattened().iter().map(moved).fold(0.0, f64::max);
+        if moved > ROUNDING {
+            note(format_args!(
+                "--animation: glTF has single precision: coordinates are rounded by up to \
+                 {moved:.1e} m"
+            ));
+        }
         let segment = |i: usize| i / (2 * sides);
         let color = |i: usize| COLORS[usize::from(!plant.segments()[segment(i)].leaf)];
         let colors: Vec<[f32; 3]> = (0..vertices.len()).map(color).collect();

@@ -12,7 +12,7 @@ mod watering;
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran::mesh::io::MeshFile;
 use catamaran::plant::{Balance, tubes};
 
 use self::animation::write_animation;
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
         write_balance(file("balance.csv")?, &simulation.hours, &simulation.balance)?;
     }
     for (name, pose) in names.iter().filter(|name| name.starts_with("plant-")).zip(poses) {
-        meshes::write(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
+        output::mesh(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
     }
     report_written(args, names.len())
 }

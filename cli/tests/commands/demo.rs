@@ -4,7 +4,7 @@ use std::fs;
 
 use catamaran::kernel::{int8, packed};
 
-use crate::common::Folder;
+use crate::common::{Folder, Run, with_input};
 
 #[test]
 fn info_names_version_cpu_back_ends_and_instances() {
@@ -25,6 +25,43 @@ fn info_names_version_cpu_back_ends_and_instances() {
     for line in block(&text, "rates") {
         assert!(line.ends_with("built in (`catamaran tune` measures them)"), "{line}");
     }
+}
+
+#[test]
+fn the_limit_on_instruction_sets_is_shown_and_kept_and_a_wrong_one_is_an_error() {
+    let folder = Folder::new();
+    let run = |isa: &str, arguments: &[&str]| {
+        let output = folder.program().env("CATAMARAN_ISA", isa).args(arguments).output().unwrap();
+        Run::new(output)
+    };
+    let text = run("portable", &["info"]).stdout;
+    assert_eq!(block(&text, "limit"), ["portable (CATAMARAN_ISA)"]);
+    for label in ["native path", "exact path"] {
+        assert_eq!(block(&text, label).last(), Some(&"portable: used"), "{text}");
+        assert!(block(&text, label)[0].contains("CATAMARAN_ISA"), "{text}");
+    }
+    assert_eq!(block(&run("", &["info"]).stdout, "limit"), ["none (CATAMARAN_ISA)"]);
+    folder.write("a.csv", "1,2\n3,4\n");
+    for arguments in [&["info"][..], &["ata", "a.csv", "-o", "c.npy"]] {
+        let refused = run("avx3", arguments);
+        assert_eq!(refused.code, Some(1), "{}", refused.stderr);
+        let what = "CATAMARAN_ISA: must be portable, avx2, avx512, vnni or amx, not \"avx3\"";
+        assert!(refused.stderr.contains(what), "{}", refused.stderr);
+    }
+    assert!(!folder.path("c.npy").exists());
+}
+
+#[test]
+fn reproducible_products_have_the_same_bytes_at_every_level() {
+    let (folder, _) = with_input(400, 150);
+    let bytes = ["portable", "avx2", "avx512", "vnni", "amx"].map(|isa| {
+        let c = format!("{isa}.npy");
+        let arguments = ["ata", "a.npy", "-o", &c, "--reproducible"];
+        let output = folder.program().env("CATAMARAN_ISA", isa).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        fs::read(folder.path(&c)).unwrap()
+    });
+    assert!(bytes.iter().all(|b| *b == bytes[0]));
 }
 
 /// The line with this label and those without one after it, less the labels.

@@ -7,6 +7,7 @@ mod ata;
 mod curve;
 mod decimate;
 mod demo;
+mod documents;
 mod files;
 mod gram;
 mod guide;

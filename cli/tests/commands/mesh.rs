@@ -363,6 +363,75 @@ fn surfaces_from_other_programs_are_repaired() {
     assert!(said.contains("topology    components 3, boundary loops 4"), "{said}");
 }
 
+/// A sphere of this radius around a place in UTM coordinates.
+fn far_sphere(radius: f64) -> MeshFile {
+    let (points, faces) = families::icosphere(3).unwrap().into_parts();
+    let center = [691_608.37, 5_334_764.91, 519.25];
+    let place = |p: [f64; 3]| [0, 1, 2].map(|k| radius * p[k] + center[k]);
+    TriMesh::new(points.into_iter().map(place).collect(), faces).unwrap().into()
+}
+
+#[test]
+fn every_command_that_writes_single_precision_says_how_far_vertices_move() {
+    let file = far_sphere(50.0);
+    let volume = file.mesh.volume();
+    let folder = with("far.ply", &file);
+    for arguments in [
+        "mesh far.ply -o a.stl",
+        "decimate far.ply -n 100 -o b.stl",
+        "filter far.ply --low-pass 9 -k 12 -o c.stl",
+    ] {
+        let said = notes(&folder, arguments);
+        let note = ".stl: rounded coordinates to single precision: vertices move by up to ";
+        assert!(said.contains(note), "{arguments}: {said}");
+    }
+    let said = notes(&folder, "mesh far.ply -o text.stl --text");
+    assert_eq!(said, "");
+    let text = io::read(&folder.path("text.stl")).unwrap().mesh;
+    assert!((text.volume() / volume - 1.0).abs() < 1e-12, "{}", text.volume());
+    let glb = folder.succeed("mesh far.ply -o far.glb");
+    assert!(glb.contains("written     far.glb"), "{glb}");
+    let glb = io::read(&folder.path("far.glb")).unwrap().mesh;
+    assert!((glb.volume() / volume - 1.0).abs() < 1e-6, "{}", glb.volume());
+    let refused = folder.fail("mesh far.ply -o no.glb --text");
+    assert!(refused.contains("no.glb: --text: glTF has single precision"), "{refused}");
+}
+
+#[test]
+fn faces_that_would_vanish_are_not_written() {
+    let folder = with("tiny.ply", &far_sphere(1e-3));
+    let refused = folder.fail("mesh tiny.ply -o tiny.stl");
+    assert!(refused.contains("tiny.stl: 1280 of 1280 faces vanish"), "{refused}");
+    assert!(refused.contains("`catamaran mesh --text`"), "{refused}");
+    assert!(!folder.path("tiny.stl").exists());
+    folder.succeed("mesh tiny.ply -o tiny.stl --text");
+}
+
+#[test]
+fn what_a_reader_leaves_out_of_gltf_is_a_note() {
+    let folder = Folder::new();
+    let gltf = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "skin": 0, "scale": [9, 9, 9]}], "skins": [{"joints": [0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 1,
+        "extensions": {"FOO_bar": {}}}]}]}"#;
+    folder.write("a.gltf", gltf);
+    let said = notes(&folder, "mesh a.gltf");
+    for note in [
+        "note: a.gltf: left out the extension FOO_bar, which is not supported: 1, the first at \
+         mesh 0, primitive 0\n",
+        "note: a.gltf: read skinned meshes as they are modelled, without the pose of their joints",
+        "note: a.gltf: left out primitives of lines: 1, the first at mesh 0, primitive 0\n",
+    ] {
+        assert!(said.contains(note), "{said}");
+    }
+    folder.write(
+        "b.gltf",
+        gltf.replace("\"scenes\"", "\"extensionsRequired\": [\"FOO_bar\"], \"scenes\""),
+    );
+    let refused = folder.fail("mesh b.gltf");
+    assert!(refused.contains("b.gltf: requires the extension FOO_bar"), "{refused}");
+}
+
 #[test]
 fn the_commands_of_the_guide_run() {
     let guide = include_str!("../../../docs/guide/broken-mesh.md");

@@ -434,6 +434,19 @@ fn distances_are_over_faces_or_along_edges() {
             "{refused}"
         );
     }
+    // Two faces in a plane, on which the distances are straight.
+    folder.write("rhombus.obj", "v 0 0 0\nv 1 -3 0\nv 2 0 0\nv 1 3 0\nf 1 2 3\nf 1 3 4\n");
+    folder.succeed("distance rhombus.obj --from 2 -o rhombus.npy");
+    let exact = [2.0, 10f64.sqrt(), 0.0, 10f64.sqrt()];
+    for (found, exact) in folder.read_npy::<f64>("rhombus.npy").iter().zip(exact) {
+        assert!((found - exact).abs() < 1e-12, "{found} and not {exact}");
+    }
+    // Three pages on one edge, of which `intrinsic` makes nothing.
+    let book = "v 0 0 0\nv 0 0 1\nv 1 0 0.5\nv 0 1 0.5\nv -1 0 0.5\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
+    folder.write("book.obj", book);
+    folder.succeed("distance book.obj --from 2 -o book.npy");
+    let refused = folder.fail("distance book.obj --from 2 --laplacian intrinsic -o x.npy");
+    assert!(refused.contains("the tufted Laplacian allows this"), "{refused}");
     folder.write("alone.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n");
     let refused = folder.fail("distance alone.obj --from 0,3 -o x.npy");
     assert!(refused.contains("alone.obj: vertex 3 is in no face"), "{refused}");

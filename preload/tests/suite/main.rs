@@ -11,4 +11,5 @@ mod host;
 mod library;
 mod oracle;
 mod python;
+mod rounding;
 mod symbols;

@@ -19,6 +19,7 @@ from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
 from ._mesh import Eigenpairs, Laplacian, eigsh, laplacian, read_mesh, write_mesh
 from ._ortho import Orthonormal, orthogonality, orthogonalize, qr
 from ._plant import Plant, Wilting, grow_plant, read_plant, wilt
+from ._preload import numpy_speedup
 from ._products import Accumulator, ata, corrcoef, cov, plan
 from ._spectral import (
     Eigenbasis,
@@ -30,7 +31,6 @@ from ._spectral import (
 )
 from ._texture import Fractal, Slime, newton, slime
 from ._unions import UnionSpectrum, shape_dna, union_spectrum
-from .preload import numpy_speedup
 
 __all__ = [
     "Accumulator",

@@ -12,6 +12,10 @@ Array = NDArray[Any]
 
 __version__: str
 
+class Nearest:
+    def __enter__(self) -> None: ...
+    def __exit__(self, *exception: Any) -> None: ...
+
 class Plan:
     @property
     def is_exact(self) -> bool: ...
@@ -179,9 +183,16 @@ def write_mesh(
     colors: Optional[ArrayLike],
     uv: Optional[Array],
     overwrite: bool,
-) -> None: ...
+    text: bool,
+) -> List[str]: ...
 def laplacian(
-    v: ArrayLike, f: ArrayLike, kind: str, mass: str, boundary: Any, threads: Optional[int]
+    v: ArrayLike,
+    f: ArrayLike,
+    kind: str,
+    mass: str,
+    boundary: Any,
+    threads: Optional[int],
+    progress: Callback,
 ) -> Tuple[Csr, Csr, Array]: ...
 def eigsh(
     v: ArrayLike,
@@ -231,9 +242,17 @@ def curve(
     v: ArrayLike, f: ArrayLike, samples: ArrayLike, how: Dict[str, Any], progress: Callback
 ) -> Tuple[str, bool, List[Dict[str, Any]], Array]: ...
 def shape_dna(
-    v: ArrayLike, f: ArrayLike, k: int, normalized: bool, kind: str, threads: Optional[int]
+    v: ArrayLike,
+    f: ArrayLike,
+    k: int,
+    normalized: bool,
+    kind: str,
+    threads: Optional[int],
+    progress: Callback,
 ) -> Array: ...
-def union_spectrum(parts: List[Any], model: Optional[Path]) -> Tuple[Array, List[Array], float]: ...
+def union_spectrum(
+    parts: List[Any], model: Optional[Path], progress: Callback
+) -> Tuple[Array, List[Array], float]: ...
 def read_plant(path: Path) -> PlantHandle: ...
 def grow(nodes: int, seed: int) -> PlantHandle: ...
 def wilt(

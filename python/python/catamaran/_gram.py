@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback
+from ._options import Progress, callback, to_nearest
 
 __all__ = ["SVD", "LeastSquares", "PrincipalComponents", "lstsq", "pca", "svd"]
 
@@ -222,6 +222,7 @@ class SVD(NamedTuple):
     vh: NDArray[np.float64]
 
 
+@to_nearest
 def svd(
     a: ArrayLike,
     *,

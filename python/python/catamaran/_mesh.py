@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, NamedTuple, Optional, Union
+import warnings
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,7 +36,12 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
     more : dict
         With `attributes`, what there is of: "uv" (m x 3 x 2, for the corners of faces), "normals"
         (m x 3 x 3), "colors" (n x 4), "materials", "groups" and "objects" (names, and the number of
-        one for each face), and "notes", a list of what was repaired.
+        one for each face), and "notes", a list of what was repaired or left out.
+
+    Warns
+    -----
+    UserWarning
+        For each note.
 
     Raises
     ------
@@ -55,6 +61,7 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
     True
     """
     v, f, more = _catamaran.read_mesh(path)
+    warn(path, more["notes"])
     return (v, f, more) if attributes else (v, f)
 
 
@@ -66,6 +73,7 @@ def write_mesh(
     colors: Optional[ArrayLike] = None,
     uv: Optional[ArrayLike] = None,
     overwrite: bool = True,
+    text: bool = False,
 ) -> None:
     """Write a mesh in the format that the name says, as `read_mesh` reads it.
 
@@ -78,13 +86,32 @@ def write_mesh(
     colors : array_like, n x 3 or n x 4, optional
         Colours of the vertices, from 0 to 1.
     uv : array_like, m x 3 x 2, optional
-        Texture coordinates of the corners of faces.
+        Texture coordinates of the corners of faces, NaN where a face has none.
     overwrite : bool
         Whether a file that is there is replaced.
+    text : bool
+        Whether .stl and .ply are text with every digit. Binary .stl and glTF have single precision.
+
+    Warns
+    -----
+    UserWarning
+        Names what the format can't store, and the largest distance by which single precision moves
+        a vertex.
+
+    Raises
+    ------
+    OSError
+        Names the file; also where faces would vanish in single precision.
     """
     if uv is not None:
         uv = np.asarray(uv, dtype=np.float64)
-    _catamaran.write_mesh(path, v, f, colors, uv, overwrite)
+    warn(path, _catamaran.write_mesh(path, v, f, colors, uv, overwrite, text))
+
+
+def warn(path: Path, notes: Sequence[str]) -> None:
+    """Turn notes about a file into warnings of the caller of the caller."""
+    for note in notes:
+        warnings.warn(f"{os.fspath(path)}: {note}", stacklevel=3)
 
 
 class Laplacian(NamedTuple):
@@ -106,6 +133,7 @@ def laplacian(
     mass: str = "barycentric",
     boundary: Union[str, ArrayLike] = "neumann",
     threads: Optional[int] = None,
+    progress: Progress = None,
 ) -> Laplacian:
     """Assemble the Laplacian of a mesh as matrices of scipy.sparse.
 
@@ -121,8 +149,8 @@ def laplacian(
     boundary : {"neumann", "dirichlet"} or array_like of vertices
         Natural boundary values, zero at the boundary, or zero at these vertices. Rows of vertices
         with value zero are left out.
-    threads : int, optional
-        Threads, at most.
+    threads, progress
+        As in `ata`.
 
     Returns
     -------
@@ -136,7 +164,9 @@ def laplacian(
     >>> float(round(mass.sum(), 2))  # about 4 pi
     12.51
     """
-    stiffness, masses, kept = _catamaran.laplacian(v, f, kind, mass, boundary, threads)
+    stiffness, masses, kept = _catamaran.laplacian(
+        v, f, kind, mass, boundary, threads, callback(progress)
+    )
     return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
 
 

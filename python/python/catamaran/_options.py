@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple, Union
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple, TypeVar, Union, cast
+
+from ._catamaran import Nearest
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -12,6 +15,19 @@ Progress = Union[Callable[[int, int], Any], Any, None]
 
 #: A word, or the factor that errors may grow by.
 Accuracy = Union[str, float]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def to_nearest(function: F) -> F:
+    """Make a function compute in the default floating-point environment, whatever the caller's."""
+
+    @wraps(function)
+    def computed(*arguments: Any, **named: Any) -> Any:
+        with Nearest():
+            return function(*arguments, **named)
+
+    return cast(F, computed)
 
 
 def callback(progress: Progress) -> Optional[Callable[[int, int], Any]]:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _catamaran
 from ._gram import LeastSquares, PrincipalComponents, fit_options
-from ._options import Accuracy, Progress, callback, csr, is_sparse, products
+from ._options import Accuracy, Progress, callback, csr, is_sparse, products, to_nearest
 
 __all__ = ["Accumulator", "ata", "corrcoef", "cov", "plan"]
 
@@ -77,7 +77,8 @@ def ata(
     dtype : dtype, optional
         ``numpy.float64`` computes a float64 result of float32 rows, without a copy of A.
     threads : int, optional
-        Threads, at most; all cores by default. The result does not depend on it, bit for bit.
+        Threads, at most; by default one for each core, or ``OMP_NUM_THREADS`` if that is lower. The
+        result does not depend on it, bit for bit.
     progress : callable or tqdm bar, optional
         ``progress(done, total)`` is called now and then; an exception in it ends the call.
 
@@ -126,6 +127,7 @@ def ata(
     return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
 
 
+@to_nearest
 def cov(
     a: ArrayLike,
     *,
@@ -386,6 +388,7 @@ class Accumulator(_catamaran.Accumulator):
         """Return ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
         return self._result(alpha, uplo)
 
+    @to_nearest
     def cov(self, *, ddof: int = 1) -> NDArray[Any]:
         """Return the covariance matrix; needs `center`."""
         return self._cov(ddof)

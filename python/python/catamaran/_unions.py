@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
+from ._options import Progress, callback
 
 __all__ = ["UnionSpectrum", "shape_dna", "union_spectrum"]
 
@@ -21,6 +22,7 @@ def shape_dna(
     normalized: bool = True,
     kind: str = "cotangent",
     threads: Optional[int] = None,
+    progress: Progress = None,
 ) -> NDArray[np.float64]:
     """Compute the first eigenvalues of the Laplacian that are not zero: a signature of the shape
     that does not depend on its pose.
@@ -35,8 +37,8 @@ def shape_dna(
         Whether they are multiplied by the area, so that the size does not count.
     kind : {"cotangent", "intrinsic", "tufted"}
         As in `laplacian`.
-    threads : int, optional
-        Threads, at most.
+    threads, progress
+        As in `ata`.
 
     Returns
     -------
@@ -51,7 +53,7 @@ def shape_dna(
     >>> bool(np.allclose(one, other))
     True
     """
-    return _catamaran.shape_dna(v, f, k, normalized, kind, threads)
+    return _catamaran.shape_dna(v, f, k, normalized, kind, threads, callback(progress))
 
 
 class UnionSpectrum(NamedTuple):
@@ -67,7 +69,10 @@ class UnionSpectrum(NamedTuple):
 
 
 def union_spectrum(
-    parts: Sequence[Any], *, model: Union[str, os.PathLike[str], None] = None
+    parts: Sequence[Any],
+    *,
+    model: Union[str, os.PathLike[str], None] = None,
+    progress: Progress = None,
 ) -> UnionSpectrum:
     """Predict the spectrum of the union of parts of a surface, wherever the parts are.
 
@@ -78,6 +83,8 @@ def union_spectrum(
     model : path, optional
         Weights, as ``catamaran unions train`` writes them; those that come with the library by
         default (docs/model-card-unions.md says what they are good for).
+    progress
+        As in `ata`.
 
     Returns
     -------
@@ -93,4 +100,4 @@ def union_spectrum(
     >>> bool(np.all(found.union <= found.parts[0]))  # a larger domain has smaller eigenvalues
     True
     """
-    return UnionSpectrum(*_catamaran.union_spectrum(list(parts), model))
+    return UnionSpectrum(*_catamaran.union_spectrum(list(parts), model, callback(progress)))

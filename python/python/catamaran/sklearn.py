@@ -24,6 +24,7 @@ from sklearn.base import (
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from ._gram import lstsq, pca
+from ._options import to_nearest
 
 __all__ = ["LinearRegression", "PCA", "Ridge"]
 
@@ -86,6 +87,7 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
     def _divisor(self) -> Any:
         return np.sqrt(self.explained_variance_) if self.whiten else 1.0
 
+    @to_nearest
     def transform(self, X: Any) -> Any:
         """Return the scores of rows."""
         check_is_fitted(self)
@@ -93,6 +95,7 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         scores = ((X - self.mean_) / self.scale_) @ self.components_.T
         return (scores / self._divisor()).astype(X.dtype, copy=False)
 
+    @to_nearest
     def inverse_transform(self, X: Any) -> Any:
         """Return the rows of scores."""
         check_is_fitted(self)
@@ -132,6 +135,7 @@ class _Linear(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.digits_ = found.digits
         return self
 
+    @to_nearest
     def predict(self, X: Any) -> Any:
         """Return the targets of rows."""
         check_is_fitted(self)

@@ -6,7 +6,7 @@ use faer::MatRef;
 
 use crate::base::{Arena, Disjoint, Par, widest};
 use crate::kernel::int8::{
-    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, WIDTH,
+    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, WIDTH, column_norm,
 };
 
 /// How the columns of an operand become integers.
@@ -28,6 +28,12 @@ fn extent<T>(a: MatRef<'_, T>) -> (usize, usize) {
 pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
     let count = m.div_ceil(STEP) * n.div_ceil(PANEL) * PANEL;
     Arena::<T>::len_of::<i32>(count) + Arena::<T>::len_of::<f64>(count)
+}
+
+/// Returns the elements of scratch that [`Columns::of_few`] takes.
+pub(super) fn few_scratch_len<T: Operand>(m: usize) -> usize {
+    let bands = m.div_ceil(STEP);
+    m + Arena::<T>::len_of::<[i32; WIDTH]>(bands) + Arena::<T>::len_of::<[f64; WIDTH]>(bands)
 }
 
 impl Columns {
@@ -65,19 +71,55 @@ impl Columns {
                 }
             });
         }
-        // Rounding to integers adds at most 1/2 per row to a norm.
-        let limit = moduli.largest_norm - 0.5 * (a.nrows() as f64).sqrt() - 1.0;
+        let limit = limit(moduli, a.nrows());
         let (exponents, squares) = (&*exponents, &*squares);
         let found = par.map_blocks(tiles, 1, |tile| {
             let bands = tile.start * bands..tile.end * bands;
             combine::<T>(&exponents[bands.clone()], &squares[bands], limit)
         });
-        let found = found.as_flattened();
-        Self {
-            exponents: found.iter().map(|exponent| exponent.unwrap_or(0)).collect(),
-            non_finite: (0..found.len()).filter(|&j| found[j].is_none()).collect(),
-            wide: false,
+        Self::of_tiles(found.len(), found.into_iter())
+    }
+
+    /// Does what [`Columns::new`] does, without tiles: for operands that would not fill them.
+    pub fn of_few<T: Operand>(a: MatRef<'_, T>, moduli: &Moduli, arena: &mut Arena<'_, T>) -> Self {
+        let (m, n) = a.shape();
+        let bands = m.div_ceil(STEP);
+        let mut arena = arena.nested();
+        let exponents = arena.take_as::<[i32; WIDTH]>(bands);
+        let squares = arena.take_as::<[f64; WIDTH]>(bands);
+        let copy = arena.take(m);
+        let limit = limit(moduli, m);
+        let tiles = n.div_ceil(WIDTH);
+        let of_tile = |tile| {
+            exponents.fill([EMPTY; WIDTH]);
+            let columns = tile * WIDTH..n.min((tile + 1) * WIDTH);
+            widest(
+                #[inline(always)]
+                || {
+                    for (lane, j) in columns.enumerate() {
+                        for (band, entries) in read(a, j, copy).chunks(STEP).enumerate() {
+                            let (exponent, square) = column_norm(entries);
+                            (exponents[band][lane], squares[band][lane]) = (exponent, square);
+                        }
+                    }
+                },
+            );
+            combine::<T>(exponents, squares, limit)
+        };
+        Self::of_tiles(tiles, (0..tiles).map(of_tile))
+    }
+
+    /// Collects the exponents of tiles of 16 columns, `None` for columns that are not finite.
+    fn of_tiles(tiles: usize, found: impl Iterator<Item = [Option<i32>; WIDTH]>) -> Self {
+        let mut exponents = Vec::with_capacity(tiles * WIDTH);
+        let mut non_finite = Vec::new();
+        for (j, exponent) in found.flatten().enumerate() {
+            if exponent.is_none() {
+                non_finite.push(j);
+            }
+            exponents.push(exponent.unwrap_or(0));
         }
+        Self { exponents, non_finite, wide: false }
     }
 
     /// Makes columns that are not finite zero.
@@ -100,6 +142,23 @@ impl Columns {
     pub fn exponents_of(&self, tile: usize) -> [i32; WIDTH] {
         self.exponents.as_chunks().0[tile]
     }
+}
+
+/// Returns the largest norm of a column of m entries before it is rounded to integers, which adds at
+/// most 1/2 per row.
+fn limit(moduli: &Moduli, m: usize) -> f64 {
+    moduli.largest_norm - 0.5 * (m as f64).sqrt() - 1.0
+}
+
+/// Returns column j: itself, if its entries are adjacent, or a copy in `copy`.
+#[inline(always)]
+pub(super) fn read<'c, T: Operand>(a: MatRef<'c, T>, j: usize, copy: &'c mut [T]) -> &'c [T] {
+    let column = a.col(j);
+    if let Some(adjacent) = column.try_as_col_major() {
+        return adjacent.as_slice();
+    }
+    copy.iter_mut().zip(column.iter()).for_each(|(copy, &x)| *copy = x);
+    copy
 }
 
 /// Returns the exponents of 16 columns from the bounds of their tiles, `None` for columns that are

@@ -16,6 +16,7 @@ mod layout;
 mod non_finite;
 mod product;
 mod sink;
+pub(crate) mod small;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -116,7 +117,7 @@ pub(crate) fn execute<T: Operand>(
     }
     let par = options.par;
     let layout = &layout.for_threads(par.threads());
-    let moduli = &Moduli::new(layout.moduli);
+    let moduli = Moduli::of(layout.moduli);
     let clock = &Clock::default();
     let mut arena = Arena::new(scratch);
     let (of_a, of_b) = clock.time(

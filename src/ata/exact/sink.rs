@@ -99,13 +99,7 @@ impl<T: Operand> Floats<'_, T> {
     /// Stores the values in `range` to these elements of a line of C.
     fn store_line(&self, values: &[f64; PANEL], c: RowMut<'_, T>, range: Range<usize>) {
         let (alpha, beta) = (self.alpha, self.beta);
-        let scaled = |value: &f64| match alpha == T::ONE {
-            true => T::from_f64(*value),
-            false => alpha * T::from_f64(*value),
-        };
-        let write = |(c, value): (&mut T, &f64)| {
-            *c = if beta == T::ZERO { scaled(value) } else { scaled(value) + beta * *c };
-        };
+        let write = |(c, &value): (&mut T, &f64)| write_entry(alpha, beta, value, c);
         let values = &values[range.clone()];
         let mut c = c.subcols_mut(range.start, range.len());
         match c.rb_mut().try_as_row_major_mut() {
@@ -113,6 +107,14 @@ impl<T: Operand> Floats<'_, T> {
             None => c.iter_mut().zip(values).for_each(write),
         }
     }
+}
+
+/// Computes `c := alpha value + beta c`; c is not read when beta is zero.
+#[inline(always)]
+pub(super) fn write_entry<T: Operand>(alpha: T, beta: T, value: f64, c: &mut T) {
+    let value = T::from_f64(value);
+    let scaled = if alpha == T::ONE { value } else { alpha * value };
+    *c = if beta == T::ZERO { scaled } else { scaled + beta * *c };
 }
 
 /// Rows of a lower triangle of integers, one after another, row i with i + 1 entries.

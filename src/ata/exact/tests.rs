@@ -88,7 +88,7 @@ fn slices_lie_in_the_order_of_the_products() {
 
 fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: i32) {
     let a = random::<T>(m, n, spread, count as u64);
-    let moduli = Moduli::new(count);
+    let moduli = Moduli::of(count);
     let whole = Layout::new([m, n, n], size_of::<T>(), count, true, true);
     let expected = run(&PORTABLE, &whole, a.as_ref(), None, 1);
     let of_a = columns(&PORTABLE, a.as_ref(), &moduli);
@@ -144,6 +144,118 @@ fn every_kernel_and_layout_gives_the_bytes_of_the_integers() {
     check_against_integers::<f64>(70, 40, 14, 150);
     check_against_integers::<f64>(70, 40, 14, -165);
     check_against_integers::<f32>(70, 40, 7, -20);
+}
+
+/// Returns entries that are awkward to round: of very different sizes, next to powers of two and
+/// to the middle between numbers, subnormal, zero, and not finite.
+fn awkward<T: Operand>(m: usize, n: usize, rng: &mut Rng) -> Mat<T> {
+    let (least, digits) = if size_of::<T>() == 8 { (-1074, 52) } else { (-149, 23) };
+    let finite = rng.bits() % 2 == 0;
+    Mat::from_fn(m, n, |_, j| {
+        let power = |e: u64| f64::from(-(e as i32)).exp2();
+        let value = match rng.bits() % 16 {
+            0 => 0.0,
+            1 => 1.0 + power(digits),
+            2 => 3.0 * power(rng.bits() % 60),
+            3 => power(rng.bits() % 60),
+            4 => f64::from(least / 2).exp2() * f64::from(least - least / 2).exp2(),
+            5 if !finite && j % 3 == 1 => f64::INFINITY,
+            6 if !finite && j % 5 == 2 => f64::NAN,
+            7 => rng.normal() * power(rng.bits() % 100),
+            8.. => 1.0,
+            _ => rng.normal(),
+        };
+        T::from_f64(rng.sign() * value)
+    })
+}
+
+/// Returns the product by words, in dirty memory.
+fn run_small<T: Operand>(
+    moduli: usize,
+    symmetric: bool,
+    (a, b): (MatRef<'_, T>, Option<MatRef<'_, T>>),
+    [alpha, beta]: [T; 2],
+    mut c: Mat<T>,
+) -> Mat<T> {
+    let extents = [a.nrows(), a.ncols(), b.unwrap_or(a).ncols()];
+    let len = small::scratch_len::<T>(extents, b.is_none());
+    let mut scratch = Workspace::new(len).unwrap();
+    let scratch = scratch.as_mut_slice();
+    scratch.fill(T::from_f64(f64::NAN));
+    let options = AtaOptions::default();
+    small::execute(moduli, symmetric, alpha, a, b, beta, c.as_mut(), &options, &mut scratch[..len])
+        .unwrap();
+    c
+}
+
+fn check_small<T: Operand>(moduli: usize, rng: &mut Rng) {
+    for (m, n, k) in [(1, 1, 1), (3, 2, 5), (64, 4, 3), (65, 17, 33), (200, 9, 2), (5, 40, 40)] {
+        let (a, b) = (awkward::<T>(m, n, rng), awkward::<T>(k, m, rng));
+        let square = awkward::<T>(m, n, rng);
+        let of_a = (a.as_ref(), None);
+        let of_both = (a.as_ref(), Some(b.transpose()));
+        let triangle = (a.as_ref(), Some(square.as_ref()));
+        for (operands, symmetric) in [(of_a, true), (of_both, false), (triangle, true)] {
+            let cols = operands.1.unwrap_or(operands.0).ncols();
+            let factors = [[1.0, 0.0], [-0.75, 1.5]][m % 2].map(T::from_f64);
+            let before = Mat::from_fn(n, cols, |_, _| T::from_f64(rng.normal()));
+            let found = run_small(moduli, symmetric, operands, factors, before.clone());
+            let same = operands.1.is_none();
+            let layout = Layout::new([m, n, cols], size_of::<T>(), moduli, symmetric, same);
+            let extents = [m, n, cols];
+            let mut scratch = Workspace::new(scratch_len::<T>(extents, &layout, 1)).unwrap();
+            for (name, kernel) in kernels() {
+                let (options, mut c) = (AtaOptions::default().threads(1), before.clone());
+                let ([alpha, beta], (a, b)) = (factors, operands);
+                let scratch = scratch.as_mut_slice();
+                execute(kernel, &layout, alpha, a, b, beta, c.as_mut(), &options, scratch).unwrap();
+                for (j, i) in (0..cols).flat_map(|j| (0..n).map(move |i| (j, i))) {
+                    let [found, right] = [&found, &c].map(|c| c[(i, j)].to_f64());
+                    assert_eq!(
+                        found.to_bits(),
+                        right.to_bits(),
+                        "{name}, {} {m} {n} {cols} ({i}, {j}): {found:e}, {right:e}",
+                        T::NAME
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn small_products_have_the_bytes_that_residues_give_on_every_kernel() {
+    let mut rng = Rng::new(53);
+    for _ in 0..6 {
+        for moduli in [13, 14, 15] {
+            check_small::<f64>(moduli, &mut rng);
+        }
+        for moduli in [6, 7, 8] {
+            check_small::<f32>(moduli, &mut rng);
+        }
+    }
+}
+
+#[test]
+fn an_entry_next_to_the_middle_between_two_numbers_is_rounded_once_by_every_kernel() {
+    // 1 + 2^-53 + 9 2^-110, and other distances from the middle between 1 and the next number.
+    let power = |e: i32| f64::from(e).exp2();
+    for distance in 1..40 {
+        for sign in [1.0, -1.0] {
+            let a =
+                Mat::from_fn(3, 1, |i, _| [1.0, power(-27), f64::from(distance) * power(-55)][i]);
+            let b = Mat::from_fn(3, 1, |i, _| [1.0, power(-26), sign * power(-55)][i]);
+            let expected = if sign > 0.0 { 1.0 + f64::EPSILON } else { 1.0 };
+            let layout = Layout::new([3, 1, 1], 8, 15, false, false);
+            for (name, kernel) in kernels() {
+                let c = run(kernel, &layout, a.as_ref(), Some(b.as_ref()), 1);
+                assert_eq!(c[(0, 0)], expected, "{name}, {distance} {sign}");
+            }
+            let c = Mat::zeros(1, 1);
+            let operands = (a.as_ref(), Some(b.as_ref()));
+            assert_eq!(run_small(15, false, operands, [1.0, 0.0], c)[(0, 0)], expected);
+        }
+    }
 }
 
 #[test]

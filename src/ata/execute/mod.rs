@@ -23,7 +23,10 @@ pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
         Strategy::Tasks(tasks) => tasks::scratch_len(tasks, problem, par),
         Strategy::Exact(exact) => {
             let extents = [problem.m, problem.n, problem.k];
-            exact::scratch_len::<T>(extents, &exact.layout, par.threads())
+            match exact.small {
+                true => exact::small::scratch_len::<T>(extents, exact.layout.same),
+                false => exact::scratch_len::<T>(extents, &exact.layout, par.threads()),
+            }
         }
     }
 }
@@ -81,6 +84,11 @@ fn exactly<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<Stages> {
     let Product { alpha, a, b, beta, c, .. } = product;
+    if plan.small {
+        let (moduli, symmetric) = (plan.layout.moduli, plan.layout.symmetric);
+        let done = exact::small::execute(moduli, symmetric, alpha, a, b, beta, c, options, scratch);
+        return done.map(|()| Stages::default());
+    }
     options.on_cores(|| {
         exact::execute(plan.isa.kernel(), &plan.layout, alpha, a, b, beta, c, options, scratch)
     })

@@ -8,7 +8,7 @@ use std::thread;
 use faer::MatMut;
 
 use super::source::RowBlocks;
-use crate::base::{Par, Real, Result, Scratch};
+use crate::base::{FloatEnv, Par, Real, Result, Scratch};
 
 /// Bytes of the two blocks that are in memory; of all three where weights need one of their own.
 const BLOCKS_BYTES: usize = 128 << 20;
@@ -82,6 +82,8 @@ fn overlapped<T: Real>(
         let (give, empty) = mpsc::channel();
         let (full_end, full) = mpsc::channel();
         let reader = move || {
+            // Threads inherit the environment of the thread that makes them.
+            let _nearest = FloatEnv::nearest();
             for first in (start..m).step_by(height) {
                 // Both ends fail when the other side has ended.
                 let Ok(mut block) = empty.recv() else { return };

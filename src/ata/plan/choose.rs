@@ -213,7 +213,11 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
 }
 
 /// Returns the exact strategy.
-fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds: f64) -> Choice {
+fn exact<T: BlasReal>(
+    problem: Problem,
+    options: &AtaOptions<'_>,
+    classical_seconds: f64,
+) -> Choice {
     let Problem { op, m, n, k } = problem;
     let isa = int8::Isa::best();
     let (symmetric, same) = (op.symmetric(), problem.same());
@@ -223,7 +227,8 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
-    let strategy = Strategy::Exact(Box::new(Exact { isa, layout }));
+    let small = exact::small::pays::<T>(isa, sides, moduli, symmetric);
+    let strategy = Strategy::Exact(Box::new(Exact { isa, layout, small }));
     Choice { strategy, seconds, classical_seconds }
 }
 

@@ -118,10 +118,12 @@ impl Plan {
         Ok(Self { problem, strategy, scalar: T::NAME, seconds, classical_seconds })
     }
 
-    /// Returns the plan on another instruction set, when it takes the exact path.
+    /// Returns the plan on the kernels of an instruction set, even if it is small, when it takes
+    /// the exact path.
     pub(crate) fn on(mut self, isa: int8::Isa) -> Self {
         if let Strategy::Exact(exact) = &mut self.strategy {
             exact.isa = isa;
+            exact.small = false;
         }
         self
     }

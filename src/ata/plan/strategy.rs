@@ -75,6 +75,9 @@ pub(crate) struct Tasks {
 pub(crate) struct Exact {
     pub isa: int8::Isa,
     pub layout: Layout,
+    /// Whether the product is so small that its integers are multiplied as such; the bytes are the
+    /// same.
+    pub small: bool,
 }
 
 impl Tasks {

@@ -9,6 +9,7 @@ use super::avx512::{Reduction, Sums, Vnni};
 use super::kernel::{Kernel, Next, Operands, Session};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms};
+use crate::base::IsaLevel;
 
 /// The kernel. A value exists only if AMX works, so the assembly below is sound.
 pub(super) struct Amx {
@@ -24,6 +25,7 @@ impl Amx {
     }
 
     fn detect() -> Result<Self, &'static str> {
+        IsaLevel::Amx.permitted()?;
         let others = Vnni::new()?;
         let has = |register: u32, bit: u32| register >> bit & 1 == 1;
         if __cpuid(0).eax < 7 {

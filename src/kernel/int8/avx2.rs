@@ -10,6 +10,7 @@ use super::tile::{
     tile_norms,
 };
 use super::{portable, recombine};
+use crate::base::IsaLevel;
 
 /// The kernel. A value exists only if the CPU has the instructions, so the calls below are sound.
 pub(super) struct Avx2(());
@@ -19,6 +20,7 @@ static AVX2: Avx2 = Avx2(());
 impl Avx2 {
     /// Returns the kernel, or why this machine can't use it.
     pub fn new() -> Result<&'static Self, &'static str> {
+        IsaLevel::Avx2.permitted()?;
         let found = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
         if found { Ok(&AVX2) } else { Err("the CPU has no AVX2 with FMA") }
     }

@@ -8,6 +8,7 @@ use super::tile::{
     Block, MAGNITUDE, PANEL, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
     norm_exponents, power_of_two,
 };
+use crate::base::IsaLevel;
 use crate::kernel::finish_stores;
 
 /// The kernel. A value exists only if the CPU has the instructions, so the calls below are sound.
@@ -18,6 +19,7 @@ static VNNI: Vnni = Vnni(());
 impl Vnni {
     /// Returns the kernel, or why this machine can't use it.
     pub fn new() -> Result<&'static Self, &'static str> {
+        IsaLevel::Vnni.permitted()?;
         let found = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
@@ -609,8 +611,8 @@ enabled! {
 }
 
 enabled! {
-    /// Returns eight integers of least magnitude as f64, within one unit in the last place, from
-    /// parts that add up to them modulo P.
+    /// Returns the f64 nearest to eight integers of least magnitude, from parts that add up to them
+    /// modulo P.
     #[inline]
     fn combine<const PARTS: usize>(parts: [__m512d; PARTS], moduli: &Moduli) -> __m512d {
         let inverse = _mm512_set1_pd(moduli.inverse);
@@ -620,12 +622,28 @@ enabled! {
         let rest: [_; PARTS] = std::array::from_fn(|p| {
             _mm512_fnmadd_pd(quotient, _mm512_set1_pd(moduli.product[p]), parts[p])
         });
-        let (tail, tail_error) = match PARTS {
-            ..=2 => (rest[1], _mm512_setzero_pd()),
-            _ => two_sum(rest[1], rest[2]),
-        };
+        if PARTS <= 2 {
+            return _mm512_add_pd(rest[0], rest[1]);
+        }
+        let (tail, tail_error) = two_sum(rest[1], rest[2]);
         let (head, head_error) = two_sum(rest[0], tail);
-        _mm512_add_pd(head, _mm512_add_pd(head_error, tail_error))
+        _mm512_add_pd(head, sum_to_odd(head_error, tail_error))
+    }
+}
+
+enabled! {
+    /// Does what `sum_to_odd` of the portable kernel does.
+    #[inline]
+    fn sum_to_odd(x: __m512d, y: __m512d) -> __m512d {
+        let (sum, error) = two_sum(x, y);
+        let one = _mm512_set1_epi64(1);
+        let (bits, error_bits) = (_mm512_castpd_si512(sum), _mm512_castpd_si512(error));
+        let inexact = _mm512_cmp_pd_mask::<_CMP_NEQ_OQ>(error, _mm512_setzero_pd());
+        let even = _mm512_testn_epi64_mask(bits, one);
+        // 1, or -1 where the error has the other sign.
+        let step = _mm512_srai_epi64::<63>(_mm512_xor_si512(bits, error_bits));
+        let step = _mm512_or_si512(step, one);
+        _mm512_castsi512_pd(_mm512_mask_add_epi64(bits, inexact & even, bits, step))
     }
 }
 

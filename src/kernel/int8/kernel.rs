@@ -52,9 +52,8 @@ pub(crate) trait Kernel: Sync {
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]);
 
     /// Computes a block of C from its residues: entry (i, j) is the integer of
-    /// [`integers`](super::integers) times `2^(rows[i] + columns[j])`, exact if 53 bits hold it and
-    /// else within one unit in the last place. A subnormal result is rounded once more. Prefetches
-    /// `next` meanwhile.
+    /// [`integers`](super::integers), rounded to the nearest f64, times `2^(rows[i] + columns[j])`.
+    /// A subnormal result is rounded once more. Prefetches `next` meanwhile.
     fn recombine(
         &self,
         residues: &[&Block<i8>],

@@ -119,7 +119,7 @@ impl StepRates {
         const MODULI: usize = 14;
         /// Tiles, or blocks of C, per run.
         const RUN: usize = 64;
-        let moduli = Moduli::new(MODULI);
+        let moduli = Moduli::of(MODULI);
         let mut rng = Rng::new(1);
         let tile = Tile(std::array::from_fn(|_| std::array::from_fn(|_| rng.normal())));
         let powers = Powers::new([54; WIDTH]);
@@ -194,7 +194,7 @@ impl Data {
     }
 
     fn rate(&mut self, kernel: &dyn Kernel, left: Level, right: Level, continued: bool) -> f64 {
-        let modulus = &Moduli::new(2).list[1];
+        let modulus = &Moduli::of(2).list[1];
         let bytes = self.memory.as_slice();
         // SAFETY: any bytes are slices; the workspace is aligned for f64 and as long as stated.
         let slices = unsafe {

@@ -11,6 +11,7 @@ mod amx;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod direct;
 #[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
 mod emulator;
 mod integer;
@@ -23,6 +24,7 @@ mod recombine;
 pub(crate) mod tests;
 mod tile;
 
+pub(crate) use direct::{Direct, column_norm};
 pub(crate) use integer::{I256, Integer};
 pub(crate) use kernel::{Kernel, Next, Operands};
 pub use ladder::{Ladder, Level, Rung, StepRates};
@@ -137,7 +139,7 @@ pub(crate) mod sealed {
 
     use super::*;
 
-    pub trait Steps: Sized {
+    pub trait Steps: Direct {
         /// log2 of the bound on the integers that entries are converted to.
         const INTEGER_BITS: i32;
         #[allow(private_interfaces)]

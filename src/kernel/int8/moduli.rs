@@ -1,5 +1,7 @@
 //! The moduli, and the constants of the arithmetic modulo them.
 
+use std::sync::OnceLock;
+
 /// The moduli, pairwise coprime, the largest first: products of residues are at most 2^14 in
 /// magnitude. Below 128 the [`Modulus::inverse`] would not fit 16 bits.
 const MODULI: [i32; MOST_MODULI] = [
@@ -11,8 +13,7 @@ const MODULI: [i32; MOST_MODULI] = [
 pub(crate) const MOST_MODULI: usize = 28;
 
 /// Number of moduli of the most accurate results in f64; their product has 118 bits.
-#[cfg(test)]
-pub(crate) const MOST_FLOAT_MODULI: usize = 15;
+const MOST_FLOAT_MODULI: usize = 15;
 
 /// Bits of each part of a number modulo P. Sums of 15 residues times a part stay below 2^52, so
 /// that they and their differences are exact in f64.
@@ -135,8 +136,16 @@ fn inverse(residue: i32, p: i32) -> i32 {
 }
 
 impl Moduli {
+    /// Returns the reconstruction from residues modulo the first `count` moduli,
+    /// 2..=[`MOST_FLOAT_MODULI`]. It is computed once: that takes longer than a small product.
+    pub fn of(count: usize) -> &'static Self {
+        static KNOWN: [OnceLock<Moduli>; MOST_FLOAT_MODULI + 1] =
+            [const { OnceLock::new() }; MOST_FLOAT_MODULI + 1];
+        KNOWN[count].get_or_init(|| Self::new(count))
+    }
+
     /// Creates the reconstruction from residues modulo the first `count` moduli, 2..=15.
-    pub fn new(count: usize) -> Self {
+    fn new(count: usize) -> Self {
         let list = first(count);
         let product: u128 = list.iter().map(|m| m.p as u128).product();
         let bits = u128::BITS - product.leading_zeros();

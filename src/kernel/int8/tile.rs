@@ -185,15 +185,27 @@ pub(super) const MAGNITUDE: u64 = !0 >> 1;
 /// powers that its entries are multiplied by before they are rounded up.
 #[inline(always)]
 pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64>) {
+    let exponents = largest.map(norm_exponent);
+    (exponents, Powers::new(exponents.map(norm_power)))
+}
+
+/// Returns the exponent of [`TileNorms`] for the bits of the largest magnitude of a column.
+#[inline(always)]
+pub(super) fn norm_exponent(bits: u64) -> i32 {
     const INFINITY: u64 = 0x7ff << 52;
-    let exponents = largest.map(|bits| match bits {
+    match bits {
         0 => EMPTY,
         INFINITY.. => NON_FINITE,
         _ if bits >> 52 == 0 => -1074 + (u64::BITS - bits.leading_zeros()) as i32,
         _ => (bits >> 52) as i32 - 1022,
-    });
-    let known = |e: i32| if e == EMPTY || e == NON_FINITE { 0 } else { NORM_BITS - e };
-    (exponents, Powers::new(exponents.map(known)))
+    }
+}
+
+/// Returns the power of two that the entries of a column of this exponent are multiplied by before
+/// they are rounded up.
+#[inline(always)]
+pub(super) fn norm_power(exponent: i32) -> i32 {
+    if exponent == EMPTY || exponent == NON_FINITE { 0 } else { NORM_BITS - exponent }
 }
 
 /// Computes the bounds of the columns of a tile. All sums are exact, so that every instruction set

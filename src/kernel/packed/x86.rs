@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use super::kernel::instantiate;
 use super::vectors::Vectors;
+use crate::base::IsaLevel;
 
 /// Implements `Vectors` for one register type.
 macro_rules! vectors {
@@ -179,6 +180,7 @@ pub(super) struct Avx512(());
 impl Avx512 {
     /// Returns the kernels, or why this machine can't use them.
     pub fn new() -> Result<&'static Self, &'static str> {
+        IsaLevel::Avx512.permitted()?;
         let found = is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512dq")
@@ -196,6 +198,7 @@ pub(super) struct Avx2(());
 impl Avx2 {
     /// Returns the kernels, or why this machine can't use them.
     pub fn new() -> Result<&'static Self, &'static str> {
+        IsaLevel::Avx2.permitted()?;
         let found = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("bmi2");

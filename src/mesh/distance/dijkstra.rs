@@ -2,10 +2,13 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Graph;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, spend};
 
 /// Marks the absence of a vertex.
 const NONE: u32 = u32::MAX;
+
+/// Operations that a step of a search is equal to: it waits for memory.
+const STEP: f64 = 100.0;
 
 /// Limits at which a search of [`Dijkstra`] stops; by default there are none.
 ///
@@ -98,7 +101,7 @@ impl<'g> Dijkstra<'g> {
             *mark = true;
         }
         self.start(sources, limits.cutoff);
-        self.run(limits.cutoff, (missing > 0).then_some(missing));
+        let done = self.run(limits.cutoff, (missing > 0).then_some(missing));
         // Vertices that are still in the heap have no final distance.
         for Reverse((bits, v)) in self.heap.drain() {
             let v = v as usize;
@@ -111,7 +114,7 @@ impl<'g> Dijkstra<'g> {
         for &target in limits.targets {
             self.is_target[target as usize] = false;
         }
-        Ok(())
+        done
     }
 
     /// Adds sources to those of the previous search, which must have had neither cut-off nor
@@ -137,8 +140,12 @@ impl<'g> Dijkstra<'g> {
         self.check(sources, &limits)?;
         self.reached.clear();
         self.start(sources, limits.cutoff);
-        self.run(limits.cutoff, None);
-        Ok(())
+        let done = self.run(limits.cutoff, None);
+        if done.is_err() {
+            self.heap.clear();
+            self.reset();
+        }
+        done
     }
 
     /// Returns the distance of a vertex, infinite if the search did not reach it (or the graph does
@@ -225,9 +232,10 @@ impl<'g> Dijkstra<'g> {
 
     /// Takes vertices in the order of their distance until none is left, or none of the `missing`
     /// targets.
-    fn run(&mut self, cutoff: f64, mut missing: Option<usize>) {
+    fn run(&mut self, cutoff: f64, mut missing: Option<usize>) -> Result<()> {
         let graph = self.graph;
         while let Some(Reverse((bits, v))) = self.heap.pop() {
+            spend(STEP)?;
             let from = self.distances[v as usize];
             if bits != from.to_bits() {
                 continue; // a shorter path was found meanwhile
@@ -236,7 +244,7 @@ impl<'g> Dijkstra<'g> {
             if let Some(missing) = missing.as_mut().filter(|_| self.is_target[v as usize]) {
                 *missing -= 1;
                 if *missing == 0 {
-                    return;
+                    return Ok(());
                 }
             }
             let origin = self.origins[v as usize];
@@ -247,6 +255,7 @@ impl<'g> Dijkstra<'g> {
                 }
             }
         }
+        Ok(())
     }
 
     fn improve(&mut self, vertex: u32, distance: f64, predecessor: u32, origin: u32) {

@@ -1,9 +1,13 @@
+use std::borrow::Cow;
+
 use faer::ColMut;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use sprs::CsMat;
 
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
+use super::bounds::Bounds;
+use super::finer::finer;
 use crate::base::{Error, Par, Result, Sets, builder, positive};
 use crate::sparse::{Factor, Inverse, Mass, Symbolic};
 
@@ -14,19 +18,20 @@ const COLD: f64 = 1e-290;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct HeatOptions {
-    /// Time of the heat flow, in units of the squared mean edge length; positive, default 1. A
-    /// longer time gives smoother distances.
+    /// Time of the heat flow, in units of the squared mean edge length of the triangulation on
+    /// which it flows; positive, default 1. A longer time gives smoother distances.
     pub time: f64,
-    /// Triangulation; default [`LaplacianKind::Cotangent`]. The other kinds are more accurate on
-    /// triangles of low quality, and allow faces without area.
+    /// Triangulation on which heat flows; default [`LaplacianKind::Tufted`], the intrinsic Delaunay
+    /// triangulation for any mesh. On the triangles of the mesh itself
+    /// ([`LaplacianKind::Cotangent`]), long triangles can make distances wrong by half and more.
     pub kind: LaplacianKind,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
 }
 
 impl Default for HeatOptions {
     fn default() -> Self {
-        Self { time: 1.0, kind: LaplacianKind::default(), par: Par::all() }
+        Self { time: 1.0, kind: LaplacianKind::Tufted, par: Par::all() }
     }
 }
 
@@ -37,11 +42,15 @@ builder! { HeatOptions {
 }}
 
 /// Distances along the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in
-/// Heat (2013), with Neumann conditions at the boundary. The error is a few edge lengths; the
-/// distances are not exact.
+/// Heat (2013), with Neumann conditions at the boundary.
+///
+/// The distances are not exact; docs/algorithms/laplacian.md has measured errors. Heat flows on the
+/// intrinsic Delaunay triangulation, and a mesh of fewer than 500 faces is refined for it. Results
+/// are at least the straight distance through space and at most the length of the shortest path
+/// along edges of the mesh or of the triangulation.
 ///
 /// Creating the solver takes two sparse Cholesky factorizations; each set of sources takes two
-/// solves.
+/// solves and a search along edges.
 ///
 /// ```
 /// use catamaran::mesh::{HeatMethod, HeatOptions, families};
@@ -54,8 +63,11 @@ builder! { HeatOptions {
 /// ```
 #[derive(Debug)]
 pub struct HeatMethod {
+    /// Number of vertices of the mesh: the first of those that heat flows through.
+    vertices: usize,
     faces: Vec<[u32; 3]>,
     elements: Vec<Element>,
+    bounds: Bounds,
     /// Factor of M + t W.
     heat: Factor,
     /// Factor of W, with one vertex of every component held at zero.
@@ -74,22 +86,20 @@ impl HeatMethod {
     /// [`LaplacianKind::Cotangent`]; those of [`laplacian`](fn@super::super::laplacian);
     /// [`Error::OutOfMemory`].
     pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
-        let n = mesh.vertices().len();
         positive("time", options.time)?;
-        let plain = Complex::of_mesh(mesh)?;
-        let lengths = plain.lengths.as_flattened();
-        let mean = lengths.iter().map(|l| l / lengths.len() as f64).sum::<f64>();
-        let (faces, elements, rounding) = match options.kind {
-            LaplacianKind::Cotangent => (plain.into_faces(), of_mesh(mesh, options.par)?, 0.0),
-            kind => {
-                let complex = Complex::delaunay(mesh, kind)?;
-                let elements = complex.elements()?;
-                (complex.into_faces(), elements, ROUNDING)
-            }
-        };
+        let vertices = mesh.vertices().len();
+        let (mut triangles, mut mesh) = (Triangles::new(mesh, options)?, Cow::Borrowed(mesh));
+        // Only now, so that errors name vertices and faces of the given mesh.
+        if let Some(finer) = finer(&mesh)? {
+            triangles = Triangles::new(&finer, options)?;
+            mesh = Cow::Owned(finer);
+        }
+        let (n, mean) = (mesh.vertices().len(), triangles.mean_length());
+        let Triangles { faces, lengths, elements, rounding } = triangles;
+        let bounds = Bounds::new(&mesh, &faces, &lengths)?;
         let components = components(n, &faces);
         let (stiffness, mass) =
-            assemble(n, &faces, &elements, rounding, MassKind::Barycentric, options.par);
+            assemble(n, &faces, &elements, rounding, MassKind::Barycentric, options.par)?;
         let (Mass::Lumped(mass), time) = (mass, options.time * mean * mean) else {
             let why = "barycentric masses are not a diagonal".into();
             return Err(Error::Argument { what: "mass", why });
@@ -125,7 +135,7 @@ impl HeatMethod {
                 (false, true) => 0.0,
                 (_, false) => w,
             }))?;
-        Ok(Self { faces, elements, heat, poisson, components, par: options.par })
+        Ok(Self { vertices, faces, elements, bounds, heat, poisson, components, par: options.par })
     }
 
     /// Returns the distance of every vertex from the nearest of the sources: 0 at sources, infinite
@@ -152,18 +162,20 @@ impl HeatMethod {
         let mut right = vec![0.0; n];
         let mut warm = vec![false; n];
         for &source in sources {
-            let Some(heat) = right.get_mut(source as usize) else {
-                let why = format!("vertex {source} is out of range: {n} vertices, numbered from 0");
+            if source as usize >= self.vertices {
+                let count = self.vertices;
+                let why =
+                    format!("vertex {source} is out of range: {count} vertices, numbered from 0");
                 return Err(Error::Argument { what: "sources", why });
-            };
-            *heat = 1.0;
+            }
+            right[source as usize] = 1.0;
             warm[self.components[source as usize] as usize] = true;
         }
         let warm = |v: usize| warm[self.components[v] as usize];
         let mut heat = right;
         self.heat.solve(ColMut::from_slice_mut(&mut heat).as_mat_mut(), self.par)?;
         let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
-        if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
+        if let Some(v) = (0..self.vertices).find(|&v| warm(v) && is_cold(v)) {
             let what = "too many edges away for heat to arrive; use a longer time".into();
             return Err(Error::Mesh { what, element: format!("vertex {v}") });
         }
@@ -187,6 +199,8 @@ impl HeatMethod {
         for &source in sources {
             distances[source as usize] = 0.0;
         }
+        self.bounds.impose(sources, &self.components, &mut distances)?;
+        distances.truncate(self.vertices);
         Ok(distances)
     }
 
@@ -216,6 +230,37 @@ impl HeatMethod {
             }
         }
         slopes
+    }
+}
+
+/// The triangles on which heat flows.
+struct Triangles {
+    faces: Vec<[u32; 3]>,
+    /// Lengths of the edges; edge k joins corners k and k + 1 (mod 3).
+    lengths: Vec<[f64; 3]>,
+    elements: Vec<Element>,
+    /// Weights that are negative by less than this are zero; see [`assemble`].
+    rounding: f64,
+}
+
+impl Triangles {
+    fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
+        let (complex, elements, rounding) = match options.kind {
+            LaplacianKind::Cotangent => (Complex::of_mesh(mesh)?, of_mesh(mesh, options.par)?, 0.0),
+            kind => {
+                let complex = Complex::delaunay(mesh, kind)?;
+                let elements = complex.elements()?;
+                (complex, elements, ROUNDING)
+            }
+        };
+        let Complex { faces, lengths, .. } = complex;
+        Ok(Self { faces, lengths, elements, rounding })
+    }
+
+    /// Returns the mean length of the edges of all triangles, or 0 without triangles.
+    fn mean_length(&self) -> f64 {
+        let lengths = self.lengths.as_flattened();
+        lengths.iter().map(|l| l / lengths.len() as f64).sum()
     }
 }
 

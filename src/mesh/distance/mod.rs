@@ -1,6 +1,8 @@
 //! Distances on meshes: along edges ([`Dijkstra`]), and over the surface ([`HeatMethod`]).
 
+mod bounds;
 mod dijkstra;
+mod finer;
 mod graph;
 mod heat;
 #[cfg(test)]

@@ -250,7 +250,8 @@ fn heat_distances_survive_faces_without_area() {
     let mut vertices = shapes::grid(20, 20).into_parts().0;
     vertices[100] = vertices[101];
     let mesh = TriMesh::new(vertices, shapes::grid(20, 20).into_parts().1).unwrap();
-    assert!(HeatMethod::new(&mesh, &HeatOptions::default()).is_err());
+    let plain = HeatOptions::new().kind(LaplacianKind::Cotangent);
+    assert!(HeatMethod::new(&mesh, &plain).is_err());
     for kind in &KINDS[1..] {
         let found = heat(&mesh, *kind).distances(&[0]).unwrap();
         let p = mesh.vertices();
@@ -266,4 +267,135 @@ fn heat_distances_without_faces_are_zero_or_infinite() {
     let points = TriMesh::new(vec![[0.0; 3]; 2], vec![]).unwrap();
     let found = heat(&points, LaplacianKind::Tufted).distances(&[1]).unwrap();
     assert_eq!(found, [f64::INFINITY, 0.0]);
+}
+
+/// Checks distances of the default method, whose mean and largest errors, relative to the largest
+/// distance, must be below these.
+fn check(
+    name: &str,
+    mesh: &TriMesh,
+    source: u32,
+    (most, largest): (f64, f64),
+    exact: impl Fn(usize) -> f64,
+) {
+    let options = HeatOptions::new().par(Par::Seq);
+    let found = HeatMethod::new(mesh, &options).unwrap().distances(&[source]).unwrap();
+    let errors = errors(&found, exact);
+    println!("{name} from {source}: mean {:.4}, largest {:.4}", errors.0, errors.1);
+    assert!(errors.0 < most && errors.1 < largest, "{name} from {source}: {errors:?}");
+}
+
+/// Returns a mesh with every vertex moved.
+fn moved(mesh: &TriMesh, to: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
+    let vertices = mesh.vertices().iter().map(|&p| to(p)).collect();
+    TriMesh::new(vertices, mesh.faces().to_vec()).unwrap()
+}
+
+#[test]
+fn heat_distances_do_not_depend_on_how_a_plane_is_cut_into_triangles() {
+    for n in [4, 20] {
+        let square = shapes::grid(n, n);
+        for by in [1.0, 3.0, 6.0, -2.0, 10.0] {
+            let mesh = moved(&square, |p| [p[0] + by * p[1], p[1], 0.0]);
+            let p = mesh.vertices();
+            for source in [0, n, (n / 2) * (n + 2), (n + 1) * (n + 1) - 1] {
+                let exact = |v: usize| distance(p[v], p[source as usize]);
+                check(&format!("{n} x {n}, sheared by {by}"), &mesh, source, (0.01, 0.03), exact);
+            }
+        }
+        for by in [0.05, 30.0] {
+            let mesh = moved(&square, |p| [by * p[0], p[1], 0.0]);
+            let p = mesh.vertices();
+            for source in [0, n, (n / 2) * (n + 2)] {
+                let exact = |v: usize| distance(p[v], p[source as usize]);
+                check(&format!("{n} x {n}, stretched by {by}"), &mesh, source, (0.01, 0.03), exact);
+            }
+        }
+    }
+    // Needles.
+    let mesh = families::slivers(12, 6, 1e-3).unwrap();
+    let p = mesh.vertices();
+    for source in [0, p.len() as u32 / 2] {
+        let exact = |v: usize| distance(p[v], p[source as usize]);
+        check("slivers", &mesh, source, (0.01, 0.03), exact);
+    }
+}
+
+#[test]
+fn heat_distances_on_a_long_ellipsoid_are_lengths_of_its_meridian() {
+    for long in [1.0, 4.0, 8.0, 20.0] {
+        let mesh = moved(&shapes::sphere(4), |p| [long * p[0], p[1], p[2]]);
+        // The tip is a vertex: the middle of an edge of the icosahedron.
+        let tip = (0..).zip(mesh.vertices()).max_by(|a, b| a.1[0].total_cmp(&b.1[0])).unwrap().0;
+        let meridian = |v: usize| {
+            let angle = (mesh.vertices()[v][0] / long).clamp(-1.0, 1.0).acos();
+            // The midpoint rule.
+            let steps = 2000;
+            let length = |i: i32| {
+                let at = angle * (f64::from(i) + 0.5) / f64::from(steps);
+                (long * at.sin()).hypot(at.cos()) * angle / f64::from(steps)
+            };
+            (0..steps).map(length).sum()
+        };
+        check(&format!("ellipsoid {long}:1"), &mesh, tip, (0.01, 0.03), meridian);
+    }
+}
+
+#[test]
+fn heat_distances_on_a_few_faces_are_those_of_the_surface() {
+    // The distance is the straight one, which is an edge or lies in the plane.
+    let rhombus = [[0.0, 0.0, 0.0], [1.0, -3.0, 0.0], [2.0, 0.0, 0.0], [1.0, 3.0, 0.0]];
+    let rhombus = TriMesh::new(rhombus.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let found = HeatMethod::new(&rhombus, &HeatOptions::default()).unwrap().distances(&[2]);
+    for (found, exact) in found.unwrap().iter().zip([2.0, 10f64.sqrt(), 0.0, 10f64.sqrt()]) {
+        assert!((found - exact).abs() < 1e-12, "{found} and not {exact}");
+    }
+    // A cube: to the opposite corner over two unfolded sides.
+    let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let cube = TriMesh::new((0..8).map(corner).collect(), faces).unwrap();
+    for source in 0..8 {
+        let exact =
+            |v: usize| [0.0, 1.0, 2f64.sqrt(), 5f64.sqrt()][(v ^ source).count_ones() as usize];
+        check("cube", &cube, source as u32, (0.01, 0.03), exact);
+    }
+    // Pages that share an edge of length 1, unfolded in pairs: tips are 1 away from it.
+    let book = families::pages(5).unwrap();
+    for source in 2..7 {
+        let exact = |v: usize| match v {
+            0 | 1 => 1.25f64.sqrt(),
+            _ => {
+                if v == source {
+                    0.0
+                } else {
+                    2.0
+                }
+            }
+        };
+        check("pages", &book, source as u32, (0.01, 0.03), exact);
+    }
+}
+
+#[test]
+fn heat_distances_are_between_straight_lines_and_paths_along_edges() {
+    for seed in 0..20 {
+        let mesh = shapes::soup(4 + seed as u32 % 13, 3 + seed as usize % 17, seed);
+        let p = mesh.vertices();
+        let sources = [mesh.faces()[0][0], mesh.faces()[2][1]];
+        let solver = HeatMethod::new(&mesh, &HeatOptions::new().par(Par::Seq)).unwrap();
+        let found = solver.distances(&sources).unwrap();
+        let graph = Graph::of_mesh(&mesh);
+        let mut search = Dijkstra::new(&graph);
+        search.search(&sources.map(|v| (v, 0.0)), &SearchLimits::default()).unwrap();
+        for (v, found) in found.iter().enumerate() {
+            let straight = |s: u32| distance(p[v], p[s as usize]);
+            let below = straight(sources[0]).min(straight(sources[1]));
+            let above = search.distances()[v];
+            assert_eq!(found.is_finite(), above.is_finite(), "seed {seed}, vertex {v}");
+            let between = (below - 1e-12..=above + 1e-12).contains(found);
+            assert!(between || above == f64::INFINITY, "seed {seed}, vertex {v}: {found}");
+        }
+    }
 }

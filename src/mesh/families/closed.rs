@@ -6,7 +6,7 @@ use super::super::TriMesh;
 use super::super::vector::cross;
 use super::draft::{Draft, Seam, sheet, turn};
 use super::voxels;
-use crate::base::{Error, Result, at_least, positive};
+use crate::base::{Error, Result, at_least, positive, spend};
 
 /// The golden ratio, which gives the corners of an icosahedron.
 const PHI: f64 = 1.618_033_988_749_895;
@@ -18,6 +18,9 @@ const ICOSAHEDRON: [[u32; 3]; 20] = [
     [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9],
     [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
 ];
+
+/// Operations for a face that is cut into four, roughly.
+const CUT: f64 = 200.0;
 
 /// Generates the unit sphere: an icosahedron whose faces are cut into four `subdivisions` times. F
 /// = 20 4^s, V = 10 4^s + 2, genus 0.
@@ -48,6 +51,7 @@ pub fn icosphere(subdivisions: u32) -> Result<TriMesh> {
         draft.faces.reserve_exact(4 * coarse.len());
         let mut middles = HashMap::with_capacity(coarse.len() * 3 / 2);
         for [a, b, c] in coarse {
+            spend(CUT)?;
             let [d, e, f] = [(a, b), (b, c), (c, a)].map(|(u, v)| {
                 *middles.entry((u.min(v), u.max(v))).or_insert_with(|| {
                     let [p, q] = [u, v].map(|w| draft.vertices[w as usize]);

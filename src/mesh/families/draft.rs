@@ -1,5 +1,5 @@
 use super::super::TriMesh;
-use crate::base::{Error, Result, at_least};
+use crate::base::{Error, Result, at_least, spend};
 
 /// A mesh under construction, with all of its memory reserved.
 pub(super) struct Draft {
@@ -67,6 +67,7 @@ pub(super) fn sheet(
     let faces = columns.checked_mul(rows).and_then(|cells| cells.checked_mul(2));
     let mut draft = Draft::with_counts(lines.checked_mul(per_line), faces)?;
     for i in 0..lines {
+        spend(PLACED * per_line as f64)?;
         draft.vertices.extend((0..per_line).map(|j| position(i, j)));
     }
     let number = |i: usize, j: usize| {
@@ -86,6 +87,9 @@ pub(super) fn sheet(
     }
     draft.finish()
 }
+
+/// Operations for the position of a vertex, roughly, with its two faces.
+const PLACED: f64 = 100.0;
 
 /// Returns the angle of step `i` of `count` around a circle.
 pub(super) fn turn(i: usize, count: usize) -> f64 {

@@ -118,6 +118,21 @@ impl MeshFile {
         }
         self.material_files.iter().try_for_each(|name| check_name("material_files", name))
     }
+
+    /// Returns an error unless every number of the attributes is finite: other programs stop at
+    /// the text NaN.
+    pub(super) fn check_finite(&self) -> Result<()> {
+        fn check<const N: usize>(what: &'static str, values: Option<&[[f64; N]]>) -> Result<()> {
+            let numbers = values.unwrap_or_default().as_flattened();
+            match numbers.iter().position(|x| !x.is_finite()) {
+                Some(i) => Err(Error::NonFinite { what, index: (i / N, i % N) }),
+                None => Ok(()),
+            }
+        }
+        check("colors", self.colors.as_deref())?;
+        check("uv", self.uv.as_ref().map(|uv| &uv.values[..]))?;
+        check("normals", self.normals.as_ref().map(|normals| &normals.values[..]))
+    }
 }
 
 /// Values of the vertices of a mesh, or of the corners of its faces: at a cut of a texture, a

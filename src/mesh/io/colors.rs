@@ -1,22 +1,73 @@
 //! Colours of files, converted to the range 0 to 1.
 
 /// The note about colours that only some vertices have, and that are left out.
-pub(super) const SOME_COLORS: &str = "left out colours, which only some of the vertices have";
+const SOME_COLORS: &str = "left out colours, which only some of the vertices have";
 
-/// Returns the colours of a file scaled to 0 to 1: colours with a number above 1 are taken to be
-/// from 0 to 255.
-pub(super) fn scaled_colors(mut colors: Vec<[f64; 4]>, explicit_opacity: bool) -> Vec<[f64; 4]> {
-    let given = if explicit_opacity { 4 } else { 3 };
-    if colors.iter().any(|color| color[..given].iter().any(|&x| x > 1.0)) {
-        for x in colors.iter_mut().flat_map(|color| &mut color[..given]) {
+/// Colours with a larger number are taken to be from 0 to 255, also where their numbers are not
+/// whole: brighter light than this many times white is rare.
+const BRIGHTEST: f64 = 16.0;
+
+/// The colours of the vertices of a text file, some of which count from 0 to 1 and some from 0 to
+/// 255.
+#[derive(Default)]
+pub(super) struct Colors {
+    pub values: Vec<[f64; 4]>,
+    pub has_opacity: bool,
+    /// Whether a number is written with a point or an exponent, as those from 0 to 1 are.
+    has_point: bool,
+}
+
+impl Colors {
+    /// Looks at a number of a colour as it is written.
+    pub fn see(&mut self, word: &[u8]) {
+        self.has_point |= word.iter().any(|byte| !byte.is_ascii_digit());
+    }
+
+    /// Returns the colours of `count` vertices from 0 to 1, `None` unless each vertex has one.
+    /// Notes what is left out, and where the numbers may be meant otherwise.
+    pub fn finish(mut self, count: usize, notes: &mut Vec<String>) -> Option<Vec<[f64; 4]>> {
+        if count == 0 || self.values.len() != count {
+            if !self.values.is_empty() {
+                notes.push(SOME_COLORS.into());
+            }
+            return None;
+        }
+        let given = if self.has_opacity { 4 } else { 3 };
+        let numbers = || self.values.iter().flat_map(move |color| &color[..given]).copied();
+        let largest = numbers().fold(0.0, f64::max);
+        let above = |limit: f64| numbers().filter(|&x| x > limit).count();
+        if largest <= 1.0 {
+            return Some(self.values);
+        }
+        if self.has_point && largest <= BRIGHTEST {
+            notes.push(format!(
+                "took colours to be from 0 to 1, although numbers of them are above 1: {}, the \
+                 largest is {largest}",
+                above(1.0)
+            ));
+            return Some(self.values);
+        }
+        if self.has_point || largest > 255.0 {
+            notes.push(format!(
+                "took colours to be from 0 to 255: the largest number is {largest}, and {} are \
+                 above 255",
+                above(255.0)
+            ));
+        }
+        for x in self.values.iter_mut().flat_map(|color| &mut color[..given]) {
             *x /= 255.0;
         }
+        Some(self.values)
     }
-    colors
 }
 
 /// Returns the byte that is 255 times a colour; `None` where that is not a whole number.
 pub(super) fn byte(x: f64) -> Option<u8> {
     let scaled = (x * 255.0).round();
     ((0.0..=255.0).contains(&scaled) && scaled / 255.0 == x).then_some(scaled as u8)
+}
+
+/// Returns the byte nearest to 255 times a colour; `None` for a colour that is not from 0 to 1.
+pub(super) fn nearest_byte(x: f64) -> Option<u8> {
+    (0.0..=1.0).contains(&x).then_some((x * 255.0).round() as u8)
 }

@@ -4,8 +4,10 @@
 //! read, an error names the file and the line or the element, and a file that needs more memory
 //! than the limit is refused ([`SourceOptions::max_memory`]). The reader notes what it leaves out
 //! or replaces ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, except in binary
-//! STL and glTF, which have single precision. The file appears when it is complete, or not at all
-//! ([`Output`]).
+//! STL and glTF, which have single precision: there it returns a note with the largest distance by
+//! which a vertex moves, and an error if a face would vanish. In glTF, coordinates count from the
+//! middle of the mesh where that is more accurate, and a node moves them back. The file appears
+//! when it is complete, or not at all ([`Output`]).
 
 mod attributes;
 mod colors;
@@ -20,6 +22,7 @@ mod off;
 mod ply;
 mod polygon;
 mod refined;
+mod rounding;
 mod stl;
 mod text;
 
@@ -33,6 +36,7 @@ pub use labels::Labels;
 pub use ply::PlyEncoding;
 pub use stl::StlEncoding;
 
+use self::rounding::Rounding;
 use crate::base::{Error, Result};
 use crate::io::{Output, Packing, Source, SourceOptions};
 
@@ -50,8 +54,10 @@ use crate::io::{Output, Packing, Source, SourceOptions};
 ///   triangle strips. Elements of other names are skipped.
 /// - `.off`: with the prefixes ST, C and N; comments; lines may end anywhere.
 /// - `.stl`: binary and text. Vertices with equal coordinates become one.
-/// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes. Vertices of a mesh
-///   with equal positions and colours become one.
+/// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
+///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
+///   mesh with equal positions and colours become one. An extension that a file requires is
+///   supported or an error.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
 ///
@@ -170,23 +176,25 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 }
 
 /// Writes `file` into `output` in the format that its name implies; the file appears when it is
-/// complete. Attributes that the format can't store are left out; [`MeshFormat::left_out`] names
-/// them.
+/// complete. Returns notes, one line each, about what the file does not hold as it is here:
+/// attributes that the format can't store ([`MeshFormat::left_out`]), and numbers that it rounds.
 ///
 /// ```
 /// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("grid.off");
-/// io::write(Output::create(path, Overwrite::Never)?, &families::grid(2, 1)?.into())?;
+/// let notes = io::write(Output::create(path, Overwrite::Never)?, &families::grid(2, 1)?.into())?;
 /// assert!(std::fs::read_to_string(path).unwrap().starts_with("OFF\n6 4 "));
+/// assert!(notes.is_empty());
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; no file is left behind
-/// then.
-pub fn write(output: Output, file: &MeshFile) -> Result<()> {
+/// [`Error::Io`], also for a coordinate that the format can't store and for faces that would vanish
+/// when their corners are rounded, [`Error::Shape`] when attributes do not fit the mesh, and
+/// [`Error::NonFinite`] for their numbers; no file is left behind then.
+pub fn write(output: Output, file: &MeshFile) -> Result<Vec<String>> {
     let format = MeshFormat::of(output.path())?;
     write_as(output, file, format)
 }
@@ -210,19 +218,40 @@ pub fn write(output: Output, file: &MeshFile) -> Result<()> {
 ///
 /// # Errors
 /// As those of [`write()`].
-pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<()> {
-    file.check()?;
-    write_packed(output, |sink| match format {
+pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<Vec<String>> {
+    write_file(output, file, format, |sink, rounding| match format {
         MeshFormat::Obj => obj::write(sink, file),
         MeshFormat::Ply(encoding) => ply::write(sink, file, encoding),
         MeshFormat::Off => off::write(sink, file),
         MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
-        MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding),
+        MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding, rounding),
     })
 }
 
+/// Writes a file by `body`, which is told how the format rounds coordinates. Returns the notes.
+fn write_file(
+    output: Output,
+    file: &MeshFile,
+    format: MeshFormat,
+    body: impl FnOnce(&mut dyn Write, &Rounding) -> std::io::Result<()>,
+) -> Result<Vec<String>> {
+    file.check()?;
+    file.check_finite()?;
+    let rounding = Rounding::of(format, &file.mesh, output.path())?;
+    write_packed(output, |sink| body(sink, &rounding))?;
+    let mut notes = Vec::new();
+    let left_out = format.left_out(file);
+    if !left_out.is_empty() {
+        notes.push(format!("this format can't store {}", left_out.join(", ")));
+    }
+    rounding.note(&file.mesh, &mut notes);
+    format.note_rounded(file, &mut notes);
+    Ok(notes)
+}
+
 /// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces,
-/// its pictures as PNG in the same file. The names of the materials of `file` are left out.
+/// its pictures as PNG in the same file. The names of the materials of `file` are left out. Returns
+/// notes as [`write()`] does.
 ///
 /// Viewers that light a mesh smoothly use its normals from [`MeshFile::normals`]. Tangents are not
 /// written; glTF recommends that viewers compute them from normals and texture coordinates
@@ -249,13 +278,20 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<(
 /// [`Error::Io`] when the name does not end in `.glb` or `.gltf`, and as [`write()`];
 /// [`Error::Argument`] for a material with pictures when a face of the mesh has no texture
 /// coordinates, and for numbers of the material out of their range.
-pub fn write_with_material(output: Output, file: &MeshFile, material: &Material) -> Result<()> {
-    let MeshFormat::Gltf(encoding) = MeshFormat::of(output.path())? else {
+pub fn write_with_material(
+    output: Output,
+    file: &MeshFile,
+    material: &Material,
+) -> Result<Vec<String>> {
+    let format = MeshFormat::of(output.path())?;
+    let MeshFormat::Gltf(encoding) = format else {
         return Err(Error::file(output.path(), "only .glb and .gltf store a material"));
     };
     file.check()?;
     material.check(file)?;
-    write_packed(output, |sink| gltf::write_with_material(sink, file, encoding, material))
+    write_file(output, file, format, |sink, rounding| {
+        gltf::write_with_material(sink, file, encoding, rounding, material)
+    })
 }
 
 fn write_packed(

@@ -1,27 +1,35 @@
 //! Notes about what a reader left out or replaced.
 
+use std::borrow::Cow;
+
 /// Kinds of things that a reader left out or replaced, each with a count and the position of the
 /// first.
 #[derive(Default)]
 pub(super) struct Notes(Vec<Kind>);
 
 struct Kind {
-    what: &'static str,
+    what: Cow<'static, str>,
     count: usize,
     first: String,
 }
 
 impl Notes {
     /// Counts one more note of a kind; `place` is called for the first of its kind only.
-    pub fn add(&mut self, what: &'static str, place: impl FnOnce() -> String) {
+    pub fn add(&mut self, what: impl Into<Cow<'static, str>>, place: impl FnOnce() -> String) {
         self.add_many(what, 1, place);
     }
 
     /// Adds `count` notes of a kind, possibly none.
-    pub fn add_many(&mut self, what: &'static str, count: usize, place: impl FnOnce() -> String) {
+    pub fn add_many(
+        &mut self,
+        what: impl Into<Cow<'static, str>>,
+        count: usize,
+        place: impl FnOnce() -> String,
+    ) {
         if count == 0 {
             return;
         }
+        let what = what.into();
         match self.0.iter_mut().find(|kind| kind.what == what) {
             Some(kind) => kind.count += count,
             None => self.0.push(Kind { what, count, first: place() }),

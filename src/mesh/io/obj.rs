@@ -6,7 +6,7 @@ use std::io::{self, Write};
 
 use super::super::TriMesh;
 use super::attributes::{Attribute, MeshFile};
-use super::colors::{SOME_COLORS, scaled_colors};
+use super::colors::Colors;
 use super::draft::{Checked, Draft, Fault, push};
 use super::labels::{Labels, clean_name};
 use super::polygon::fan;
@@ -76,8 +76,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 #[derive(Default)]
 struct Reader {
     draft: Draft,
-    colors: Vec<[f64; 4]>,
-    has_opacity: bool,
+    colors: Colors,
     uv: Values<2>,
     normals: Values<3>,
     vertex_refs: Furthest,
@@ -143,12 +142,14 @@ impl Reader {
     ) -> Checked<()> {
         let position = numbers::<3>(&mut words)?;
         let mut color = [0.0, 0.0, 0.0, 1.0];
+        let mut written = [&[][..]; 4];
         let mut given = 0;
         for word in words {
             if given == 4 {
                 return Err("a vertex has at most 7 numbers".into());
             }
             color[given] = number(word)?;
+            written[given] = word;
             given += 1;
         }
         match given {
@@ -156,9 +157,10 @@ impl Reader {
             0 | 1 => {}
             2 => return Err("a vertex with a colour has 6 or 7 numbers, not 5".into()),
             _ => {
-                self.has_opacity |= given == 4;
+                self.colors.has_opacity |= given == 4;
+                written[..given].iter().for_each(|word| self.colors.see(word));
                 let color = self.draft.finite(color, || format!("line {line}"));
-                push(&mut self.colors, color)?;
+                push(&mut self.colors.values, color)?;
             }
         }
         self.draft.push_vertex(position)
@@ -214,11 +216,7 @@ impl Reader {
                 &mut self.objects.of_faces,
             ],
         )?;
-        let colored = count > 0 && self.colors.len() == count;
-        if !colored && !self.colors.is_empty() {
-            file.notes.push(SOME_COLORS.into());
-        }
-        let colors = colored.then(|| scaled_colors(self.colors, self.has_opacity));
+        let colors = self.colors.finish(count, &mut file.notes);
         Ok(MeshFile {
             uv: self.uv.finish(&file.mesh),
             normals: self.normals.finish(&file.mesh),

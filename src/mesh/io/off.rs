@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 use super::attributes::{Attribute, MeshFile};
-use super::colors::{SOME_COLORS, scaled_colors};
+use super::colors::Colors;
 use super::draft::{Checked, Draft, Fault, push, roomy};
 use super::text::{count, integer, number, quoted, words};
 use crate::base::Result;
@@ -123,8 +123,7 @@ struct Reader {
     kind: Kind,
     draft: Draft,
     normals: Vec<[f64; 3]>,
-    colors: Vec<[f64; 4]>,
-    has_opacity: bool,
+    colors: Colors,
     uv: Vec<[f64; 2]>,
     polygon: Vec<u32>,
     /// Whether some line holds more than one vertex, or face: then all numbers are those that the
@@ -169,17 +168,21 @@ impl Reader {
         // colours without the prefix.
         let given = if self.packed { least } else { tokens.left().max(least) };
         let mut rest = [0.0; COLOR + 2];
-        for value in rest.iter_mut().take(given) {
-            *value = number(tokens.next(what)?)?;
+        for (i, value) in rest.iter_mut().take(given).enumerate() {
+            let word = tokens.next(what)?;
+            *value = number(word)?;
+            if i < given - uv {
+                self.colors.see(word);
+            }
         }
         let rest = self.draft.finite(rest, place);
         let (color, uv) = rest[..given].split_at(given - uv);
         match *color {
             [] => {}
-            [r, g, b] => push(&mut self.colors, [r, g, b, 1.0])?,
+            [r, g, b] => push(&mut self.colors.values, [r, g, b, 1.0])?,
             [r, g, b, a] => {
-                self.has_opacity = true;
-                push(&mut self.colors, [r, g, b, a])?;
+                self.colors.has_opacity = true;
+                push(&mut self.colors.values, [r, g, b, a])?;
             }
             _ => return Err(format!("a colour has 3 or 4 numbers, not {}", color.len()).into()),
         }
@@ -223,32 +226,30 @@ impl Reader {
         if self.kind.uv && count > 0 {
             file.uv = Some(Attribute { values: self.uv, corners: None });
         }
-        if count > 0 && self.colors.len() == count {
-            file.colors = Some(scaled_colors(self.colors, self.has_opacity));
-        } else if !self.colors.is_empty() {
-            file.notes.push(SOME_COLORS.into());
-        }
+        file.colors = self.colors.finish(count, &mut file.notes);
         Ok(file)
     }
 }
 
+/// Writes colours or, where there are none, normals: other programs read OFF, COFF and NOFF, and
+/// refuse the other prefixes.
 pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
-    let normals = file.normals.as_ref().and_then(Attribute::of_vertices);
-    let uv = file.uv.as_ref().and_then(Attribute::of_vertices);
     let colors = file.colors.as_deref();
-    let prefix = |there: bool, prefix| if there { prefix } else { "" };
-    let st = prefix(uv.is_some(), "ST");
-    let c = prefix(colors.is_some(), "C");
-    let n = prefix(normals.is_some(), "N");
-    writeln!(sink, "{st}{c}{n}OFF")?;
+    let normals = file.normals.as_ref().and_then(Attribute::of_vertices);
+    let normals = normals.filter(|_| colors.is_none());
+    let prefix = match (colors, normals) {
+        (Some(_), _) => "C",
+        (None, Some(_)) => "N",
+        (None, None) => "",
+    };
+    writeln!(sink, "{prefix}OFF")?;
     writeln!(sink, "{} {} 0", file.mesh.vertices().len(), file.mesh.faces().len())?;
     let opaque = colors.iter().copied().flatten().all(|color| color[3] == 1.0);
     for (v, position) in file.mesh.vertices().iter().enumerate() {
         let normal = normals.map_or(&[][..], |normals| &normals[v]);
         let color = colors.map_or(&[][..], |colors| &colors[v][..if opaque { 3 } else { 4 }]);
-        let uv = uv.map_or(&[][..], |uv| &uv[v]);
         let mut blank = "";
-        for x in [&position[..], normal, color, uv].concat() {
+        for x in [&position[..], normal, color].concat() {
             write!(sink, "{blank}{x:?}")?;
             blank = " ";
         }

@@ -1,11 +1,14 @@
 use sprs::CsMat;
 
 use super::{Element, MassKind};
-use crate::base::Par;
+use crate::base::{Par, Result};
 use crate::sparse::Mass;
 
 /// Number of rows that a thread takes at a time.
 const BLOCK: usize = 1 << 13;
+
+/// Operations for a corner of a triangle, roughly, with its two edges.
+const CORNER: f64 = 50.0;
 
 /// A block of rows of the matrices.
 #[derive(Default)]
@@ -33,9 +36,10 @@ pub(crate) fn assemble(
     rounding: f64,
     kind: MassKind,
     par: Par,
-) -> (CsMat<f64>, Mass) {
+) -> Result<(CsMat<f64>, Mass)> {
     let (starts, corners) = corners_of_vertices(n, faces);
-    let blocks = par.map_blocks(n, BLOCK, |range| {
+    let operations = CORNER * corners.len() as f64 * BLOCK as f64 / n.max(1) as f64;
+    let blocks = par.map_blocks_asking(n, BLOCK, operations, |range| {
         let mut rows = Rows::default();
         let mut edges = Vec::new();
         for vertex in range {
@@ -43,7 +47,7 @@ pub(crate) fn assemble(
             rows.push(vertex, corners, faces, elements, rounding, kind, &mut edges);
         }
         rows
-    });
+    })?;
     let entries = blocks.iter().map(|b| b.columns.len()).sum();
     let mut starts = Vec::with_capacity(n + 1);
     starts.push(0);
@@ -68,7 +72,7 @@ pub(crate) fn assemble(
         }
         MassKind::Barycentric | MassKind::MixedVoronoi => Mass::Lumped(lumped),
     };
-    (CsMat::new((n, n), starts, columns, stiffness), mass)
+    Ok((CsMat::new((n, n), starts, columns, stiffness), mass))
 }
 
 impl Rows {

@@ -1,7 +1,7 @@
 use super::super::vector::{Vector, cross, distance, dot, scale, sub, unit};
 use super::super::{Edges, TriMesh};
 use super::{Element, LaplacianKind, element};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, spend};
 
 /// Marks an edge to which no triangle is glued.
 pub(super) const NONE: u32 = u32::MAX;
@@ -9,6 +9,9 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Least slack in the triangle inequality, relative to the mean length of edges (Sharp and Crane
 /// 2020, section 4.5).
 const MOLLIFICATION: f64 = 1e-5;
+
+/// Operations that sorting and gluing a side of a face takes, roughly.
+const GLUED: f64 = 50.0;
 
 /// Triangles given by the lengths of their edges and glued along them, which determines the
 /// intrinsic geometry of a surface. A triangle may have a vertex twice and be glued to itself. Slot
@@ -51,7 +54,7 @@ impl Complex {
     pub fn delaunay(mesh: &TriMesh, kind: LaplacianKind) -> Result<Self> {
         let mut complex = Self::of_mesh(mesh)?;
         if kind == LaplacianKind::Tufted {
-            complex.cover(mesh);
+            complex.cover(mesh)?;
         } else {
             complex.glue(mesh)?;
         }
@@ -85,7 +88,7 @@ impl Complex {
     /// Replaces the mesh by its tufted cover (Sharp and Crane 2020, section 4.2): every face has a
     /// front and a back. Around each edge, the side of a face that looks one way is glued to the
     /// side of the next face that looks back.
-    fn cover(&mut self, mesh: &TriMesh) {
+    fn cover(&mut self, mesh: &TriMesh) -> Result<()> {
         let originals = mesh.faces();
         self.faces = originals.iter().flat_map(|&[a, b, c]| [[a, b, c], [a, c, b]]).collect();
         self.lengths = self.lengths.iter().flat_map(|&[a, b, c]| [[a, b, c], [c, b, a]]).collect();
@@ -97,6 +100,7 @@ impl Complex {
         let mut around = Vec::new();
         let edges = Edges::new(mesh);
         for (ends, slots) in edges.ends().iter().zip(edges.corners().rows()) {
+            spend(GLUED * slots.len() as f64)?;
             sort_around(mesh, *ends, slots, &mut around);
             for (i, &slot) in around.iter().enumerate() {
                 let next = around[(i + 1) % around.len()];
@@ -109,6 +113,7 @@ impl Complex {
                 self.twins[behind as usize] = ahead;
             }
         }
+        Ok(())
     }
 
     /// Adds the same length to all edges so that every triangle satisfies the triangle inequality
@@ -139,6 +144,7 @@ impl Complex {
             if !element.is_sound() {
                 return Err(element::no_area(f / usize::from(self.sheets)));
             }
+            spend(element::OPERATIONS)?;
             elements.push(element.scaled(1.0 / f64::from(self.sheets)));
         }
         Ok(elements)

@@ -1,6 +1,6 @@
 use super::complex::{Complex, NONE};
 use super::element::{Element, area};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, spend};
 
 /// A sum of two weights that is negative by less than this, relative to 1 and to their sizes, is
 /// zero up to rounding.
@@ -9,6 +9,9 @@ pub(crate) const ROUNDING: f64 = 1e-10;
 /// Number of flips for each edge, on average, after which the algorithm stops with an error. In
 /// exact arithmetic it terminates.
 const MOST_FLIPS: usize = 1000;
+
+/// Operations to decide about an edge: two triangles from their lengths.
+const EXAMINED: f64 = 100.0;
 
 /// Returns whether an edge with these weights from its two sides has a negative weight, beyond
 /// rounding.
@@ -27,6 +30,7 @@ impl Complex {
         for first in 0..slots {
             waiting.push(first);
             while let Some(slot) = waiting.pop() {
+                spend(EXAMINED)?;
                 if !self.must_flip(slot) || !self.flip(slot) {
                     continue;
                 }

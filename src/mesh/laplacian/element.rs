@@ -5,6 +5,9 @@ use crate::base::{Error, Par, Result};
 /// Number of faces that a thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
+/// Operations for an element.
+pub(super) const OPERATIONS: f64 = 50.0;
+
 /// The contribution of a triangle to the matrices. Edge k joins corners k and k + 1 (mod 3) and is
 /// opposite to corner k + 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,14 +88,15 @@ pub(super) fn area(mut l: [f64; 3]) -> f64 {
 /// Computes the elements of the faces of a mesh.
 pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
     let (vertices, faces) = (mesh.vertices(), mesh.faces());
-    let blocks = par.map_blocks(faces.len(), BLOCK, |range| {
+    let operations = OPERATIONS * BLOCK as f64;
+    let blocks = par.map_blocks_asking(faces.len(), BLOCK, operations, |range| {
         range
             .map(|f| {
                 let found = Element::of_positions(faces[f].map(|v| vertices[v as usize]));
                 found.filter(Element::is_sound).ok_or_else(|| no_area(f))
             })
             .collect::<Result<Vec<_>>>()
-    });
+    })?;
     let mut elements = Vec::with_capacity(faces.len());
     for block in blocks {
         elements.extend(block?);

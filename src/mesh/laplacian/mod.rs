@@ -67,6 +67,6 @@ pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian
         }
     };
     let n = mesh.vertices().len();
-    let (stiffness, mass) = assemble(n, &faces, &elements, rounding, options.mass, options.par);
+    let (stiffness, mass) = assemble(n, &faces, &elements, rounding, options.mass, options.par)?;
     boundary::restrict(stiffness, mass, &removed)
 }

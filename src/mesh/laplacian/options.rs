@@ -64,7 +64,7 @@ pub struct LaplacianOptions {
     pub mass: MassKind,
     /// Boundary; default [`Boundary::Neumann`].
     pub boundary: Boundary,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
 }
 

@@ -53,7 +53,7 @@ pub struct FitOptions<'a> {
     pub rods: RodOptions,
     /// Whether there were nights ([`Interval::day_and_night`](super::super::Interval)). Default no.
     pub nights: bool,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,
     /// Callback for progress, which may cancel.
     pub progress: Progress<'a>,

@@ -274,7 +274,7 @@ impl Motion {
         match self.implicit_step(seconds) {
             Ok(turn) if turn <= CONVERGED => return Ok(()),
             Ok(_) if halvings == 0 => return Ok(()),
-            Err(error) if halvings == 0 => {
+            Err(error) if halvings == 0 || error == Error::Cancelled => {
                 self.moving = before;
                 return Err(error);
             }

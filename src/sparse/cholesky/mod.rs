@@ -1,23 +1,27 @@
-//! Sparse Cholesky factorizations by faer, with errors when memory is refused, and our own solves.
+//! Sparse Cholesky factorizations, in the order that faer finds, with errors when memory is
+//! refused, and solves.
 
+mod numeric;
 mod parts;
+mod pattern;
 mod supernode;
 mod sweeps;
 
 use faer::MatMut;
-use faer::dyn_stack::MemStack;
 use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Error, Par, Result, zeros};
-use crate::dense::buffer;
+use crate::base::{Error, Par, Result, apart};
+use numeric::Pivots;
+use pattern::{Entries, Pattern};
 use sweeps::Sweeps;
+
+/// Operations to which finding the order of one entry is equal, roughly.
+const ORDERED: f64 = 200.0;
 
 /// The order of elimination and the pattern of the factor. All matrices with the same pattern share
 /// it.
@@ -25,99 +29,68 @@ use sweeps::Sweeps;
 /// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
 /// dissection fills in as much on surfaces (docs/decisions/0039).
 #[derive(Debug)]
-pub(crate) struct Symbolic(SymbolicCholesky<usize>);
+pub(crate) struct Symbolic {
+    pattern: Pattern,
+    entries: Entries,
+    /// The row of the matrix for each row of the factor.
+    order: Vec<usize>,
+}
 
 impl Symbolic {
     /// Analyses matrices with this pattern in the lower triangle; entries above the diagonal are
     /// ignored.
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
-        let parameters = CholeskySymbolicParams {
-            // Supernodes solve for blocks of right-hand sides, and allow for pivots. The threshold
-            // of faer that should always select them does not do so for diagonal matrices.
-            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
-            ..Default::default()
+        let refused = Error::OutOfMemory { bytes: size_of_val(places.row_idx()) };
+        let owned = places.to_owned().map_err(|_| refused.clone())?;
+        let found = apart(ORDERED * places.row_idx().len() as f64, move || {
+            let parameters = CholeskySymbolicParams {
+                // Supernodes solve for blocks of right-hand sides, and allow for pivots. The
+                // threshold of faer that should always select them does not do so for diagonal
+                // matrices.
+                supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
+                ..Default::default()
+            };
+            let (side, order) = (faer::Side::Lower, SymmetricOrdering::Amd);
+            factorize_symbolic_cholesky(owned.as_ref(), side, order, parameters)
+        })?
+        .map_err(|_| refused)?;
+        let order = found.perm().expect("an order was asked for").arrays().0.to_vec();
+        let pattern = match found.raw() {
+            SymbolicCholeskyRaw::Supernodal(raw) => Pattern::new(raw),
+            // Without rows.
+            SymbolicCholeskyRaw::Simplicial(_) => Pattern::default(),
         };
-        factorize_symbolic_cholesky(places, faer::Side::Lower, SymmetricOrdering::Amd, parameters)
-            .map(Self)
-            .map_err(|_| Error::OutOfMemory { bytes: size_of_val(places.row_idx()) })
+        Ok(Self { entries: Entries::new(places, &order), pattern, order })
     }
 
-    /// Returns about how many bytes a factor takes, with the rows of right-hand sides it keeps.
+    /// Returns about how many bytes a factor takes, with the pattern and the rows of right-hand
+    /// sides it keeps.
     pub fn bytes(&self) -> usize {
-        let places = self.supernodal().map_or(0, |symbolic| symbolic.row_idx().len());
-        let targets = size_of::<u32>() * places;
-        let rows = self.0.nrows() * size_of::<supernode::Row>();
-        self.0.len_val() * size_of::<f64>() + targets + rows
+        let targets = 2 * size_of::<u32>() * self.pattern.all_below();
+        let rows = self.pattern.n * size_of::<supernode::Row>();
+        self.pattern.values * size_of::<f64>() + targets + rows + self.entries.bytes()
     }
 
     /// Factorizes `A = L L^T` on the calling thread; returns `Ok(None)` when A is not positive
     /// definite.
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
-        let mut values = zeros(self.0.len_val())?;
-        let requirement =
-            self.0.factorize_numeric_llt_scratch::<f64>(faer::Par::Seq, Default::default());
-        let mut memory = buffer(requirement)?;
-        let done = self.0.factorize_numeric_llt(
-            &mut values,
-            a,
-            faer::Side::Lower,
-            Default::default(),
-            faer::Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        let order = self.order();
-        Ok(done.is_ok().then(|| Factor {
+        let found = numeric::positive(&self.pattern, &self.entries, a.val())?;
+        Ok(found.map(|values| Factor {
             values,
             subdiagonal: None,
             below_zero: 0,
-            sweeps: self.sweeps(|i| order[i], |i| i),
+            sweeps: Sweeps::new(&self.pattern, |i| self.order[i], |i| i),
         }))
     }
 
     /// Factorizes `A = L B L^T` on the calling thread, where B has blocks of one or two rows and
     /// pivots are chosen inside supernodes.
     pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
-        let n = self.0.nrows();
-        let mut values = zeros(self.0.len_val())?;
-        let (mut subdiagonal, mut forward, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
-        let requirement = self
-            .0
-            .factorize_numeric_intranode_lblt_scratch::<f64>(faer::Par::Seq, Default::default());
-        let mut memory = buffer(requirement)?;
-        self.0.factorize_numeric_intranode_lblt(
-            &mut values,
-            &mut subdiagonal,
-            &mut forward,
-            &mut inverse,
-            a,
-            faer::Side::Lower,
-            faer::Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        let order = self.order();
-        let sweeps = self.sweeps(|i| order[forward[i]], |i| inverse[i]);
+        let (values, pivots) = numeric::indefinite(&self.pattern, &self.entries, a.val())?;
+        let Pivots { subdiagonal, forward, inverse } = pivots;
+        let sweeps = Sweeps::new(&self.pattern, |i| self.order[forward[i]], |i| inverse[i]);
         let below_zero = sweeps.negative(&values, &subdiagonal);
         Ok(Factor { values, subdiagonal: Some(subdiagonal), below_zero, sweeps })
-    }
-
-    /// Returns the supernodes, or `None` without rows.
-    fn supernodal(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
-        match self.0.raw() {
-            SymbolicCholeskyRaw::Supernodal(raw) => Some(raw),
-            SymbolicCholeskyRaw::Simplicial(_) => None,
-        }
-    }
-
-    fn sweeps(&self, order: impl Fn(usize) -> usize, place: impl Fn(usize) -> usize) -> Sweeps {
-        self.supernodal()
-            .map_or_else(Sweeps::default, |symbolic| Sweeps::new(symbolic, order, place))
-    }
-
-    /// Returns the row of the matrix for each row of the factor.
-    fn order(&self) -> &[usize] {
-        self.0.perm().expect("an order was asked for").arrays().0
     }
 }
 

@@ -1,5 +1,9 @@
 //! One supernode of a factor, applied to rows of right-hand sides.
 
+use std::ops::Range;
+
+use faer::{MatMut, MatRef};
+
 /// Right-hand sides that are solved for together.
 pub(super) const WIDTH: usize = 8;
 
@@ -20,13 +24,30 @@ pub(super) struct Supernode {
 }
 
 impl Supernode {
-    fn rows(&self) -> usize {
+    /// Returns the number of rows of its values.
+    pub fn rows(&self) -> usize {
         self.columns + self.below
+    }
+
+    /// Returns where its values are in those of the factor.
+    pub fn range(&self) -> Range<usize> {
+        self.values..self.values + self.rows() * self.columns
+    }
+
+    /// Returns its own values as a matrix.
+    pub fn panel<'v>(&self, values: &'v [f64]) -> MatRef<'v, f64> {
+        MatRef::from_column_major_slice(values, self.rows(), self.columns)
+    }
+
+    /// Returns its own values as the triangle and the rows below.
+    pub fn parts<'v>(&self, values: &'v mut [f64]) -> (MatMut<'v, f64>, MatMut<'v, f64>) {
+        let panel = MatMut::from_column_major_slice_mut(values, self.rows(), self.columns);
+        panel.split_at_row_mut(self.columns)
     }
 
     /// Returns its part of the values of the factor.
     fn of<'v>(&self, values: &'v [f64]) -> &'v [f64] {
-        &values[self.values..][..self.rows() * self.columns]
+        &values[self.range()]
     }
 
     /// Computes `x := L^-1 x` for the triangle and rows `first..` of x, and updates the rows of x
@@ -129,17 +150,50 @@ impl Block {
         }
     }
 
+    /// Computes `X := X B` for the columns of X from `first` on that belong to the block.
+    pub fn multiply_columns(self, mut x: MatMut<'_, f64>, first: usize) {
+        for i in 0..x.nrows() {
+            match self {
+                Self::One(d) => x[(i, first)] *= d,
+                Self::Two([d, next], below) => {
+                    let (p, q) = (x[(i, first)], x[(i, first + 1)]);
+                    x[(i, first)] = p * d + q * below;
+                    x[(i, first + 1)] = p * below + q * next;
+                }
+            }
+        }
+    }
+
+    /// Computes `X := X B^-1` for the columns of X from `first` on that belong to the block.
+    pub fn divide_columns(self, mut x: MatMut<'_, f64>, first: usize) {
+        for i in 0..x.nrows() {
+            match self {
+                Self::One(d) => x[(i, first)] /= d,
+                Self::Two(..) => {
+                    let pair = [x[(i, first)], x[(i, first + 1)]];
+                    [x[(i, first)], x[(i, first + 1)]] = self.divided(pair);
+                }
+            }
+        }
+    }
+
+    /// Returns `B^-1 x` for a block of two rows. By Cramer's rule, in units of the entry beside the
+    /// diagonal, which is the largest.
+    fn divided(self, [x, next]: [f64; 2]) -> [f64; 2] {
+        let Self::Two(diagonal, below) = self else { return [x, next] };
+        let [a, b] = diagonal.map(|d| d / below);
+        let determinant = a * b - 1.0;
+        let [p, q] = [x / below, next / below];
+        [(b * p - q) / determinant, (a * q - p) / determinant]
+    }
+
     /// Computes `x := B^-1 x` for the first rows of x.
     pub fn solve(self, x: &mut [Row]) {
         match self {
             Self::One(d) => x[0] = x[0].map(|x| x / d),
-            // By Cramer's rule, in units of the entry beside the diagonal, which is the largest.
-            Self::Two(diagonal, below) => {
-                let [a, b] = diagonal.map(|d| d / below);
-                let determinant = a * b - 1.0;
+            Self::Two(..) => {
                 for j in 0..WIDTH {
-                    let [p, q] = [x[0][j] / below, x[1][j] / below];
-                    (x[0][j], x[1][j]) = ((b * p - q) / determinant, (a * q - p) / determinant);
+                    [x[0][j], x[1][j]] = self.divided([x[0][j], x[1][j]]);
                 }
             }
         }
@@ -180,7 +234,7 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
     fn subtract<const N: usize>(
         &self,
         i: usize,
-        known: std::ops::Range<usize>,
+        known: Range<usize>,
         targets: &[u32; N],
         x: &mut [Row],
     ) -> usize {

@@ -9,11 +9,11 @@ use std::sync::Mutex;
 
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::parts::split;
+use super::pattern::Pattern;
 use super::supernode::{Row, Supernode, WIDTH};
-use crate::base::{Disjoint, Par, Result, widest, zeros};
+use crate::base::{Disjoint, Par, Result, has_fused, spend, widest, zeros};
 
 /// The order in which the supernodes of a factor are applied, and to which rows.
 #[derive(Debug, Default)]
@@ -48,6 +48,8 @@ struct Part {
     own: Vec<u32>,
     /// For each row of the top that it changes, that row. These rows follow its own.
     above: Vec<u32>,
+    /// Number of values of the factor.
+    values: usize,
 }
 
 /// The values of a factor, and the entries of B below its diagonal, if there is a B.
@@ -62,18 +64,14 @@ impl Sweeps {
     /// `order[i]` of right-hand sides, and row `place(i)` of the factor is row `i` of its pattern
     /// (pivots inside supernodes).
     pub fn new(
-        symbolic: &SymbolicSupernodalCholesky<usize>,
+        pattern: &Pattern,
         order: impl Fn(usize) -> usize,
         place: impl Fn(usize) -> usize,
     ) -> Self {
-        let supernodes = supernodes(symbolic);
-        let mut owner = vec![0; symbolic.nrows()];
-        for (s, node) in supernodes.iter().enumerate() {
-            owner[node.start..][..node.columns].fill(s);
-        }
-        let pattern = |s: usize| symbolic.supernode(s).pattern();
-        let parents: Vec<_> =
-            (0..supernodes.len()).map(|s| pattern(s).iter().map(|&i| owner[i]).min()).collect();
+        let supernodes = &pattern.nodes;
+        let parents: Vec<_> = (0..supernodes.len())
+            .map(|s| pattern.below(s).first().map(|&row| pattern.owner[row as usize] as usize))
+            .collect();
         let work = |s: usize| (supernodes[s].columns + supernodes[s].below) * supernodes[s].columns;
         let (subtrees, top) = split(&parents, work);
 
@@ -83,25 +81,26 @@ impl Sweeps {
             nodes.iter().flat_map(rows).collect()
         };
         const NONE: u32 = u32::MAX;
-        let mut row_of_top = vec![NONE; symbolic.nrows()];
+        let mut row_of_top = vec![NONE; pattern.n];
         (0..).zip(rows_of(&top)).for_each(|(i, row)| row_of_top[row] = i);
 
         let mut sweeps = Self {
             nodes: Vec::with_capacity(supernodes.len()),
-            targets: Vec::with_capacity(symbolic.row_idx().len()),
+            targets: Vec::with_capacity(pattern.all_below()),
             subtrees: vec![],
             top: Part::default(),
             kept: Mutex::default(),
             fused: has_fused(),
         };
-        let mut row_of_part = vec![NONE; symbolic.nrows()];
+        let mut row_of_part = vec![NONE; pattern.n];
         let mut part = |nodes: &[usize]| {
             let own = rows_of(nodes);
             (0..).zip(&own).for_each(|(i, &row)| row_of_part[row] = i);
             let (mut above, mut first, start) = (Vec::new(), 0, sweeps.nodes.len());
+            let values = nodes.iter().map(|&s| supernodes[s].range().len()).sum();
             for &s in nodes {
                 let targets = sweeps.targets.len();
-                for row in pattern(s).iter().map(|&row| place(row)) {
+                for row in pattern.below(s).iter().map(|&row| place(row as usize)) {
                     if row_of_part[row] == NONE {
                         row_of_part[row] = (own.len() + above.len()) as u32;
                         above.push(row);
@@ -117,6 +116,7 @@ impl Sweeps {
                 nodes: start..sweeps.nodes.len(),
                 own: own.iter().map(|&row| order(row) as u32).collect(),
                 above: above.iter().map(|&row| row_of_top[row]).collect(),
+                values,
             }
         };
         let subtrees = subtrees.iter().map(|nodes| part(nodes)).collect();
@@ -167,7 +167,7 @@ impl Sweeps {
         let factor = Factor { values, subdiagonal: subdiagonal.unwrap_or(&[]) };
         for first in (0..x.ncols()).step_by(WIDTH) {
             let width = WIDTH.min(x.ncols() - first);
-            solve_block(self, factor, x.rb_mut().subcols_mut(first, width), rows, par);
+            solve_block(self, factor, x.rb_mut().subcols_mut(first, width), rows, par)?;
         }
         Ok(())
     }
@@ -180,7 +180,7 @@ impl Sweeps {
         x: MatMut<'_, f64>,
         rows: &mut [Row],
         par: Par,
-    ) {
+    ) -> Result<()> {
         let x = Disjoint::new(x);
         let (top, mut rest) = rows.split_at_mut(self.top.rows());
         let mut subtrees = Vec::with_capacity(self.subtrees.len());
@@ -189,11 +189,13 @@ impl Sweeps {
             subtrees.push((part, own));
             rest = others;
         }
-        par.for_each(subtrees.iter_mut(), |_, (part, rows)| {
+        let largest = self.subtrees.iter().map(|part| part.values).max().unwrap_or(0);
+        let operations = operations_of(largest);
+        par.for_each_asking(subtrees.iter_mut(), operations, |_, (part, rows)| {
             // SAFETY: each row belongs to one part only.
             unsafe { part.gather(&x, rows) };
-            self.down::<UNIT, FUSED>(part, factor, rows);
-        });
+            self.down::<UNIT, FUSED>(part.nodes.clone(), factor, rows);
+        })?;
         // SAFETY: as above, and no other part is being computed.
         unsafe { self.top.gather(&x, top) };
         for (part, rows) in &subtrees {
@@ -202,32 +204,58 @@ impl Sweeps {
                 *row = std::array::from_fn(|j| row[j] + change[j]);
             }
         }
-        self.down::<UNIT, FUSED>(&self.top, factor, top);
-        self.up::<UNIT, FUSED>(&self.top, factor, top);
+        for run in self.runs(&self.top) {
+            self.down::<UNIT, FUSED>(run.nodes, factor, top);
+            spend(operations_of(run.values))?;
+        }
+        for run in self.runs(&self.top).into_iter().rev() {
+            self.up::<UNIT, FUSED>(run.nodes, factor, top);
+            spend(operations_of(run.values))?;
+        }
         // SAFETY: as above.
         unsafe { self.top.scatter(&x, top) };
         let top = &*top;
-        par.for_each(subtrees.into_iter(), |_, (part, rows)| {
+        par.for_each_asking(subtrees.into_iter(), operations, |_, (part, rows)| {
             for (row, &i) in rows[part.own.len()..].iter_mut().zip(&part.above) {
                 *row = top[i as usize];
             }
-            self.up::<UNIT, FUSED>(part, factor, rows);
+            self.up::<UNIT, FUSED>(part.nodes.clone(), factor, rows);
             // SAFETY: as above.
             unsafe { part.scatter(&x, rows) };
-        });
+        })
     }
 
-    /// Computes `x := L^-1 x` of the part's own rows, and the updates of the rows above.
+    /// Returns the nodes of a part in runs, after each of which a sweep asks whether to go on.
+    fn runs(&self, part: &Part) -> Vec<Run> {
+        /// Values of a run, unless it is a single node.
+        const VALUES: usize = 1 << 20;
+        let mut runs: Vec<Run> = Vec::new();
+        for s in part.nodes.clone() {
+            let values = self.nodes[s].supernode.range().len();
+            match runs.last_mut() {
+                Some(run) if run.values + values <= VALUES => {
+                    run.nodes.end = s + 1;
+                    run.values += values;
+                }
+                _ => runs.push(Run { nodes: s..s + 1, values }),
+            }
+        }
+        runs
+    }
+
+    /// Computes `x := L^-1 x` of the rows of these nodes of a part, and the updates of the rows
+    /// above.
     fn down<const UNIT: bool, const FUSED: bool>(
         &self,
-        part: &Part,
+        nodes: Range<usize>,
         factor: Factor<'_>,
         x: &mut [Row],
     ) {
+        let nodes = &self.nodes[nodes];
         widest(
             #[inline(always)]
             || {
-                for node in &self.nodes[part.nodes.clone()] {
+                for node in nodes {
                     let targets = &self.targets[node.targets.clone()];
                     node.supernode.down::<UNIT, FUSED>(factor.values, node.first, targets, x);
                 }
@@ -235,21 +263,20 @@ impl Sweeps {
         );
     }
 
-    /// Computes `x := B^-1 x` and `x := L^-T x` of the part's own rows; the rows above are known.
+    /// Computes `x := B^-1 x` and `x := L^-T x` of the rows of these nodes of a part; the rows
+    /// above are known.
     fn up<const UNIT: bool, const FUSED: bool>(
         &self,
-        part: &Part,
+        nodes: Range<usize>,
         factor: Factor<'_>,
         x: &mut [Row],
     ) {
         let Factor { values, subdiagonal } = factor;
-        let mut rows = Vec::new();
+        let (nodes, mut rows) = (&self.nodes[nodes], Vec::new());
         widest(
             #[inline(always)]
             || {
-                for Node { supernode, first, targets } in
-                    self.nodes[part.nodes.clone()].iter().rev()
-                {
+                for Node { supernode, first, targets } in nodes.iter().rev() {
                     let own = *first..first + supernode.columns;
                     if UNIT {
                         for (i, block) in supernode.blocks(values, subdiagonal) {
@@ -265,6 +292,19 @@ impl Sweeps {
             },
         );
     }
+}
+
+/// Nodes of a part that follow each other.
+struct Run {
+    nodes: Range<usize>,
+    /// Number of values of the factor.
+    values: usize,
+}
+
+/// Returns the operations of a sweep over so many values, for eight columns, whether they are used
+/// or not.
+fn operations_of(values: usize) -> f64 {
+    2.0 * WIDTH as f64 * values as f64
 }
 
 impl Part {
@@ -301,25 +341,4 @@ impl Part {
             }
         }
     }
-}
-
-/// Returns the supernodes of a factor, in its order.
-fn supernodes(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Supernode> {
-    let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
-    let supernode = |s: usize| Supernode {
-        start: starts[s],
-        columns: ends[s] - starts[s],
-        below: symbolic.supernode(s).pattern().len(),
-        values: symbolic.col_ptr_for_val()[s],
-    };
-    (0..symbolic.n_supernodes()).map(supernode).collect()
-}
-
-/// Returns whether the registers that [`widest`] takes multiply and add at once; elsewhere a fused
-/// operation would be a call of a function.
-fn has_fused() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return pulp::x86::V3::is_available();
-    #[cfg(not(target_arch = "x86_64"))]
-    cfg!(target_arch = "aarch64")
 }

@@ -25,7 +25,7 @@ pub struct RingOptions<'a> {
 }
 
 impl RingOptions<'_> {
-    /// Returns the options with these values, all cores of the affinity mask, and no progress.
+    /// Returns the options with these values, [`Par::all`], and no progress.
     pub fn new(radius: f64, rings: usize) -> Self {
         Self { radius, rings, par: Par::all(), progress: Progress::none() }
     }

@@ -31,7 +31,7 @@ pub struct ShotOptions<'a> {
 }
 
 impl ShotOptions<'_> {
-    /// Returns the options with these values, all cores of the affinity mask, and no progress.
+    /// Returns the options with these values, [`Par::all`], and no progress.
     pub fn new(radius: f64) -> Self {
         Self { radius, par: Par::all(), progress: Progress::none() }
     }

@@ -6,12 +6,13 @@
 
 // Everything is `inline(always)`: functions that are not inlined, closures above all, are compiled
 // without the wide registers.
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::UNREACHED;
 use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
 use super::options::Parameters;
 use super::points::Cursor;
+use crate::base::arch;
 
 /// Values with |z|^2 below this count as 0.
 const ZERO: f32 = 1e-30;
@@ -75,7 +76,7 @@ pub(super) fn evaluate(
     roots: &mut [u16],
     convergence: &mut [f32],
 ) {
-    Arch::new().dispatch(Block { parameters, cursor, roots, convergence });
+    arch().dispatch(Block { parameters, cursor, roots, convergence });
 }
 
 struct Block<'a> {

@@ -4,9 +4,9 @@
 use std::array::from_fn;
 use std::ops::Range;
 
-use pulp::{Arch, Scalar, Simd, WithSimd};
+use pulp::{Scalar, Simd, WithSimd};
 
-use crate::base::Real;
+use crate::base::{Real, arch};
 
 /// A scalar with the operations that a network needs.
 pub trait Number: Real + Lanes {
@@ -123,7 +123,7 @@ pub fn gemm<T: Number>(
     b: &[T],
     c: &mut [T],
 ) {
-    Arch::new().dispatch(Gemm { rows, inner, columns, a, strides, b, c });
+    arch().dispatch(Gemm { rows, inner, columns, a, strides, b, c });
 }
 
 struct Gemm<'a, T> {
@@ -320,12 +320,14 @@ pub fn normalize<T: Number>(
 
 #[cfg(test)]
 mod tests {
+    use pulp::Arch;
+
     use super::*;
     use crate::base::Rng;
 
     /// Returns the instruction sets of this machine.
     fn instruction_sets() -> Vec<Arch> {
-        let mut sets = vec![Arch::new(), Arch::Scalar];
+        let mut sets = vec![arch(), Arch::Scalar];
         #[cfg(target_arch = "x86_64")]
         sets.extend(pulp::x86::V3::try_new().map(Arch::V3));
         sets

@@ -12,9 +12,16 @@ impl Content {
         Ok(found.ok_or_else(|| format!("accessor {index} is out of range: {count} accessors"))?)
     }
 
-    /// Returns the elements of an accessor, of `N` numbers each.
-    pub fn values<const N: usize>(&self, index: usize) -> Checked<Vec<[f64; N]>> {
+    /// Returns whether the file has numbers of an accessor; other accessors are all zeros, unless
+    /// an extension says where their numbers are.
+    pub fn is_stored(&self, index: usize) -> Checked<bool> {
         let accessor = self.accessor(index)?;
+        Ok(accessor.buffer_view.is_some() || accessor.sparse.is_some())
+    }
+
+    /// Returns the elements of an accessor, of `N` numbers each.
+    pub fn values<const N: usize>(&self, number: usize) -> Checked<Vec<[f64; N]>> {
+        let accessor = self.accessor(number)?;
         let read = || -> Checked<Vec<[f64; N]>> {
             let width = width(&accessor.kind);
             if width != Some(N) {
@@ -48,12 +55,12 @@ impl Content {
                 self.elements(sparse.values.buffer_view, sparse.values.byte_offset, &layout)?;
             for ([place], value) in places.into_iter().zip(replaced) {
                 let count = values.len();
-                let slot = values.get_mut(place as usize);
+                let slot = index(place).and_then(|place| values.get_mut(place));
                 *slot.ok_or_else(|| format!("sparse element {place} exceeds {count}"))? = value;
             }
             Ok(values)
         };
-        read().map_err(|fault| fault.of(|| format!("accessor {index}")))
+        read().map_err(|fault| fault.of(|| format!("accessor {number}")))
     }
 
     /// Returns the elements that lie in a buffer view from byte `start` on.
@@ -92,6 +99,11 @@ impl Content {
     fn bytes(&self, view: &View) -> Option<&[u8]> {
         self.buffers.get(view.buffer)?.get(view.byte_offset..)?.get(..view.byte_length)
     }
+}
+
+/// Returns a number as an index; `None` if it is negative or not whole.
+pub(super) fn index(number: f64) -> Option<usize> {
+    (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)
 }
 
 /// Returns the number of components of an element of this type; `None` for matrices, which meshes

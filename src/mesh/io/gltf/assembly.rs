@@ -32,6 +32,8 @@ pub(super) struct Assembly {
     materials: Vec<u32>,
     /// The first vertex of each mesh.
     meshes: Vec<usize>,
+    /// Number of primitives of points, and the place of the first.
+    points: (usize, String),
 }
 
 impl Assembly {
@@ -43,6 +45,14 @@ impl Assembly {
     /// Adds a vertex.
     pub fn push_vertex(&mut self, vertex: Vertex) -> Result<()> {
         push(&mut self.vertices, vertex)
+    }
+
+    /// Records a primitive of points, whose vertices are already there.
+    pub fn points(&mut self, place: &dyn Fn() -> String) {
+        if self.points.0 == 0 {
+            self.points.1 = place();
+        }
+        self.points.0 += 1;
     }
 
     /// Adds a face.
@@ -99,12 +109,21 @@ impl Assembly {
         for face in faces {
             push(&mut self.draft.faces, face.map(|v| numbers[v as usize]))?;
         }
-        for (what, name, list) in [
-            ("left out textures", "texture 0", &document.textures),
-            ("left out animations", "animation 0", &document.animations),
-            ("left out skins", "skin 0", &document.skins),
+        // Points alone are the vertices of a mesh without faces.
+        if !faces.is_empty() {
+            let what = "read points as vertices without a face: primitives";
+            self.draft.notes.add_many(what, self.points.0, || self.points.1.clone());
+        }
+        for (what, name, count) in [
+            ("left out textures", "texture 0", document.textures.len()),
+            ("left out animations", "animation 0", document.animations.len()),
         ] {
-            self.draft.notes.add_many(what, list.len(), || name.into());
+            self.draft.notes.add_many(what, count, || name.into());
+        }
+        let mut rich = document.materials.iter().enumerate().filter(|(_, m)| !m.others.is_empty());
+        if let Some((first, _)) = rich.next() {
+            let what = "left out properties of materials, of which the names are kept";
+            self.draft.notes.add_many(what, 1 + rich.count(), || format!("material {first}"));
         }
         let corners = &mut [&mut uv_corners, &mut normal_corners];
         let mut file = self.draft.finish(corners, &mut [&mut self.materials])?;

@@ -11,16 +11,13 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use super::super::draft::{Checked, Fault};
 use super::document::{Buffer, Document};
+use super::extensions;
 use crate::io::Source;
 
 /// The first bytes of a binary file, and the types of its chunks.
 const MAGIC: &[u8] = b"glTF";
 const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
-
-/// Extensions that compress a mesh, and that are not supported.
-const PACKED: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// A document and its buffers.
 pub(super) struct Content {
@@ -47,10 +44,11 @@ impl Content {
             let version = document.asset.version;
             return Err(format!("version {version:?} of glTF, must be 2.0").into());
         }
-        let packed = document.extensions_required.iter().find(|name| PACKED.contains(&&name[..]));
-        if let Some(name) = packed {
-            return Err(format!("compressed by {name}, which is not supported").into());
+        let least = document.asset.min_version.as_deref().unwrap_or("2.0");
+        if least != "2.0" {
+            return Err(format!("needs version {least:?} of glTF, and 2.0 is supported").into());
         }
+        extensions::check_required(&document)?;
         let mut buffers = Vec::new();
         let mut total = 0usize;
         for (i, buffer) in document.buffers.iter().enumerate() {
@@ -96,7 +94,11 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
 fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>> {
     let length = buffer.byte_length;
     let mut bytes = match buffer.uri.as_deref() {
-        None => binary.ok_or("has no URI, and is not in the file")?.to_vec(),
+        None => match (binary, buffer.extensions.keys().next()) {
+            (Some(binary), _) => binary.to_vec(),
+            (None, Some(name)) => return Err(extensions::unsupported(name)),
+            (None, None) => return Err("has no URI, and is not in the file".into()),
+        },
         Some(uri) => match uri.strip_prefix("data:") {
             Some(data) => embedded(data)?,
             None => beside(uri, path, length)?,

@@ -1,7 +1,12 @@
 //! The JSON of a glTF file, as far as it concerns triangles.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+
+/// The extensions of an object, by name.
+pub(super) type Extensions = BTreeMap<String, IgnoredAny>;
 
 /// Codes of components and primitives, and types of elements.
 pub(super) mod code {
@@ -12,6 +17,8 @@ pub(super) mod code {
     pub const U32: u32 = 5125;
     pub const F32: u32 = 5126;
     pub const POINTS: u32 = 0;
+    pub const LINES: u32 = 1;
+    pub const LINE_STRIP: u32 = 3;
     pub const TRIANGLES: u32 = 4;
     pub const TRIANGLE_STRIP: u32 = 5;
     pub const TRIANGLE_FAN: u32 = 6;
@@ -27,6 +34,8 @@ pub(super) mod code {
 pub(super) struct Document {
     pub asset: Asset,
     pub extensions_required: Vec<String>,
+    pub extensions_used: Vec<String>,
+    pub extensions: Extensions,
     pub scene: Option<usize>,
     pub scenes: Vec<Scene>,
     pub nodes: Vec<Node>,
@@ -37,19 +46,20 @@ pub(super) struct Document {
     pub buffers: Vec<Buffer>,
     pub textures: Vec<IgnoredAny>,
     pub animations: Vec<IgnoredAny>,
-    pub skins: Vec<IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
-#[serde(default)]
+#[serde(default, rename_all = "camelCase")]
 pub(super) struct Asset {
     pub version: String,
+    pub min_version: Option<String>,
 }
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Scene {
     pub nodes: Vec<usize>,
+    pub extensions: Extensions,
 }
 
 #[derive(Default, Deserialize)]
@@ -61,12 +71,48 @@ pub(super) struct Node {
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    /// Present where joints deform the mesh.
+    pub skin: Option<IgnoredAny>,
+    /// Weights of the morph targets of the mesh, in place of its own.
+    pub weights: Option<Vec<f64>>,
+    pub extensions: NodeExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub instances: Option<Instances>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Option<Visibility>,
+    #[serde(flatten)]
+    pub others: Extensions,
+}
+
+/// Instances of the mesh of a node: accessors of their transformations, by name.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Instances {
+    pub attributes: BTreeMap<String, usize>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Visibility {
+    #[serde(default = "visible")]
+    pub visible: bool,
+}
+
+fn visible() -> bool {
+    true
 }
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Mesh {
     pub primitives: Vec<Primitive>,
+    /// Weights of the morph targets.
+    pub weights: Vec<f64>,
+    pub extensions: Extensions,
 }
 
 #[derive(Default, Deserialize)]
@@ -76,6 +122,9 @@ pub(super) struct Primitive {
     pub indices: Option<usize>,
     pub material: Option<usize>,
     pub mode: Option<u32>,
+    /// Morph targets: displacements of the attributes.
+    pub targets: Vec<Attributes>,
+    pub extensions: Extensions,
 }
 
 /// Indices of accessors.
@@ -88,12 +137,16 @@ pub(super) struct Attributes {
     pub uv: Option<usize>,
     #[serde(rename = "COLOR_0")]
     pub color: Option<usize>,
+    #[serde(flatten)]
+    pub others: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Material {
     pub name: String,
+    #[serde(flatten)]
+    pub others: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
@@ -107,6 +160,7 @@ pub(super) struct Accessor {
     #[serde(rename = "type")]
     pub kind: String,
     pub sparse: Option<Sparse>,
+    pub extensions: Extensions,
 }
 
 #[derive(Deserialize)]
@@ -134,6 +188,7 @@ pub(super) struct View {
     pub byte_offset: usize,
     pub byte_length: usize,
     pub byte_stride: Option<usize>,
+    pub extensions: Extensions,
 }
 
 #[derive(Default, Deserialize)]
@@ -141,4 +196,5 @@ pub(super) struct View {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
+    pub extensions: Extensions,
 }

@@ -8,15 +8,18 @@ mod assembly;
 mod container;
 mod document;
 mod encoding;
+mod extensions;
 mod material;
 mod picture;
+mod scene;
 mod transform;
 mod write;
 
-use self::accessor::width;
+use self::accessor::{index, width};
 use self::assembly::{Assembly, Vertex};
 use self::container::Content;
 use self::document::{Primitive, code};
+use self::scene::Placed;
 use self::transform::Transform;
 use super::attributes::MeshFile;
 use super::draft::Checked;
@@ -35,8 +38,11 @@ type VertexMemory = [u8; 400];
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let read = |source: &mut Source<'_>| -> Checked<MeshFile> {
         let content = Content::read(source)?;
-        let mut reader = Reader { content: &content, source, assembly: Assembly::default() };
-        reader.scene()?;
+        let mut assembly = Assembly::default();
+        extensions::note_left_out(&content.document, &mut assembly.draft.notes);
+        let placed = scene::placed(&content, source, &mut assembly.draft.notes)?;
+        let mut reader = Reader { content: &content, source, assembly };
+        placed.iter().try_for_each(|placed| reader.mesh(placed))?;
         reader.assembly.finish(&content.document)
     };
     read(source).map_err(|fault| fault.at(source))
@@ -49,44 +55,16 @@ struct Reader<'c, 's, 'a> {
 }
 
 impl Reader<'_, '_, '_> {
-    /// Reads the meshes of the scene with the transformations of its nodes; reads all meshes where
-    /// there is no scene.
-    fn scene(&mut self) -> Checked<()> {
-        let document = &self.content.document;
-        let scene = match document.scene {
-            Some(i) => Some(document.scenes.get(i).ok_or_else(|| format!("no scene {i}"))?),
-            None => document.scenes.first(),
-        };
-        let Some(scene) = scene else {
-            return (0..document.meshes.len())
-                .try_for_each(|mesh| self.mesh(mesh, &Transform::IDENTITY));
-        };
-        let mut seen = vec![false; document.nodes.len()];
-        let mut next: Vec<(usize, Transform)> =
-            scene.nodes.iter().rev().map(|&node| (node, Transform::IDENTITY)).collect();
-        while let Some((index, parent)) = next.pop() {
-            let node = document.nodes.get(index).ok_or_else(|| format!("no node {index}"))?;
-            // A node with two parents is an error: without this check, nodes could be visited
-            // without end.
-            if std::mem::replace(&mut seen[index], true) {
-                return Err(format!("node {index} has two parents").into());
-            }
-            let transform = parent.after(&Transform::of(node));
-            if let Some(mesh) = node.mesh {
-                self.mesh(mesh, &transform)?;
-            }
-            next.extend(node.children.iter().rev().map(|&child| (child, transform)));
-        }
-        Ok(())
-    }
-
-    fn mesh(&mut self, index: usize, transform: &Transform) -> Checked<()> {
+    /// Reads a mesh with the transformation of its node and the weights of its morph targets.
+    fn mesh(&mut self, placed: &Placed<'_>) -> Checked<()> {
         let content = self.content;
+        let index = placed.mesh;
         let mesh = content.document.meshes.get(index).ok_or_else(|| format!("no mesh {index}"))?;
+        let weights = placed.weights.unwrap_or(&mesh.weights);
         self.assembly.begin_mesh();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let place = || format!("mesh {index}, primitive {p}");
-            let read = self.primitive(primitive, transform, &place);
+            let read = self.primitive(primitive, &placed.transform, weights, &place);
             read.map_err(|fault| fault.of(place))?;
         }
         Ok(())
@@ -96,30 +74,35 @@ impl Reader<'_, '_, '_> {
         &mut self,
         primitive: &Primitive,
         transform: &Transform,
+        weights: &[f64],
         place: &dyn Fn() -> String,
     ) -> Checked<()> {
+        let notes = &mut self.assembly.draft.notes;
         let mode = primitive.mode.unwrap_or(code::TRIANGLES);
-        let triangles = [code::TRIANGLES, code::TRIANGLE_STRIP, code::TRIANGLE_FAN].contains(&mode);
-        // A primitive of points may hold the vertices of a mesh without faces.
-        if !triangles && mode != code::POINTS {
-            self.assembly.draft.notes.add("left out primitives of lines", place);
+        if (code::LINES..=code::LINE_STRIP).contains(&mode) {
+            notes.add("left out primitives of lines", place);
             return Ok(());
         }
+        if mode > code::TRIANGLE_FAN {
+            return Err(format!("unknown mode {mode}").into());
+        }
         let Some(positions) = primitive.attributes.position else {
-            self.assembly.draft.notes.add("left out primitives without positions", place);
+            notes.add("left out primitives without positions", place);
             return Ok(());
         };
-        let first = self.vertices(primitive, positions, transform, place)?;
-        if !triangles {
+        self.note_left_out(primitive, weights, place)?;
+        let first = self.vertices(primitive, positions, transform, weights, place)?;
+        if mode == code::POINTS {
+            self.assembly.points(place);
             return Ok(());
         }
         let vertices = self.assembly.vertices.len() - first as usize;
         let corners: Vec<u32> = match primitive.indices {
             Some(indices) => {
                 self.check_room(self.content.accessor(indices)?.count)?;
-                let inside = |[number]: [f64; 1]| {
-                    let known = number >= 0.0 && number < vertices as f64;
-                    if known { Ok(first + number as u32) } else { Err(number) }
+                let inside = |[number]: [f64; 1]| match index(number) {
+                    Some(known) if known < vertices => Ok(first + known as u32),
+                    _ => Err(number),
                 };
                 let found = self.content.values::<1>(indices)?.into_iter().map(inside);
                 let found: std::result::Result<Vec<u32>, f64> = found.collect();
@@ -141,7 +124,9 @@ impl Reader<'_, '_, '_> {
                 let turned = |(i, t): (usize, &[u32])| {
                     if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] }
                 };
-                corners.windows(3).enumerate().map(turned).collect()
+                // Triangles with a vertex twice only turn a strip.
+                let whole = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+                corners.windows(3).enumerate().map(turned).filter(whole).collect()
             }
             _ => fan(&corners).collect(),
         };
@@ -158,6 +143,7 @@ impl Reader<'_, '_, '_> {
         primitive: &Primitive,
         positions: usize,
         transform: &Transform,
+        weights: &[f64],
         place: &dyn Fn() -> String,
     ) -> Checked<u32> {
         let content = self.content;
@@ -171,9 +157,14 @@ impl Reader<'_, '_, '_> {
                 return Err(format!("an attribute has {given} values, not {count}").into());
             }
         }
-        let positions = content.values::<3>(positions)?;
-        let normals = attributes.normal.map(|i| content.values::<3>(i)).transpose()?;
-        let uv = attributes.uv.map(|i| content.values::<2>(i)).transpose()?;
+        let mut positions = content.values::<3>(positions)?;
+        let mut normals = attributes.normal.map(|i| content.values::<3>(i)).transpose()?;
+        let mut uv = attributes.uv.map(|i| content.values::<2>(i)).transpose()?;
+        for (target, &weight) in primitive.targets.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
+            self.displace(Some(&mut positions), target.position, weight)?;
+            self.displace(normals.as_mut(), target.normal, weight)?;
+            self.displace(uv.as_mut(), target.uv, weight)?;
+        }
         let colors = attributes.color.map(|i| self.colors(i)).transpose()?;
         let assembly = &mut self.assembly;
         let first = u32::try_from(assembly.vertices.len()).ok();
@@ -198,6 +189,61 @@ impl Reader<'_, '_, '_> {
             })?;
         }
         Ok(first)
+    }
+
+    /// Adds to values those of a morph target, times its weight.
+    fn displace<const N: usize>(
+        &self,
+        values: Option<&mut Vec<[f64; N]>>,
+        target: Option<usize>,
+        weight: f64,
+    ) -> Checked<()> {
+        let (Some(values), Some(target)) = (values, target) else { return Ok(()) };
+        let given = self.content.accessor(target)?.count;
+        if given != values.len() {
+            return Err(format!("a morph target has {given} values, not {}", values.len()).into());
+        }
+        for (value, by) in values.iter_mut().zip(self.content.values::<N>(target)?) {
+            (0..N).for_each(|k| value[k] += weight * by[k]);
+        }
+        Ok(())
+    }
+
+    /// Notes what is left out of a primitive; an error if its numbers are in an extension only.
+    fn note_left_out(
+        &mut self,
+        primitive: &Primitive,
+        weights: &[f64],
+        place: &dyn Fn() -> String,
+    ) -> Checked<()> {
+        let notes = &mut self.assembly.draft.notes;
+        for number in [primitive.attributes.position, primitive.indices].into_iter().flatten() {
+            if !self.content.is_stored(number)? {
+                let document = &self.content.document;
+                if let Some(name) = extensions::source(&primitive.extensions, document) {
+                    return Err(extensions::unsupported(name));
+                }
+                let what = "took 0 for positions and vertex numbers that are not in the file";
+                notes.add(what, || format!("accessor {number}"));
+            }
+        }
+        for name in primitive.attributes.others.keys() {
+            // Joints and weights belong to a pose, which has a note.
+            if !name.starts_with("JOINTS_") && !name.starts_with("WEIGHTS_") {
+                notes.add(format!("left out the attribute {name} of primitives"), place);
+            }
+        }
+        let targets = &primitive.targets;
+        if weights.len() > targets.len() && !targets.is_empty() {
+            let (weights, targets) = (weights.len(), targets.len());
+            return Err(format!("{weights} weights of {targets} morph targets").into());
+        }
+        let weight = |t: usize| weights.get(t).copied().unwrap_or_default();
+        let unused = (0..targets.len()).filter(|&t| weight(t) == 0.0).count();
+        notes.add_many("left out morph targets, whose weight is 0", unused, place);
+        let colors = (0..targets.len()).filter(|&t| weight(t) != 0.0 && targets[t].color.is_some());
+        notes.add_many("left out colours of morph targets", colors.count(), place);
+        Ok(())
     }
 
     fn colors(&self, index: usize) -> Checked<Vec<[f64; 4]>> {

@@ -1,6 +1,7 @@
 //! Affine transformations of nodes.
 
 use super::super::super::vector::{Vector, cross, dot};
+use super::super::draft::Checked;
 use super::document::Node;
 
 /// An affine transformation: the images of the three axes and of the origin.
@@ -14,21 +15,38 @@ impl Transform {
     pub const IDENTITY: Self =
         Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
 
-    /// Returns the transformation from a node to its parent.
-    pub fn of(node: &Node) -> Self {
+    /// Returns the transformation from a node to its parent; an error for a matrix that is not
+    /// affine.
+    pub fn of(node: &Node) -> Checked<Self> {
         if let Some(m) = node.matrix {
+            if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
+                return Err(format!("matrix {m:?} is not affine").into());
+            }
             let column = |i: usize| [m[4 * i], m[4 * i + 1], m[4 * i + 2]];
-            return Self { axes: [0, 1, 2].map(column), origin: column(3) };
+            return Ok(Self { axes: [0, 1, 2].map(column), origin: column(3) });
         }
-        let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        Ok(Self::of_parts(node.translation, node.rotation, node.scale))
+    }
+
+    /// Returns the transformation that scales, then rotates by a quaternion (x, y, z, w), then
+    /// translates.
+    pub fn of_parts(
+        translation: Option<Vector>,
+        rotation: Option<[f64; 4]>,
+        scale: Option<Vector>,
+    ) -> Self {
+        let given = rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        // Files hold rounded quaternions, which would scale.
+        let length = given.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let [x, y, z, w] = if length > 0.0 { given.map(|x| x / length) } else { given };
         let rotated = [
             [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
             [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
             [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
         ];
-        let scale = node.scale.unwrap_or([1.0; 3]);
+        let scale = scale.unwrap_or([1.0; 3]);
         let axes = [0, 1, 2].map(|i| rotated[i].map(|x| x * scale[i]));
-        Self { axes, origin: node.translation.unwrap_or([0.0; 3]) }
+        Self { axes, origin: translation.unwrap_or([0.0; 3]) }
     }
 
     /// Returns the composition that applies `inner` first, then this transformation.

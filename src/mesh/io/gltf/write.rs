@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::super::attributes::MeshFile;
 use super::super::colors::byte;
 use super::super::labels::Labels;
+use super::super::rounding::Rounding;
 use super::document::code;
 use super::encoding::GltfEncoding;
 use super::material::Material;
@@ -23,8 +24,9 @@ pub(in super::super) fn write(
     sink: &mut dyn Write,
     file: &MeshFile,
     encoding: GltfEncoding,
+    rounding: &Rounding,
 ) -> io::Result<()> {
-    write_all(sink, file, encoding, None)
+    write_all(sink, file, encoding, rounding, None)
 }
 
 /// Writes as [`write()`] does, with this material on all faces.
@@ -32,21 +34,23 @@ pub(in super::super) fn write_with_material(
     sink: &mut dyn Write,
     file: &MeshFile,
     encoding: GltfEncoding,
+    rounding: &Rounding,
     material: &Material,
 ) -> io::Result<()> {
     let labels =
         Labels { names: vec![material.name.clone()], of_faces: vec![0; file.mesh.faces().len()] };
     let file = MeshFile { materials: Some(labels), ..file.clone() };
-    write_all(sink, &file, encoding, Some(material))
+    write_all(sink, &file, encoding, rounding, Some(material))
 }
 
 fn write_all(
     sink: &mut dyn Write,
     file: &MeshFile,
     encoding: GltfEncoding,
+    rounding: &Rounding,
     material: Option<&Material>,
 ) -> io::Result<()> {
-    let (mut document, bytes) = document(file, material)?;
+    let (mut document, bytes) = document(file, rounding, material)?;
     let mut buffer = json!({ "byteLength": bytes.len() });
     if !bytes.is_empty() {
         if encoding == GltfEncoding::Text {
@@ -65,7 +69,11 @@ fn write_all(
 }
 
 /// Returns the document without its buffer, and the bytes of the buffer.
-fn document(file: &MeshFile, material: Option<&Material>) -> io::Result<(Value, Vec<u8>)> {
+fn document(
+    file: &MeshFile,
+    rounding: &Rounding,
+    material: Option<&Material>,
+) -> io::Result<(Value, Vec<u8>)> {
     let (copies, primitives) = split(file)?;
     let mut numbers = Numbers::default();
     let mut document = json!({
@@ -76,9 +84,12 @@ fn document(file: &MeshFile, material: Option<&Material>) -> io::Result<(Value, 
     if copies.is_empty() {
         return Ok((document, numbers.bytes));
     }
-    let primitives = primitives_of(file, &copies, &primitives, &mut numbers)?;
+    let primitives = primitives_of(file, rounding, &copies, &primitives, &mut numbers)?;
     document["scenes"] = json!([{ "nodes": [0] }]);
     document["nodes"] = json!([{ "mesh": 0 }]);
+    if rounding.origin != [0.0; 3] {
+        document["nodes"][0]["translation"] = rounding.origin[..].into();
+    }
     document["meshes"] = json!([{ "primitives": primitives }]);
     if let Some(material) = material {
         describe(material, &mut document, &mut numbers)?;
@@ -204,12 +215,14 @@ fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<Primitive>)> {
 
 fn primitives_of(
     file: &MeshFile,
+    rounding: &Rounding,
     copies: &[Copy],
     primitives: &[Primitive],
     numbers: &mut Numbers,
 ) -> io::Result<Vec<Value>> {
     let vertices = file.mesh.vertices();
-    let positions = copies.iter().map(|copy| vertices[copy[0] as usize]);
+    let positions = copies.iter().map(|copy| rounding.single(vertices[copy[0] as usize]));
+    let positions = positions.map(|p| p.map(f64::from));
     let positions = numbers.floats("VEC3", positions, true)?;
     let uv = file.uv.as_ref().map(|uv| {
         let value = |copy: &Copy| uv.values.get(copy[1] as usize).copied().unwrap_or_default();

@@ -1,7 +1,7 @@
 use std::io::{self, Write};
 
 use super::super::attributes::{Attribute, MeshFile};
-use super::super::colors::byte;
+use super::super::colors::nearest_byte;
 use super::encoding::PlyEncoding;
 use crate::mesh::TriMesh;
 
@@ -100,7 +100,8 @@ impl<'a> Properties<'a> {
         let normals = file.normals.as_ref().and_then(Attribute::of_vertices);
         let colors = file.colors.as_deref();
         let given = colors.unwrap_or_default();
-        let bytes_do = given.as_flattened().iter().all(|&x| byte(x).is_some());
+        // Other programs read colours of other types as black, or not at all.
+        let bytes_do = given.as_flattened().iter().all(|&x| nearest_byte(x).is_some());
         Self {
             mesh: &file.mesh,
             position_kind: kind_of(file.mesh.vertices().as_flattened().iter()),
@@ -156,7 +157,7 @@ impl<'a> Properties<'a> {
             }
             if let Some(colors) = self.colors {
                 for &x in &colors[v][..self.channels] {
-                    match byte(x) {
+                    match nearest_byte(x) {
                         Some(x) if self.color_kind == "uchar" => sink.byte(x)?,
                         _ => sink.real(x, self.color_kind)?,
                     }
@@ -172,10 +173,10 @@ impl<'a> Properties<'a> {
             sink.byte(3)?;
             face.iter().try_for_each(|&v| sink.bytes(v.to_le_bytes(), v))?;
             if let Some(uv) = self.corner_uv {
-                let values = uv.of_face(self.mesh, f);
-                sink.byte(if values.is_some() { 6 } else { 0 })?;
-                let values = values.as_ref().map_or(&[][..], |values| values.as_flattened());
-                values.iter().try_for_each(|&x| sink.real(x, self.uv_kind))?;
+                // Other programs crash on lists of different lengths.
+                let values = uv.of_face(self.mesh, f).unwrap_or_default();
+                sink.byte(6)?;
+                values.as_flattened().iter().try_for_each(|&x| sink.real(x, self.uv_kind))?;
             }
             sink.end_row()?;
         }

@@ -1,0 +1,112 @@
+//! Counts of operations, and requests to stop between them, for work without a progress of its own.
+
+use std::ops::ControlFlow;
+use std::panic::resume_unwind;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use super::float_env::FloatEnv;
+use super::watch;
+use super::{Error, Result};
+
+/// Floating-point operations between two requests: about 5 ms of slow ones.
+const BETWEEN: f64 = 1e7;
+
+/// How long a thread waits for another one before it asks again: less than 10^8 operations.
+const PAUSE: Duration = Duration::from_millis(2);
+
+/// Counts floating-point operations of the calling thread, as good as estimated. For a search, one
+/// step counts as some operations.
+pub(crate) fn count(operations: f64) {
+    watch::add(operations);
+    #[cfg(all(test, feature = "unions"))]
+    measure::count(operations);
+}
+
+/// Asks the callback that watches the calling thread, if there is one, once in 10^7 operations.
+///
+/// # Errors
+/// [`Error::Cancelled`] when the callback asks to stop.
+pub(crate) fn ask() -> Result<()> {
+    if watch::add(0.0) < BETWEEN { Ok(()) } else { ask_now() }
+}
+
+/// Counts operations, and asks as [`ask`] does.
+pub(crate) fn spend(operations: f64) -> Result<()> {
+    count(operations);
+    ask()
+}
+
+fn ask_now() -> Result<()> {
+    match watch::ask_again() {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::Cancelled),
+    }
+}
+
+/// Returns what `work` returns, which takes about so many operations and can't ask. If that is long
+/// and the calling thread is watched, another thread does the work. That thread is left to itself
+/// when the callback asks to stop: it owns all that it uses.
+pub(crate) fn apart<R: Send + 'static>(
+    operations: f64,
+    work: impl FnOnce() -> R + Send + 'static,
+) -> Result<R> {
+    if watch::current().is_none() || operations < BETWEEN {
+        count(operations);
+        return Ok(work());
+    }
+    let (done, wait) = channel();
+    // Not moved into the thread, which may be refused.
+    let work = Arc::new(Mutex::new(Some(work)));
+    let take = |work: &Mutex<Option<_>>| work.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let theirs = Arc::clone(&work);
+    let thread = thread::Builder::new().name("catamaran".into()).spawn(move || {
+        // Threads inherit the environment of the thread that makes them.
+        let _nearest = FloatEnv::nearest();
+        if let Some(work) = take(&theirs) {
+            // Nobody waits any more after a request to stop.
+            let _ = done.send(work());
+        }
+    });
+    let Ok(thread) = thread else {
+        let Some(work) = take(&work) else { return Err(Error::Cancelled) };
+        return Ok(work());
+    };
+    loop {
+        match wait.recv_timeout(PAUSE) {
+            Ok(found) => return Ok(found),
+            Err(RecvTimeoutError::Timeout) => ask_now()?,
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => resume_unwind(panic),
+                Ok(()) => return Err(Error::Cancelled),
+            },
+        }
+    }
+}
+
+/// What a thread has counted, for tests.
+#[cfg(all(test, feature = "unions"))]
+pub(crate) mod measure {
+    use std::cell::Cell;
+
+    thread_local! {
+        static LONGEST: Cell<f64> = const { Cell::new(0.0) };
+        static TOTAL: Cell<f64> = const { Cell::new(0.0) };
+    }
+
+    pub(super) fn count(operations: f64) {
+        LONGEST.set(LONGEST.get().max(super::watch::add(0.0)));
+        TOTAL.set(TOTAL.get() + operations);
+    }
+
+    /// Returns the most operations between two requests of `work` on this thread, and all of them.
+    pub(crate) fn operations(work: impl FnOnce()) -> (f64, f64) {
+        super::watch::add(-super::watch::add(0.0));
+        LONGEST.set(0.0);
+        TOTAL.set(0.0);
+        work();
+        (LONGEST.get(), TOTAL.get())
+    }
+}

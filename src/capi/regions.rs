@@ -1,0 +1,158 @@
+//! The memory that the arguments of a call describe: no output may overlap another argument.
+
+use std::cell::RefCell;
+
+use super::status::{CATA_ERR_ARGUMENT, Failure};
+
+thread_local! {
+    static REGIONS: RefCell<Regions> = RefCell::default();
+}
+
+/// The regions of the calls that this thread is in: a callback may call the library again.
+#[derive(Default)]
+struct Regions {
+    list: Vec<Region>,
+    /// The first one of the innermost call.
+    first: Option<usize>,
+}
+
+/// The bytes of an argument: lines of `line` bytes, each `stride` after the one before, which is at
+/// least `line`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Region {
+    pub what: &'static str,
+    pub start: usize,
+    pub line: usize,
+    pub stride: usize,
+    pub lines: usize,
+    pub written: bool,
+}
+
+impl Region {
+    /// Returns the address after the last byte.
+    fn end(&self) -> usize {
+        self.start + (self.lines - 1) * self.stride + self.line
+    }
+
+    /// Returns whether a line has a byte in `from..to`.
+    fn meets(&self, from: usize, to: usize) -> bool {
+        if to <= self.start {
+            return false;
+        }
+        let last = ((to - 1 - self.start) / self.stride).min(self.lines - 1);
+        self.start + last * self.stride + self.line > from
+    }
+
+    /// Returns whether both have a byte. What lies between lines belongs to neither, so that blocks
+    /// of columns of one matrix do not overlap.
+    fn overlaps(&self, other: &Self) -> bool {
+        if self.end() <= other.start || other.end() <= self.start {
+            return false;
+        }
+        let (few, many) = if self.lines <= other.lines { (self, other) } else { (other, self) };
+        (0..few.lines).map(|i| few.start + i * few.stride).any(|at| many.meets(at, at + few.line))
+    }
+}
+
+/// A call, while its arguments are compared with each other; those of the call around it are not.
+pub(super) struct Call {
+    around: Option<usize>,
+    first: usize,
+}
+
+impl Call {
+    pub fn begin() -> Self {
+        let begin = |all: &RefCell<Regions>| {
+            let mut all = all.borrow_mut();
+            let first = all.list.len();
+            Self { around: all.first.replace(first), first }
+        };
+        // The thread-local may be gone while the thread destroys its other thread-locals. (Lazily:
+        // a call that is dropped ends this one.)
+        REGIONS.try_with(begin).unwrap_or_else(|_| Self { around: None, first: 0 })
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        let _ = REGIONS.try_with(|all| {
+            let mut all = all.borrow_mut();
+            all.list.truncate(self.first);
+            all.first = self.around;
+        });
+    }
+}
+
+/// Adds the memory of an argument to this thread's call, or returns an error when it, or the
+/// argument that it overlaps, is written.
+pub(super) fn add(new: Region) -> Result<(), Failure> {
+    let check = |all: &RefCell<Regions>| {
+        let mut all = all.borrow_mut();
+        // Outside of a call, nothing would ever remove it.
+        let Some(first) = all.first.filter(|_| new.lines > 0 && new.line > 0) else { return None };
+        let both = |old: &&Region| (old.written || new.written) && old.overlaps(&new);
+        let found = all.list[first..].iter().find(both).copied();
+        all.list.push(new);
+        found
+    };
+    match REGIONS.try_with(check) {
+        Ok(Some(old)) => {
+            let (output, other) = if new.written { (new, old) } else { (old, new) };
+            let why = format!("{}: must not overlap {}", output.what, other.what);
+            Err(Failure::new(CATA_ERR_ARGUMENT, why))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn region(start: usize, line: usize, stride: usize, lines: usize) -> Region {
+        Region { what: "a", start, line, stride, lines, written: true }
+    }
+
+    #[test]
+    fn regions_overlap_when_they_share_a_byte() {
+        let sizes = [(1, 1, 1), (2, 3, 4), (3, 3, 2), (1, 7, 3), (4, 9, 2), (2, 2, 5), (9, 9, 1)];
+        let bytes = |r: Region| {
+            (0..r.lines).flat_map(move |i| (0..r.line).map(move |j| r.start + i * r.stride + j))
+        };
+        for (line, stride, lines) in sizes {
+            for (line2, stride2, lines2) in sizes {
+                for start in 0..45 {
+                    let (a, b) =
+                        (region(20, line, stride, lines), region(start, line2, stride2, lines2));
+                    let shared = bytes(a).any(|byte| bytes(b).any(|other| other == byte));
+                    assert_eq!((a.overlaps(&b), b.overlaps(&a)), (shared, shared), "{a:?} {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_call_within_a_call_has_arguments_of_its_own() {
+        add(region(0, 8, 8, 1)).unwrap();
+        let _outer = Call::begin();
+        add(region(0, 8, 8, 1)).unwrap();
+        {
+            let _inner = Call::begin();
+            add(region(0, 8, 8, 1)).unwrap();
+            assert!(add(region(7, 8, 8, 1)).is_err());
+        }
+        add(region(8, 8, 8, 1)).unwrap();
+        assert_eq!(add(region(4, 1, 1, 1)).unwrap_err().message, "a: must not overlap a");
+    }
+
+    #[test]
+    fn inputs_and_empty_outputs_may_overlap() {
+        let _call = Call::begin();
+        let read = Region { written: false, ..region(0, 8, 8, 4) };
+        add(read).unwrap();
+        add(read).unwrap();
+        add(region(0, 0, 8, 4)).unwrap();
+        add(region(0, 8, 8, 0)).unwrap();
+        assert!(add(region(31, 8, 8, 1)).is_err());
+    }
+}

@@ -1,0 +1,89 @@
+//! Which extensions of glTF change the triangles of a file, and which of them the reader applies.
+
+use super::super::draft::{Checked, Fault};
+use super::super::notes::Notes;
+use super::document::{Document, Extensions};
+
+/// Extensions that compress the numbers of a mesh. A file may have the same numbers uncompressed;
+/// then these are read.
+const COMPRESSION: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Extensions that the reader applies.
+const APPLIED: [&str; 3] =
+    ["KHR_mesh_quantization", "KHR_node_visibility", "EXT_mesh_gpu_instancing"];
+
+/// Beginnings of the names of extensions that do not change the triangles: materials, textures,
+/// lights, sound, physics, behaviour, descriptions, and coarser levels of detail.
+#[rustfmt::skip]
+const NO_TRIANGLES: [&str; 39] = [
+    "KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_animation_", "KHR_audio_", "KHR_xmp",
+    "KHR_physics_", "KHR_implicit_shapes", "KHR_interactivity", "KHR_environment_map",
+    "KHR_techniques_webgl", "KHR_blend", "KHR_node_hoverability", "KHR_node_selectability",
+    "EXT_materials_", "EXT_texture_", "EXT_lights_", "EXT_mesh_features", "EXT_mesh_manifold",
+    "EXT_instance_features", "EXT_feature_metadata", "EXT_structural_metadata",
+    "EXT_property_", "EXT_skybox", "MSFT_texture_", "MSFT_packing_", "MSFT_audio_", "MSFT_lod",
+    "MSFT_physics", "OMI_", "ADOBE_materials_", "AGI_", "NV_materials_", "MAXAR_", "VRM",
+    "FB_geometry_metadata", "CESIUM_primitive_outline", "GODOT_single_root", "GRIFFEL_bim_data",
+];
+
+/// Returns an error unless the reader can read files that require their extensions.
+pub(super) fn check_required(document: &Document) -> Checked<()> {
+    let wrong = |name: &&String| COMPRESSION.contains(&&name[..]) || changes_triangles(name);
+    match document.extensions_required.iter().find(wrong) {
+        Some(name) => Err(unsupported(name)),
+        None => Ok(()),
+    }
+}
+
+/// Returns the error about a file that can't be read without an extension.
+pub(super) fn unsupported(name: &str) -> Fault {
+    match COMPRESSION.contains(&name) {
+        true => format!("compressed by the extension {name}, which is not supported").into(),
+        false => format!("requires the extension {name}, which is not supported").into(),
+    }
+}
+
+/// Returns the extension that has the numbers of a primitive with these extensions, where the file
+/// has none outside of extensions.
+pub(super) fn source<'a>(own: &'a Extensions, document: &'a Document) -> Option<&'a str> {
+    let used = document.extensions_used.iter().map(String::as_str);
+    own.keys().map(String::as_str).chain(used.filter(|name| COMPRESSION.contains(name))).next()
+}
+
+/// Notes the extensions of objects that may change the triangles, and that are left out.
+pub(super) fn note_left_out(document: &Document, notes: &mut Notes) {
+    let mut note = |extensions: &Extensions, place: &dyn Fn() -> String| {
+        for name in extensions.keys().filter(|name| changes_triangles(name)) {
+            notes.add(format!("left out the extension {name}, which is not supported"), place);
+        }
+    };
+    note(&document.extensions, &|| "the document".into());
+    for (i, scene) in document.scenes.iter().enumerate() {
+        note(&scene.extensions, &|| format!("scene {i}"));
+    }
+    for (i, node) in document.nodes.iter().enumerate() {
+        note(&node.extensions.others, &|| format!("node {i}"));
+    }
+    for (i, mesh) in document.meshes.iter().enumerate() {
+        note(&mesh.extensions, &|| format!("mesh {i}"));
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            note(&primitive.extensions, &|| format!("mesh {i}, primitive {p}"));
+        }
+    }
+    for (i, accessor) in document.accessors.iter().enumerate() {
+        note(&accessor.extensions, &|| format!("accessor {i}"));
+    }
+    for (i, view) in document.buffer_views.iter().enumerate() {
+        note(&view.extensions, &|| format!("buffer view {i}"));
+    }
+    for (i, buffer) in document.buffers.iter().enumerate() {
+        note(&buffer.extensions, &|| format!("buffer {i}"));
+    }
+}
+
+/// Returns whether an extension may change the triangles in a way that the reader does not apply.
+fn changes_triangles(name: &str) -> bool {
+    let harmless = NO_TRIANGLES.iter().any(|start| name.starts_with(start));
+    !harmless && !APPLIED.contains(&name) && !COMPRESSION.contains(&name)
+}

@@ -1,0 +1,276 @@
+//! The values of a factor, one supernode after another: each takes the updates of the earlier ones
+//! that have rows in it, and is factorized as a dense matrix (Ng and Peyton, Block sparse Cholesky
+//! algorithms on advanced uniprocessor computers, 1993).
+
+use faer::diag::DiagMut;
+use faer::dyn_stack::MemStack;
+use faer::linalg::cholesky::lblt::factor as pivoted;
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
+};
+use faer::prelude::{IntoConst, ReborrowMut};
+use faer::{Accum, MatMut, MatRef};
+
+use super::pattern::{Entries, Pattern};
+use super::supernode::Supernode;
+use crate::base::{Result, ask, count, zeros};
+use crate::dense::{self, buffer};
+
+/// Most operations of a product or a solution of equations, after which the thread asks whether to
+/// go on.
+const PIECE: usize = 1 << 25;
+
+/// Marks the end of a list.
+const NONE: u32 = u32::MAX;
+
+const SEQ: faer::Par = faer::Par::Seq;
+
+/// B and the order of its pivots, for a matrix that is not positive definite.
+#[derive(Debug)]
+pub(super) struct Pivots {
+    /// The entries of B below its diagonal.
+    pub subdiagonal: Vec<f64>,
+    /// For each row of the factor the row of the pattern, and the other way round.
+    pub forward: Vec<usize>,
+    pub inverse: Vec<usize>,
+}
+
+impl Pivots {
+    pub fn new(n: usize) -> Result<Self> {
+        Ok(Self { subdiagonal: zeros(n)?, forward: (0..n).collect(), inverse: (0..n).collect() })
+    }
+}
+
+/// Computes the values of `L L^T` for the entries `a` of a matrix; `None` when it is not positive
+/// definite.
+pub(super) fn positive(
+    pattern: &Pattern,
+    entries: &Entries,
+    a: &[f64],
+) -> Result<Option<Vec<f64>>> {
+    let mut numeric = Numeric::new(pattern, entries, a)?;
+    for s in 0..pattern.nodes.len() {
+        numeric.gather(s, None)?;
+        if !numeric.factorize(s)? {
+            return Ok(None);
+        }
+        numeric.attach(s);
+    }
+    Ok(Some(numeric.values))
+}
+
+/// Computes the values of `L B L^T`, and B.
+pub(super) fn indefinite(
+    pattern: &Pattern,
+    entries: &Entries,
+    a: &[f64],
+) -> Result<(Vec<f64>, Pivots)> {
+    let mut numeric = Numeric::new(pattern, entries, a)?;
+    let mut pivots = Pivots::new(pattern.n)?;
+    for s in 0..pattern.nodes.len() {
+        numeric.gather(s, Some(&pivots))?;
+        numeric.factorize_with_pivots(s, &mut pivots)?;
+        numeric.attach(s);
+    }
+    Ok((numeric.values, pivots))
+}
+
+struct Numeric<'a> {
+    pattern: &'a Pattern,
+    entries: &'a Entries,
+    a: &'a [f64],
+    values: Vec<f64>,
+    /// For each supernode, the first of the earlier ones whose next rows are in it, and after each
+    /// supernode the next one of its list.
+    first: Vec<u32>,
+    next: Vec<u32>,
+    /// Rows below each supernode that have been applied.
+    applied: Vec<u32>,
+    /// For rows of the current supernode, their place in it.
+    place: Vec<u32>,
+    /// An update.
+    update: Vec<f64>,
+    /// The rows of an update that are also columns, times B.
+    weighted: Vec<f64>,
+}
+
+impl<'a> Numeric<'a> {
+    fn new(pattern: &'a Pattern, entries: &'a Entries, a: &'a [f64]) -> Result<Self> {
+        let count = pattern.nodes.len();
+        Ok(Self {
+            pattern,
+            entries,
+            a,
+            values: zeros(pattern.values)?,
+            first: vec![NONE; count],
+            next: vec![NONE; count],
+            applied: vec![0; count],
+            place: vec![0; pattern.n],
+            update: Vec::new(),
+            weighted: Vec::new(),
+        })
+    }
+
+    /// Sums the entries of the matrix and the updates of earlier supernodes.
+    fn gather(&mut self, s: usize, pivots: Option<&Pivots>) -> Result<()> {
+        let node = self.pattern.nodes[s];
+        let own = node.start as u32..(node.start + node.columns) as u32;
+        for (i, row) in (0..).zip(own.clone().chain(self.pattern.below(s).iter().copied())) {
+            self.place[row as usize] = i;
+        }
+        let panel = &mut self.values[node.range()];
+        for (j, column) in panel.chunks_exact_mut(node.rows()).enumerate() {
+            for &(row, at) in self.entries.column(node.start + j) {
+                column[self.place[row as usize] as usize] += self.a[at];
+            }
+        }
+        let mut d = std::mem::replace(&mut self.first[s], NONE);
+        while d != NONE {
+            let following = self.next[d as usize];
+            self.take_update(s, d as usize, own.end, pivots)?;
+            self.attach(d as usize);
+            d = following;
+        }
+        Ok(())
+    }
+
+    /// Puts a supernode into the list of the one that its next rows are in.
+    fn attach(&mut self, s: usize) {
+        if let Some(&row) = self.pattern.below(s).get(self.applied[s] as usize) {
+            let target = self.pattern.owner[row as usize] as usize;
+            self.next[s] = self.first[target];
+            self.first[target] = s as u32;
+        }
+    }
+
+    /// Subtracts from supernode s, which ends before row `end`, the product of rows of the earlier
+    /// supernode d.
+    fn take_update(&mut self, s: usize, d: usize, end: u32, pivots: Option<&Pivots>) -> Result<()> {
+        let (node, from) = (self.pattern.nodes[s], self.pattern.nodes[d]);
+        let done = self.applied[d] as usize;
+        let rows = &self.pattern.below(d)[done..];
+        let width = rows.partition_point(|&row| row < end);
+        self.applied[d] += width as u32;
+        let (earlier, panel) = self.values.split_at_mut(node.values);
+        let panel = &mut panel[..node.rows() * node.columns];
+        let source = from.panel(&earlier[from.range()]).subrows(from.columns + done, rows.len());
+        let k = from.columns;
+        let across = match pivots {
+            None => source.subrows(0, width),
+            Some(pivots) => {
+                self.weighted.resize(width * k, 0.0);
+                let mut across = MatMut::from_column_major_slice_mut(&mut self.weighted, width, k);
+                across.copy_from(source.subrows(0, width));
+                let blocks = from.blocks(&earlier[..], &pivots.subdiagonal);
+                blocks.for_each(|(i, block)| block.multiply_columns(across.rb_mut(), i));
+                across.into_const()
+            }
+        };
+        let piece = (PIECE / (2 * width * k)).max(1);
+        for first in (0..rows.len()).step_by(piece) {
+            let height = piece.min(rows.len() - first);
+            self.update.resize(height * width, 0.0);
+            let product = MatMut::from_column_major_slice_mut(&mut self.update, height, width);
+            let left = source.subrows(first, height);
+            matmul(product, Accum::Replace, left, across.transpose(), 1.0, SEQ);
+            count((2 * height * width * k) as f64);
+            for (j, update) in self.update.chunks_exact(height).enumerate() {
+                let column = (rows[j] as usize - node.start) * node.rows();
+                let column = &mut panel[column..column + node.rows()];
+                // Above the diagonal there is nothing.
+                let skipped = j.saturating_sub(first).min(height);
+                for (row, x) in rows[first + skipped..].iter().zip(&update[skipped..]) {
+                    column[self.place[*row as usize] as usize] -= x;
+                }
+            }
+            ask()?;
+        }
+        Ok(())
+    }
+
+    /// Factorizes a supernode; returns whether its pivots are positive.
+    fn factorize(&mut self, s: usize) -> Result<bool> {
+        let node = self.pattern.nodes[s];
+        let (mut triangle, below) = node.parts(&mut self.values[node.range()]);
+        if node.columns == 1 {
+            let pivot = triangle[(0, 0)];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return Ok(false);
+            }
+            let root = pivot.sqrt();
+            triangle[(0, 0)] = root;
+            below.col_mut(0).iter_mut().for_each(|x| *x /= root);
+            return Ok(true);
+        }
+        if dense::cholesky(triangle.rb_mut())?.is_err() {
+            return Ok(false);
+        }
+        solve_below(node, triangle.into_const(), below, |l, x| {
+            solve_lower_triangular_in_place(l, x, SEQ);
+        })?;
+        Ok(true)
+    }
+
+    /// Factorizes a supernode with pivots inside of it.
+    fn factorize_with_pivots(&mut self, s: usize, pivots: &mut Pivots) -> Result<()> {
+        let node = self.pattern.nodes[s];
+        let (start, n) = (node.start, node.columns);
+        let subdiagonal = &mut pivots.subdiagonal[start..start + n];
+        let (mut triangle, mut below) = node.parts(&mut self.values[node.range()]);
+        if n > 1 {
+            let (mut forward, mut inverse) = (vec![0usize; n], vec![0usize; n]);
+            let scratch = pivoted::cholesky_in_place_scratch::<usize, f64>;
+            let mut memory = buffer(scratch(n, SEQ, Default::default()))?;
+            pivoted::cholesky_in_place(
+                triangle.rb_mut(),
+                DiagMut::from_slice_mut(subdiagonal),
+                &mut forward,
+                &mut inverse,
+                SEQ,
+                MemStack::new(&mut memory),
+                Default::default(),
+            );
+            for i in 0..n {
+                pivots.forward[start + i] = start + forward[i];
+                pivots.inverse[start + i] = start + inverse[i];
+            }
+            let mut row = vec![0.0; n];
+            for i in 0..node.below {
+                (0..n).for_each(|j| row[j] = below[(i, forward[j])]);
+                (0..n).for_each(|j| below[(i, j)] = row[j]);
+            }
+            solve_below(node, triangle.as_ref(), below.rb_mut(), |l, x| {
+                solve_unit_lower_triangular_in_place(l, x, SEQ);
+            })?;
+        }
+        let blocks = node.blocks(&self.values, &pivots.subdiagonal).collect::<Vec<_>>();
+        let (_, mut below) = node.parts(&mut self.values[node.range()]);
+        for (i, block) in blocks {
+            block.divide_columns(below.rb_mut(), i);
+        }
+        Ok(())
+    }
+}
+
+/// Solves for the rows below the triangle L of a supernode, some at a time.
+fn solve_below(
+    node: Supernode,
+    l: MatRef<'_, f64>,
+    below: MatMut<'_, f64>,
+    solve: impl Fn(MatRef<'_, f64>, MatMut<'_, f64>),
+) -> Result<()> {
+    let n = node.columns;
+    count((n * n * n / 3) as f64);
+    let piece = (PIECE / (n * n)).max(1);
+    let mut rest = below;
+    while rest.nrows() > 0 {
+        let height = piece.min(rest.nrows());
+        let (head, tail) = rest.split_at_row_mut(height);
+        solve(l, head.transpose_mut());
+        count((height * n * n) as f64);
+        ask()?;
+        rest = tail;
+    }
+    ask()
+}

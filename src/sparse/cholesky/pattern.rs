@@ -1,0 +1,117 @@
+//! Where the factor of a sparse matrix has entries.
+
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+
+use super::supernode::Supernode;
+
+/// Most columns of a supernode. Wider ones are cut, so that each step takes few operations; pivots
+/// are chosen inside the pieces.
+const WIDEST: usize = 256;
+
+/// The supernodes of a factor and the rows of their columns.
+#[derive(Debug, Default)]
+pub(super) struct Pattern {
+    /// Rows of the factor.
+    pub n: usize,
+    pub nodes: Vec<Supernode>,
+    /// The rows below the triangles, ascending for each supernode; those of supernode s are
+    /// `rows[starts[s]..starts[s + 1]]`.
+    rows: Vec<u32>,
+    starts: Vec<usize>,
+    /// The supernode of each column.
+    pub owner: Vec<u32>,
+    /// Number of values of the factor.
+    pub values: usize,
+}
+
+impl Pattern {
+    /// Cuts the supernodes of a factor.
+    pub fn new(symbolic: &SymbolicSupernodalCholesky<usize>) -> Self {
+        let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
+        let mut pattern = Self { n: symbolic.nrows(), starts: vec![0], ..Self::default() };
+        for s in 0..symbolic.n_supernodes() {
+            let mut below: Vec<u32> =
+                symbolic.supernode(s).pattern().iter().map(|&row| row as u32).collect();
+            below.sort_unstable();
+            for start in (starts[s]..ends[s]).step_by(WIDEST) {
+                let end = ends[s].min(start + WIDEST);
+                pattern.rows.extend(end as u32..ends[s] as u32);
+                pattern.rows.extend_from_slice(&below);
+                pattern.push(start, end - start);
+            }
+        }
+        pattern
+    }
+
+    /// Adds the supernode of the rows that have been added.
+    fn push(&mut self, start: usize, columns: usize) {
+        let below = self.rows.len() - self.starts[self.nodes.len()];
+        self.owner.resize(start + columns, self.nodes.len() as u32);
+        self.nodes.push(Supernode { start, columns, below, values: self.values });
+        self.values += (columns + below) * columns;
+        self.starts.push(self.rows.len());
+    }
+
+    /// Returns the rows below the triangle of a supernode, ascending.
+    pub fn below(&self, s: usize) -> &[u32] {
+        &self.rows[self.starts[s]..self.starts[s + 1]]
+    }
+
+    /// Returns the number of rows below all triangles.
+    pub fn all_below(&self) -> usize {
+        self.rows.len()
+    }
+}
+
+/// The entries of a matrix by the columns of its factor.
+#[derive(Debug)]
+pub(super) struct Entries {
+    /// Those of column j are `starts[j]..starts[j + 1]`.
+    starts: Vec<usize>,
+    /// The row of the factor, and the index of the entry in the matrix.
+    places: Vec<(u32, usize)>,
+}
+
+impl Entries {
+    /// Finds the entries in the lower triangle of a matrix; row i of the factor is row `order[i]`
+    /// of the matrix.
+    pub fn new(matrix: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Self {
+        let mut place = vec![0u32; order.len()];
+        (0..).zip(order).for_each(|(i, &row)| place[row] = i);
+        let lower = || {
+            let place = &place;
+            (0..order.len()).flat_map(move |j| {
+                let entries = matrix.col_range(j).zip(matrix.row_idx_of_col_raw(j));
+                entries.filter(move |(_, i)| **i >= j).map(move |(at, &i)| {
+                    let (i, j) = (place[i], place[j]);
+                    (i.min(j), i.max(j), at)
+                })
+            })
+        };
+        let mut starts = vec![0; order.len() + 1];
+        for (column, ..) in lower() {
+            starts[column as usize + 1] += 1;
+        }
+        for j in 0..order.len() {
+            starts[j + 1] += starts[j];
+        }
+        let mut next = starts.clone();
+        let mut places = vec![(0, 0); starts[order.len()]];
+        for (column, row, at) in lower() {
+            places[next[column as usize]] = (row, at);
+            next[column as usize] += 1;
+        }
+        Self { starts, places }
+    }
+
+    /// Returns the rows of a column of the factor and the indices of their entries.
+    pub fn column(&self, j: usize) -> &[(u32, usize)] {
+        &self.places[self.starts[j]..self.starts[j + 1]]
+    }
+
+    /// Returns the bytes that this takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.starts[..]) + size_of_val(&self.places[..])
+    }
+}
