@@ -4,7 +4,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::axis::Axis;
-use crate::chart::{FONT, GRID, Rgb, document_of, rgb};
+use crate::chart::{FONT, GRID, Rgb, on_white, rgb};
 
 /// A bar.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,8 @@ pub fn bars(bars: &[Bar], unit: &str) -> String {
     const ROW: u32 = 36;
     const AXIS: u32 = 50;
     let mut document = String::new();
-    document_of(&mut document, (WIDTH, ROW * bars.len() as u32 + AXIS), |root| {
+    let size = (WIDTH, ROW * bars.len() as u32 + AXIS);
+    let drawn = on_white(SVGBackend::with_string(&mut document, size), |root| {
         // From the bottom up, as the axis goes.
         let names = bars.iter().rev().map(|bar| bar.name.clone()).collect();
         let across = Axis::linear(unit).coordinates(bars.iter().map(|bar| bar.value), true);
@@ -60,6 +61,7 @@ pub fn bars(bars: &[Bar], unit: &str) -> String {
         context.draw_series(bars.iter().enumerate().map(label))?;
         Ok(())
     });
+    drawn.expect("a string takes all that is drawn");
     document
 }
 

@@ -99,32 +99,43 @@ impl Series {
 
 /// Draws charts below one another, as one SVG document.
 pub fn svg(charts: &[Chart]) -> String {
-    let height = if charts.len() == 1 { 420 } else { 310 };
     let mut document = String::new();
-    let size = (WIDTH, height * charts.len().max(1) as u32);
-    document_of(&mut document, size, |root| {
+    let drawn = draw(charts, SVGBackend::with_string(&mut document, size(charts)));
+    drawn.expect("a string takes all that is drawn");
+    document
+}
+
+/// Returns the width and the height of charts below one another, in pixels.
+pub fn size(charts: &[Chart]) -> (u32, u32) {
+    let height = if charts.len() == 1 { 420 } else { 310 };
+    (WIDTH, height * charts.len().max(1) as u32)
+}
+
+/// Draws charts below one another, on an area of their [`size`].
+///
+/// # Errors
+/// Those of the back end.
+pub fn draw<B: DrawingBackend>(charts: &[Chart], backend: B) -> Result<(), DrawError<B>> {
+    on_white(backend, |root| {
         for (chart, area) in charts.iter().zip(root.split_evenly((charts.len().max(1), 1))) {
             chart.draw(&area)?;
         }
         Ok(())
-    });
-    document
+    })
 }
 
 /// The reason why drawing failed.
-pub(crate) type DrawError<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
+pub type DrawError<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
 /// The area in which something is drawn.
-pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type Area<B> = DrawingArea<B, Shift>;
 
 /// Draws on a white background.
-pub(crate) fn document_of<'a>(
-    document: &'a mut String,
-    size: (u32, u32),
-    draw: impl FnOnce(&Area<'a>) -> Result<(), DrawError<'a>>,
-) {
-    let root = SVGBackend::with_string(document, size).into_drawing_area();
-    let drawn = root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present());
-    drawn.expect("a string takes all that is drawn");
+pub(crate) fn on_white<B: DrawingBackend>(
+    backend: B,
+    draw: impl FnOnce(&Area<B>) -> Result<(), DrawError<B>>,
+) -> Result<(), DrawError<B>> {
+    let root = backend.into_drawing_area();
+    root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present())
 }
 
 pub(crate) fn rgb([r, g, b]: Rgb) -> RGBColor {
@@ -132,7 +143,7 @@ pub(crate) fn rgb([r, g, b]: Rgb) -> RGBColor {
 }
 
 impl Chart {
-    fn draw<'a>(&self, area: &Area<'a>) -> Result<(), DrawError<'a>> {
+    fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(), DrawError<B>> {
         let shown = |series: &Series| -> Vec<(f64, f64)> {
             let points = series.points.iter().copied();
             points.filter(|(x, y)| self.x.shows(*x) && self.y.shows(*y)).collect()
@@ -191,7 +202,7 @@ impl Chart {
         self.draw_legend(&names)
     }
 
-    fn draw_legend<'a>(&self, area: &Area<'a>) -> Result<(), DrawError<'a>> {
+    fn draw_legend<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(), DrawError<B>> {
         let style = (FONT, 12).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
         let named = self.series.iter().filter(|series| !series.name.is_empty());
         let mut y = 44;

@@ -1,5 +1,5 @@
-//! Charts as SVG, drawn by `plotters`: the one plotting layer of the command line, of its demo page
-//! and of the races.
+//! Charts as SVG, or on another back end of `plotters`, which draws them: the one plotting layer of
+//! the command line, of its demo page and of the races.
 
 mod axis;
 mod bars;
@@ -7,4 +7,4 @@ mod chart;
 
 pub use axis::{Axis, Scale};
 pub use bars::{Bar, bars};
-pub use chart::{Chart, Line, Rgb, Rule, Series, svg};
+pub use chart::{Chart, DrawError, Line, Rgb, Rule, Series, draw, size, svg};

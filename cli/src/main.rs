@@ -14,6 +14,8 @@ mod distance;
 mod filter;
 mod fps;
 mod gram;
+#[cfg(test)]
+mod help;
 mod info;
 mod input;
 mod lstsq;
@@ -137,6 +139,8 @@ fn main() -> ExitCode {
         .and_then(|()| Ok(isa_limit().map(drop)?))
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
+    signals::wait_for_end();
+    shortage::wait_for_abort();
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
         report::complain(format_args!("cancelled"));
         return signals::exit_code();

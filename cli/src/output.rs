@@ -1,12 +1,10 @@
 //! Writes the files of commands.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Result, bail};
 use catamaran::io::{Output, check_arrays_name};
 use catamaran::mesh::io::{self as meshes, Material, MeshFile, MeshFormat};
-use catamaran_charts::Chart;
 
 use crate::common::Force;
 use crate::report;
@@ -39,13 +37,6 @@ fn notes(path: &Path, lines: &[String]) {
     for line in lines {
         report::note(format_args!("{}: {line}", path.display()));
     }
-}
-
-/// Writes a chart as SVG.
-pub fn chart(mut output: Output, chart: &Chart) -> Result<()> {
-    let svg = catamaran_charts::svg(std::slice::from_ref(chart));
-    output.write_all(svg.as_bytes()).map_err(|e| output.error(e))?;
-    Ok(output.commit()?)
 }
 
 /// Starts a table of comma-separated values with a line of titles.

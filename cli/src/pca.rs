@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use catamaran::faer::MatRef;
 use catamaran::gram::{Components, PrincipalComponents, PrincipalComponentsOptions};
 use catamaran::io::{Array, ArraysWriter, Output};
@@ -10,6 +10,7 @@ use catamaran_charts::{Axis, Chart, Line, Series};
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
+use crate::picture::{self, write_chart};
 use crate::ranks::Ranks;
 use crate::report::{head, report, row, shown, status};
 
@@ -45,7 +46,7 @@ pub struct Args {
     /// pass over the rows.
     #[arg(long, requires = "output")]
     scores: bool,
-    /// Draw the share of the variance that each component explains to this .svg file.
+    /// Draw the share of the variance that each component explains to this .svg or .png file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 }
@@ -60,7 +61,8 @@ pub fn run(args: &Args) -> Result<()> {
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let path = args.output.as_deref().filter(|_| ranks.is_first());
     let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
-    let picture = if ranks.is_first() { start_picture(args)? } else { None };
+    let path = args.picture.as_deref().filter(|_| ranks.is_first());
+    let picture = path.map(|path| picture::create(path, args.gram.force)).transpose()?;
     args.gram.check(ranks)?;
     let name = || args.gram.input().display().to_string();
     let table = Table::of(args.gram.open()?);
@@ -78,23 +80,16 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         .par(args.gram.par());
     let found = PrincipalComponents::from_gram(&gram, &options).with_context(name)?;
     report_components(&found)?;
-    if let Some(output) = output {
-        write(args, output, &table, &found)?;
+    match output {
+        Some(output) => write(args, output, &table, &found)?,
+        None => status!("hint", option = "-o"; "-o FILE.npz writes the components")?,
     }
     if let Some(picture) = picture {
         let path = picture.path().display().to_string();
-        output::chart(picture, &scree(&found))?;
+        write_chart(picture, &scree(&found))?;
         status!("picture", path = path; "{path}")?;
     }
     pass.end()
-}
-
-fn start_picture(args: &Args) -> Result<Option<Output>> {
-    let Some(path) = &args.picture else { return Ok(None) };
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-        bail!("{}: the name of a scree plot must end in .svg", path.display());
-    }
-    args.gram.force.create(path).map(Some)
 }
 
 fn report_components(found: &PrincipalComponents) -> Result<()> {

@@ -161,6 +161,8 @@ impl Ranks {
     pub fn end(self, done: Result<()>) -> Result<()> {
         use mpi::topology::Communicator;
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
+            crate::signals::wait_for_end();
+            crate::shortage::wait_for_abort();
             let said = crate::report::message(error);
             crate::report::complain(format_args!("rank {}: {said}", world.rank()));
             let cancelled = matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled));

@@ -24,6 +24,9 @@ const PATIENCE: Duration = Duration::from_millis(200);
 /// A separate line, after the one in which the standard library says how many bytes it wanted.
 const MESSAGE: &[u8] = b"catamaran: not enough memory\n";
 
+/// Set by the first thread that aborts, which ends the process.
+static ABORTING: AtomicBool = AtomicBool::new(false);
+
 /// The system's allocator, which notes on which threads a request was refused.
 ///
 /// The note covers all requests, not only the last: before the standard library aborts it may print
@@ -114,6 +117,13 @@ pub fn guard(command: impl FnOnce() -> Result<()>) -> Result<()> {
     }
 }
 
+/// Returns unless a thread aborts: that thread ends the process, and reports why.
+pub fn wait_for_abort() {
+    while ABORTING.load(Ordering::Acquire) {
+        thread::sleep(PATIENCE);
+    }
+}
+
 /// Returns the message of a panic.
 fn message_of(payload: &(dyn Any + Send)) -> &str {
     let owned = || payload.downcast_ref().map(String::as_str);
@@ -130,12 +140,8 @@ fn is_shortage(message: &str) -> bool {
 /// other threads are at work. It allocates nothing, unless an output's path is longer than the
 /// buffer of the standard library.
 extern "C" fn on_abort(_: libc::c_int) {
-    static ABORTING: AtomicBool = AtomicBool::new(false);
-    if ABORTING.swap(true, Ordering::Relaxed) {
-        // Another thread aborted first, and ends the process.
-        loop {
-            thread::sleep(PATIENCE);
-        }
+    if ABORTING.swap(true, Ordering::AcqRel) {
+        wait_for_abort();
     }
     // A file whose thread holds the list stays behind; nothing better can be done.
     let _ = try_discard_unfinished(PATIENCE);

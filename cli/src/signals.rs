@@ -9,7 +9,7 @@
 
 use std::io;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -26,6 +26,9 @@ const POLL: Duration = Duration::from_millis(10);
 
 /// The first signal that was received; 0 before.
 static RECEIVED: AtomicI32 = AtomicI32::new(0);
+
+/// Set before the process is ended from outside.
+static ENDING: AtomicBool = AtomicBool::new(false);
 
 /// Locked while a command writes the state that a later run resumes from.
 static SAVING: Mutex<()> = Mutex::new(());
@@ -76,6 +79,14 @@ pub fn finish_first() -> MutexGuard<'static, ()> {
     SAVING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Returns unless the process is being ended from outside. Then an error is the consequence, such as
+/// that of an output after all were discarded, and must not be reported.
+pub fn wait_for_end() {
+    while ENDING.load(Ordering::Acquire) {
+        thread::sleep(POLL);
+    }
+}
+
 fn serve(mut signals: Signals) {
     let Some(first) = signals.forever().next() else { return };
     RECEIVED.store(first, Ordering::Relaxed);
@@ -93,6 +104,7 @@ fn serve(mut signals: Signals) {
 
 /// Ends the process without destructors and exit handlers: other threads are at work.
 fn end(signal: i32) -> ! {
+    ENDING.store(true, Ordering::Release);
     discard_unfinished();
     signal_hook::low_level::exit(i32::from(status_of(signal)))
 }

@@ -61,6 +61,8 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         }
         writer.finish()?;
         status!("written", path = path; "{path}")?;
+    } else {
+        status!("hint", option = "-o"; "-o FILE.npz writes the singular vectors")?;
     }
     pass.end()
 }

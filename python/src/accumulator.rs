@@ -9,13 +9,14 @@ use catamaran::base::FloatEnv;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
-use catamaran::{AtaOptions, Error, Real};
+use catamaran::{AtaOptions, Error, Real, Uplo};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
+use crate::exclusive::{Exclusive, Guard};
 use crate::gram::{Fit, FitOptions, PrincipalComponents};
 use crate::options::{Products, par, word};
 use crate::scalar::Scalar;
@@ -41,14 +42,19 @@ macro_rules! each {
 type Bounds<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, u64, Option<f64>);
 
 /// Sums of rows; see `catamaran.Accumulator`, which inherits from this class.
-#[pyclass(module = "catamaran._catamaran", subclass)]
+#[pyclass(frozen, module = "catamaran._catamaran", subclass)]
 pub struct Accumulator {
+    state: Exclusive<State>,
+}
+
+/// The sums, and whether they may be used.
+struct State {
     sums: Sums,
     /// Why it must not be used any more.
     broken: Option<String>,
 }
 
-impl Accumulator {
+impl State {
     fn of(sums: Sums) -> Self {
         Self { sums, broken: None }
     }
@@ -63,16 +69,18 @@ impl Accumulator {
     }
 
     fn sum_f64(&self) -> PyResult<Sum<f64>> {
-        self.check()?;
         match &self.sums {
             Sums::F64(sum) => copy(sum),
             Sums::F32(_) => Err(refused("accumulator", "float32 sums have no extended precision")),
         }
     }
 
-    fn extended(&self, py: Python<'_>, threads: Option<i64>) -> PyResult<ExtendedGram> {
-        let (sum, par) = (self.sum_f64()?, par(threads)?);
-        run(py, Length::Long, None, move |_| sum.finish_extended(par))
+    /// Returns alpha C.
+    fn result<'py>(&self, py: Python<'py>, alpha: f64, part: Uplo) -> PyResult<Bound<'py, PyAny>> {
+        match &self.sums {
+            Sums::F32(sum) => finished(py, sum, alpha, part),
+            Sums::F64(sum) => finished(py, sum, alpha, part),
+        }
     }
 
     /// Adds rows or removes them, block by block.
@@ -82,7 +90,6 @@ impl Accumulator {
         rows: &Bound<'_, PyAny>,
         change: Change<'_, '_>,
     ) -> PyResult<()> {
-        self.check()?;
         let mut started = false;
         let changed = match &mut self.sums {
             Sums::F32(sum) => blocks::<f32, f32>(py, sum, rows, change, &mut started),
@@ -97,6 +104,29 @@ impl Accumulator {
             self.broken = Some(error.value(py).to_string());
         }
         changed
+    }
+}
+
+impl Accumulator {
+    fn of(sums: Sums) -> Self {
+        Self { state: Exclusive::new(State::of(sums)) }
+    }
+
+    /// Returns the state, when no other thread uses it, for a call that needs valid sums.
+    fn valid(&self, py: Python<'_>) -> PyResult<Guard<'_, State>> {
+        let state = self.state.lock(py)?;
+        state.check()?;
+        Ok(state)
+    }
+
+    /// Returns what `get` returns of the sums.
+    fn get<R>(&self, py: Python<'_>, get: impl FnOnce(&Sums) -> R) -> PyResult<R> {
+        Ok(get(&self.state.lock(py)?.sums))
+    }
+
+    fn extended(&self, py: Python<'_>, threads: Option<i64>) -> PyResult<ExtendedGram> {
+        let (sum, par) = (self.valid(py)?.sum_f64()?, par(threads)?);
+        run(py, Length::Long, None, move |_| sum.finish_extended(par))
     }
 }
 
@@ -199,41 +229,44 @@ impl Accumulator {
 
     #[pyo3(signature = (rows, weights, products, progress))]
     fn _add<'py>(
-        &mut self,
+        &self,
         rows: &Bound<'py, PyAny>,
         weights: Option<&Bound<'py, PyAny>>,
         products: Products<'py>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
         let change = Change { weights, remove: false, products, progress };
-        self.change(rows.py(), rows, change)
+        self.valid(rows.py())?.change(rows.py(), rows, change)
     }
 
     #[pyo3(signature = (rows, weights, products, progress))]
     fn _remove<'py>(
-        &mut self,
+        &self,
         rows: &Bound<'py, PyAny>,
         weights: Option<&Bound<'py, PyAny>>,
         products: Products<'py>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
         let change = Change { weights, remove: true, products, progress };
-        self.change(rows.py(), rows, change)
+        self.valid(rows.py())?.change(rows.py(), rows, change)
     }
 
-    fn _merge(&mut self, other: &Bound<'_, Self>) -> PyResult<()> {
+    fn _merge(&self, other: &Bound<'_, Self>) -> PyResult<()> {
         let _nearest = FloatEnv::nearest();
-        self.check()?;
-        // One object cannot be borrowed twice; Python's side copies it for that.
-        let other = other.try_borrow()?;
-        other.check()?;
-        let merged = match (&mut self.sums, &other.sums) {
-            (Sums::F32(own), Sums::F32(others)) => own.merge(copy(others)?),
-            (Sums::F64(own), Sums::F64(others)) => own.merge(copy(others)?),
+        let py = other.py();
+        // A copy, so that no thread holds one object while it waits for another.
+        let others = match &other.get().valid(py)?.sums {
+            Sums::F32(others) => Sums::F32(copy(others)?),
+            Sums::F64(others) => Sums::F64(copy(others)?),
+        };
+        let mut state = self.valid(py)?;
+        let merged = match (&mut state.sums, others) {
+            (Sums::F32(own), Sums::F32(others)) => own.merge(others),
+            (Sums::F64(own), Sums::F64(others)) => own.merge(others),
             _ => return Err(refused("accumulator", "float32 and float64 sums can't be merged")),
         };
         merged.map_err(|error| {
-            self.broken = Some(error.to_string());
+            state.broken = Some(error.to_string());
             exception(error)
         })
     }
@@ -241,21 +274,25 @@ impl Accumulator {
     #[pyo3(signature = (alpha, part))]
     fn _result<'py>(&self, py: Python<'py>, alpha: f64, part: &str) -> PyResult<Bound<'py, PyAny>> {
         let _nearest = FloatEnv::nearest();
-        self.check()?;
         let part = crate::options::uplo(part)?;
-        match &self.sums {
-            Sums::F32(sum) => {
-                let c = copy(sum)?.finish(alpha, part).map_err(exception)?;
-                let wide =
-                    crate::array::zeros::<f32>(py, [c.as_ref().nrows(), c.as_ref().ncols()])?;
-                Ok(filled(wide, c.as_ref()).into_any())
-            }
-            Sums::F64(sum) => {
-                let c = copy(sum)?.finish(alpha, part).map_err(exception)?;
-                let own = crate::array::zeros::<f64>(py, [c.as_ref().nrows(), c.as_ref().ncols()])?;
-                Ok(filled(own, c.as_ref()).into_any())
-            }
+        self.valid(py)?.result(py, alpha, part)
+    }
+
+    /// The covariance matrix; weight and sums are of the same rows.
+    fn _cov<'py>(&self, py: Python<'py>, ddof: f64) -> PyResult<Bound<'py, PyAny>> {
+        let _nearest = FloatEnv::nearest();
+        let state = self.valid(py)?;
+        let (centered, weight, rows) =
+            each!(&state.sums, sum => (sum.is_centered(), sum.weight(), sum.rows()));
+        if !centered {
+            return Err(refused("accumulator", "not about the mean, make it with center=True"));
         }
+        let freedom = weight - ddof;
+        if freedom <= 0.0 {
+            let why = format_args!("{ddof} leaves no degree of freedom of {rows} rows");
+            return Err(refused("ddof", why));
+        }
+        state.result(py, 1.0 / freedom, Uplo::Both)
     }
 
     /// The three parts of C, lower triangles, and whether the sums are exact.
@@ -292,8 +329,8 @@ impl Accumulator {
     }
 
     fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        self.check()?;
-        let sums = &self.sums;
+        let state = self.valid(py)?;
+        let sums = &state.sums;
         run(py, Length::Long, None, move |_| {
             let output = Output::create(&path, Overwrite::Replace)?;
             each!(sums, sum => write_accumulator(output, sum))
@@ -301,75 +338,88 @@ impl Accumulator {
     }
 
     /// Becomes the accumulator of a file.
-    fn _load(&mut self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn _load(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let sums = run(py, Length::Long, None, move |_| match accumulator_scalar(&path)? {
             "f32" => read_accumulator(&path).map(Sums::F32),
             _ => read_accumulator(&path).map(Sums::F64),
         })?;
-        *self = Self::of(sums);
+        *self.state.lock(py)? = State::of(sums);
         Ok(())
     }
 
     fn _to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        self.check()?;
         let mut bytes = Vec::new();
-        each!(&self.sums, sum => sum.write(&mut bytes))?;
+        each!(&self.valid(py)?.sums, sum => sum.write(&mut bytes))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
     /// Becomes the accumulator of these bytes.
-    fn _restore(&mut self, bytes: &[u8]) -> PyResult<()> {
+    fn _restore(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
         let damaged = |e: std::io::Error| refused("accumulator", e);
         let sums = match scalar_of(&mut &bytes[..]).map_err(damaged)? {
             "f32" => Sum::read(&mut &bytes[..]).map(Sums::F32),
             _ => Sum::read(&mut &bytes[..]).map(Sums::F64),
         };
-        *self = Self::of(sums.map_err(damaged)?);
+        *self.state.lock(py)? = State::of(sums.map_err(damaged)?);
         Ok(())
     }
 
     #[getter]
-    fn columns(&self) -> usize {
-        each!(&self.sums, sum => sum.ncols())
+    fn columns(&self, py: Python<'_>) -> PyResult<usize> {
+        self.get(py, |sums| each!(sums, sum => sum.ncols()))
     }
 
     #[getter]
-    fn rows(&self) -> u64 {
-        each!(&self.sums, sum => sum.rows())
+    fn rows(&self, py: Python<'_>) -> PyResult<u64> {
+        self.get(py, |sums| each!(sums, sum => sum.rows()))
     }
 
     #[getter]
-    fn weight(&self) -> f64 {
-        each!(&self.sums, sum => sum.weight())
+    fn weight(&self, py: Python<'_>) -> PyResult<f64> {
+        self.get(py, |sums| each!(sums, sum => sum.weight()))
     }
 
     #[getter]
-    fn centered(&self) -> bool {
-        each!(&self.sums, sum => sum.is_centered())
+    fn centered(&self, py: Python<'_>) -> PyResult<bool> {
+        self.get(py, |sums| each!(sums, sum => sum.is_centered()))
     }
 
     #[getter]
-    fn exact(&self) -> bool {
-        each!(&self.sums, sum => sum.is_exact())
+    fn exact(&self, py: Python<'_>) -> PyResult<bool> {
+        self.get(py, |sums| each!(sums, sum => sum.is_exact()))
     }
 
     #[getter]
-    fn is_extended(&self) -> bool {
-        each!(&self.sums, sum => sum.is_extended())
+    fn is_extended(&self, py: Python<'_>) -> PyResult<bool> {
+        self.get(py, |sums| each!(sums, sum => sum.is_extended()))
     }
 
     #[getter]
-    fn dtype(&self) -> &'static str {
-        match self.sums {
+    fn dtype(&self, py: Python<'_>) -> PyResult<&'static str> {
+        self.get(py, |sums| match sums {
             Sums::F32(_) => "float32",
             Sums::F64(_) => "float64",
-        }
+        })
     }
 
     #[getter]
-    fn mean<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        from_vec(py, each!(&self.sums, sum => sum.mean())).into_any()
+    fn mean<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mean = self.get(py, |sums| each!(sums, sum => sum.mean()))?;
+        Ok(from_vec(py, mean).into_any())
     }
+}
+
+/// alpha C of sums, which stay as they are.
+fn finished<'py, T: Scalar + BlasReal>(
+    py: Python<'py>,
+    sum: &Sum<T>,
+    alpha: f64,
+    part: Uplo,
+) -> PyResult<Bound<'py, PyAny>> {
+    let c = copy(sum)?.finish(alpha, part).map_err(exception)?;
+    let c = c.as_ref();
+    let array = crate::array::zeros::<T>(py, [c.nrows(), c.ncols()])?;
+    Ok(filled(array, c).into_any())
 }
 
 /// A copy of a matrix in an array.

@@ -12,6 +12,7 @@ mod curve;
 mod decimate;
 mod environment;
 mod error;
+mod exclusive;
 mod gram;
 mod mesh;
 mod mesh_file;

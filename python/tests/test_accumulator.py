@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -117,3 +118,79 @@ def test_errors(rng):
         catamaran.Accumulator(3, kind="nice")
     with pytest.raises(ValueError, match="no extended precision"):
         sums.lstsq()
+
+
+def together(*calls):
+    """Run the calls at once and raise the error of one that fails."""
+    errors, start = [], threading.Barrier(len(calls))
+
+    def work(call):
+        start.wait()
+        try:
+            call()
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=work, args=(call,)) for call in calls]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    if errors:
+        raise errors[0]
+
+
+@pytest.mark.parametrize("kind", ["float", "exact"])
+def test_threads_that_add_to_one_accumulator_lose_no_rows(rng, kind):
+    a = rng.integers(-9, 9, (4, 20, 500, 60)).astype(float)
+    more = {"bounds": (np.full(60, -10.0), np.full(60, 10.0), 10**6)} if kind == "exact" else {}
+    sums = catamaran.Accumulator(60, kind=kind, **more)
+
+    def add(blocks):
+        for block in blocks:
+            sums.add(block)
+
+    together(*(lambda blocks=blocks: add(blocks) for blocks in a))
+    flat = a.reshape(-1, 60)
+    assert sums.rows == len(flat) and np.array_equal(sums.result(), flat.T @ flat)
+
+
+def test_every_call_waits_for_those_of_other_threads(rng, tmp_path):
+    a = rng.integers(-9, 9, (3000, 40)).astype(float)
+    one, other = (exact(40, "extended", center=True) for _ in range(2))
+    one.add(a)
+    other.add(a)
+
+    def read():
+        for _ in range(5):
+            assert one.rows % 3000 == 0 and one.weight == one.rows and len(one.mean) == 40
+            assert "rows of 40" in repr(one)
+            before = pickle.loads(pickle.dumps(one))
+            assert np.array_equal(before.cov(), one.cov())
+            one.save(tmp_path / f"sums{threading.get_ident()}")
+            assert len(one.pca(2).components) == 2
+
+    def change():
+        for _ in range(5):
+            one.add(a[:1500])
+            one.remove(a[:1500])
+
+    together(read, read)
+    # Merges in a circle, which would wait for each other with two locks.
+    small = [catamaran.Accumulator(2) for _ in range(2)]
+    for sums in small:
+        sums.add(np.ones((1, 2)))
+    together(
+        lambda: [small[0].merge(small[1]) for _ in range(20)],
+        lambda: [small[1].merge(small[0]) for _ in range(20)],
+    )
+    small[0].merge(small[0])
+    together(change, change)
+    assert one.rows == 3000 and np.array_equal(one.result(), other.result())
+
+
+def test_a_callback_that_uses_the_accumulator_of_its_call_is_refused(rng):
+    sums = catamaran.Accumulator(200)
+    with pytest.raises(RuntimeError, match="in use by the call"):
+        sums.add(rng.standard_normal((5000, 200)), progress=lambda done, total: sums.rows)
+    assert sums.columns == 200

@@ -585,37 +585,3 @@ fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
     assert!(refused("circle").contains("symbolic links"), "{}", refused("circle"));
     assert!(refused("device").contains("not a regular file"), "{}", refused("device"));
 }
-
-/// Calls of outputs after all of them were discarded, by a thread that the test can give up.
-#[test]
-#[ignore = "closes all outputs of its process: run by discarded_outputs_stay_errors"]
-fn outputs_after_they_were_discarded() {
-    let (tell, told) = std::sync::mpsc::channel();
-    std::thread::spawn(move || {
-        let folder = Folder::new();
-        let create = |name: &str| Output::create(&folder.path(name), Overwrite::Replace);
-        let [begun, dropped, kept] = ["a", "b", "c"].map(|name| create(name).unwrap());
-        kept.commit().unwrap();
-        discard_unfinished();
-        assert_eq!(folder.names(), ["c"]);
-        drop(dropped);
-        for refused in [begun.commit(), create("d").map(drop), create("c").map(drop)] {
-            let what = refused.unwrap_err().to_string();
-            assert!(what.contains("discarded its unfinished files"), "{what}");
-        }
-        assert!(try_discard_unfinished(std::time::Duration::from_secs(1)));
-        assert_eq!(folder.names(), ["c"]);
-        tell.send(()).unwrap();
-    });
-    told.recv_timeout(std::time::Duration::from_secs(60)).expect("no call waits");
-}
-
-#[test]
-fn discarded_outputs_stay_errors() {
-    let tests = std::process::Command::new(std::env::current_exe().unwrap())
-        .args(["--ignored", "--exact", "io::tests::outputs_after_they_were_discarded"])
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&tests.stdout).into_owned();
-    assert!(tests.status.success() && text.contains("1 passed"), "{text}");
-}

@@ -3,7 +3,9 @@
 use std::fmt;
 
 use super::TriMesh;
+use super::repair::{Seams, representatives};
 use super::topology::{Adjacency, Components, Edges, Genus, face_list, genus_of};
+use super::vector::distance;
 
 /// A defect that some algorithms can't handle, with the element that has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,6 +45,18 @@ pub enum Problem {
         /// The faces of the edge.
         faces: [u32; 2],
     },
+    /// A vertex on the boundary that belongs together with another one there, as in a soup of
+    /// triangles: they are in one place along a seam, where exactly two boundary edges coincide, or
+    /// nearly in one place, at less than a thousandth of the lengths of their edges.
+    CoincidentVertex {
+        /// The vertex.
+        vertex: u32,
+        /// The first vertex there.
+        first: u32,
+    },
+    /// A face that shares no edge with another face and has no coincident vertex, in a mesh of
+    /// several faces.
+    LooseFace(u32),
     /// The faces can't be flipped so that all agree; `why` names an edge.
     NotOrientable {
         /// The edge and its faces.
@@ -59,6 +73,8 @@ impl Problem {
             Self::RepeatedFace { .. } => "repeated faces",
             Self::ZeroArea(_) => "faces without area",
             Self::Inconsistent { .. } => "edges whose faces run the same way",
+            Self::CoincidentVertex { .. } => "boundary vertices that coincide with others",
+            Self::LooseFace(_) => "faces that share no edge with others",
             Self::NotOrientable { .. } => "not orientable",
         }
     }
@@ -79,6 +95,10 @@ impl fmt::Display for Problem {
             Self::Inconsistent { ends: [a, b], faces: [s, t] } => {
                 write!(f, "edge {a}-{b} of faces {s} and {t}")
             }
+            Self::CoincidentVertex { vertex, first } => {
+                write!(f, "vertex {vertex} as vertex {first}")
+            }
+            Self::LooseFace(face) => write!(f, "face {face}"),
             Self::NotOrientable { why } => f.write_str(why),
         }
     }
@@ -193,6 +213,13 @@ impl TriMesh {
             let ends = edges.ends()[e as usize];
             Some(Problem::Inconsistent { ends, faces: [a / 3, b / 3] })
         }));
+        let seams = Seams::of(self);
+        let coincident = self.coincident_vertices(&edges, &seams);
+        let loose = self.loose_faces(&edges, &seams, &coincident);
+        let coincident = coincident.into_iter();
+        problems
+            .extend(coincident.map(|[vertex, first]| Problem::CoincidentVertex { vertex, first }));
+        problems.extend(loose.into_iter().map(Problem::LooseFace));
         let orientable = flips.is_ok();
         if let Err(error) = flips {
             problems.push(Problem::NotOrientable { why: error.to_string() });
@@ -211,6 +238,69 @@ impl TriMesh {
             genus,
             problems,
         }
+    }
+
+    /// Returns the vertices on the boundary that belong together with others there, each with the
+    /// first of these; ascending.
+    fn coincident_vertices(&self, edges: &Edges, seams: &Seams) -> Vec<[u32; 2]> {
+        let along_seams = (0..).zip(&seams.to).map(|(v, &to)| [v, to]).filter(|[v, to]| v != to);
+        let mut found: Vec<[u32; 2]> = along_seams.chain(self.near_vertices(edges)).collect();
+        found.sort_unstable();
+        found.dedup_by_key(|[vertex, _]| *vertex);
+        found
+    }
+
+    /// Returns the vertices on the boundary that are nearer to others there than any of their
+    /// edges is long, but not in the same place: the same place may be that of a cut.
+    fn near_vertices(&self, edges: &Edges) -> Vec<[u32; 2]> {
+        /// Share of the length of an edge.
+        const NEAR: f64 = 1e-3;
+        let place = |v: u32| self.vertices()[v as usize];
+        let mut shortest = vec![f64::INFINITY; self.vertices().len()];
+        for &[a, b] in edges.ends() {
+            let length = distance(place(a), place(b));
+            for v in [a, b] {
+                shortest[v as usize] = shortest[v as usize].min(length);
+            }
+        }
+        let mut boundary: Vec<u32> =
+            edges.boundary().flat_map(|e| edges.ends()[e as usize]).collect();
+        boundary.sort_unstable();
+        boundary.dedup();
+        let of_boundary = boundary.iter().map(|&v| shortest[v as usize]);
+        let tolerance = NEAR * of_boundary.fold(0.0, f64::max);
+        let points: Vec<_> = boundary.iter().map(|&v| place(v)).collect();
+        // Lengths out of range leave nothing to compare with.
+        let first = representatives(&points, tolerance).unwrap_or_default();
+        let pairs = (0..).zip(first).filter(|(i, first)| i != first);
+        let pairs = pairs.map(|(i, first)| [i, first].map(|i: u32| boundary[i as usize]));
+        pairs
+            .filter(|&[a, b]| {
+                let apart = distance(place(a), place(b));
+                let scale = shortest[a as usize].min(shortest[b as usize]);
+                apart > 0.0 && apart <= NEAR * scale
+            })
+            .collect()
+    }
+
+    /// Returns the faces that share no edge with another face, and have no vertex of `coincident`,
+    /// if there are several faces. Faces along a cut, where more than two edges are in one place,
+    /// are no loose ones.
+    fn loose_faces(&self, edges: &Edges, seams: &Seams, coincident: &[[u32; 2]]) -> Vec<u32> {
+        if self.faces().len() < 2 {
+            return Vec::new();
+        }
+        let mut is_known = vec![false; self.vertices().len()];
+        coincident.as_flattened().iter().for_each(|&v| is_known[v as usize] = true);
+        let mut is_cut = vec![false; edges.len()];
+        seams.ambiguous.iter().for_each(|&e| is_cut[e as usize] = true);
+        let is_loose = |face: &u32| {
+            let mut own = (3 * face..3 * face + 3).map(|c| edges.of_corners()[c as usize] as usize);
+            let corners = self.faces()[*face as usize];
+            own.all(|e| edges.corners().row(e).len() == 1 && !is_cut[e])
+                && !corners.iter().any(|&v| is_known[v as usize])
+        };
+        (0..self.faces().len() as u32).filter(is_loose).collect()
     }
 
     /// Returns the faces that have the vertices of an earlier face, in any order, each with the

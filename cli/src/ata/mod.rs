@@ -1,6 +1,7 @@
 //! `catamaran ata`.
 
 mod memory;
+mod shown;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -37,7 +38,8 @@ pub struct Args {
     /// The matrix A, m x n.
     #[arg(value_name = "A")]
     input: PathBuf,
-    /// Output file of C, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
+    /// Output file of C, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it. Without it, a C
+    /// of at most 10 columns is printed, and of a larger one the range of its entries.
     #[arg(short, long, value_name = "C")]
     output: Option<PathBuf>,
     /// Use columns FIRST to END - 1 of A only, counted from 0.
@@ -87,7 +89,7 @@ pub struct Args {
     /// Print the plan before the computation.
     #[arg(long)]
     explain: bool,
-    /// Write a heat map (PNG) of C, scaled to a unit diagonal.
+    /// Draw a heat map of C, scaled to a unit diagonal, to this .png or .svg file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// Most memory to use, in GiB; if C does not fit, A is read several times, each time for some
@@ -130,9 +132,10 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         let path = path.as_deref().filter(|_| ranks.is_first());
         path.map(|p| args.force.create(p)).transpose()
     };
+    let picture = args.picture.as_deref().filter(|_| ranks.is_first());
     let outputs = Outputs {
         c: create(&args.output)?,
-        picture: create(&args.picture)?,
+        picture: picture.map(|path| picture::create(path, args.force)).transpose()?,
         accumulator: create(&args.accumulator)?,
     };
 
@@ -555,8 +558,9 @@ impl Work<'_> {
         output: Option<Output>,
         picture: Option<Output>,
     ) -> Result<()> {
-        if let Some(output) = output {
-            write_matrix(output, c)?;
+        match output {
+            Some(output) => write_matrix(output, c)?,
+            None => shown::show(c, self.args.uplo)?,
         }
         if let Some(output) = picture {
             let path = output.path().display().to_string();

@@ -42,8 +42,6 @@ pub struct Args {
     /// vertex; `#` begins a comment. Files that `catamaran fps` writes are accepted. A line `curve
     /// NAME [open] [single] [side=SIDE]` begins the samples of another curve, which is found
     /// independently. `-` reads stdin.
-    /// # is left out. What `catamaran fps` writes will do. A line `curve NAME [open] [single]
-    /// [side=SIDE]` begins the samples of another curve, which is found for itself. `-` is stdin.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     samples: TextFile,
     /// Algorithm: from sample to sample (faithful: thesis, algorithm 6.1), the order first and then

@@ -152,7 +152,7 @@ fn regions(site: &Site<'_>) -> Result<()> {
         title,
     });
     let scene = Scene { panels: panels.collect(), size: (420, 380), ..Scene::default() };
-    render(&scene)?.write_png(site.file("regions.png")?)
+    render(&scene)?.write(site.file("regions.png")?)
 }
 
 /// The components of a mesh, each of its colour and moved away from the middle of the first.
@@ -210,7 +210,7 @@ fn picture(
         title,
     });
     let scene = Scene { panels: panels.collect(), size: (520, 460), ..Scene::default() };
-    render(&scene)?.write_png(site.file("curves.png")?)
+    render(&scene)?.write(site.file("curves.png")?)
 }
 
 fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Result<Station> {

@@ -63,7 +63,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         smooth: false,
         ..Scene::default()
     };
-    render(&scene)?.write_png(site.file("decimated.png")?)?;
+    render(&scene)?.write(site.file("decimated.png")?)?;
     drop(bar);
     describe(&mesh, &outcomes)
 }
@@ -84,7 +84,7 @@ fn cells(site: &Site<'_>, mesh: &TriMesh) -> Result<()> {
     let panels =
         distances.iter().map(|(values, title)| panel(mesh, Paint::Values(values), title)).collect();
     let scene = Scene { panels, size: (620, 680), legend: false, ..Scene::default() };
-    render(&scene)?.write_png(site.file("farthest.png")?)
+    render(&scene)?.write(site.file("farthest.png")?)
 }
 
 fn describe(mesh: &TriMesh, outcomes: &[Outcome]) -> Result<Station> {

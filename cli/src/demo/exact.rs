@@ -4,7 +4,7 @@
 use std::thread;
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use catamaran::base::{Rng, available_cores};
 use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
@@ -100,7 +100,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         column.iter_mut().for_each(|x| *x = (*x * GRID).round() / GRID);
     });
     let a = a.as_ref();
-    let reference = Reference::new(a);
+    let reference = Reference::new(a)?;
     bar.step(0.3)?;
 
     let mut outcomes = Vec::new();
@@ -275,7 +275,7 @@ struct Reference {
 }
 
 impl Reference {
-    fn new(a: MatRef<'_, f64>) -> Self {
+    fn new(a: MatRef<'_, f64>) -> Result<Self> {
         let n = a.ncols();
         let integers: Vec<Vec<i64>> =
             a.col_iter().map(|column| column.iter().map(|x| (x * GRID) as i64).collect()).collect();
@@ -292,15 +292,17 @@ impl Reference {
         let integers = &integers;
         thread::scope(|scope| {
             for share in shares {
-                scope.spawn(move || {
+                let work = move || {
                     for (j, column) in share {
                         *column = (j..n).map(|i| dot(&integers[i], &integers[j])).collect();
                     }
-                });
+                };
+                thread::Builder::new().spawn_scoped(scope, work).context("threads")?;
             }
-        });
+            Ok::<_, anyhow::Error>(())
+        })?;
         let norms = columns.iter().map(|column| (column[0] as f64).sqrt() / GRID).collect();
-        Self { columns, norms }
+        Ok(Self { columns, norms })
     }
 
     /// |C - A^T A| in units of u |a_i| |a_j|, in the lower triangle.

@@ -36,7 +36,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let plane = Points::Grid(Grid::plane(SHOWN, SHOWN, [0.0; 2], 3.0));
     let fractal = newton.evaluate(plane, Par::all(), Progress::none())?;
     Image::from_pixels(SHOWN as usize, colors(&newton, &fractal))
-        .write_png(site.file("newton-plane.png")?)?;
+        .write(site.file("newton-plane.png")?)?;
     bar.step(0.6)?;
     let triangles = volume(site)?;
     bar.step(0.7)?;
@@ -64,7 +64,7 @@ fn volume(site: &Site<'_>) -> Result<usize> {
     let view = View { azimuth: 30.0, elevation: 20.0, ..View::DEFAULT };
     let panel = Panel { mesh: &file.mesh, paint: Paint::Colors(&colors), view, title: "" };
     let scene = Scene { panels: vec![panel], size: (700, 700), ..Scene::default() };
-    render(&scene)?.write_png(site.file("newton-volume.png")?)?;
+    render(&scene)?.write(site.file("newton-volume.png")?)?;
     Ok(file.mesh.faces().len())
 }
 
@@ -95,7 +95,7 @@ fn surface(site: &Site<'_>) -> Result<usize> {
     let panels = panels.map(|(paint, title)| Panel { mesh: &mesh, paint, view, title });
     let scene =
         Scene { panels: panels.into(), size: (520, 460), legend: false, ..Scene::default() };
-    render(&scene)?.write_png(site.file("newton.png")?)?;
+    render(&scene)?.write(site.file("newton.png")?)?;
     Ok(positions.len())
 }
 

@@ -42,11 +42,11 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         moments.push(now(&all));
         bar.step(f64::from(step) / f64::from(steps))?;
         if step == early {
-            draw(&mesh, &all, view, PIXELS)?.write_png(site.file("slime-early.png")?)?;
+            draw(&mesh, &all, view, PIXELS)?.write(site.file("slime-early.png")?)?;
         }
     }
     let milliseconds = 1e3 * start.elapsed().as_secs_f64() / f64::from(steps);
-    draw(&mesh, &all, view, PIXELS)?.write_png(site.file("slime.png")?)?;
+    draw(&mesh, &all, view, PIXELS)?.write(site.file("slime.png")?)?;
     drop(bar);
     let lost = usize::from(all.state().check(all.surface()).is_err());
     let species = all.coverage(Par::all()).into_iter().enumerate().map(|(number, c)| {

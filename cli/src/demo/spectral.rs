@@ -101,7 +101,7 @@ fn eigenfunctions(site: &Site<'_>, pose: &Pose) -> Result<()> {
         columns.iter().zip(&titles).map(|(values, title)| panel(&pose.mesh, values, title));
     let scene =
         Scene { panels: panels.collect(), size: (460, 520), legend: false, ..Scene::default() };
-    render(&scene)?.write_png(site.file("eigenfunctions.png")?)
+    render(&scene)?.write(site.file("eigenfunctions.png")?)
 }
 
 /// The figure as its coordinates are in three bases.
@@ -127,7 +127,7 @@ fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
     }
     let panels = meshes.iter().map(|(title, mesh)| Panel { mesh, paint: PLAIN, view: VIEW, title });
     let scene = Scene { panels: panels.collect(), size: (460, 520), ..Scene::default() };
-    render(&scene)?.write_png(site.file("rebuilt.png")?)?;
+    render(&scene)?.write(site.file("rebuilt.png")?)?;
     Ok(outcomes)
 }
 
@@ -156,7 +156,7 @@ fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
         panel(&target.mesh, &image, &titles[2]),
     ];
     let scene = Scene { panels, size: (520, 560), legend: false, ..Scene::default() };
-    render(&scene)?.write_png(site.file("transfer.png")?)?;
+    render(&scene)?.write(site.file("transfer.png")?)?;
     let error = |g: MatRef<'_, f64>| relative_errors(f, g, others.basis().mass());
     Ok([error(by_few.as_ref())?[0], error(by_products.as_ref())?[0]])
 }

@@ -62,7 +62,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     });
     let scene =
         Scene { panels: panels.collect(), size: (420, 560), legend: false, ..Scene::default() };
-    render(&scene)?.write_png(site.file("unions.png")?)?;
+    render(&scene)?.write(site.file("unions.png")?)?;
     drop(bar);
 
     let error = |values: &dyn Fn(usize) -> f64| {

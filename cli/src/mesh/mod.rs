@@ -145,7 +145,7 @@ pub fn run(args: &Args) -> Result<()> {
         seconds(time)
     )?;
     let mut found = file.mesh.validate();
-    report::validation(&found)?;
+    report::validation(&file.mesh, &found)?;
     report::measures(&file, &found)?;
 
     if let Some(options) = args.repairs() {
@@ -158,7 +158,7 @@ pub fn run(args: &Args) -> Result<()> {
         if done.report.changed() {
             found = file.mesh.validate();
             status!("repaired", path = path; "{path}")?;
-            report::validation(&found)?;
+            report::validation(&file.mesh, &found)?;
             report::measures(&file, &found)?;
         }
     }

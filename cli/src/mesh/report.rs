@@ -12,8 +12,14 @@ use serde_json::{Value, json};
 use crate::input;
 use crate::report::{report, row, status};
 
-/// Reports the topology of a mesh, and its problems.
-pub fn validation(found: &Validation) -> Result<()> {
+/// Reports the topology of a mesh, its problems, and the options that help.
+pub fn validation(mesh: &TriMesh, found: &Validation) -> Result<()> {
+    let options = options(mesh, found);
+    let mut text = found.to_string();
+    for (option, what) in &options {
+        text += &format!("\noption      {option} {what}");
+    }
+    let options: Vec<&str> = options.iter().map(|(option, _)| &**option).collect();
     row!(
         "validation",
         vertices = found.vertices,
@@ -25,9 +31,53 @@ pub fn validation(found: &Validation) -> Result<()> {
         euler_characteristic = found.euler_characteristic,
         genus = found.genus.map(genus),
         orientable = found.genus.map(|genus| matches!(genus, Genus::Orientable(_))),
-        problems = found.problems.iter().map(problem).collect::<Vec<_>>();
-        "{found}"
+        problems = found.problems.iter().map(problem).collect::<Vec<_>>(),
+        options = options;
+        "{text}"
     )
+}
+
+/// Returns the options that help against the problems of a mesh, with what they do.
+fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
+    let mut options = Vec::new();
+    let has = |kind: fn(&Problem) -> bool| found.problems.iter().any(kind);
+    let place = |v: u32| mesh.vertices()[v as usize];
+    let apart = found.problems.iter().filter_map(|problem| match problem {
+        Problem::CoincidentVertex { vertex, first } => {
+            let (a, b) = (place(*vertex), place(*first));
+            Some((0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt())
+        }
+        _ => None,
+    });
+    match apart.reduce(f64::max) {
+        Some(0.0) => options.push(("--weld".into(), "joins vertices in the same place")),
+        Some(apart) => {
+            // A round number above the distance.
+            options.push((format!("--weld={:.0e}", 1.5 * apart), "joins vertices that near"));
+        }
+        None if has(|p| matches!(p, Problem::LooseFace(_))) => {
+            options.push(("--weld=TOLERANCE".into(), "joins vertices that near"));
+        }
+        None => {}
+    }
+    let mut add = |kind: fn(&Problem) -> bool, option: &str, what| {
+        if has(kind) {
+            options.push((option.into(), what));
+        }
+    };
+    add(|p| matches!(p, Problem::RepeatedFace { .. }), "--drop-duplicates", "drops repeated faces");
+    add(|p| matches!(p, Problem::ZeroArea(_)), "--drop-degenerate", "removes faces without area");
+    add(
+        |p| matches!(p, Problem::UnreferencedVertex(_)),
+        "--compact",
+        "drops vertices without a face",
+    );
+    let is_cut = |p: &Problem| {
+        matches!(p, Problem::NonManifoldEdge { .. } | Problem::NonManifoldVertex { .. })
+    };
+    add(is_cut, "--repair", "cuts the mesh into manifolds");
+    add(|p| matches!(p, Problem::Inconsistent { .. }), "--orient", "flips faces until they agree");
+    options
 }
 
 /// Returns a problem as JSON: its kind, and the elements that have it.
@@ -49,6 +99,10 @@ fn problem(problem: &Problem) -> Value {
         Problem::Inconsistent { ends, faces } => {
             json!({"kind": "inconsistent", "ends": ends, "faces": faces})
         }
+        Problem::CoincidentVertex { vertex, first } => {
+            json!({"kind": "coincident_vertex", "vertex": vertex, "first": first})
+        }
+        Problem::LooseFace(face) => json!({"kind": "loose_face", "face": face}),
         Problem::NotOrientable { why } => json!({"kind": "not_orientable", "reason": why}),
         other => json!({"kind": "other", "reason": other.to_string()}),
     }

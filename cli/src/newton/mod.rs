@@ -38,7 +38,8 @@ use voxels::{Basins, Opacity};
 ///
 /// Examples: `catamaran newton -o plane.png`; `catamaran newton bunny.obj -o bunny.ply`;
 /// `catamaran newton --volume --picture cube.png`; `catamaran newton --volume --basins 4 -o
-/// basin.ply`; `catamaran newton --frames 48 --w-to 1 -o time.apng`. docs/guide/newton.md has more.
+/// basin.ply`; `catamaran newton --frames 48 --w-to 1 -o time.apng`. There are more in
+/// docs/guide/newton.md.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
@@ -192,7 +193,7 @@ pub fn run(args: &Args) -> Result<()> {
     let update = |fraction| bar.update(fraction);
     let all = fourth_coordinates(args);
     let share = |i: usize| i as f64 / all.len() as f64;
-    let (mut time, mut points) = (Duration::ZERO, 0);
+    let (mut time, mut points, mut unreached) = (Duration::ZERO, 0, 0);
     for (i, &w) in all.iter().enumerate() {
         let newton = Newton::new(&options.clone().w(w))?;
         let progress = Progress::new(&update).part(share(i)..share(i + 1));
@@ -201,6 +202,7 @@ pub fn run(args: &Args) -> Result<()> {
         let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, evaluated)?;
         time += start.elapsed();
         points += fractal.roots.len();
+        unreached += fractal.unreached;
         outputs.add(&drawing, &newton, &fractal, par, progress.part(0.5..1.0))?;
     }
     outputs.finish()?;
@@ -209,12 +211,21 @@ pub fn run(args: &Args) -> Result<()> {
     status!(
         "points",
         count = points,
+        unreached = unreached,
         device = device,
         iterations = iterations,
         seconds = time.as_secs_f64();
         "{points} on {device}, {iterations} iterations, {}",
         seconds(time)
     )?;
+    if unreached > 0 {
+        let percent = 100.0 * unreached as f64 / points as f64;
+        note(format_args!(
+            "{unreached} of {points} points ({percent:.3} %) reach no root in {iterations} \
+             iterations, and are drawn as those of the nearest root: they are on the border of \
+             basins, in a cycle, or need more iterations (--iterations)"
+        ));
+    }
     for path in Outputs::names(args) {
         let path = path.display().to_string();
         status!("written", path = path; "{path}")?;
@@ -310,6 +321,15 @@ fn drawing(args: &Args) -> Result<Drawing> {
     }
     let uv = file.uv.as_ref().context("no texture coordinates (--uv)").with_context(named)?;
     let texels = texels(&fitted, uv, width, height).with_context(named)?;
+    if texels.shared > 0 {
+        note(format_args!(
+            "{}: faces overlap in the texture: {} of {} texels belong to several faces, and show \
+             the first one",
+            named(),
+            texels.shared,
+            texels.numbers.len()
+        ));
+    }
     let (width, height) = (width as usize, height as usize);
     Ok(Drawing::Texels { file: Box::new(file), texels, width, height })
 }

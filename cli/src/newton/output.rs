@@ -18,7 +18,8 @@ use super::voxels::{self, Opacity, Transfer};
 use super::{Args, Stuff};
 use crate::output;
 use crate::picture::{
-    AnimationFormat, Frames, Image, Paint, RATE, Scene, Up, frame_names, render_volume, write_gray,
+    AnimationFormat, Frames, Image, Paint, PictureFormat, RATE, Scene, Up, frame_names,
+    render_volume, write_gray,
 };
 use crate::report::report;
 
@@ -101,8 +102,9 @@ pub fn check_names(args: &Args) -> Result<()> {
         if is_picture {
             bail!("--picture shows vertices or voxels: it needs MESH or --volume, and not --uv");
         }
-        if !is_image(path) {
-            bail!("{}: the name of a picture must end in .png, .apng or .gif", path.display());
+        if PictureFormat::of(path).is_none() && AnimationFormat::of(path).is_none() {
+            let name = path.display();
+            bail!("{name}: the name of a picture must end in .png, .svg, .apng or .gif");
         }
     }
     if let Some(path) = &args.material {

@@ -84,7 +84,7 @@ impl Frames {
     /// Writes the next frame, a picture.
     pub fn image(&mut self, image: &Image) -> Result<()> {
         match self {
-            Self::Files(_) => image.write_png(self.file()?),
+            Self::Files(_) => image.write(self.file()?),
             Self::Animation(animation) => animation.add(image),
         }
     }

@@ -1,10 +1,11 @@
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use catamaran::io::Output;
 use catamaran::mesh::TriMesh;
 
 use super::color::ColorScale;
+use super::format::create;
 use super::image::Image;
 use super::mesh::up::guess;
 use super::mesh::{Paint, Panel, Scene, Up, View, render};
@@ -14,7 +15,7 @@ use crate::report::status;
 /// The options of the picture that a subcommand draws.
 #[derive(clap::Args)]
 pub struct PictureArgs {
-    /// Draw the result to this .png file.
+    /// Draw the result to this .png or .svg file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// Viewpoint of the picture: degrees around the upward axis and degrees above the horizon, then
@@ -33,11 +34,7 @@ type Panels<'a> = [(&'a TriMesh, Paint<'a>, &'a str)];
 impl PictureArgs {
     /// Begins the picture, if one is requested.
     pub fn create(&self, force: Force) -> Result<Option<Output>> {
-        let Some(path) = &self.picture else { return Ok(None) };
-        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
-            bail!("{}: the name of a picture must end in .png", path.display());
-        }
-        force.create(path).map(Some)
+        self.picture.as_deref().map(|path| create(path, force)).transpose()
     }
 
     /// Draws meshes side by side, all from the same viewpoint. Without --up, the first mesh and the
@@ -85,7 +82,7 @@ impl PictureArgs {
         scene: Scene<'_>,
     ) -> Result<()> {
         let path = output.path().display().to_string();
-        self.image(source, panels, scene)?.write_png(output)?;
+        self.image(source, panels, scene)?.write(output)?;
         status!("picture", path = path; "{path}")
     }
 }

@@ -1,7 +1,12 @@
+use std::borrow::Cow;
 use std::io::Write;
 
 use anyhow::{Context, Result};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use catamaran::io::Output;
+
+use super::format::Format;
 
 /// Red, green and blue as screens have them (sRGB).
 pub type Rgb = [u8; 3];
@@ -31,11 +36,48 @@ impl Image {
         Self { width, height: pixels.len() / width.max(1), pixels }
     }
 
-    /// Writes the image as PNG, and completes the file.
-    pub fn write_png(&self, mut output: Output) -> Result<()> {
+    /// Writes the image as SVG if the name of the file selects that, else as PNG, and completes the
+    /// file.
+    pub fn write(&self, output: Output) -> Result<()> {
+        self.write_zoomed(output, 1)
+    }
+
+    /// Writes the image with squares of `zoom` x `zoom` pixels for its pixels; otherwise like
+    /// [`Image::write`].
+    pub fn write_zoomed(&self, mut output: Output, zoom: usize) -> Result<()> {
         let name = output.path().display().to_string();
-        self.encode(&mut output).with_context(|| format!("{name}: can't be written"))?;
+        let written = match Format::of(output.path()) {
+            Some(Format::Svg) => self.encode_svg(&mut output, zoom),
+            _ => self.zoomed(zoom).encode(&mut output).map_err(anyhow::Error::from),
+        };
+        written.with_context(|| format!("{name}: can't be written"))?;
         output.commit()?;
+        Ok(())
+    }
+
+    fn zoomed(&self, zoom: usize) -> Cow<'_, Self> {
+        if zoom == 1 {
+            return Cow::Borrowed(self);
+        }
+        let (width, height) = (zoom * self.width, zoom * self.height);
+        let pixel = |x: usize, y: usize| self.pixels[y / zoom * self.width + x / zoom];
+        Cow::Owned(Self::from_fn(width, height, pixel))
+    }
+
+    /// Writes an SVG document that holds the pixels, which stay sharp at any size.
+    fn encode_svg(&self, sink: &mut dyn Write, zoom: usize) -> Result<()> {
+        let mut pixels = Vec::new();
+        self.encode(&mut pixels)?;
+        let (width, height) = (self.width, self.height);
+        write!(
+            sink,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
+             viewBox=\"0 0 {width} {height}\">\n<image width=\"{width}\" height=\"{height}\" \
+             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n</svg>\n",
+            zoom * width,
+            zoom * height,
+            STANDARD.encode(pixels)
+        )?;
         Ok(())
     }
 

@@ -46,7 +46,7 @@ impl Scale {
     }
 }
 
-/// Writes a PNG of the n x n matrix C, and returns its colours. `entry` returns the row and column
+/// Writes a picture of the n x n matrix C, and returns its colours. `entry` returns the row and column
 /// that hold the entry (i, j). Entries are shown as `C_ij / sqrt(C_ii C_jj)`, which is a
 /// correlation when A was centred, and as zero where the diagonal is zero.
 pub fn write<T: Real>(
@@ -80,7 +80,7 @@ pub fn write<T: Real>(
     Ok(scale)
 }
 
-/// Writes a PNG of n x n levels, which are shown from 0 to 1, and returns the colours. A cell of a
+/// Writes a picture of n x n levels, which are shown from 0 to 1, and returns the colours. A cell of a
 /// larger matrix shows the highest of its levels.
 pub fn levels(output: Output, n: usize, level: impl Fn(usize, usize) -> f64) -> Result<Scale> {
     let cells = n.min(SMALLEST);
@@ -101,12 +101,8 @@ fn span(cell: usize, cells: usize, n: usize) -> Range<usize> {
     cell * n / cells..(cell + 1) * n / cells
 }
 
-/// Writes a PNG of `cells` x `cells` values.
+/// Writes a picture of `cells` x `cells` values.
 fn draw(output: Output, values: &[f64], cells: usize, scale: Scale) -> Result<()> {
-    let zoom = (SMALLEST / cells).max(1);
-    let side = cells * zoom;
-    let image = Image::from_fn(side, side, |x, y| {
-        scale.color(values[y / zoom * cells + x / zoom]).into_array()
-    });
-    image.write_png(output)
+    let color = |x: usize, y: usize| scale.color(values[y * cells + x]).into_array();
+    Image::from_fn(cells, cells, color).write_zoomed(output, (SMALLEST / cells).max(1))
 }

@@ -1,11 +1,14 @@
-//! Pictures: heat maps of matrices, meshes coloured by a function and volumes as PNG, animations.
+//! Pictures as PNG or SVG: heat maps of matrices, meshes coloured by a function, volumes, charts;
+//! animations.
 
 mod animation;
 mod args;
 mod color;
+mod format;
 mod image;
 mod matrix;
 mod mesh;
+mod plot;
 mod text;
 mod tube;
 mod volume;
@@ -15,10 +18,12 @@ pub use animation::{
 };
 pub use args::PictureArgs;
 pub use color::{ColorMap, ColorScale};
+pub use format::{Format as PictureFormat, create};
 pub use image::{Image, write_gray};
 pub use matrix::{Scale, levels, write};
 pub use mesh::up::guess as guess_up;
 pub use mesh::{Material, Paint, Panel, Projection, Scene, Texture, Up, View, render};
+pub use plot::write_chart;
 pub use tube::with_curves;
 pub use volume::{Volume, render_volume};
 

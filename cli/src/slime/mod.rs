@@ -27,7 +27,7 @@ use crate::common::{Force, Threads};
 use crate::device::DeviceArgs;
 use crate::input::{self, MeshArgs};
 use crate::output;
-use crate::picture::{Image, Projection, Up, View, guess_up};
+use crate::picture::{self, Image, Projection, Up, View, guess_up, write_chart};
 use crate::progress::Bar;
 use crate::report::{note, report, seconds, status};
 use crate::signals;
@@ -96,7 +96,7 @@ pub struct Args {
     /// engraved or lava (which also writes glow.png) [default: that of --config, or strands].
     #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::parser())]
     material: Option<Option<Preset>>,
-    /// Draw the mesh with its last texture, or with its material, to this .png file.
+    /// Draw the mesh with its last texture, or with its material, to this .png or .svg file.
     #[arg(long, value_name = "FILE")]
     render: Option<PathBuf>,
     /// Viewpoint of --render: degrees around the upward axis and degrees above the horizon, then
@@ -107,7 +107,7 @@ pub struct Args {
     /// field such as a terrain, otherwise z for .stl, and y for all other files].
     #[arg(long, value_name = "AXIS", requires = "render")]
     up: Option<Up>,
-    /// Draw coverage and presence over time to this .svg file.
+    /// Draw coverage and presence over time to this .svg or .png file.
     #[arg(long, value_name = "FILE")]
     coverage: Option<PathBuf>,
     /// Save the state to this file at the end, or at Ctrl-C.
@@ -173,10 +173,10 @@ pub fn run(args: &Args) -> Result<()> {
         material::write(maps, &textured, MATERIAL_NAME, &args.output, args.force)?;
     }
     if let Some(output) = outputs.coverage {
-        output::chart(output, &chart(&moments))?;
+        write_chart(output, &chart(&moments))?;
     }
     if let Some(output) = outputs.render {
-        args.draw(&file, simulation, maps.as_ref())?.write_png(output)?;
+        args.draw(&file, simulation, maps.as_ref())?.write(output)?;
     }
     report_steps(time, done - first, &simulation.coverage(par))?;
     let folder = args.output.display().to_string();
@@ -257,17 +257,11 @@ struct Outputs {
 
 impl Outputs {
     fn create(args: &Args) -> Result<Self> {
-        let of = |path: &Option<PathBuf>, ending: &str| -> Result<Option<Output>> {
-            let Some(path) = path else { return Ok(None) };
-            if !ending.is_empty()
-                && path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(ending))
-            {
-                bail!("{}: the name must end in .{ending}", path.display());
-            }
-            Ok(Some(args.force.create(path)?))
+        let picture = |path: &Option<PathBuf>| {
+            path.as_deref().map(|path| picture::create(path, args.force)).transpose()
         };
-        let (coverage, render) = (of(&args.coverage, "svg")?, of(&args.render, "png")?);
-        let state = of(&args.state, "")?;
+        let (coverage, render) = (picture(&args.coverage)?, picture(&args.render)?);
+        let state = args.state.as_deref().map(|path| args.force.create(path)).transpose()?;
         fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
         let table = args.force.create(&args.output.join(TABLE))?;
         let mesh = args.force.create(&args.output.join(MESH))?;
@@ -447,6 +441,14 @@ impl Args {
             "{triangles} triangles, {charts} charts in the texture"
         )?;
         let simulation = Simulation::new(surface, options, &mask)?;
+        if let Some(first) = simulation.texels().overlapping().first() {
+            let count = simulation.texels().overlapping().len();
+            note(format_args!(
+                "faces share texture: {count} of {triangles} triangles overlap others in it, the \
+                 first is face {first}; agents on one leave trails on all of them (--atlas makes \
+                 texture coordinates without overlaps)"
+            ));
+        }
         let Options { agents, species, size, .. } = *options;
         status!(
             "slime",

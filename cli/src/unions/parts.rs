@@ -76,12 +76,14 @@ pub fn model(weights: Option<&Path>) -> Result<SpectralUnion> {
     })
 }
 
-/// Reports an out-of-distribution score and its meaning.
+/// Reports an out-of-distribution score and what it measures, which is not the error: of the tests,
+/// half of the wrong predictions score below 1, and half of those that score above 1 are right
+/// (docs/model-card-unions.md).
 pub fn report_ood(score: f64) -> Result<()> {
     let verdict = if score > 1.0 {
-        "unlike the training data, so the prediction is unreliable"
+        "further out than 99.5 % of the training pairs, so the prediction is a guess"
     } else {
-        "like the training data"
+        "no further out than 99.5 % of the training pairs; the error of the prediction is unknown"
     };
     row!("ood_score", score = score; "out-of-distribution score {score:.2}: {verdict}")
 }

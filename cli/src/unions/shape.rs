@@ -1,9 +1,12 @@
 //! `catamaran unions shape`.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
+use catamaran::mesh::Edges;
 use catamaran::mesh::io::{MeshFile, check_name};
 use catamaran::mesh::{Boundary, Edges};
 use catamaran::spectral::{ShapeOptions, shape_from_spectrum};
@@ -65,6 +68,13 @@ pub fn run(args: &Args) -> Result<()> {
     let table = dense(&args.spectrum)?;
     let named = || args.spectrum.display().to_string();
     let last = table.ncols().checked_sub(1).context("no columns").with_context(named)?;
+    if Edges::new(&template).boundary().next().is_none() && is_predicted(&args.spectrum) {
+        note(format_args!(
+            "{} is closed, and its eigenvalues are those without a boundary; `unions predict` \
+             writes those of a part with its boundary held at zero",
+            args.template.display()
+        ));
+    }
     let count = args.k.map_or(table.nrows(), |k| k.min(table.nrows()));
     let wanted: Vec<f64> = (0..count).map(|i| table[(i, last)]).collect();
     let bar = Bar::new("deforming");
@@ -85,10 +95,14 @@ pub fn run(args: &Args) -> Result<()> {
         "{error:.3} % mean relative difference of the eigenvalues"
     )?;
     if found.error > args.tolerance {
-        let wanted = 100.0 * args.tolerance;
-        note(format_args!(
-            "the eigenvalues are not within {wanted} % after the last step (--steps)"
-        ));
+        let (wanted, why) = (
+            100.0 * args.tolerance,
+            match found.steps < args.steps {
+                true => "no step brings them nearer: no shape near the template has this spectrum",
+                false => "more steps may bring them nearer (--steps)",
+            },
+        );
+        note(format_args!("the eigenvalues are not within {wanted} %; {why}"));
     }
     if let Some(picture) = picture {
         let panels = [(&template, PLAIN, "template"), (&found.mesh, PLAIN, "deformed")];
@@ -97,4 +111,15 @@ pub fn run(args: &Args) -> Result<()> {
     output::mesh(output, &MeshFile::from(found.mesh))?;
     let path = args.output.display().to_string();
     status!("written", path = path; "{path}")
+}
+
+/// Returns whether a table is one that `unions predict` writes.
+fn is_predicted(path: &Path) -> bool {
+    /// Bytes of the titles of more parts than anyone unites.
+    const TITLES: u64 = 1 << 16;
+    let mut titles = String::new();
+    let read = File::open(path)
+        .and_then(|file| BufReader::new(file.take(TITLES)).read_line(&mut titles))
+        .is_ok();
+    read && titles.starts_with("number,part 1,") && titles.trim_end().ends_with(",union")
 }

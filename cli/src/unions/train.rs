@@ -16,7 +16,7 @@ use clap::ValueEnum;
 
 use super::curve;
 use crate::common::{Force, Threads};
-use crate::output;
+use crate::picture::write_chart;
 use crate::progress;
 use crate::report::{report, status};
 use crate::signals;
@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
         let bytes = trainer.model()?.to_bytes()?;
         weights.write_all(&bytes).map_err(|e| weights.error(e))?;
         weights.commit()?;
-        output::chart(create(&curve_path)?, &curve::chart(&trainer.state().history))
+        write_chart(create(&curve_path)?, &curve::chart(&trainer.state().history))
     };
     let start = Instant::now();
     let mut saved = start;

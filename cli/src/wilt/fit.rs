@@ -10,7 +10,7 @@ use catamaran::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit
 use catamaran_charts::{Axis, Chart, Line, Series};
 
 use crate::input::TextFile;
-use crate::output;
+use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::{head, report};
 
@@ -167,7 +167,7 @@ impl Fitted<'_> {
         }
         write(file(NAMES[0])?, &text)?;
         write(file(NAMES[1])?, &table(self.measured, &self.found))?;
-        output::chart(file(NAMES[2])?, &chart(self.measured, &self.found))
+        write_chart(file(NAMES[2])?, &chart(self.measured, &self.found))
     }
 }
 

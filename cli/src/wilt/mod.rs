@@ -17,7 +17,7 @@ use catamaran::plant::{Balance, tubes};
 
 use self::animation::write_animation;
 use self::watering::write_balance;
-use crate::output;
+use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::{report, status};
 pub use args::Args;
@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Result<()> {
         &simulation.moduli,
         |row| row.iter().sum::<f64>() / row.len() as f64,
     )?;
-    output::chart(file("water.svg")?, &chart(&plant, &simulation))?;
+    write_chart(file("water.svg")?, &chart(&plant, &simulation))?;
     draw_strip(&plant, &simulation, file("wilting.png")?)?;
     if args.animation {
         write_animation(&plant, poses, &args.seconds(), SIDES, file("wilting.glb")?)?;

@@ -65,5 +65,5 @@ pub fn draw_strip(plant: &Plant, simulation: &Simulation, output: Output) -> Res
         scale: Some(scale),
         ..Scene::default()
     };
-    render(&scene)?.write_png(output)
+    render(&scene)?.write(output)
 }

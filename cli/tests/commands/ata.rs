@@ -513,3 +513,41 @@ fn pinned_threads_write_the_same_bytes_by_every_way_to_c() {
         assert!(read("plain.npy") == read("pinned.npy"), "{way}");
     }
 }
+
+#[test]
+fn a_small_product_without_a_file_is_printed() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2\n3,4\n0.5,-1\n");
+    let said = folder.succeed("ata a.csv");
+    let rows: Vec<Vec<&str>> = said.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert!(rows.contains(&vec!["10.25", "13.5"]) && rows.contains(&vec!["13.5", "21"]), "{said}");
+    assert!(said.contains("-o FILE"), "{said}");
+    // It is a result, not a status line; the half that is not computed is zero, as in a file.
+    let said = folder.succeed("ata a.csv --quiet --uplo lower");
+    let rows: Vec<Vec<&str>> = said.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(rows, [["10.25", "0"], ["13.5", "21"]]);
+    let said = folder.succeed("--json ata a.csv");
+    assert!(said.contains("\"record\":\"row\",\"number\":1,\"entries\":[13.5,21.0]"), "{said}");
+    let said = folder.succeed("ata a.csv -o c.npy");
+    assert!(!said.contains("13.5") && !said.contains("hint"), "{said}");
+}
+
+#[test]
+fn a_large_product_without_a_file_is_summarized() {
+    let (folder, c) = with_input(30, 12);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let (least, largest) = range(&mut (0..12).map(|i| c[13 * i]));
+    let (low, high) = range(&mut (0..144).filter(|k| k % 13 != 0).map(|k| c[k]));
+    let norm = c.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for uplo in ["both", "lower", "upper"] {
+        let said = folder.succeed(&format!("ata a.npy --quiet --uplo {uplo}"));
+        let lines: Vec<&str> = said.lines().collect();
+        assert_eq!(lines[0], format!("diagonal    {least} to {largest}"), "{uplo}");
+        assert_eq!(lines[1], format!("others      {low} to {high}"), "{uplo}");
+        let digits: f64 = lines[2].split_whitespace().nth(1).unwrap().parse().unwrap();
+        assert!((digits / norm - 1.0).abs() < 1e-5, "{said}");
+    }
+    assert!(folder.succeed("ata a.npy").contains("-o FILE writes all 12 x 12 entries"));
+}

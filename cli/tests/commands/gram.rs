@@ -250,7 +250,7 @@ fn errors_name_the_file_and_the_cause() {
         ("pca a.csv --variance 1.5", "a.csv: components: a share must be in (0, 1]"),
         ("pca none.npy -o x.npz", "none.npy: no rows"),
         ("lstsq none.npy --by-column 0 --intercept", "none.npy: no rows"),
-        ("pca a.csv --picture p.png", "p.png: the name of a scree plot must end in .svg"),
+        ("pca a.csv --picture p.jpg", "p.jpg: the name of a picture must end in .png or .svg"),
     ] {
         let message = folder.fail(arguments);
         assert!(message.contains(expected), "{arguments}: {message}");

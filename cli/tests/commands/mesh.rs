@@ -445,3 +445,65 @@ fn the_commands_of_the_guide_run() {
     }
     assert!(count >= 10, "{count}");
 }
+
+/// A soup of triangles: each face of a sphere of 1,280 with vertices of its own, `apart` from where
+/// they belong in units of the sphere's radius.
+fn soup(apart: f64) -> TriMesh {
+    let sphere = families::icosphere(3).unwrap();
+    let mut number = 0_u32;
+    let corner = |v: &u32| {
+        // A golden ratio of the way around, so that no two are alike.
+        number += 1;
+        let shift = apart * (f64::from(number) * 0.618_034).fract();
+        sphere.vertices()[*v as usize].map(|x| x * (1.0 + shift))
+    };
+    let points: Vec<_> = sphere.faces().as_flattened().iter().map(corner).collect();
+    let faces = (0..sphere.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]);
+    TriMesh::new(points, faces.collect()).unwrap()
+}
+
+#[test]
+fn loose_triangles_are_a_problem_and_the_option_that_helps_is_named() {
+    let folder = Folder::new();
+    let whole =
+        |report: &str| report.contains("components  1\n") && report.contains("problems    none");
+    for (name, apart) in [("exact", 0.0), ("rounded", 1e-7), ("torn", 1e-2)] {
+        let output = Output::create(&folder.path(&format!("{name}.ply")), Overwrite::Never);
+        io::write(output.unwrap(), &soup(apart).into()).unwrap();
+        let report = folder.succeed(&format!("mesh {name}.ply"));
+        assert!(!report.contains("problems    none"), "{name}: {report}");
+        assert!(folder.fail(&format!("mesh {name}.ply --check")).contains("problems found"));
+        // An option that is named in full helps.
+        let option = report.split_whitespace().find(|word| word.starts_with("--weld")).unwrap();
+        let option = option.replace("TOLERANCE", "0.03");
+        let welded = folder.succeed(&format!("mesh {name}.ply {option}"));
+        let after = welded.rsplit("repaired").next().unwrap();
+        assert!(whole(after), "{name} {option}: {welded}");
+        // Whether --repair joined them or not, the report says what they are then.
+        let repaired = folder.succeed(&format!("mesh {name}.ply --repair"));
+        let after = repaired.rsplit("repaired").next().unwrap();
+        assert_eq!(after.contains("problems    none"), apart == 0.0, "{name}: {repaired}");
+    }
+}
+
+#[test]
+fn every_problem_names_an_option_that_removes_it() {
+    let folder = Folder::new();
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    for (name, text, option) in [
+        ("alone", format!("{square}f 1 2 3\n"), "--compact"),
+        ("twice", format!("{square}f 1 2 3 4\nf 2 3 1\n"), "--drop-duplicates"),
+        ("turned", format!("{square}f 1 2 3\nf 1 4 3\n"), "--orient"),
+        ("split", format!("{square}v 0 0 0\nv 1 1 0\nf 1 2 3\nf 5 6 4\n"), "--weld"),
+        ("flat", format!("{square}v 0.5 0 0\nf 1 5 2\nf 1 2 3 4\n"), "--drop-degenerate"),
+        ("pages", format!("{square}v 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"), "--repair"),
+    ] {
+        folder.write(&format!("{name}.obj"), text);
+        let report = folder.succeed(&format!("mesh {name}.obj"));
+        assert!(report.contains(&format!("option      {option} ")), "{name}: {report}");
+        folder.succeed(&format!("mesh {name}.obj {option} -o {name}-mended.obj --check"));
+    }
+    // What has no problem needs no option.
+    folder.write("square.obj", SQUARE);
+    assert!(!folder.succeed("mesh square.obj").contains("option "));
+}

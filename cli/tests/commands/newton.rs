@@ -412,3 +412,29 @@ fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
     assert_eq!(info.color_type, png::ColorType::Rgb);
     bytes[..info.buffer_size()].chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
 }
+
+#[test]
+fn points_that_reach_no_root_are_counted() {
+    let folder = Folder::new();
+    let notes = |arguments: &str| {
+        let run = folder.run(&format!("newton --size 64 --force -o a.png {arguments}"));
+        assert_eq!(run.code, Some(0), "{arguments}: {}", run.stderr);
+        run.stderr
+    };
+    let count = |arguments: &str| -> usize {
+        let notes = notes(arguments);
+        let note = notes.lines().find(|line| line.contains("reach no root"));
+        note.map_or(0, |line| line.split_whitespace().nth(1).unwrap().parse().unwrap())
+    };
+    // A cycle from 0 to 1 and back attracts an open set of points (Smale 1985).
+    let cycle = count("--polynomial z^3-2z+2 --extent 4");
+    assert!(cycle > 20 && cycle < 64 * 64, "{cycle}");
+    assert_eq!(count("--polynomial z^3-2z+2 --extent 4 --threads 1"), cycle);
+    // Two roots on both sides of a line that no pixel is on: all others converge.
+    assert_eq!(count("--power 2"), 0);
+    assert_eq!(count("--power 2 --iterations 1"), 64 * 64);
+    assert!(count("--power 3 --iterations 4") > count("--power 3 --iterations 8"));
+    assert!(notes("--power 2 --iterations 1").contains("--iterations"));
+    let said = folder.succeed("--json newton --size 64 --power 2 --iterations 1 -o b.png");
+    assert!(said.contains("\"unreached\":4096"), "{said}");
+}

@@ -294,3 +294,54 @@ fn commands_of_the_guide_run() {
     folder.write("g.toml", format!("{settings}{}", blocks[1]));
     folder.succeed("slime torus.obj --config g.toml --steps 2 -o guided --material");
 }
+
+/// A cube whose six sides have the texture coordinates `side(0)` to `side(5)`, each a rectangle
+/// from one corner to another.
+fn cube(side: impl Fn(usize) -> [[f64; 2]; 2]) -> String {
+    let points = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2));
+    let mut text: String = points.collect();
+    for s in 0..6 {
+        let [[a, b], [c, d]] = side(s);
+        text += &format!("vt {a} {b}\nvt {c} {b}\nvt {c} {d}\nvt {a} {d}\n");
+    }
+    let sides =
+        [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
+    for (s, side) in sides.iter().enumerate() {
+        let corners = side.iter().zip(4 * s + 1..).map(|(v, vt)| format!(" {v}/{vt}"));
+        text += &format!("f{}\n", corners.collect::<String>());
+    }
+    text
+}
+
+#[test]
+fn faces_that_share_texture_are_said_with_their_number() {
+    let folder = Folder::new();
+    folder.write("all.obj", cube(|_| [[0.0, 0.0], [1.0, 1.0]]));
+    // The first two sides overlap in a quarter of each.
+    folder.write(
+        "two.obj",
+        cube(|s| match s {
+            0 => [[0.0, 0.0], [0.4, 0.4]],
+            1 => [[0.2, 0.2], [0.6, 0.6]],
+            s => [[0.25 * (s - 2) as f64, 0.7], [0.25 * (s - 1) as f64, 1.0]],
+        }),
+    );
+    // Neighbours in the texture share edges, and nothing else.
+    let third = |s: usize| (s % 3) as f64 / 3.0;
+    let row = |s: usize| (s / 3) as f64 / 2.0;
+    folder.write("none.obj", cube(|s| [[third(s), row(s)], [third(s) + 1.0 / 3.0, row(s) + 0.5]]));
+    let small = "--steps 1 --agents 10 --size 64 -o";
+    for (name, count) in [("all", 12), ("two", 4), ("none", 0)] {
+        let run = folder.run(&format!("slime {name}.obj {small} {name}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        let said = format!("faces share texture: {count} of 12 triangles");
+        assert_eq!(run.stderr.contains(&said), count > 0, "{name}: {}", run.stderr);
+        assert_eq!(run.stderr.contains("--atlas"), count > 0, "{name}: {}", run.stderr);
+        let atlas = folder.run(&format!("slime {name}.obj --atlas {small} {name}-atlas"));
+        assert!(!atlas.stderr.contains("share"), "{}", atlas.stderr);
+        // A fractal on the texture of the mesh likewise.
+        let run = folder.run(&format!("newton {name}.obj --uv --size 64 -o {name}.png"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        assert_eq!(run.stderr.contains("faces overlap in the texture"), count > 0, "{name}");
+    }
+}

@@ -114,6 +114,67 @@ fn a_template_is_deformed_to_a_predicted_spectrum() {
     assert!(folder.fail(wrong).contains("must ascend"));
 }
 
+/// Writes a closed body, and two open parts of it that overlap: `NAME.off`, `NAME-low.off` and
+/// `NAME-high.off`.
+fn body_and_parts(folder: &Folder, name: &str, body: &TriMesh) {
+    let [low, high] = body.bounding_box().unwrap();
+    let height = |f: &[u32; 3]| {
+        let z = f.iter().map(|&v| body.vertices()[v as usize][2]).sum::<f64>() / 3.0;
+        (z - low[2]) / (high[2] - low[2])
+    };
+    let part = |inside: &dyn Fn(f64) -> bool| {
+        let faces = (0..).zip(body.faces()).filter(|(_, f)| inside(height(f)));
+        body.submesh(&faces.map(|(f, _)| f).collect::<Vec<u32>>()).unwrap().mesh
+    };
+    for (end, mesh) in
+        [("", body.clone()), ("-low", part(&|z| z < 0.65)), ("-high", part(&|z| z > 0.35))]
+    {
+        let path = folder.path(&format!("{name}{end}.off"));
+        io::write(Output::create(&path, Overwrite::Never).unwrap(), &mesh.into()).unwrap();
+    }
+}
+
+#[test]
+fn the_pipe_from_prediction_to_shape_works_on_closed_bodies() {
+    let folder = Folder::new();
+    let stretched = |mesh: TriMesh, by: f64| {
+        let (points, faces) = mesh.into_parts();
+        TriMesh::new(points.iter().map(|p| [p[0], p[1], by * p[2]]).collect(), faces).unwrap()
+    };
+    for (name, body) in [
+        ("ball", families::icosphere(3).unwrap()),
+        ("egg", stretched(families::icosphere(3).unwrap(), 2.0)),
+        ("figure", families::figure(2, 0.2).unwrap()),
+    ] {
+        body_and_parts(&folder, name, &body);
+        folder.succeed(&format!("unions predict {name}-low.off {name}-high.off -o {name}.csv"));
+        let shape = format!("unions shape {name}.off --spectrum {name}.csv -o {name}-found.off");
+        let run = folder.run(&shape);
+        assert_eq!(run.code, Some(0), "{name}: {}", run.stderr);
+        assert!(run.stdout.contains("mean relative difference"), "{}", run.stdout);
+        assert!(run.stderr.contains(&format!("{name}.off is closed")), "{}", run.stderr);
+        let found = io::read(&folder.path(&format!("{name}-found.off"))).unwrap().mesh;
+        assert_eq!(found.faces(), body.faces());
+        assert!(found.faces_without_area().is_empty());
+    }
+}
+
+#[test]
+fn the_score_is_not_sold_as_accuracy() {
+    let folder = Folder::new();
+    // Half a ball twice: a prediction that is wrong, for a score that may be low or high.
+    body_and_parts(&folder, "ball", &families::icosphere(3).unwrap());
+    rectangle(&folder, "a.off", 16, 10);
+    for parts in ["ball-low.off ball-high.off", "a.off a.off", "a.off ball-low.off"] {
+        let said = folder.succeed(&format!("unions predict {parts}"));
+        let line = said.lines().find(|line| line.contains("out-of-distribution score")).unwrap();
+        assert!(line.contains("99.5 % of the training pairs"), "{line}");
+        let says = ["prediction is a guess", "error of the prediction is unknown"];
+        assert!(says.iter().any(|what| line.contains(what)), "{line}");
+        assert!(!line.contains("like the training"), "{line}");
+    }
+}
+
 #[test]
 fn unions_with_spectra_in_between_begin_and_end_with_those_of_the_parts() {
     let folder = Folder::new();

@@ -312,6 +312,9 @@ class Accumulator(_catamaran.Accumulator):
     `remove` fails after some blocks of the call were added, the accumulator must not be used any
     more: every later call raises an error that says so.
 
+    Several threads may use one accumulator: a call waits for those of other threads, and Ctrl-C
+    ends the wait. A progress callback can't use the accumulator of its own call.
+
     Examples
     --------
     >>> import numpy as np
@@ -379,7 +382,7 @@ class Accumulator(_catamaran.Accumulator):
 
     def merge(self, other: Accumulator) -> None:
         """Add the rows of another accumulator, which stays as it is."""
-        self._merge(other if other is not self else self.__copy__())
+        self._merge(other)
 
     def result(self, *, alpha: float = 1.0, uplo: str = "both") -> NDArray[Any]:
         """Return ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
@@ -388,11 +391,7 @@ class Accumulator(_catamaran.Accumulator):
     @to_nearest
     def cov(self, *, ddof: int = 1) -> NDArray[Any]:
         """Return the covariance matrix; needs `center`."""
-        if not self.centered:
-            raise ValueError("accumulator: not about the mean, make it with center=True")
-        if self.weight - ddof <= 0.0:
-            raise ValueError(f"ddof: {ddof} leaves no degree of freedom of {self.rows} rows")
-        return self._result(1.0 / (self.weight - ddof), "both")
+        return self._cov(ddof)
 
     def extended(
         self, *, threads: Optional[int] = None

@@ -72,7 +72,8 @@ class UnionSpectrum(NamedTuple):
     union: NDArray[np.float64]
     #: Those of the parts.
     parts: List[NDArray[np.float64]]
-    #: How unlike the training the parts are; above 1 the prediction is a guess.
+    #: How unlike the training the parts are; above 1 they are further out than 99.5 % of its pairs,
+    #: and the prediction is a guess. Below 1 the prediction may be wrong, too.
     ood_score: float
 
 

@@ -22,7 +22,7 @@ use super::io::MeshFile;
 use super::{Components, TriMesh};
 use crate::base::{Error, Result};
 use rebuild::Rebuild;
-use weld::Seams;
+pub(super) use weld::{Seams, representatives};
 
 /// A mesh after [`repair()`].
 #[derive(Debug, Clone, PartialEq)]
@@ -145,7 +145,7 @@ impl State {
     }
 
     fn weld(&mut self, tolerance: f64) -> Result<()> {
-        let joined = weld::representatives(self.file.mesh.vertices(), tolerance)?;
+        let joined = representatives(self.file.mesh.vertices(), tolerance)?;
         self.join(joined, |[vertices, faces, colors]| RepairStep::Welded {
             tolerance,
             vertices,
@@ -156,6 +156,7 @@ impl State {
 
     fn close_seams(&mut self) -> Result<()> {
         let Seams { to, ambiguous } = Seams::of(&self.file.mesh);
+        let ambiguous = ambiguous.len();
         self.join(to, |[vertices, _, colors]| RepairStep::ClosedSeams {
             vertices,
             colors,

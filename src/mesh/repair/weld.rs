@@ -11,7 +11,7 @@ use crate::base::{Result, Sets, at_least_zero};
 ///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite.
-pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
+pub(in crate::mesh) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
     at_least_zero("tolerance", tolerance)?;
     Ok(if tolerance > 0.0 { near(points, tolerance) } else { equal(points) })
 }
@@ -49,11 +49,11 @@ fn near(points: &[Vector], tolerance: f64) -> Vec<u32> {
 }
 
 /// The seams of a mesh: boundary edges that coincide.
-pub(super) struct Seams {
+pub(in crate::mesh) struct Seams {
     /// For each vertex, the lowest vertex that it joins along seams; itself elsewhere.
     pub to: Vec<u32>,
-    /// Number of boundary edges that stay, because more than two coincide.
-    pub ambiguous: usize,
+    /// The boundary edges that stay, because more than two coincide.
+    pub ambiguous: Vec<u32>,
 }
 
 impl Seams {
@@ -63,7 +63,7 @@ impl Seams {
         let place = equal(mesh.vertices());
         let apart = || (0..place.len() as u32).collect();
         if place.iter().zip(0..).all(|(&first, v)| first == v) {
-            return Self { to: apart(), ambiguous: 0 };
+            return Self { to: apart(), ambiguous: Vec::new() };
         }
         let edges = Edges::new(mesh);
         let mut found: Vec<([u32; 2], u32)> = edges
@@ -76,7 +76,7 @@ impl Seams {
             .collect();
         found.sort_unstable();
         let mut sets = Sets::new(place.len());
-        let mut ambiguous = 0;
+        let mut ambiguous = Vec::new();
         for group in found.chunk_by(|a, b| a.0 == b.0) {
             match group {
                 [_] => {}
@@ -91,7 +91,7 @@ impl Seams {
                         sets.join(b, if same { d } else { c });
                     }
                 }
-                more => ambiguous += more.len(),
+                more => ambiguous.extend(more.iter().map(|(_, e)| *e)),
             }
         }
         Self { to: (0..place.len() as u32).map(|v| sets.find(v)).collect(), ambiguous }

@@ -215,6 +215,8 @@ inline void iterate(real x, real y, real z, size_t at, __global ushort *numbers,
     }
     real root = root_of(alpha, degree, roots, has_roots) * (float)degree
               + root_of(beta, degree, roots, has_roots);
+    // A mark for points that reach no root.
+    root = root + SELECT(active, (real)(32768.0f), (real)(0.0f));
     STORE(TO_SMALL(root), at, numbers);
     STORE(sum * factor + shift, at, convergence);
 }

@@ -8,6 +8,7 @@
 // without the wide registers.
 use pulp::{Simd, WithSimd};
 
+use super::UNREACHED;
 use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
 use super::options::Parameters;
 use super::points::Cursor;
@@ -113,7 +114,7 @@ impl WithSimd for Block<'_> {
     }
 }
 
-/// Returns the number of the root, and t.
+/// Returns the number of the root, plus [`UNREACHED`] for a point that does not reach it, and t.
 #[inline(always)]
 fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let scale = x.all(p.scale);
@@ -141,6 +142,7 @@ fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (L
         }
     }
     let root = root_of(p, alpha) * x.all(p.degree as f32) + root_of(p, beta);
+    let root = root + active.select(x.all(f32::from(UNREACHED)), x.all(0.0));
     (root, sum * x.all(p.factor) + x.all(p.shift))
 }
 

@@ -50,7 +50,13 @@ pub struct Fractal {
     pub roots: Vec<u16>,
     /// t of [`Gradient`].
     pub convergence: Vec<f32>,
+    /// Number of points that reach no root within the iterations; their root is the one nearest to
+    /// where they are then.
+    pub unreached: usize,
 }
+
+/// Marks the number of a root that a point does not reach; numbers are below 64^2.
+const UNREACHED: u16 = 1 << 15;
 
 /// Newton's method for a bicomplex polynomial (thesis, chapter 7), with its parameters prepared.
 ///
@@ -122,7 +128,7 @@ impl Newton {
             // The remaining blocks check the state of the tracker.
             let _ = tracker.add(1.0);
         });
-        tracker.finish().map(|()| fractal)
+        tracker.finish().map(|()| fractal.counted())
     }
 }
 
@@ -131,9 +137,17 @@ impl Fractal {
     pub(crate) fn with_len(len: usize) -> Result<Self> {
         let bytes = len as f64 * (size_of::<u16>() + size_of::<f32>()) as f64;
         check_request("points", format_args!("{len} points"), bytes)?;
-        let mut fractal = Self { roots: reserved(len)?, convergence: reserved(len)? };
+        let (roots, convergence) = (reserved(len)?, reserved(len)?);
+        let mut fractal = Self { roots, convergence, unreached: 0 };
         fractal.roots.resize(len, 0);
         fractal.convergence.resize(len, 0.0);
         Ok(fractal)
+    }
+
+    /// Counts the points that reach no root, and removes their marks.
+    pub(crate) fn counted(mut self) -> Self {
+        self.unreached = self.roots.iter().filter(|root| **root & UNREACHED != 0).count();
+        self.roots.iter_mut().for_each(|root| *root &= !UNREACHED);
+        self
     }
 }

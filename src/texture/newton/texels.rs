@@ -11,6 +11,8 @@ pub struct Texels {
     pub numbers: Vec<u32>,
     /// Their positions on the surface.
     pub positions: Vec<[f32; 3]>,
+    /// Number of texels whose centre is in several faces: these share texture.
+    pub shared: usize,
 }
 
 /// Finds the texels of a `width` x `height` texture whose centre is in a face of `mesh` laid out by
@@ -42,6 +44,8 @@ pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Res
     let mut owners: Vec<u32> = reserved(width as usize * height as usize)?;
     owners.resize(width as usize * height as usize, u32::MAX);
     let mut found = 0;
+    let mut shared: Vec<bool> = reserved(owners.len())?;
+    shared.resize(owners.len(), false);
     for f in 0..mesh.faces().len() {
         let Some(corners) = uv.of_face(mesh, f) else { continue };
         if !corners.as_flattened().iter().all(|x| x.is_finite()) {
@@ -60,16 +64,20 @@ pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Res
         for row in span(1, height) {
             for column in span(0, width) {
                 let owner = &mut owners[(row * width + column) as usize];
-                if *owner == u32::MAX
-                    && weights(corners, f64::from(column), f64::from(row)).is_some()
-                {
+                let Some(weights) = weights(corners, f64::from(column), f64::from(row)) else {
+                    continue;
+                };
+                if *owner == u32::MAX {
                     *owner = f as u32;
                     found += 1;
+                } else if weights.iter().all(|w| *w > INSIDE) {
+                    shared[(row * width + column) as usize] = true;
                 }
             }
         }
     }
-    let mut texels = Texels { numbers: reserved(found)?, positions: reserved(found)? };
+    let shared = shared.iter().filter(|shared| **shared).count();
+    let mut texels = Texels { numbers: reserved(found)?, positions: reserved(found)?, shared };
     for (number, &f) in owners.iter().enumerate().filter(|(_, f)| **f != u32::MAX) {
         let Some(corners) = uv.of_face(mesh, f as usize) else { continue };
         let corners = corners.map(|[u, v]| [u * columns - 0.5, (1.0 - v) * rows - 0.5]);
@@ -88,6 +96,10 @@ pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Res
     }
     Ok(texels)
 }
+
+/// Barycentric coordinates of a point that is inside of a triangle, and not on an edge but for
+/// rounding.
+const INSIDE: f64 = 1e-6;
 
 /// Returns barycentric coordinates of (x, y) in a triangle; `None` outside.
 fn weights([a, b, c]: [[f64; 2]; 3], x: f64, y: f64) -> Option<[f64; 3]> {

@@ -5,6 +5,8 @@ use crate::base::{Result, reserved, zeros};
 pub(super) struct Raster {
     pub owners: Vec<u32>,
     pub areas: Vec<f32>,
+    /// Triangles that overlap others in the texture, ascending.
+    pub overlapping: Vec<u32>,
 }
 
 /// Positions in `f32` may be wrong by this share of the side of the texture: texels that near to a
@@ -17,6 +19,8 @@ pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
     let mut owners = reserved(size * size)?;
     owners.resize(size * size, NO_TRIANGLE);
     let mut areas = zeros::<f32>(size * size)?;
+    let mut overlaps = reserved(surface.len())?;
+    overlaps.resize(surface.len(), false);
     for (t, &area) in surface.areas().iter().enumerate() {
         let triangle = Triangle::new(surface, t, size);
         let density = area / triangle.area;
@@ -25,6 +29,9 @@ pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
             areas[texel] += (part.area * density) as f32;
             if part.centre && owners[texel] == NO_TRIANGLE {
                 owners[texel] = t as u32;
+            } else if part.inside {
+                overlaps[t] = true;
+                overlaps[owners[texel] as usize] = true;
             }
         });
     }
@@ -36,13 +43,17 @@ pub(super) fn raster(surface: &Surface, size: usize) -> Result<Raster> {
             }
         });
     }
-    Ok(Raster { owners, areas })
+    let overlapping = (0..).zip(overlaps).filter(|(_, overlaps)| *overlaps).map(|(t, _)| t);
+    Ok(Raster { owners, areas, overlapping: overlapping.collect() })
 }
 
 /// The relation of a triangle to a texel.
 struct Part {
     area: f64,
+    /// Whether the triangle contains the centre of the texel, perhaps on an edge.
     centre: bool,
+    /// Whether it contains the centre, and not on an edge but for rounding.
+    inside: bool,
 }
 
 /// A triangle in the texture, in texels, counter-clockwise.
@@ -88,19 +99,20 @@ impl Triangle {
         for j in range(1) {
             for i in range(0) {
                 let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);
-                let (mut centre, mut whole, mut near) = (true, true, true);
+                let (mut centre, mut whole, mut near, mut deep) = (true, true, true, true);
                 for [a, b, c] in self.edges {
                     let inside = a * x + b * y + c;
                     // Half of the width of the texel across the edge.
                     let half = (a.abs() + b.abs()) / 2.0;
                     centre &= inside >= 0.0;
+                    deep &= inside > self.slack;
                     whole &= inside >= half;
                     near &= inside >= -half - self.slack;
                 }
                 if whole {
-                    visit(i, j, Part { area: 1.0, centre });
+                    visit(i, j, Part { area: 1.0, centre, inside: deep });
                 } else if near {
-                    visit(i, j, Part { area: self.overlap(i, j), centre });
+                    visit(i, j, Part { area: self.overlap(i, j), centre, inside: deep });
                 }
             }
         }

@@ -17,6 +17,7 @@ pub struct Texels {
     areas: Vec<f32>,
     kinds: Vec<u8>,
     links: Links,
+    overlapping: Vec<u32>,
 }
 
 impl Texels {
@@ -33,10 +34,10 @@ impl Texels {
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
     pub fn new(surface: &Surface, size: usize) -> Result<Self> {
-        let Raster { owners, areas } = raster(surface, size)?;
+        let Raster { owners, areas, overlapping } = raster(surface, size)?;
         let mut kinds = zeros_of_kind(size)?;
         let links = links(surface, size, &owners, &mut kinds)?;
-        Ok(Self { size, owners, areas, kinds, links })
+        Ok(Self { size, owners, areas, kinds, links, overlapping })
     }
 
     /// Returns the number of texels of a side.
@@ -53,6 +54,12 @@ impl Texels {
     /// Returns the share of the surface that each texel covers; the sum is 1.
     pub fn areas(&self) -> &[f32] {
         &self.areas
+    }
+
+    /// Returns the triangles that overlap others in the texture, ascending: the centre of a texel is
+    /// in both. They share the trails of agents.
+    pub fn overlapping(&self) -> &[u32] {
+        &self.overlapping
     }
 
     /// Returns [`OUTSIDE`], [`INSIDE`](super::INSIDE) or [`BORDER`](super::BORDER) for each texel.

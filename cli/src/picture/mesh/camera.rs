@@ -9,11 +9,11 @@ const HALF_ANGLE: f64 = 0.22;
 /// Which coordinate points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Up {
-    /// x.
+    /// The axis x.
     X,
-    /// y, as in most models.
+    /// The axis y, as in most models.
     Y,
-    /// z, as in maps and in files for 3D printing.
+    /// The axis z, as in maps and in files for 3D printing.
     Z,
 }
 

@@ -201,7 +201,7 @@ fn an_example_is_written_as_png() {
         let image = render(&Scene { panels, size, edges, ..Default::default() }).unwrap();
         let path = folder.join(name);
         let output = catamaran::io::Output::create(&path, catamaran::io::Overwrite::Replace);
-        image.write_png(output.unwrap()).unwrap();
+        image.write(output.unwrap()).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         assert_eq!(&bytes[1..4], b"PNG");
     }
