@@ -55,6 +55,33 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
     }
 }
 
+/// Returns the start of a file of an accumulator of `columns` columns, up to its vectors.
+fn head_of_an_accumulator(columns: u64) -> Vec<u8> {
+    let mut file = b"CATAACC\0\x02\0\0\0\x08\0\0\0".to_vec();
+    let mut head: Vec<u8> = Vec::new();
+    [columns, 0, columns, 5, 5, 5].iter().for_each(|x| head.extend(x.to_le_bytes()));
+    head.extend([0; 5]);
+    file.extend((head.len() as u32).to_le_bytes());
+    file.extend(head);
+    let check = crc32fast::hash(&file);
+    file.extend(check.to_le_bytes());
+    file.extend([0; 16]);
+    file
+}
+
+#[test]
+fn memory_of_an_accumulator_grows_with_the_bytes_that_arrive() {
+    let _turn = turn();
+    for columns in [10_000, 30_000, 1 << 20, 1 << 40] {
+        let file = head_of_an_accumulator(columns);
+        let mut error = None;
+        let read = || error = Accumulator::<f64>::read(&mut &file[..]).err();
+        let (used, _) = peak_of(read);
+        assert!(used < SMALL, "{columns} columns: {used} bytes");
+        assert_eq!(error.unwrap().kind(), std::io::ErrorKind::InvalidData, "{columns}");
+    }
+}
+
 #[test]
 fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
     let _turn = turn();

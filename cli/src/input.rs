@@ -76,6 +76,7 @@ static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
 pub fn limit_memory(bytes: Option<usize>) {
     if let Some(bytes) = bytes {
         MAX_MEMORY.get_or_init(|| bytes as u64);
+        catamaran::base::limit_memory(bytes as u64);
     }
 }
 

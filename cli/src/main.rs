@@ -64,7 +64,9 @@ Exit codes:
 #[command(name = "catamaran", version, about, arg_required_else_help = true, after_help = EXIT_CODES)]
 struct Cli {
     /// Most memory that one input file may take, in GiB: what it unpacks to, or what its header
-    /// announces [default: a hundred times the size of the file, at least 1 GiB].
+    /// announces [default: a hundred times the size of the file, at least 1 GiB]. Also the most
+    /// that a number of vertices, pixels, eigenpairs or frames may need [default: the available
+    /// memory].
     #[arg(
         long,
         global = true,

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
+use catamaran::base::check_request;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix, ReadOptions};
 use catamaran::mesh::io::MeshFile;
@@ -91,6 +92,12 @@ impl LaplacianArgs {
 
     /// Reads a mesh and computes its first eigenfunctions, as many as the largest of `needs` says.
     pub fn shape(&self, path: &Path, needs: &[Need]) -> Result<Shape> {
+        self.shape_for(path, needs, 0)
+    }
+
+    /// Reads a mesh and computes its first eigenfunctions, unless there is too little memory for as
+    /// many functions as are computed from them later.
+    pub fn shape_for(&self, path: &Path, needs: &[Need], functions: usize) -> Result<Shape> {
         let file = self.repair.read(path)?;
         let len = needs.iter().map(|need| need.len).max().unwrap_or(0);
         let vertices = file.mesh.vertices().len();
@@ -101,6 +108,9 @@ impl LaplacianArgs {
                 path.display()
             );
         }
+        let functions = functions.max(len);
+        let request = format_args!("{functions} functions of {vertices} vertices");
+        check_request("k", request, 8.0 * functions as f64 * vertices as f64)?;
         let pieces = Pieces::new(&file.mesh, path, &self.repair, &Boundary::Neumann)?;
         needs.iter().try_for_each(|need| pieces.check(*need))?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());

@@ -1,5 +1,5 @@
-//! What the library prints on standard error at exit: with `CATAMARAN_BLAS_VERBOSE=1` its calls, and
-//! by default a line if nothing was gained.
+//! What the library prints on standard error at exit: with `CATAMARAN_BLAS_VERBOSE=1` its calls,
+//! and by default a line if nothing was gained.
 
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};

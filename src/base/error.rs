@@ -116,7 +116,10 @@ impl fmt::Display for Error {
             Self::Io { path, line: Some(line), what, .. } => {
                 write!(f, "{}:{line}: {what}", path.display())
             }
-            Self::OutOfMemory { bytes } => write!(f, "out of memory: {bytes} bytes requested"),
+            Self::OutOfMemory { bytes } => {
+                let gib = *bytes as f64 / f64::from(1 << 30);
+                write!(f, "out of memory: {bytes} bytes requested ({gib:.2} GiB)")
+            }
             Self::Mesh { what, element } => write!(f, "{element}: {what}"),
             Self::Backend { name, why, .. } => write!(f, "back end {name}: {why}"),
             Self::Rank { rank, why } => write!(f, "rank {rank}: {why}"),

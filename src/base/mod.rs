@@ -8,6 +8,7 @@ mod disjoint;
 mod error;
 mod float_env;
 mod isa;
+mod memory;
 #[cfg(feature = "geometry")]
 mod operations;
 mod par;
@@ -16,9 +17,11 @@ mod pool;
 mod progress;
 mod rng;
 mod scalar;
+mod search;
 #[cfg(feature = "geometry")]
 mod sets;
 mod simd;
+pub(crate) mod steps;
 mod version;
 mod watch;
 mod workspace;
@@ -31,6 +34,8 @@ pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
+pub(crate) use memory::check_allocation;
+pub use memory::{available_memory, check_request, limit_memory};
 #[cfg(all(test, feature = "unions"))]
 pub(crate) use operations::measure;
 #[cfg(feature = "geometry")]
@@ -43,6 +48,7 @@ pub use progress::Progress;
 pub(crate) use progress::Tracker;
 pub use rng::Rng;
 pub use scalar::Real;
+pub(crate) use search::first_that;
 #[cfg(feature = "geometry")]
 pub(crate) use sets::Sets;
 pub(crate) use simd::widest;
@@ -50,6 +56,6 @@ pub(crate) use simd::widest;
 pub(crate) use simd::{arch, has_fused};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
-pub(crate) use workspace::reserved;
 pub use workspace::{Arena, Workspace, release_memory};
 pub(crate) use workspace::{Scratch, zeros};
+pub(crate) use workspace::{push, reserved};

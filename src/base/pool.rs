@@ -336,7 +336,7 @@ mod tests {
         let (cores, allowed) = (available_cores(), allowed_threads());
         for wanted in 2..=4 * cores {
             let width = shared(wanted).unwrap().threads.len() + 1;
-            assert!(width >= wanted && (width == allowed || width % cores == 0));
+            assert!(width >= wanted && (width == allowed || width.is_multiple_of(cores)));
         }
     }
 

@@ -1,6 +1,7 @@
 use std::alloc::Layout;
 use std::sync::{Mutex, TryLockError};
 
+use super::memory::check_allocation;
 use super::plain::Plain;
 use super::{Error, Real, Result};
 
@@ -48,6 +49,11 @@ impl<T: Real> Workspace<T> {
         Ok(Self { skipped: buffer.as_ptr().align_offset(CACHE_LINE), buffer })
     }
 
+    /// Creates a workspace of these elements.
+    pub(crate) fn from_vec(buffer: Vec<T>) -> Self {
+        Self { buffer, skipped: 0 }
+    }
+
     /// Grows the workspace to at least `len` elements; its contents are lost.
     ///
     /// # Errors
@@ -58,6 +64,7 @@ impl<T: Real> Workspace<T> {
         }
         *self = Self { buffer: Vec::new(), skipped: 0 };
         let bytes = len.saturating_mul(size_of::<T>());
+        check_allocation(bytes)?;
         let slack = if bytes < 2 * HUGE_PAGE { 0 } else { HUGE_PAGE / size_of::<T>() };
         self.buffer = zeroed(len.saturating_add(slack)).ok_or(Error::OutOfMemory { bytes })?;
         if slack > 0 {
@@ -82,14 +89,27 @@ impl<T: Real> Workspace<T> {
 pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
+    check_allocation(bytes)?;
     values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
     ask_for_huge_pages(values.spare_capacity_mut());
     Ok(values)
 }
 
+/// Adds a value to a vector, or returns an error when memory is refused.
+pub(crate) fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
+    if values.len() == values.capacity() {
+        let bytes = values.capacity().max(4).saturating_mul(2 * size_of::<T>());
+        check_allocation(bytes)?;
+        values.try_reserve(1).map_err(|_| Error::OutOfMemory { bytes })?;
+    }
+    values.push(value);
+    Ok(())
+}
+
 /// Returns a vector of `len` zeros, or an error when memory is refused.
 pub(crate) fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
     let bytes = len.saturating_mul(size_of::<T>());
+    check_allocation(bytes)?;
     let mut values = zeroed(len).ok_or(Error::OutOfMemory { bytes })?;
     ask_for_huge_pages(&mut values);
     Ok(values)

@@ -80,7 +80,7 @@ impl Native {
         let kernel = T::kernel(self.isa);
         let mut shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
         if !is_small(shape) {
-            return large_product(kernel, alpha, a, b, beta, &destination, by_columns);
+            return large_product(kernel, alpha, a, b, beta, &destination, part, by_columns);
         }
         let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
         let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
@@ -104,6 +104,7 @@ fn large_product<T: Operand>(
     b: Option<MatRef<'_, T>>,
     beta: T,
     destination: &Destination<'_, T>,
+    part: Part,
     by_columns: bool,
 ) {
     let right = b.unwrap_or(a);
@@ -124,11 +125,47 @@ fn large_product<T: Operand>(
     }
     let shapes = products.iter().map(|p| p.shape);
     let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
-    let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");
+    let Ok(mut scratch) = Scratch::new::<T>(len) else {
+        return product_in_pieces(kernel, alpha, a, right, beta, destination, part);
+    };
     let progress = &Tracker::unwatched();
     let job = Job { kernel, products: &products, budget: BUDGET, progress };
     // SAFETY: C is borrowed for the length of this call.
     unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
+}
+
+/// Computes [`large_product`] without memory, which was refused: by small products, slower and with
+/// other rounding errors.
+fn product_in_pieces<T: Operand>(
+    kernel: &'static dyn Kernel<T>,
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    beta: T,
+    destination: &Destination<'_, T>,
+    part: Part,
+) {
+    /// Rows and columns of a piece of C, and rows of A that are summed together: small products.
+    const SIDE: usize = 32;
+    const DEPTH: usize = 1024;
+    let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
+    let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
+    for i in (0..n).step_by(SIDE) {
+        let all = if matches!(part, Part::Lower) { k.min(i + SIDE) } else { k };
+        for j in (0..all).step_by(SIDE) {
+            let (rows, cols) = (SIDE.min(n - i), SIDE.min(k - j));
+            for first in (0..m).step_by(DEPTH) {
+                let depth = DEPTH.min(m - first);
+                let (left, right) =
+                    (a.submatrix(first, i, depth, rows), b.submatrix(first, j, depth, cols));
+                let beta = if first == 0 { beta } else { T::ONE };
+                let target = destination.block(i..i + rows, j..j + cols, alpha, beta);
+                let shape = Shape { depth, rows, cols, same: false };
+                // SAFETY: C is borrowed for the length of the caller's call.
+                unsafe { run_small(kernel, source(left), source(right), target, shape) };
+            }
+        }
+    }
 }
 
 /// Returns some columns as one side of a product.
@@ -147,5 +184,40 @@ impl<T: Operand> Kernels<T> for Native {
 
     fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
         self.product(alpha, a, Some(b), beta, c, Part::Lower);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+    use crate::base::Rng;
+
+    fn kernel<T: Operand>() -> &'static dyn Kernel<T> {
+        T::kernel(Isa::best())
+    }
+
+    #[test]
+    fn without_memory_products_are_made_of_small_ones() {
+        let mut rng = Rng::new(7);
+        let mut random = |rows, cols| {
+            Mat::<f64>::from_fn(rows, cols, |_, _| (rng.uniform() * 9.0).floor() - 4.0)
+        };
+        for (m, n, k) in [(1500, 70, 70), (2100, 33, 33), (3, 90, 90)] {
+            let (a, b, c) = (random(m, n), random(m, k), random(n, k));
+            for part in [Part::All, Part::Lower] {
+                let mut found = c.clone();
+                let destination = Destination::new(found.as_mut(), part);
+                let kernel = kernel();
+                product_in_pieces(kernel, 2.0, a.as_ref(), b.as_ref(), 3.0, &destination, part);
+                let expected = a.transpose() * &b * 2.0 + &c * 3.0;
+                for (i, j) in (0..n).flat_map(|i| (0..k).map(move |j| (i, j))) {
+                    let wanted = matches!(part, Part::All) || i >= j;
+                    let entry = if wanted { expected[(i, j)] } else { c[(i, j)] };
+                    assert_eq!(found[(i, j)], entry, "{m} {n} {k}, ({i}, {j})");
+                }
+            }
+        }
     }
 }

@@ -89,7 +89,7 @@ pub(super) fn add(new: Region) -> Result<(), Failure> {
     let check = |all: &RefCell<Regions>| {
         let mut all = all.borrow_mut();
         // Outside of a call, nothing would ever remove it.
-        let Some(first) = all.first.filter(|_| new.lines > 0 && new.line > 0) else { return None };
+        let first = all.first.filter(|_| new.lines > 0 && new.line > 0)?;
         let both = |old: &&Region| (old.written || new.written) && old.overlaps(&new);
         let found = all.list[first..].iter().find(both).copied();
         all.list.push(new);

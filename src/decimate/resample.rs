@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 use std::hash::BuildHasherDefault;
 
 use super::batches::Multiply;
-use crate::base::{Error, Progress, Result};
+use crate::base::{Error, Progress, Result, check_request, push};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
 
@@ -41,6 +41,12 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Progress::none())
 }
 
+/// Most parts of a face that is split once.
+const PARTS: usize = 5;
+
+/// Bytes of a face, of its share of the vertices and of its parent.
+const BYTES_OF_A_FACE: f64 = 28.0;
+
 pub(super) fn resample_with(
     mesh: &TriMesh,
     longest: f64,
@@ -58,6 +64,8 @@ pub(super) fn resample_with(
             format!("{longest:e} needs at least {least:.1e} faces, more than a mesh can have");
         return Err(Error::Argument { what: "longest", why });
     }
+    let request = format_args!("{longest:e}, at least {least:.1e} faces");
+    check_request("longest", request, least * BYTES_OF_A_FACE)?;
     let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
     let mut parents: Vec<u32> = (0..faces.len() as u32).collect();
     let is_long = |vertices: &[Vector], a: u32, b: u32| {
@@ -79,6 +87,8 @@ pub(super) fn resample_with(
         let mut next = Vec::new();
         for &f in &open {
             let [a, b, c] = faces[f as usize];
+            let refused = |_| Error::OutOfMemory { bytes: 3 * size_of::<[u32; 3]>() };
+            middles.try_reserve(3).map_err(refused)?;
             let mut of_edges = [None; 3];
             for (middle, (u, v)) in of_edges.iter_mut().zip([(a, b), (b, c), (c, a)]) {
                 if !is_long(&vertices, u, v) {
@@ -96,14 +106,22 @@ pub(super) fn resample_with(
             split_face([a, b, c], of_edges, &mut vertices, &mut faces)?;
             // One of the parts replaces the face.
             faces.swap_remove(f as usize);
+            room(&mut parents, PARTS)?;
             parents.resize(faces.len(), parents[f as usize]);
             let parts = (first..faces.len()).chain([f as usize]);
+            room(&mut next, PARTS)?;
             next.extend(parts.filter(|&g| has_long(&vertices, faces[g])).map(|g| g as u32));
         }
         next.sort_unstable();
         open = next;
     }
     Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents })
+}
+
+/// Makes room for so many more items.
+fn room<T>(list: &mut Vec<T>, count: usize) -> Result<()> {
+    let bytes = (list.len() + count).saturating_mul(size_of::<T>());
+    list.try_reserve(count).map_err(|_| Error::OutOfMemory { bytes })
 }
 
 /// Adds the mean of these points to the vertices, and returns its index.
@@ -114,7 +132,7 @@ fn add(vertices: &mut Vec<Vector>, points: &[Vector]) -> Result<u32> {
         return Err(Error::Argument { what: "longest", why });
     };
     let share = 1.0 / points.len() as f64;
-    vertices.push(std::array::from_fn(|k| points.iter().map(|p| share * p[k]).sum()));
+    push(vertices, std::array::from_fn(|k| points.iter().map(|p| share * p[k]).sum()))?;
     Ok(number)
 }
 
@@ -126,6 +144,7 @@ fn split_face(
     faces: &mut Vec<[u32; 3]>,
 ) -> Result<()> {
     let split = middles.iter().flatten().count();
+    room(faces, PARTS)?;
     // Rotated so that a single split edge, or a single unsplit one, comes first.
     let alone = |middle: &Option<u32>| middle.is_some() == (split == 1);
     let turn = middles.iter().position(alone).unwrap_or(0);

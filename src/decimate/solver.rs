@@ -21,7 +21,7 @@ use super::size::edge_length_for;
 use super::surface::Surface;
 use super::topology::{Component, components, topology};
 use super::{dual, lloyd};
-use crate::base::{Error, Progress, Result};
+use crate::base::{Error, Progress, Result, check_request};
 use crate::mesh::vector::distance;
 use crate::mesh::{TriMesh, vertex_areas};
 
@@ -46,6 +46,10 @@ pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Resu
 /// Longest edge before sampling, relative to the edges of the result, so that a cell has vertices
 /// on all sides.
 const FINE: f64 = 0.7;
+
+/// Bytes for a vertex of the result where the mesh is refined for it: two vertices and four faces
+/// of the refined mesh with what is adjacent to them (150 each), and the vertex itself.
+const BYTES_OF_A_VERTEX: f64 = 400.0;
 
 /// Decimates one mesh to several sizes.
 ///
@@ -180,6 +184,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
             return refused(format!(
                 "{n}, but the mesh has {there} vertices, and is not resampled"
             ));
+        }
+        if n > there {
+            check_request("n", format_args!("{n} vertices"), n as f64 * BYTES_OF_A_VERTEX)?;
         }
         let components = &self.source.components;
         if self.options.method == Method::Thesis && n < components.len() {

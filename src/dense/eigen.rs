@@ -56,7 +56,7 @@ fn decompose(matrix: &Mat<f64>) -> Result<SymmetricEigen> {
         self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
     let mut memory = buffer(requirement)?;
     let mut values = Diag::<f64>::zeros(n);
-    let mut vectors = Mat::zeros(n, n);
+    let mut vectors = zeros(n, n)?;
     self_adjoint_evd(
         matrix.as_ref(),
         values.as_mut(),

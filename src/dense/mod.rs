@@ -8,7 +8,7 @@ mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
-pub(crate) use memory::{buffer, zeros};
+pub(crate) use memory::{buffer, filled, zeros};
 pub(crate) use rank::{pivots, right_singular};
 pub(crate) use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
 pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};

@@ -1,10 +1,13 @@
 //! Products of tall matrices with narrow ones, by blocks of rows, so that no data is packed that is
 //! used only once.
 
+use std::sync::Mutex;
+
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef};
 
+use super::memory::zeros;
 use super::rows::{block, by_pieces, pieces};
 use crate::base::{Par, Result, spend};
 
@@ -18,7 +21,8 @@ const BLOCK: usize = 1024;
 /// order. The result is the same for every `par`, bit for bit.
 ///
 /// # Errors
-/// [`Error::Cancelled`](crate::Error::Cancelled), as for the other products.
+/// [`Error::Cancelled`](crate::Error::Cancelled) and
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory), as for the other products.
 pub(crate) fn transposed_product(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -26,17 +30,17 @@ pub(crate) fn transposed_product(
 ) -> Result<Mat<f64>> {
     let operations = 2 * a.ncols() * b.ncols();
     let block = block(operations, SUMMED);
-    let mut sum = Mat::zeros(a.ncols(), b.ncols());
+    let mut sum = zeros(a.ncols(), b.ncols())?;
     for (first, height) in pieces(a.nrows(), block, operations) {
         let (a, b) = (a.subrows(first, height), b.subrows(first, height));
-        let parts = par.map_blocks(height, block, |rows| {
-            let mut product = Mat::<f64>::zeros(a.ncols(), b.ncols());
+        let parts = par.map_blocks(height, block, |rows| -> Result<Mat<f64>> {
+            let mut product = zeros(a.ncols(), b.ncols())?;
             let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
             matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
-            product
+            Ok(product)
         });
         for part in parts {
-            sum += part;
+            sum += part?;
         }
         spend(height as f64 * operations as f64)?;
     }
@@ -64,9 +68,14 @@ pub(crate) fn subtract_product(
 pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) -> Result<()> {
     let operations = 2 * s.nrows() * s.ncols();
     let block = block(operations, BLOCK);
+    let refused = Mutex::new(None);
     by_pieces(x, block, operations, par, |_, mut x| {
-        let mut product = Mat::zeros(x.nrows(), s.ncols());
+        let mut product = match zeros(x.nrows(), s.ncols()) {
+            Ok(product) => product,
+            Err(e) => return *refused.lock().expect("no panic") = Some(e),
+        };
         matmul(product.as_mut(), Accum::Replace, x.rb(), s, 1.0, faer::Par::Seq);
         x.rb_mut().subcols_mut(0, s.ncols()).copy_from(&product);
-    })
+    })?;
+    refused.into_inner().expect("no panic").map_or(Ok(()), Err)
 }

@@ -10,7 +10,7 @@ use faer::MatRef;
 use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
-use crate::base::{Error, Result};
+use crate::base::{Result, push};
 
 /// Reads the table, and the names of the columns that are kept if the header has one for each.
 pub(super) fn read(
@@ -104,15 +104,6 @@ fn not_a_number(column: usize, field: &str) -> String {
         return format!("column {number}: nothing where a number should be");
     }
     format!("column {number}: {:?} is not a number", shortened(field))
-}
-
-fn push(values: &mut Vec<f64>, value: f64) -> Result<()> {
-    if values.len() == values.capacity() {
-        let bytes = 2 * values.capacity() * size_of::<f64>();
-        values.try_reserve(1).map_err(|_| Error::OutOfMemory { bytes })?;
-    }
-    values.push(value);
-    Ok(())
 }
 
 /// Returns the first of tab, semicolon and comma that the line holds, or a blank.

@@ -11,7 +11,7 @@ use sprs::TriMat;
 use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
-use crate::base::{Result, reserved};
+use crate::base::{Result, push, reserved};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Symmetry {
@@ -92,6 +92,11 @@ fn numbers(source: &mut Source<'_>, count: usize) -> Result<Vec<usize>> {
     })
 }
 
+/// Words of an entry while it is read: row, column and value.
+const TRIPLET: usize = 3;
+/// Words of an entry while the entries are sorted by rows: those and what sprs makes of them.
+const WORDS: usize = 2 * TRIPLET;
+
 fn coordinate(
     source: &mut Source<'_>,
     header: &Header,
@@ -100,20 +105,19 @@ fn coordinate(
     entries: usize,
     columns: &Range<usize>,
 ) -> Result<Matrix> {
-    // The starts of the rows. Without this check sprs would abort when memory is refused.
-    let starts = nrows.saturating_add(1);
-    source.check_memory::<usize>(format_args!("a sparse matrix of {nrows} rows"), starts)?;
-    drop(reserved::<usize>(starts)?);
-    // The header may announce too many entries: only memory for likely numbers is reserved.
-    let likely = entries.min(1 << 24);
-    let (mut rows, mut cols, mut values) =
-        (reserved(likely)?, reserved(likely)?, reserved::<f64>(likely)?);
-    let mut push = |i, j, value| {
+    let mirrored = header.symmetry != Symmetry::General;
+    let most = entries.saturating_mul(if mirrored { 2 } else { 1 });
+    let words = nrows.saturating_add(1).saturating_add(most.saturating_mul(WORDS));
+    let what = format_args!("a sparse matrix of {nrows} rows and {entries} entries");
+    source.check_memory::<usize>(what, words)?;
+    let (mut rows, mut cols, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    let mut add = |i, j, value| -> Result<()> {
         if columns.contains(&j) {
-            rows.push(i);
-            cols.push(j - columns.start);
-            values.push(value);
+            push(&mut rows, i)?;
+            push(&mut cols, j - columns.start)?;
+            push(&mut values, value)?;
         }
+        Ok(())
     };
     for done in 0..entries {
         let Some(line) = content(source)? else {
@@ -130,20 +134,22 @@ fn coordinate(
         }
         let (i, j) = (i - 1, j - 1);
         match header.symmetry {
-            Symmetry::General => push(i, j, value),
-            Symmetry::Symmetric if i == j => push(i, j, value),
+            Symmetry::General => add(i, j, value)?,
+            Symmetry::Symmetric if i == j => add(i, j, value)?,
             Symmetry::Symmetric if i > j => {
-                push(i, j, value);
-                push(j, i, value);
+                add(i, j, value)?;
+                add(j, i, value)?;
             }
             Symmetry::Skew if i > j => {
-                push(i, j, value);
-                push(j, i, -value);
+                add(i, j, value)?;
+                add(j, i, -value)?;
             }
             _ => return Err(source.fail("entry outside the lower triangle")),
         }
     }
     nothing_more(source, entries)?;
+    // sprs would abort when memory is refused.
+    drop(reserved::<usize>(nrows.saturating_add(1) + (WORDS - TRIPLET) * values.len())?);
     let triplets = TriMat::from_triplets((nrows, columns.len()), rows, cols, values);
     Ok(Matrix::Sparse(triplets.to_csr()))
 }

@@ -70,10 +70,12 @@ impl<'a> Source<'a> {
             if about.is_dir() {
                 return Err(io::Error::other("is a directory"));
             }
-            Ok(Watched { file, size: about.len(), done: 0, progress })
+            let size = about.len();
+            let memory = memory_limit(size, options.max_memory);
+            Ok(Watched { file, size, done: 0, memory, progress })
         };
         let watched = opened().map_err(|e| error_at(path, None, e))?;
-        let memory = memory_limit(watched.size, options.max_memory);
+        let memory = watched.memory;
         // A small file gets a small buffer; the size of a pipe is unknown.
         let buffer = BUFFER.min(watched.size.max(SMALLEST) as usize);
         let size = watched.size;
@@ -321,6 +323,8 @@ struct Watched<'a> {
     file: File,
     size: u64,
     done: u64,
+    /// Bytes that may be read: all readers keep about as much.
+    memory: u64,
     progress: Progress<'a>,
 }
 
@@ -328,6 +332,12 @@ impl Read for Watched<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(out)?;
         self.done += count as u64;
+        if self.done > self.memory {
+            return Err(io::Error::other(
+                "is larger than the memory that this file may take: a larger max_memory \
+                 (--max-memory) allows it",
+            ));
+        }
         let fraction = self.done as f64 / self.size.max(1) as f64;
         self.progress.report(fraction).map_err(|_| io::Error::other(Stopped))?;
         Ok(count)

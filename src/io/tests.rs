@@ -9,7 +9,7 @@ use faer::Mat;
 use tempfile::TempDir;
 
 use super::*;
-use crate::ata::{Accumulator, AtaOptions, RowBlocks, RowBounds, Uplo};
+use crate::ata::{Accumulator, AtaOptions, RowBlocks, RowBounds};
 
 pub(super) struct Folder(TempDir);
 
@@ -412,7 +412,7 @@ fn an_accumulator_gets_memory_for_what_is_there() {
 }
 
 #[test]
-fn an_accumulator_whose_weights_are_damaged_has_no_mean() {
+fn an_accumulator_whose_weights_are_damaged_is_refused() {
     let bounds = RowBounds::new(vec![-1.0], vec![1.0], 1).unwrap();
     let mut sum = Accumulator::exact(&bounds, true).unwrap();
     sum.add_block(1, &mut [0.5], None, &AtaOptions::new()).unwrap();
@@ -427,9 +427,33 @@ fn an_accumulator_whose_weights_are_damaged_has_no_mean() {
     let head = u32::from_le_bytes(bytes[16..20].try_into().unwrap()) as usize;
     let check = crc32fast::hash(&bytes[20 + head + 4..end]);
     bytes[end..].copy_from_slice(&check.to_le_bytes());
-    let sum = Accumulator::<f64>::read(&mut &bytes[..]).unwrap();
-    let refused = sum.finish(1.0, Uplo::Lower);
-    assert!(matches!(refused, Err(Error::Argument { what: "weights", .. })), "{refused:?}");
+    let refused = Accumulator::<f64>::read(&mut &bytes[..]).map(drop).unwrap_err();
+    assert!(refused.to_string().contains("sums that its rows can't have"), "{refused}");
+}
+
+#[test]
+fn sparse_matrices_and_text_take_no_more_memory_than_they_may() {
+    let folder = Folder::new();
+    let head = "%%MatrixMarket matrix coordinate pattern";
+    let entries = "1 1\n".repeat(20_000);
+    let within = |path: &Path, bytes: u64| read(path, &ReadOptions::new().max_memory(bytes));
+    // 48 bytes an entry, twice as many if it is mirrored, and 16 for the rows.
+    for (symmetry, bytes) in [("general", 960_016), ("symmetric", 1_920_016)] {
+        let text = format!("{head} {symmetry}\n1 1 20000\n{entries}");
+        let path = folder.file("a.mtx", text);
+        assert_eq!(within(&path, bytes).unwrap().nrows(), 1);
+        let said = within(&path, bytes - 1).unwrap_err().to_string();
+        assert!(
+            said.contains("20000 entries would take") && said.contains("--max-memory"),
+            "{said}"
+        );
+    }
+    // The number announced counts before the entries are there.
+    let path = folder.file("a.mtx", format!("{head} general\n1 1 99999999999\n1 1\n"));
+    assert!(read_all(&path).unwrap_err().to_string().contains("this file may take 1.00 GiB"));
+    let path = folder.file("a.csv", "# a long comment\n".repeat(100_000) + "1,2\n");
+    let said = within(&path, 1 << 20).unwrap_err().to_string();
+    assert!(said.contains("is larger than the memory that this file may take"), "{said}");
 }
 
 #[test]

@@ -2,7 +2,7 @@ use super::curve::CurveOptions;
 use super::soil::Balance;
 use super::walk::Walk;
 use super::water::WaterModel;
-use crate::base::{Error, Result, at_least_zero};
+use crate::base::{Error, Result, at_least_zero, check_request};
 
 /// Computes the water of every node, in kg, at each of `times` (seconds from 0, ascending), from
 /// `water` at time 0. Where the loss changes, one solution ends and the next one begins, without
@@ -82,6 +82,9 @@ pub fn water_course(
             return Err(Error::Argument { what: "times", why });
         }
     }
+    let request = format_args!("{} times of {} nodes", times.len(), water.len());
+    let bytes = times.len() as f64 * (water.len() * size_of::<f64>()) as f64;
+    check_request("times", request, bytes)?;
     let mut walk = Walk::new(model, water, times, options)?;
     let mut course = WaterCourse { water: Vec::with_capacity(times.len()), balance: vec![] };
     for (i, &time) in times.iter().enumerate() {

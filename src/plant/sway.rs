@@ -7,7 +7,7 @@ use super::stomata::Stomata;
 use super::tissue::Tissue;
 use super::walk::Walk;
 use super::water::WaterModel;
-use super::wilt::settle;
+use super::wilt::{check_frames, settle};
 use super::wind::{Gusts, Wind};
 use crate::base::{Error, Par, Progress, Result, at_least, at_least_zero, builder, positive};
 
@@ -169,6 +169,7 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
     let mut gusts = options.wind.as_ref().map(Gusts::new).transpose()?;
 
     let full = model.full();
+    check_frames("frames", options.frames, full.len())?;
     let course = course(options, lapse);
     let mut walk = Walk::new(model, &full, &[], &course)?;
     let mut rods = rods.clone();

@@ -5,7 +5,7 @@ use super::soil::{Balance, Rewatering, Soil};
 use super::stomata::Stomata;
 use super::tissue::Tissue;
 use super::water::WaterModel;
-use crate::base::{Error, Par, Progress, Result, builder};
+use crate::base::{Error, Par, Progress, Result, builder, check_request};
 
 /// Torque out of balance, relative to the largest torque of a weight, below which the error of a
 /// pose is invisible.
@@ -106,6 +106,7 @@ pub fn wilt(
     options: &WiltOptions<'_>,
 ) -> Result<Wilting> {
     let full = model.full();
+    check_frames("times", times.len(), full.len())?;
     let curve = CurveOptions::new()
         .cycle(options.cycle.clone())
         .stomata(options.stomata)
@@ -129,6 +130,14 @@ pub fn wilt(
         poses.push(pose.clone());
     }
     Ok(Wilting { water, balance, moduli, poses, iterations })
+}
+
+/// Returns an error when so many frames of a plant need more memory than there is: water, modulus
+/// and pose of each node.
+pub(super) fn check_frames(what: &'static str, frames: usize, nodes: usize) -> Result<()> {
+    const NODE: usize = 2 * size_of::<f64>() + size_of::<[f64; 10]>();
+    let request = format_args!("{frames} frames of {nodes} nodes");
+    check_request(what, request, frames as f64 * (nodes * NODE) as f64)
 }
 
 /// Applies [`Rods::relax`] until the error is invisible. Returns the number of Newton iterations.

@@ -11,7 +11,8 @@ use super::options::EigenOptions;
 use super::problem::{Problem, scale};
 use super::small::dense_pairs;
 use super::space::{Pencil, WholePencil};
-use crate::base::Result;
+use crate::base::{Result, check_request};
+use crate::dense::filled;
 
 /// Computes the k smallest eigenvalues of `W phi = lambda M phi`, or the k eigenvalues nearest to a
 /// shift, and their eigenvectors.
@@ -105,6 +106,9 @@ pub(crate) fn check(
 
 /// Computes all pairs at once.
 pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> Result<Eigenpairs> {
+    let (n, size) = (problem.pencil.inner().rows().len(), basis_size(options.k));
+    let request = format_args!("{} eigenpairs of {n} x {n} matrices", options.k);
+    check_request("k", request, (n as f64 * size as f64) * size_of::<f64>() as f64)?;
     let (sigma, factor) = match options.shift {
         Some(shift) => (shift, problem.any(shift)?),
         None => (-problem.scale, problem.positive(-problem.scale)?),
@@ -120,6 +124,9 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
     Ok(pairs)
 }
 
+/// Matrices of n x n entries that a dense problem holds: its two, the factor and the vectors.
+const DENSE: f64 = 4.0;
+
 /// Computes all pairs as a dense problem, and returns the wanted ones.
 fn small(
     pencil: &dyn Pencil,
@@ -127,6 +134,9 @@ fn small(
     mass: &Mass,
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
+    let n = stiffness.rows();
+    let request = format_args!("{} of {n} eigenpairs, as a dense problem", options.k);
+    check_request("k", request, DENSE * (n as f64).powi(2) * size_of::<f64>() as f64)?;
     let (values, vectors) = dense_pairs(stiffness, mass, options)?;
     let mut order: Vec<usize> = (0..values.len()).collect();
     if let Some(shift) = options.shift {
@@ -141,7 +151,7 @@ fn small(
         values[..free].fill(0.0);
     }
     let rows = pencil.inner().rows();
-    let vectors = Mat::from_fn(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])]);
+    let vectors = filled(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])])?;
     let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
     let Certificate { residuals, .. } =
         certify(pencil, &values, vectors, scale, ROUNDINGS, options)?;

@@ -7,7 +7,8 @@ use super::options::EigenOptions;
 use super::space::{Inverse, Pencil};
 use crate::base::{Error, Par, Result, Rng, spend};
 use crate::dense::{
-    SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product, zeros,
+    SymmetricEigen, filled, multiply_in_place, subtract_product, symmetric_eigen,
+    transposed_product, zeros,
 };
 
 /// Columns of a block: a fast width for solves; finds multiplicities up to this number at once.
@@ -312,7 +313,7 @@ impl<'a> Krylov<'a> {
     /// Keeps these Ritz vectors, and Q, and discards the rest of the basis.
     fn restart(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<()> {
         let (len, keep) = (self.len, order.len());
-        let turn = Mat::from_fn(len, keep, |i, j| ritz.vectors[(i, order[j])]);
+        let turn = filled(len, keep, |i, j| ritz.vectors[(i, order[j])])?;
         let coupling = self.coupling() * turn.as_ref().subrows(self.coupled, len - self.coupled);
         let basis = self.basis.as_mut().subcols_mut(0, len);
         multiply_in_place(basis, turn.as_ref(), self.options.par)?;
@@ -410,9 +411,13 @@ fn randomize(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, ma
     }
 }
 
-/// Returns the error of a small eigenproblem: a request to stop, or numbers that have overflowed.
+/// Returns the error of a small eigenproblem: a request to stop, too little memory, or numbers that
+/// have overflowed.
 fn failed(error: Error, iterations: usize) -> Error {
-    if error == Error::Cancelled { error } else { not_finite(iterations) }
+    match error {
+        Error::Cancelled | Error::OutOfMemory { .. } => error,
+        _ => not_finite(iterations),
+    }
 }
 
 /// Returns the error for numbers that have overflowed.

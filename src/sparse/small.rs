@@ -5,7 +5,7 @@ use super::Mass;
 use super::options::EigenOptions;
 use crate::base::{Error, Result, apart};
 use crate::dense::{
-    SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
+    SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place, zeros,
 };
 
 /// Operations for all eigenpairs, in units of n^3.
@@ -19,12 +19,12 @@ pub(crate) fn dense_pairs(
     options: &EigenOptions<'_>,
 ) -> Result<(Vec<f64>, Mat<f64>)> {
     let n = stiffness.rows();
-    let mut l = Mat::<f64>::zeros(n, n);
+    let mut l = zeros(n, n)?;
     match mass {
         Mass::Lumped(masses) => masses.iter().enumerate().for_each(|(i, m)| l[(i, i)] = *m),
         Mass::Full(matrix) => scatter(matrix.view(), &mut l),
     }
-    let mut w = Mat::<f64>::zeros(n, n);
+    let mut w = zeros(n, n)?;
     scatter(stiffness, &mut w);
     options.progress.report(0.1)?;
     apart(OPERATIONS * (n as f64).powi(3), move || {

@@ -247,7 +247,7 @@ impl<'a> Smoother<'a> {
     /// eigenvalues.
     fn rotate(&mut self, vectors: &mut Mat<f64>) -> Result<Vec<f64>> {
         let (x, count, par) = (vectors.as_ref(), vectors.ncols(), self.par);
-        let (mut projected, mut gram) = (Mat::zeros(count, count), Mat::zeros(count, count));
+        let (mut projected, mut gram) = (zeros(count, count)?, zeros(count, count)?);
         for first in (0..count).step_by(PANEL) {
             let width = PANEL.min(count - first);
             let panel = x.subcols(first, width);

@@ -5,6 +5,7 @@ use faer::{Mat, MatRef};
 
 use super::descriptors::heat_kernel;
 use crate::base::{Error, Result, Rng};
+use crate::dense::zeros;
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
 /// Computes heat kernels between random vertices and all others (HK). The arguments are those of
@@ -31,7 +32,7 @@ pub fn heat_kernels(
     seed: u64,
 ) -> Result<Mat<f64>> {
     let (n, mut rng) = (vectors.nrows(), Rng::new(seed));
-    let mut kernels = Mat::zeros(n, count);
+    let mut kernels = zeros(n, count)?;
     for j in 0..count {
         let source = random_vertex(n, &mut rng)?;
         for (i, heat) in heat_kernel(values, vectors, source, time)?.into_iter().enumerate() {
@@ -124,7 +125,7 @@ pub fn geodesic_cells(mesh: &TriMesh, share: f64, count: usize, seed: u64) -> Re
     let wanted = share * areas.iter().sum::<f64>();
     let graph = Graph::of_mesh(mesh);
     let mut search = Dijkstra::new(&graph);
-    let mut cells = Mat::zeros(n, count);
+    let mut cells = zeros(n, count)?;
     for j in 0..count {
         let source = random_vertex(n, &mut rng)?;
         search.search(&[(source as u32, 0.0)], &SearchLimits::default())?;

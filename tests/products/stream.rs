@@ -402,6 +402,65 @@ fn a_short_file_of_a_huge_accumulator_is_an_error_and_not_an_abort() {
     }
 }
 
+/// Returns the file of `sum` with other numbers in its head: rows are number 3, expected rows 4.
+fn with_numbers(sum: &Accumulator<f64>, numbers: &[(usize, u64)]) -> Vec<u8> {
+    let mut file = bytes(sum);
+    for (which, number) in numbers {
+        file[20 + 8 * which..][..8].copy_from_slice(&number.to_le_bytes());
+    }
+    let end = 20 + u32::from_le_bytes(file[16..20].try_into().unwrap()) as usize;
+    let check = crc32fast::hash(&file[..end]);
+    file[end..][..4].copy_from_slice(&check.to_le_bytes());
+    file
+}
+
+/// Returns the file of `sum` with another last entry of C.
+fn with_last_entry(sum: &Accumulator<f64>, entry: i128) -> Vec<u8> {
+    let mut file = bytes(sum);
+    let (begin, end) =
+        (24 + u32::from_le_bytes(file[16..20].try_into().unwrap()) as usize, file.len() - 4);
+    file[end - 16..end].copy_from_slice(&entry.to_le_bytes());
+    let check = crc32fast::hash(&file[begin..end]);
+    file[end..].copy_from_slice(&check.to_le_bytes());
+    file
+}
+
+#[test]
+fn accumulators_with_numbers_that_no_sum_has_are_refused() {
+    let a = gaussian::<f64>(20, 3, 77);
+    let float = accumulated(a.as_ref(), None, false, 8);
+    let exact = exactly(a.as_ref(), None, false, 8);
+    let read = |file: &[u8]| Accumulator::<f64>::read(&mut &file[..]);
+    let refused = |file: &[u8]| read(file).map(drop).unwrap_err().to_string();
+    for sum in [&float, &exact] {
+        for which in 3..6 {
+            let said = refused(&with_numbers(sum, &[(which, u64::MAX)]));
+            assert!(said.contains("its numbers of rows"), "{said}");
+        }
+        // The largest number of rows, with which additions must not overflow.
+        let most = 1 << 62;
+        let mut sum = read(&with_numbers(sum, &[(3, most), (4, most)])).unwrap();
+        for other in [&float, &exact].map(|sum| read(&with_numbers(sum, &[(3, most), (4, most)]))) {
+            // An error where the kinds differ.
+            let _ = sum.merge(other.unwrap());
+            assert!(sum.rows() >= most && sum.expected_rows() >= most);
+        }
+        let options = AtaOptions::new();
+        let _ = sum.add_block(1, &mut [0.5, 0.5, 0.5], None, &options);
+        // Rows that are there already are no rows of a shorter matrix.
+        let mut longer = read(&with_numbers(&float, &[(3, 21)])).unwrap();
+        let rows = &mut DenseRows(a.as_ref());
+        let error = stream(rows, None, 8, &mut longer, &options, &mut |_| Ok(())).unwrap_err();
+        assert!(error.to_string().contains("21 rows are summed already, of 20"), "{error}");
+    }
+    for entry in [i128::MAX, i128::MIN] {
+        let said = refused(&with_last_entry(&exact, entry));
+        assert!(said.contains("sums that its rows can't have"), "{said}");
+    }
+    let none = read(&with_numbers(&exact, &[(3, 0)])).map(drop).unwrap_err().to_string();
+    assert!(none.contains("sums that its rows can't have"), "{none}");
+}
+
 #[test]
 fn exact_sums_are_the_same_bits_for_any_blocks_threads_stops_and_strips() {
     let (m, n) = (341, 23);

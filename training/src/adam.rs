@@ -31,14 +31,14 @@ impl Adam {
     /// Does one step along the negative gradient; `decay` is the share of each parameter that is
     /// subtracted at rate 1.
     pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
-        self.steps += 1;
+        self.steps = self.steps.saturating_add(1);
         let descent = self.descent(rate, decay);
         descent.apply(parameters, gradient, &mut self.mean, &mut self.square);
     }
 
     /// Does the same as [`step`](Self::step) on the threads of the calling team.
     pub fn par_step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
-        self.steps += 1;
+        self.steps = self.steps.saturating_add(1);
         let descent = self.descent(rate, decay);
         let states = self.mean.par_chunks_mut(CHUNK).zip(self.square.par_chunks_mut(CHUNK));
         let chunks = parameters.par_chunks_mut(CHUNK).zip(gradient.par_chunks(CHUNK));

@@ -86,6 +86,31 @@ fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
 }
 
 #[test]
+fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() {
+    let folder = folder("in.ply", &sphere().into());
+    folder.write("plant.swc", "1 1 0 0 0 1 -1\n2 1 0 0 1 1 1\n");
+    let file = fs::metadata(folder.path("in.ply")).unwrap().len();
+    assert!(file < 100 << 10);
+    for (command, what) in [
+        ("decimate in.ply -n 1000000 -o out.ply", "1000000 vertices"),
+        ("decimate in.ply --edge-length 0.0001 -o out.ply", "vertices"),
+        ("spectrum in.ply -k 2000 -o out.npz", "2000 of 2562 eigenpairs"),
+        ("basis in.ply -k 200 -o out.npz", "20301 functions of 2562 vertices"),
+        ("newton --size 4096 -o out.png", "16777216 points"),
+        ("slime --tile --size 4096 -o out", "4096 x 4096"),
+    ] {
+        let message = folder.fail(&format!("{command} --max-memory 0.01"));
+        assert!(message.contains(what), "{command}: {message}");
+        assert!(message.contains("would take at least"), "{command}: {message}");
+        assert!(message.contains("0.01 GiB are allowed (--max-memory)"), "{command}: {message}");
+    }
+    // Without a limit the memory of the machine counts.
+    let message = folder.fail("decimate in.ply -n 400000000 -o out.ply");
+    assert!(message.contains("GiB are available"), "{message}");
+    assert!(!folder.path("out.ply").exists());
+}
+
+#[test]
 fn a_mesh_is_the_same_for_any_number_of_threads() {
     let folder = folder("in.ply", &families::figure(5, 0.5).unwrap().into());
     for threads in [1, 2, 3] {

@@ -1,7 +1,7 @@
 """Starts Python with ``libcatamaran_blas.so`` in ``LD_PRELOAD``.
 
-The public names are in ``catamaran.preload``, which the package does not import: ``python -m`` warns
-of a module that is imported before it is run.
+The public names are in ``catamaran.preload``, which the package does not import: ``python -m``
+warns of a module that is imported before it is run.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use super::segment::{Segment, packed_len};
 use crate::ata::plan::block_start;
+use crate::base::first_that;
 
 /// The lower triangle of C as chunks of rows; each chunk is shared evenly among all ranks.
 ///
@@ -50,8 +51,9 @@ impl Chunks {
         let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
         let most = (n / (2 * SHORTEST)).max(1);
         let least = if packed_len(n) > WHOLE { most.min(2) } else { 1 };
-        let fits = |count: &usize| Self::with_count(n, ranks, *count).scratch() as f64 <= share;
-        let count = (least..most).find(fits).unwrap_or(most);
+        let fits = |count| Self::with_count(n, ranks, count).scratch() as f64 <= share;
+        // More chunks are shorter.
+        let count = first_that(least..most, fits);
         Self::with_count(n, ranks, count)
     }
 
@@ -153,6 +155,19 @@ pub fn rounds(ranks: usize) -> Vec<Round> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn as_few_chunks_as_possible_are_found() {
+        for (m, n) in [(1000, 3000), (3000, 3001), (50, 9999), (40_000, 12_000), (1, 30_000)] {
+            for ranks in [1, 2, 3, 7, 16, 64, 500, 4096] {
+                let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
+                let fits = |count| Chunks::with_count(n, ranks, count).scratch() as f64 <= share;
+                let most = n / 256;
+                let first = (2..most).find(|&count| fits(count)).unwrap_or(most);
+                assert_eq!(Chunks::new(m, n, ranks).count(), first, "{m} x {n}, {ranks} ranks");
+            }
+        }
+    }
 
     #[test]
     fn every_entry_belongs_to_one_rank() {

@@ -144,8 +144,8 @@ impl Columns {
     }
 }
 
-/// Returns the largest norm of a column of m entries before it is rounded to integers, which adds at
-/// most 1/2 per row.
+/// Returns the largest norm of a column of m entries before it is rounded to integers, which adds
+/// at most 1/2 per row.
 fn limit(moduli: &Moduli, m: usize) -> f64 {
     moduli.largest_norm - 0.5 * (m as f64).sqrt() - 1.0
 }

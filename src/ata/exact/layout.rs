@@ -4,6 +4,8 @@
 use std::ops::Range;
 
 use super::blocking::Blocking;
+use crate::base::first_that;
+use crate::base::steps::step;
 use crate::kernel::int8::{Block, DEPTH, PANEL, STEP};
 
 /// Memory that residues of the operands may take beyond the size of these; with a batch and a dozen
@@ -153,32 +155,39 @@ impl Layout {
         symmetric: bool,
         same: bool,
     ) -> Self {
+        debug_assert!(symmetric || !same);
         let (left, right) = (n.div_ceil(PANEL), k.div_ceil(PANEL));
         let steps = m.div_ceil(STEP);
+        // Saturating: a padded row of 64 columns can be 64 times as long as the row.
+        let residues = |panels: usize, steps: usize| {
+            (moduli * PANEL * STEP).saturating_mul(panels).saturating_mul(steps)
+        };
         let columns = if same { left } else { left + right };
-        let step_bytes = moduli * columns * PANEL * STEP;
-        let operands = m * bytes * if same { n } else { n + k };
-        let budget = memory.map_or(operands + ALLOWANCE, |bytes| bytes / 2);
+        let operands = (m * bytes).saturating_mul(if same { n } else { n + k });
+        let budget = memory.map_or(operands.saturating_add(ALLOWANCE), |bytes| bytes / 2);
         let tall_store = memory.map_or(TALL_STORE, |bytes| TALL_STORE.min(bytes / 4));
         let batch = memory.map_or(BATCH, |bytes| BATCH.min(bytes / 4));
-        let c_bytes = moduli * PANEL * PANEL * pairs(symmetric, left, right);
+        let c_bytes = (moduli * PANEL * PANEL).saturating_mul(pairs(symmetric, left, right));
         let tall = m > 2 * n.max(k);
         // Whole pieces of the usual depth.
+        let step_bytes = residues(columns, 1);
         let tall_chunk = (tall_store / step_bytes.max(1)).max(TALL_STEPS) / DEPTH * DEPTH;
-        let (chunk, groups) = if step_bytes * steps <= if tall { tall_store } else { budget } {
+        let (chunk, groups) = if residues(columns, steps) <= if tall { tall_store } else { budget }
+        {
             (steps, 1)
-        } else if tall && c_bytes + step_bytes * tall_chunk <= budget {
+        } else if tall && residues(columns, tall_chunk).saturating_add(c_bytes) <= budget {
             (tall_chunk, 1)
         } else {
+            let most = left.max(right).max(1);
             let fits = |groups: usize| {
-                let two = if same {
+                let of_two = if same {
                     2 * left.div_ceil(groups)
                 } else {
                     left.div_ceil(groups) + right.div_ceil(groups)
                 };
-                moduli * two * PANEL * STEP * steps <= budget
+                residues(of_two, steps) <= budget
             };
-            (steps, (2..=left.max(right)).find(|&g| fits(g)).unwrap_or(left.max(right)).max(1))
+            (steps, first_that(2.min(most)..most, fits))
         };
         let blocking = Blocking::new(left, right);
         let chunk = chunk.max(1);
@@ -198,11 +207,52 @@ impl Layout {
         layout
     }
 
-    /// Returns the mean number of products of blocks, of all moduli, in a batch.
+    /// Returns about how many products of blocks, of all moduli, a batch has: those of the largest
+    /// round, in batches of whole blocks.
     fn products_in_batch(&self) -> usize {
-        let batches: Vec<Batch> = self.all_batches().collect();
-        let units: usize = batches.iter().map(|batch| batch.units.len()).sum();
-        self.moduli * units / batches.len().max(1)
+        let (units, _) = self.largest_round();
+        let batches = if self.accumulates() {
+            1
+        } else {
+            let place = self.blocking.rows * self.blocking.cols;
+            units.div_ceil((self.most_places() / place).max(1))
+        };
+        self.moduli * units / batches.max(1)
+    }
+
+    /// Returns an upper bound on the blocks of a batch and on its pairs of panels.
+    pub fn largest_batch(&self) -> (usize, usize) {
+        let (units, places) = self.largest_round();
+        if self.accumulates() {
+            return (units, places | 1);
+        }
+        // A block that is larger than a batch is a batch of its own.
+        let most = self.most_places().max(self.blocking.rows * self.blocking.cols);
+        (units.min(most), places.min(most) | 1)
+    }
+
+    /// Returns the pairs of panels that there is memory for in a batch, for each modulus.
+    fn most_places(&self) -> usize {
+        self.batch / (self.moduli * size_of::<Block<i8>>())
+    }
+
+    /// Returns the blocks of the largest round, and the pairs of panels in them.
+    fn largest_round(&self) -> (usize, usize) {
+        let Blocking { rows, cols, .. } = self.blocking;
+        let [left, right] = [self.left, self.right].map(|panels| panels.div_ceil(self.groups));
+        if !self.symmetric || self.groups > 1 {
+            return (left.div_ceil(rows) * right.div_ceil(cols), left * right);
+        }
+        // Rows of blocks end at the diagonal: those of full height at `rows`, `2 rows` and so on.
+        let (full, rest) = (left / rows, left % rows);
+        let last = if rest > 0 { left.div_ceil(cols) } else { 0 };
+        let units = sum_of_floors(full, cols, rows, rows + cols - 1) + last;
+        (units, rows * rows * (full * (full + 1) / 2) + rest * left)
+    }
+
+    /// Returns the pairs of panels of C that are computed.
+    pub fn panel_pairs(&self) -> usize {
+        pairs(self.symmetric, self.left, self.right)
     }
 
     /// Returns whether C is the sum over several chunks.
@@ -224,7 +274,8 @@ impl Layout {
     /// Returns the most bytes of residues that each store holds.
     pub fn stores(&self) -> [usize; 2] {
         let bytes = |panels: usize| {
-            self.moduli * panels.div_ceil(self.groups) * PANEL * STEP * self.chunk.min(self.steps)
+            let slices = panels.div_ceil(self.groups).saturating_mul(self.chunk.min(self.steps));
+            (self.moduli * PANEL * STEP).saturating_mul(slices)
         };
         match (self.same, self.groups) {
             (true, 1) => [bytes(self.left), 0],
@@ -232,57 +283,46 @@ impl Layout {
         }
     }
 
-    /// Returns the rounds, in an order that keeps residues in memory while later rounds need them.
-    pub fn pairs(&self) -> Vec<Pair> {
-        let wanted = |left: usize| 0..if self.symmetric { left + 1 } else { self.groups };
-        let mut open: Vec<Pair> = (0..self.groups)
-            .flat_map(|left| wanted(left).map(move |right| Pair { left, right }))
-            .collect();
-        let mut order: Vec<Pair> = Vec::new();
-        let mut held: Vec<Need> = Vec::new();
-        while !open.is_empty() {
-            let loads = |p: &Pair| self.needs(*p).iter().filter(|n| !held.contains(n)).count();
-            let next = (0..open.len()).min_by_key(|&i| loads(&open[i])).unwrap_or(0);
-            let pair = open.remove(next);
-            let needs = self.needs(pair);
-            // There are two stores. A round of one group with itself leaves the other alone.
-            if needs[0] != needs[1] {
-                held.clear();
-            }
-            held.extend(needs);
-            order.push(pair);
-        }
-        order
+    /// Returns the rounds, in an order in which each needs at most one group that the round before
+    /// it did not: A's groups one after another, each with those of B, beginning with the one that
+    /// the last round had. If B is A, a round of a group with itself needs no second one, and is
+    /// second, while both stores stay as they are.
+    pub fn pairs(&self) -> impl Iterator<Item = Pair> + use<> {
+        let Self { groups, symmetric, same, .. } = *self;
+        (0..groups).flat_map(move |left| {
+            let first = match (symmetric, same, left) {
+                (false, _, 0) => [0; 2],
+                (false, _, left) => [groups - 1 - usize::from(left.is_multiple_of(2)); 2],
+                (true, false, left) => [left.saturating_sub(1); 2],
+                (true, true, left) => [left.saturating_sub(2), left],
+            };
+            let count = if first[0] == first[1] { 1 } else { 2 };
+            let rest = 0..if symmetric { left + 1 } else { groups };
+            let rest = rest.filter(move |right| !first.contains(right));
+            first.into_iter().take(count).chain(rest).map(move |right| Pair { left, right })
+        })
     }
 
-    /// Returns how often an entry of the operands is converted to residues, on average.
+    /// Returns how often an entry of the operands is converted to residues, on average: the groups
+    /// that the rounds of [`Layout::pairs`] load over those that there are.
     pub fn conversions(&self) -> f64 {
         if self.groups == 1 {
             return 1.0;
         }
-        let (mut held, mut loads): (Vec<Need>, usize) = (Vec::new(), 0);
-        for pair in self.pairs() {
-            let needs = self.needs(pair);
-            let missing: Vec<_> = needs.into_iter().filter(|need| !held.contains(need)).collect();
-            loads += if needs[0] == needs[1] { missing.len().min(1) } else { missing.len() };
-            if needs[0] != needs[1] {
-                held.clear();
-            }
-            held.extend(needs);
-        }
-        let all = if self.same { self.groups } else { 2 * self.groups };
-        loads as f64 / all as f64
+        let groups = self.groups as f64;
+        // One a round, and the first needs two; with A alone rounds on the diagonal need none.
+        let rounds = match (self.symmetric, self.same) {
+            (true, true) => groups * (groups - 1.0) / 2.0,
+            (true, false) => groups * (groups + 1.0) / 2.0,
+            (false, _) => groups * groups,
+        };
+        (rounds + 1.0) / if self.same { groups } else { 2.0 * groups }
     }
 
     /// Returns the groups of panels that each side of a round consists of.
     pub fn needs(&self, pair: Pair) -> [Need; 2] {
         let operand = if self.same { 0 } else { 1 };
         [Need { operand: 0, group: pair.left }, Need { operand, group: pair.right }]
-    }
-
-    /// Returns the batches of all rounds, in order.
-    pub fn all_batches(&self) -> impl Iterator<Item = Batch> {
-        self.pairs().into_iter().flat_map(|pair| self.batches(pair))
     }
 
     /// Returns the blocks of a round, in batches: a single batch where the blocks are sums over
@@ -294,7 +334,7 @@ impl Layout {
         };
         let [left, right] = self.needs(pair).map(|need| self.group(need));
         let rows = split(left, self.blocking.rows);
-        let most = self.batch / (self.moduli * size_of::<Block<i8>>());
+        let most = self.most_places();
         let mut batches = vec![Batch::default()];
         // Neighbours share the residues of a side.
         for cols in split(right, self.blocking.cols) {
@@ -346,4 +386,18 @@ impl Layout {
 /// Returns the pairs of panels, of the lower triangle or all.
 fn pairs(triangle: bool, left: usize, right: usize) -> usize {
     if triangle { left * (left + 1) / 2 } else { left * right }
+}
+
+/// Returns the sum of `(factor i + summand) / divisor`, rounded down, for all `i < count`, in as
+/// many steps as Euclid's algorithm takes for the factor and the divisor.
+fn sum_of_floors(count: usize, divisor: usize, factor: usize, summand: usize) -> usize {
+    step();
+    if count == 0 {
+        return 0;
+    }
+    let whole = factor / divisor * (count * (count - 1) / 2) + summand / divisor * count;
+    let (factor, summand) = (factor % divisor, summand % divisor);
+    let end = factor * count + summand;
+    // The points below the line, counted along the other axis.
+    whole + sum_of_floors(end / divisor, factor, divisor, end % divisor)
 }

@@ -70,27 +70,27 @@ pub(crate) fn scratch_len<T: Operand>(
 ) -> usize {
     let layout = &layout.for_threads(threads);
     let norms = columns::scratch_len::<T>(m, n).max(columns::scratch_len::<T>(m, k));
-    let slices: usize = layout.stores().iter().map(|bytes| slices_len::<T>(*bytes)).sum();
+    let slices = layout.stores().map(slices_len::<T>).into_iter().fold(0, usize::saturating_add);
     let batch = Arena::<T>::len_of::<Block<i8>>(batch_blocks(layout));
     let workers = Worker::scratch_len::<T>(layout) * workers(layout, threads);
     // The memory of the norms is free again when the rest is needed.
-    norms.max(slices + batch + workers)
+    norms.max(slices.saturating_add(batch).saturating_add(workers))
 }
 
 fn slices_len<T: Real>(bytes: usize) -> usize {
     Arena::<T>::len_of::<Slice>(bytes / size_of::<Slice>())
 }
 
-/// Returns the blocks of residues of the largest batch.
+/// Returns the blocks of residues that there is room for in the largest batch.
 fn batch_blocks(layout: &Layout) -> usize {
-    let places = layout.all_batches().map(|batch| batch.places).max();
-    layout.moduli * places.unwrap_or(0)
+    let (_, places) = layout.largest_batch();
+    layout.moduli * places
 }
 
 /// Returns how many threads can be busy with products.
 fn workers(layout: &Layout, threads: usize) -> usize {
-    let units = layout.all_batches().map(|batch| batch.units.len()).max();
-    threads.min(layout.moduli * units.unwrap_or(0)).max(1)
+    let (units, _) = layout.largest_batch();
+    threads.min(layout.moduli * units).max(1)
 }
 
 /// Computes `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is
@@ -186,8 +186,7 @@ pub(crate) fn accumulate<T: Operand, I: Integer>(
 
 /// Returns the work that progress counts: products of panels, for each step and modulus.
 fn cost(layout: &Layout) -> f64 {
-    let cost: usize = layout.all_batches().flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
-    (cost * layout.steps * layout.moduli) as f64
+    layout.panel_pairs() as f64 * layout.steps as f64 * layout.moduli as f64
 }
 
 /// Passes the residues of `left^T right` to the sink, block by block, until a request to stop.

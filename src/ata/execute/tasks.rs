@@ -16,13 +16,13 @@ use crate::blas::BlasReal;
 
 /// Returns the elements of scratch that [`execute`] needs.
 pub(super) fn scratch_len(plan: &Tasks, problem: &Problem, par: Par) -> usize {
-    let partials = (plan.slabs.len() - 1) * problem.n * problem.k;
+    let partials = (plan.cut.slabs - 1) * problem.n * problem.k;
     plan.worker_scratch_len(problem.op) * workers(plan, par) + partials
 }
 
 /// Returns how many threads can be busy.
 fn workers(plan: &Tasks, par: Par) -> usize {
-    par.at_most(plan.slabs.len() * plan.tasks.len()).threads()
+    par.at_most(plan.cut.slabs * plan.tasks.len()).threads()
 }
 
 /// Computes `product`; only its lower triangle is touched where the problem is symmetric.
@@ -34,14 +34,14 @@ pub(super) fn execute<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let Tasks { tasks, slabs, .. } = plan;
+    let Tasks { tasks, cut, .. } = plan;
     let (alpha, a, b, beta) =
         (product.alpha, product.a, product.b.unwrap_or(product.a), product.beta);
     let mut c = product.c;
     let mut arena = Arena::new(scratch);
     // Stored in the order of C: back ends are not equally fast for both orders.
     let row_major = c.col_stride() == 1;
-    let partials: Vec<MatMut<'_, T>> = (1..slabs.len())
+    let partials: Vec<MatMut<'_, T>> = (1..cut.slabs)
         .map(|_| partial(arena.take(problem.n * problem.k), problem, row_major))
         .collect();
     let worker_len = plan.worker_scratch_len(problem.op);
@@ -59,19 +59,19 @@ pub(super) fn execute<T: BlasReal>(
         _ => &plan.recursion,
     };
     let engine = Engine { kernels: T::kernels(options.backend.as_ref()), recursion };
-    let total = slabs.len() as f64 * tasks.iter().map(Task::cost).sum::<f64>();
+    let total = cut.slabs as f64 * tasks.iter().map(Task::cost).sum::<f64>();
     let tracker = Tracker::new(options.progress, total);
 
     let _held = options.backend.single_threaded();
     // Which worker computes a task does not matter to its result.
-    tickets(&mut workers, slabs.len() * tasks.len(), |scratch, ticket| {
+    tickets(&mut workers, cut.slabs * tasks.len(), |scratch, ticket| {
         let _held = options.backend.single_threaded();
         let (slab, task) = (ticket / tasks.len(), &tasks[ticket % tasks.len()]);
         // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination, and
         // each ticket is handed out once.
         let mut block = unsafe { block_of(&destinations[slab], task) };
         let mut beta = if slab == 0 { beta } else { T::ZERO };
-        for rows in &slabs[slab] {
+        for rows in cut.chunks_of(slab) {
             let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
             let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
             let (op, c) = (task.op(problem.op), block.rb_mut());
@@ -82,7 +82,7 @@ pub(super) fn execute<T: BlasReal>(
     });
     tracker.finish()?;
 
-    threads.tickets(if slabs.len() > 1 { tasks.len() } else { 0 }, |i| {
+    threads.tickets(if cut.slabs > 1 { tasks.len() } else { 0 }, |i| {
         let task = &tasks[i];
         // SAFETY: as above; the first pass is over.
         let mut sum = unsafe { block_of(&destinations[0], task) };

@@ -510,7 +510,7 @@ impl<T: BlasReal> Accumulator<T> {
             let name = |c: bool| if c { "centred" } else { "not centred" }.to_owned();
             return different("centring", name(self.is_centered()), name(other.is_centered()));
         }
-        self.expected_rows = self.expected_rows() + other.expected_rows();
+        self.expected_rows = self.expected_rows().saturating_add(other.expected_rows());
         self.block_rows = 0;
         self.labels.retain(|label| other.labels.contains(label));
         match (&mut self.sums, other.sums) {

@@ -94,6 +94,25 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         Ok(Self { grid, strip, centered, rows: 0, weights, sums, entries, flags, rounded: false })
     }
 
+    /// Returns whether rows within the bounds may have these sums: as many numbers of as many bits
+    /// as the grid says. Such sums have room for as many rows as [`Grid::capacity`] says.
+    pub fn is_sound(&self) -> bool {
+        // Twice, for the rounding of products with weights.
+        let most = |bits: i32| 2.0 * self.rows as f64 * f64::from(bits).exp2();
+        let of_weights = most(self.grid.weight_exponent + self.grid.weight_power);
+        let bits: Vec<i32> = (0..self.grid.ncols()).map(|j| self.grid.bits(j)).collect();
+        let first = triangle_len(self.strip.start);
+        let row_is_sound = |i: usize| {
+            let row = &self.entries[triangle_len(i) - first..][..=i];
+            row.iter().zip(&bits).all(|(c, b)| c.to_f64().abs() <= most(bits[i] + b))
+        };
+        let [weight, size] = self.weights;
+        weight.checked_abs().is_some_and(|weight| weight <= size)
+            && size as f64 <= of_weights
+            && self.sums.iter().zip(&bits).all(|(&sum, &b)| (sum as f64).abs() <= most(b))
+            && self.strip.clone().all(row_is_sound)
+    }
+
     /// Returns the sum of the weights.
     pub fn weight(&self) -> f64 {
         scaled(self.weights[0] as f64, -self.grid.weight_power)
@@ -158,11 +177,11 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         }
         self.rounded |= found.rounded;
         for (sum, part) in self.sums.iter_mut().zip(found.sums) {
-            *sum += sign * part;
+            *sum = sum.wrapping_add(sign * part);
         }
         let mut add = |weight: i128| {
-            self.weights[0] += sign * weight;
-            self.weights[1] += sign * weight.abs();
+            self.weights[0] = self.weights[0].wrapping_add(sign * weight);
+            self.weights[1] = self.weights[1].wrapping_add(sign * weight.abs());
         };
         match weights {
             None => add(count as i128),
@@ -213,10 +232,10 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             let why = format!("{count} rows can't be removed from a sum of {}", self.rows);
             return refuse("block", why);
         }
-        if !subtract && (slab == 0 || self.rows + count as u64 > room) {
+        let rows = self.rows.saturating_add(count as u64);
+        if !subtract && (slab == 0 || rows > room) {
             let why = format!(
-                "{} rows, but the grid of column {column} has room for {room}: declare more",
-                self.rows + count as u64
+                "{rows} rows, but the grid of column {column} has room for {room}: declare more"
             );
             return refuse("bounds", why);
         }
@@ -408,7 +427,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             self.move_to(&grid)?;
             other.move_to(&grid)?;
         }
-        self.rows += other.rows;
+        self.rows = self.rows.saturating_add(other.rows);
         self.rounded |= other.rounded;
         for (own, other) in self.weights.iter_mut().zip(other.weights) {
             *own = own.checked_add(other).ok_or_else(|| too_long::<i128>("weights"))?;

@@ -91,7 +91,7 @@ impl<T: BlasReal> FloatSums<T> {
         }
         let first = self.c.rows().start;
         let (own, others) = (&mut self.moments, &other.moments);
-        own.rows += others.rows;
+        own.rows = own.rows.saturating_add(others.rows);
         own.weight += others.weight;
         own.weight_size += others.weight_size;
         if others.shift.is_empty() {

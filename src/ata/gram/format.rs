@@ -12,8 +12,8 @@
 //! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not
 //! finite, 32 extended precision (entries of 256 bits), 64 some entries were rounded there.
 //!
-//! No allocation depends on the head alone: vectors grow with the bytes that arrive, and C is
-//! allocated, untouched, when the vectors of as many columns have arrived.
+//! No allocation depends on the head alone: vectors and C grow with the bytes that arrive, unless
+//! the source is known to be as long as its head says.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -28,7 +28,7 @@ use super::moments::Moments;
 use super::strip::Strip;
 use super::wide::SumInteger;
 use crate::ata::exact::Flags;
-use crate::base::{Error, Real};
+use crate::base::{Error, Real, reserved};
 use crate::blas::BlasReal;
 use crate::kernel::int8::I256;
 
@@ -39,6 +39,9 @@ const VERSION: u32 = 2;
 
 /// A longer head is not one of this format.
 const LONGEST_HEAD: u32 = 1 << 20;
+
+/// Of more rows no sum is made: sums of such numbers of rows do not overflow.
+const MOST_ROWS: u64 = 1 << 62;
 
 /// Values converted at a time.
 const CHUNK: usize = 1 << 13;
@@ -186,6 +189,9 @@ impl<T: BlasReal> Accumulator<T> {
         let fits = |number: u64| usize::try_from(number).map_err(|_| invalid("damaged: its shape"));
         let [ncols, first, end] = [fits(numbers[0])?, fits(numbers[1])?, fits(numbers[2])?];
         let [rows, expected_rows, block_rows] = [numbers[3], numbers[4], numbers[5]];
+        if numbers[3..].iter().any(|&rows| rows > MOST_ROWS) {
+            return Err(invalid("damaged: its numbers of rows"));
+        }
         let strip = first..end;
         check_strip(&strip, ncols).map_err(|_| invalid("damaged: its strip"))?;
         let triangle = |rows: usize| rows as u128 * (rows as u128 + 1) / 2;
@@ -205,15 +211,16 @@ impl<T: BlasReal> Accumulator<T> {
         } else if has(EXACT) {
             Sums::Exact(get_exact(&mut source, ncols, strip, flags, rows)?)
         } else {
-            let (weight, weight_size) = (source.value()?, source.value()?);
+            let (weight, weight_size): (f64, f64) = (source.value()?, source.value()?);
+            // The two are rounded differently.
+            if !weight_size.is_finite() || weight.is_nan() || weight.abs() > 1.001 * weight_size {
+                return Err(invalid("damaged: its weights"));
+            }
             let shift = source.get_vec(n_if(SHIFTED))?;
             let sum = source.get_vec(n_if(CENTERED))?;
             let centered = has(CENTERED);
             let moments = Moments { rows, weight, weight_size, centered, shift, sum };
-            let mut c = Strip::new(strip).map_err(no_memory)?;
-            for i in 0..end - first {
-                source.get_all(c.lower_row_mut(i))?;
-            }
+            let c = get_strip(&mut source, strip, bytes != u64::MAX)?;
             Sums::Float(FloatSums { c, moments })
         };
         source.get_check()?;
@@ -222,6 +229,25 @@ impl<T: BlasReal> Accumulator<T> {
         }
         Ok(Self { expected_rows, block_rows, labels, ..Self::of(ncols, sums) })
     }
+}
+
+/// Reads the rows of C; `is_long` tells that they are known to be in the source.
+fn get_strip<T: BlasReal>(
+    source: &mut Checked<&mut dyn Read>,
+    strip: Range<usize>,
+    is_long: bool,
+) -> io::Result<Strip<T>> {
+    let len = strip.len().saturating_mul(strip.end);
+    let mut values = reserved(if is_long { len } else { 0 }).map_err(no_memory)?;
+    for i in strip.clone() {
+        source.append(&mut values, i + 1)?;
+        let above = strip.end - i - 1;
+        values.try_reserve(above).map_err(|_| {
+            no_memory(Error::OutOfMemory { bytes: len.saturating_mul(size_of::<T>()) })
+        })?;
+        values.resize(values.len() + above, T::ZERO);
+    }
+    Ok(Strip::from_rows(strip, values))
 }
 
 fn put_exact<T: BlasReal, I: Value>(
@@ -279,7 +305,11 @@ fn get_exact<T: BlasReal, I: Value + SumInteger>(
         }
     }
     let (centered, rounded) = (has(CENTERED), has(ROUNDED));
-    Ok(ExactSums { grid, strip, centered, rows, weights, sums, entries, flags, rounded })
+    let read = ExactSums { grid, strip, centered, rows, weights, sums, entries, flags, rounded };
+    if !read.is_sound() {
+        return Err(invalid("damaged: sums that its rows can't have"));
+    }
+    Ok(read)
 }
 
 fn no_memory(e: Error) -> io::Error {
@@ -427,18 +457,6 @@ impl<S: Read> Checked<S> {
         let mut bytes = [0; I256::BYTES];
         self.get(&mut bytes[..V::BYTES])?;
         Ok(V::get(&bytes[..V::BYTES]))
-    }
-
-    fn get_all<V: Value>(&mut self, values: &mut [V]) -> io::Result<()> {
-        let mut bytes = vec![0; CHUNK.min(values.len()) * V::BYTES];
-        for chunk in values.chunks_mut(CHUNK) {
-            let bytes = &mut bytes[..size_of_val(chunk)];
-            self.get(bytes)?;
-            for (value, bytes) in chunk.iter_mut().zip(bytes.chunks_exact(V::BYTES)) {
-                *value = V::get(bytes);
-            }
-        }
-        Ok(())
     }
 
     fn get_vec<V: Value>(&mut self, len: usize) -> io::Result<Vec<V>> {

@@ -64,7 +64,7 @@ impl<T: Real> Moments<T> {
         if self.centered && self.shift.is_empty() && n > 0 {
             self.shift = mean(block, n, weights);
         }
-        self.rows += count as u64;
+        self.rows = self.rows.saturating_add(count as u64);
         match weights {
             None => {
                 self.weight += count as f64;

@@ -7,6 +7,7 @@ use crate::ata::exact::{self, Layout, triangle_len};
 use crate::ata::options::AtaOptions;
 use crate::ata::plan::{Op, Plan};
 use crate::ata::scratch_len;
+use crate::base::steps::step;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
@@ -38,6 +39,9 @@ pub struct StreamPlan {
     product: Option<Plan>,
 }
 
+/// More reads of A are refused: they take days, and their list would be as long as C is wide.
+const MOST_READS: usize = 4096;
+
 /// What strips of rows of C need of memory.
 struct StripNeeds<'a> {
     /// Rows of a block of A.
@@ -52,8 +56,27 @@ struct StripNeeds<'a> {
 }
 
 impl StripNeeds<'_> {
+    /// Returns the bytes of a strip if they fit. Strips that do not even without scratch are not
+    /// planned.
+    fn bytes_within<T: BlasReal>(
+        &self,
+        strip: &Range<usize>,
+        memory: usize,
+    ) -> Result<Option<usize>> {
+        step();
+        if self.bytes_without_scratch::<T>(strip) > memory {
+            return Ok(None);
+        }
+        Ok(Some(self.bytes::<T>(strip)?).filter(|&bytes| bytes <= memory))
+    }
+
     /// Returns the bytes of blocks, of a strip and of the scratch of its products.
     fn bytes<T: BlasReal>(&self, strip: &Range<usize>) -> Result<usize> {
+        let scratch = self.scratch_len::<T>(strip)?.saturating_mul(size_of::<T>());
+        Ok(self.bytes_without_scratch::<T>(strip).saturating_add(scratch))
+    }
+
+    fn bytes_without_scratch<T: BlasReal>(&self, strip: &Range<usize>) -> usize {
         let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
         let blocks = bytes(self.blocks.saturating_mul(self.height).saturating_mul(self.n));
         let mut c = bytes(strip.len().saturating_mul(strip.end));
@@ -61,7 +84,7 @@ impl StripNeeds<'_> {
             let entries = triangle_len(strip.end) - triangle_len(strip.start);
             c = c.saturating_add(entries.saturating_mul(size_of::<i128>()));
         }
-        Ok(c.saturating_add(blocks).saturating_add(bytes(self.scratch_len::<T>(strip)?)))
+        c.saturating_add(blocks)
     }
 
     /// Returns the elements of scratch of the two products of a strip, whichever needs more.
@@ -94,8 +117,8 @@ impl StreamPlan {
     /// and the scratch of a product.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the memory is less than one row of C needs, for `rows` 0, and for
-    /// options out of range.
+    /// [`Error::Argument`] when the memory is less than one row of C needs or makes more than 4096
+    /// reads necessary, for `rows` 0, and for options out of range.
     pub fn new<T: BlasReal>(
         m: usize,
         n: usize,
@@ -114,8 +137,7 @@ impl StreamPlan {
         let exact = options.asks_for_exact();
         let needs = StripNeeds { height, n, weighted, exact, blocks, options };
         let all = 0..n;
-        let whole = needs.bytes::<T>(&all)?;
-        if whole <= memory {
+        if let Some(whole) = needs.bytes_within::<T>(&all, memory)? {
             let (strips, product) = (vec![all], Some(product));
             return Ok(Self { rows: m, block_rows, strips, bytes: whole, exact, product });
         }
@@ -127,8 +149,9 @@ impl StreamPlan {
             let (mut fits, mut over) = (start, n + 1);
             while over - fits > 1 {
                 let middle = fits.midpoint(over);
-                let bytes = needs.bytes::<T>(&(start..middle))?;
-                if bytes <= memory { fits = middle } else { over = middle }
+                let strip = start..middle;
+                let there = needs.bytes_within::<T>(&strip, memory)?.is_some();
+                if there { fits = middle } else { over = middle }
             }
             if fits == start {
                 let least = needs.bytes::<T>(&(start..start + 1))?;
@@ -139,6 +162,14 @@ impl StreamPlan {
             }
             largest = largest.max(needs.bytes::<T>(&(start..fits))?);
             strips.push(start..fits);
+            if strips.len() > MOST_READS {
+                let why = format!(
+                    "{memory} bytes are enough for strips of {} rows of C: A would be read more \
+                     than {MOST_READS} times",
+                    fits - start
+                );
+                return Err(Error::Argument { what: "memory", why });
+            }
         }
         Ok(Self { rows: m, block_rows, strips, bytes: largest, exact, product: None })
     }

@@ -79,6 +79,10 @@ pub fn stream<T: BlasReal>(
     }
     if accumulator.rows() > 0 {
         same("the number of rows", accumulator.expected_rows, m)?;
+        if accumulator.rows() > m as u64 {
+            let why = format!("{} rows are summed already, of {m}", accumulator.rows());
+            return Err(Error::Argument { what: "accumulator", why });
+        }
         if !accumulator.is_exact() {
             same("the number of rows of a block", accumulator.block_rows, block_rows)?;
         }

@@ -18,6 +18,12 @@ impl<T: Real> Strip<T> {
         Ok(Self { rows, values })
     }
 
+    /// Creates the strip from all entries, row after row.
+    pub(super) fn from_rows(rows: Range<usize>, values: Vec<T>) -> Self {
+        debug_assert_eq!(values.len(), rows.len() * rows.end);
+        Self { rows, values: Workspace::from_vec(values) }
+    }
+
     pub(super) fn try_clone(&self) -> Result<Self> {
         let mut copy = Self::new(self.rows.clone())?;
         copy.values.as_mut_slice().copy_from_slice(self.values.as_slice());

@@ -5,7 +5,7 @@ use super::fused::{self, FusedProduct};
 use super::problem::{Op, Problem};
 use super::recursion::{Base, Recursion};
 use super::split::block_start;
-use super::strategy::{Exact, Fused, Slab, Strategy, Tasks};
+use super::strategy::{Cut, Exact, Fused, Slab, Strategy, Tasks};
 use super::tree::Node;
 use crate::ata::exact::{self, Layout};
 use crate::ata::options::{Accuracy, AtaOptions, SchemeChoice};
@@ -122,18 +122,21 @@ fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_
         symmetric: op.symmetric(),
     };
     let program = |recursion: &Recursion, rows| fused::products(recursion, op, rows, n, k);
-    let seconds =
-        |recursion: &Recursion| slabs as f64 * cost.seconds(&program(recursion, m.div_ceil(slabs)));
+    let seconds = |recursion: &Recursion| {
+        let shape = [m.div_ceil(slabs), n, k];
+        slabs as f64 * fused::total(recursion, op, shape, |product| cost.product(product))
+    };
     let classical = Recursion::none();
     let classical_seconds = seconds(&classical);
     let allowed = allowed_levels(options.accuracy, ERROR_GROWTH_PER_FUSED_LEVEL).min(MOST_FUSED);
     let (recursion, seconds) = match options.scheme {
         SchemeChoice::Auto | SchemeChoice::Float => {
             let found = candidates(options.leaf, m.min(n).min(k), allowed, SchemeId::Strassen);
+            let found = found.into_iter().map(|recursion| recursion.of_few_triangles(n)).collect();
             cheapest(found, seconds, GAIN_OF_FUSED, classical_seconds)
         }
         SchemeChoice::Winograd | SchemeChoice::Kgp4 => {
-            let named = named(options, SchemeId::Strassen, allowed);
+            let named = named(options, SchemeId::Strassen, allowed).of_few_triangles(n);
             let seconds = seconds(&named);
             (named, seconds)
         }
@@ -200,15 +203,11 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
             (recursion, seconds)
         }
     };
-    let chunks = chunks_of(&recursion);
-    let start = |part| block_start(m, slabs * chunks, part);
-    let slab = |i: usize| (i * chunks..(i + 1) * chunks).map(|j| start(j)..start(j + 1)).collect();
-    let slabs: Vec<Vec<_>> = (0..slabs).map(slab).collect();
-    let rows = m / (slabs.len() * chunks);
+    let cut = Cut { rows: m, slabs, chunks: chunks_of(&recursion) };
+    let rows = m / (slabs * cut.chunks);
     let fast = tasks.iter().any(|t| recursion.is_fast(t.op(op), rows, t.rows.len(), t.cols.len()));
     tasks.sort_by(|a, b| b.cost().total_cmp(&a.cost()));
-    let strategy =
-        Strategy::Tasks(Box::new(Tasks { tree, tasks, slabs, recursion, fast, guarded }));
+    let strategy = Strategy::Tasks(Box::new(Tasks { tree, tasks, cut, recursion, fast, guarded }));
     Choice { strategy, seconds, classical_seconds }
 }
 

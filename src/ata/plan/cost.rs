@@ -7,6 +7,7 @@ use super::fused::FusedProduct;
 use super::levels::Traffic;
 use super::problem::Op;
 use super::recursion::Recursion;
+use crate::base::steps::step;
 use crate::blas::Rates;
 use crate::kernel::packed::{self, Blocking, Geometry, Shape};
 
@@ -48,6 +49,7 @@ impl RecursionCost {
         let Some(id) = recursion.choose(op.symmetric(), m, n, k, levels) else {
             return self.leaf(op, shape);
         };
+        step();
         if let Some(&known) = self.known.get(&(op, shape, levels)) {
             return known;
         }
@@ -79,12 +81,8 @@ pub(super) struct FusedCost {
 }
 
 impl FusedCost {
-    /// Estimates the seconds of a program.
-    pub fn seconds(&self, program: &[FusedProduct]) -> f64 {
-        program.iter().map(|product| self.product(product)).sum()
-    }
-
-    fn product(&self, product: &FusedProduct) -> f64 {
+    /// Estimates the seconds of a product.
+    pub fn product(&self, product: &FusedProduct) -> f64 {
         /// Share of the time for additions to C that products do not hide.
         const SEEN: f64 = 0.5;
         let Shape { depth, rows, cols, same } = product.shape;

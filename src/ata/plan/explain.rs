@@ -30,7 +30,7 @@ impl Display for Plan {
             Strategy::Tasks(tasks) => {
                 tasks.fmt(f)?;
                 let own = tasks.worker_scratch_len(self.problem.op);
-                let partial = (tasks.slabs.len() - 1) * n * k;
+                let partial = (tasks.cut.slabs - 1) * n * k;
                 writeln!(f, "scratch    {own} elements a thread, {partial} for partial results")?;
             }
             Strategy::Exact(exact) => exact.fmt(f)?,
@@ -96,7 +96,7 @@ impl Display for Fused {
 
 impl Display for Tasks {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let (tasks, levels, slabs) = (self.tasks.len(), self.tree.depth(), slabs(self.slabs.len()));
+        let (tasks, levels, slabs) = (self.tasks.len(), self.tree.depth(), slabs(self.cut.slabs));
         writeln!(f, "tasks      {tasks} blocks of C on {levels} levels, {slabs} of rows")?;
         write_recursion(f, &self.recursion, self.fast)?;
         if self.fast && self.guarded {

@@ -1,12 +1,14 @@
 //! A recursion flattened into products of signed sums of blocks, as data: what the native kernels
 //! run without scratch matrices. The sums are made while packing, the additions to C while writing.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use super::problem::Op;
 use super::recursion::Recursion;
 use super::split::block_start;
 use crate::ata::scheme::{Product, Scheme, Term};
+use crate::base::steps::step;
 use crate::kernel::packed::Shape;
 
 /// A signed block of A, B or C.
@@ -47,17 +49,33 @@ pub(crate) fn products(
     n: usize,
     k: usize,
 ) -> Vec<FusedProduct> {
-    let whole = |rows, cols| Block { coefficient: 1, rows: 0..rows, cols: 0..cols, first: true };
-    let root = Node {
-        op,
-        left: vec![whole(m, n)],
-        right: vec![whole(m, k)],
-        outputs: vec![whole(n, k)],
-        fast_levels: recursion.fast_levels,
-    };
     let mut found = Vec::new();
-    root.flatten(recursion, op.symmetric(), &mut found);
+    Node::root(recursion, op, [m, n, k]).flatten(recursion, op.symmetric(), &mut found);
     found
+}
+
+/// Returns the sum of `price` over [`products`], in steps that grow with the number of levels only:
+/// `price` depends on the extents of the blocks, and on which of them are on the diagonal.
+pub(crate) fn total(
+    recursion: &Recursion,
+    op: Op,
+    [m, n, k]: [usize; 3],
+    price: impl Fn(&FusedProduct) -> f64,
+) -> f64 {
+    let root = Node::root(recursion, op, [m, n, k]);
+    root.total(recursion, op.symmetric(), &price, &mut HashMap::new())
+}
+
+/// What the prices of the products of a node depend on.
+#[derive(PartialEq, Eq, Hash)]
+struct Key {
+    op: Op,
+    fast_levels: usize,
+    /// Blocks of the left and of the right side.
+    sides: [usize; 2],
+    /// Extents of the blocks, and how far those of C begin below the diagonal, if they are not all
+    /// below it.
+    extents: Vec<(usize, usize, usize)>,
 }
 
 /// A product that is still to be divided.
@@ -67,6 +85,14 @@ struct Node {
     right: Vec<Block>,
     outputs: Vec<Block>,
     fast_levels: usize,
+}
+
+/// What a node is divided into.
+enum Divided {
+    /// Nothing of it is wanted.
+    Nothing,
+    Product(FusedProduct),
+    Nodes(Vec<Node>),
 }
 
 impl Node {
@@ -85,35 +111,80 @@ impl Node {
         Shape { depth, rows, cols, same: self.op == Op::Syrk }
     }
 
-    fn flatten(mut self, recursion: &Recursion, symmetric: bool, found: &mut Vec<FusedProduct>) {
+    fn root(recursion: &Recursion, op: Op, [m, n, k]: [usize; 3]) -> Self {
+        let whole =
+            |rows, cols| vec![Block { coefficient: 1, rows: 0..rows, cols: 0..cols, first: true }];
+        let fast_levels = recursion.fast_levels;
+        Self { op, left: whole(m, n), right: whole(m, k), outputs: whole(n, k), fast_levels }
+    }
+
+    fn key(&self) -> Key {
+        let side = |b: &Block| (b.rows.len(), b.cols.len(), 0);
+        let output = |o: &Block| {
+            let is_below = o.rows.start >= o.cols.end;
+            let below = o.rows.start.wrapping_sub(o.cols.start);
+            (o.rows.len(), o.cols.len(), if is_below { usize::MAX } else { below })
+        };
+        let of_sides = self.left.iter().chain(&self.right).map(side);
+        let extents = of_sides.chain(self.outputs.iter().map(output)).collect();
+        let sides = [self.left.len(), self.right.len()];
+        Key { op: self.op, fast_levels: self.fast_levels, sides, extents }
+    }
+
+    fn flatten(self, recursion: &Recursion, symmetric: bool, found: &mut Vec<FusedProduct>) {
+        match self.divided(recursion, symmetric) {
+            Divided::Nothing => {}
+            Divided::Product(product) => found.push(product),
+            Divided::Nodes(nodes) => {
+                nodes.into_iter().for_each(|node| node.flatten(recursion, symmetric, found));
+            }
+        }
+    }
+
+    fn total(
+        self,
+        recursion: &Recursion,
+        symmetric: bool,
+        price: &impl Fn(&FusedProduct) -> f64,
+        known: &mut HashMap<Key, f64>,
+    ) -> f64 {
+        let key = self.key();
+        if let Some(&known) = known.get(&key) {
+            return known;
+        }
+        let total = match self.divided(recursion, symmetric) {
+            Divided::Nothing => 0.0,
+            Divided::Product(product) => price(&product),
+            Divided::Nodes(nodes) => {
+                nodes.into_iter().map(|node| node.total(recursion, symmetric, price, known)).sum()
+            }
+        };
+        known.insert(key, total);
+        total
+    }
+
+    /// Divides the node once.
+    fn divided(mut self, recursion: &Recursion, symmetric: bool) -> Divided {
+        step();
         if symmetric {
             // Entries above the diagonal are not needed.
             self.outputs.retain(|o| o.rows.end > o.cols.start);
         }
         if self.outputs.is_empty() {
-            return;
+            return Divided::Nothing;
         }
         let shape = self.shape();
         let Shape { depth, rows, cols, same } = shape;
-        match recursion.choose(self.op.symmetric(), depth, rows, cols, self.fast_levels) {
-            Some(id) => {
-                let scheme = id.scheme();
-                let mut touched = vec![false; self.outputs.len() * scheme.left * scheme.right];
-                for product in &scheme.products {
-                    self.child(scheme, product, shape, &mut touched)
-                        .flatten(recursion, symmetric, found);
-                }
-            }
-            None => {
-                let Self { left, right, outputs, .. } = self;
-                found.push(FusedProduct {
-                    left,
-                    right: if same { vec![] } else { right },
-                    outputs,
-                    shape,
-                });
-            }
-        }
+        let Some(id) = recursion.choose(self.op.symmetric(), depth, rows, cols, self.fast_levels)
+        else {
+            let Self { left, right, outputs, .. } = self;
+            let right = if same { vec![] } else { right };
+            return Divided::Product(FusedProduct { left, right, outputs, shape });
+        };
+        let scheme = id.scheme();
+        let mut touched = vec![false; self.outputs.len() * scheme.left * scheme.right];
+        let nodes = scheme.products.iter().map(|p| self.child(scheme, p, shape, &mut touched));
+        Divided::Nodes(nodes.collect())
     }
 
     fn child(
@@ -312,6 +383,31 @@ mod tests {
                 let program = products(&recursion, op, 3, n, k);
                 let entries: usize = program.iter().map(|p| p.shape.rows * p.shape.cols).sum();
                 assert_eq!(entries, 0, "{op:?}, {recursion:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn totals_are_those_of_the_products() {
+        // Sums of integers are exact in any order.
+        let price = |symmetric: bool| {
+            move |p: &FusedProduct| {
+                let area = |b: &Block| b.rows.len() * b.cols.len();
+                let read: usize = p.left.iter().chain(&p.right).map(area).sum();
+                p.work(symmetric) + (read * p.outputs.len() + p.shape.rows) as f64
+            }
+        };
+        for recursion in recursions() {
+            for (op, m, n, k) in [
+                (Op::Syrk, 40, 131, 131),
+                (Op::Gemmt, 40, 131, 131),
+                (Op::Syrk, 1, 64, 64),
+                (Op::Gemm, 25, 33, 111),
+                (Op::Gemm, 0, 5, 7),
+            ] {
+                let price = price(op.symmetric());
+                let sum: f64 = products(&recursion, op, m, n, k).iter().map(price).sum();
+                assert_eq!(total(&recursion, op, [m, n, k], price), sum, "{recursion:?}, {op:?}");
             }
         }
     }

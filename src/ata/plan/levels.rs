@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::problem::Op;
 use super::recursion::Recursion;
 use crate::ata::scheme::{Product, ProductKind, Scheme, Term};
+use crate::base::steps::step;
 
 /// Returns the leading dimension of a scratch matrix: page-sized distances collide in the cache.
 pub(crate) fn leading(len: usize) -> usize {
@@ -72,6 +73,7 @@ pub(crate) fn scratch_len(recursion: &Recursion, op: Op, m: usize, n: usize, k: 
         if let Some(&len) = known.get(&key) {
             return len;
         }
+        step();
         let scheme = id.scheme();
         let levels = levels - usize::from(scheme.is_fast());
         let own = LevelScratch::of(scheme, op, m, n, k).len();

@@ -1,6 +1,8 @@
-use crate::ata::scheme::SchemeId;
+use std::collections::HashSet;
 
 use super::problem::Op;
+use crate::ata::scheme::SchemeId;
+use crate::base::steps::step;
 
 /// How blocks are divided: at each node by the first scheme whose blocks are not too small.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,16 +63,39 @@ impl Recursion {
         })
     }
 
+    /// Returns the recursion with a base so long that at most about a thousand triangles are left
+    /// of a triangle of side `n`, because they are all listed in the plan of fused products.
+    pub fn of_few_triangles(mut self, n: usize) -> Self {
+        const MOST: usize = 1024;
+        self.base.symmetric = self.base.symmetric.max(n / MOST);
+        self
+    }
+
     /// Returns whether a node of this shape leads to a scheme with additions.
     pub fn is_fast(&self, op: Op, m: usize, n: usize, k: usize) -> bool {
+        self.fast_levels > 0 && self.leads_to_fast(op, [m, n, k], &mut HashSet::new())
+    }
+
+    /// Returns [`Recursion::is_fast`]; `slow` has nodes that are known not to be.
+    fn leads_to_fast(
+        &self,
+        op: Op,
+        shape: [usize; 3],
+        slow: &mut HashSet<(Op, [usize; 3])>,
+    ) -> bool {
+        let [m, n, k] = shape;
         let Some(id) = self.choose(op.symmetric(), m, n, k, self.fast_levels) else {
             return false;
         };
         let s = id.scheme();
-        s.is_fast()
-            || s.products.iter().any(|p| {
-                let (m, n, k) = (m.div_ceil(s.inner), n.div_ceil(s.left), k.div_ceil(s.right));
-                self.is_fast(op.of_product(p.kind), m, n, k)
-            })
+        if s.is_fast() {
+            return true;
+        }
+        step();
+        if !slow.insert((op, shape)) {
+            return false;
+        }
+        let below = [m.div_ceil(s.inner), n.div_ceil(s.left), k.div_ceil(s.right)];
+        s.products.iter().any(|p| self.leads_to_fast(op.of_product(p.kind), below, slow))
     }
 }

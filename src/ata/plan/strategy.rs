@@ -4,6 +4,7 @@ use super::fused::FusedProduct;
 use super::levels::scratch_len;
 use super::problem::Op;
 use super::recursion::Recursion;
+use super::split::block_start;
 use super::tree::{Node, Task};
 use crate::ata::exact::Layout;
 use crate::kernel::{int8, packed};
@@ -58,16 +59,40 @@ pub(crate) struct Tasks {
     pub tree: Node,
     /// The leaves of the tree, the largest first, so that the small ones fill the gaps at the end.
     pub tasks: Vec<Task>,
-    /// Slabs of rows, each with its own partial result, added up in order; a task takes the chunks
-    /// of a slab one after another, adding up in C: a tall A would otherwise need sums of blocks as
-    /// tall.
-    pub slabs: Vec<Vec<Range<usize>>>,
+    /// How rows are cut.
+    pub cut: Cut,
     pub recursion: Recursion,
     /// Whether the recursion has levels with additions.
     pub fast: bool,
     /// Whether columns whose norms differ much, or are not finite, make it classical: the caller
     /// has not named a scheme, so that accuracy comes first.
     pub guarded: bool,
+}
+
+/// Rows in slabs, each with its own partial result, added up in order. A task takes the chunks of a
+/// slab one after another, adding up in C: a tall A would otherwise need sums of blocks as tall.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Cut {
+    /// Rows in all.
+    pub rows: usize,
+    pub slabs: usize,
+    /// Chunks of a slab.
+    pub chunks: usize,
+}
+
+impl Cut {
+    /// Returns the rows of each chunk of a slab, in order.
+    pub fn chunks_of(self, slab: usize) -> impl Iterator<Item = Range<usize>> {
+        let Self { rows, slabs, chunks } = self;
+        let start = move |chunk| block_start(rows, slabs * chunks, chunk);
+        (slab * chunks..(slab + 1) * chunks).map(move |chunk| start(chunk)..start(chunk + 1))
+    }
+
+    /// Returns the two lengths of chunks, the shorter one first.
+    fn lengths(self) -> [usize; 2] {
+        let count = self.slabs * self.chunks;
+        [self.rows / count, self.rows.div_ceil(count)]
+    }
 }
 
 /// The exact path.
@@ -85,7 +110,7 @@ impl Tasks {
     pub fn worker_scratch_len(&self, op: Op) -> usize {
         let mut longest = 0;
         for task in &self.tasks {
-            for rows in self.slabs.iter().flatten().map(Range::len) {
+            for rows in self.cut.lengths() {
                 let (op, n, k) = (task.op(op), task.rows.len(), task.cols.len());
                 longest = longest.max(scratch_len(&self.recursion, op, rows, n, k));
             }

@@ -40,12 +40,13 @@ impl Integer for i128 {
 
     #[inline(always)]
     fn plus(self, other: Self) -> Self {
-        self + other
+        // Sums from a damaged file may not fit.
+        self.wrapping_add(other)
     }
 
     #[inline(always)]
     fn negated(self) -> Self {
-        -self
+        self.wrapping_neg()
     }
 
     fn checked_plus(self, other: Self) -> Option<Self> {

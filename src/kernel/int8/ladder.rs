@@ -145,7 +145,7 @@ impl StepRates {
         let recombination = fastest(|| {
             for _ in 0..RUN {
                 let (residues, zeros) = (black_box(&residues), &[0; PANEL]);
-                kernel.recombine(residues, &moduli, zeros, zeros, Next::NONE, black_box(&mut out));
+                kernel.recombine(residues, moduli, zeros, zeros, Next::NONE, black_box(&mut out));
             }
             RUN * PANEL * PANEL
         });

@@ -348,7 +348,7 @@ fn numbers_come_back_from_their_residues() {
         let next = Next { residues: usize::MAX, line: std::ptr::dangling(), stride: -7, len: 100 };
         for (name, kernel) in kernels() {
             let mut out: Square<f64> = [[f64::NAN; PANEL]; PANEL];
-            kernel.recombine(&residues, &moduli, &rows, &columns, next, &mut out);
+            kernel.recombine(&residues, moduli, &rows, &columns, next, &mut out);
             for i in 0..PANEL {
                 for j in 0..PANEL {
                     let number = numbers[i / WIDTH * 2 + j / WIDTH][i % WIDTH][j % WIDTH];
@@ -375,7 +375,7 @@ fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
             let mut out = [[f64::NAN; PANEL]; PANEL];
             let half = [exponent / 2; PANEL];
             let rest = [exponent - exponent / 2; PANEL];
-            kernel.recombine(&residues, &moduli, &half, &rest, Next::NONE, &mut out);
+            kernel.recombine(&residues, moduli, &half, &rest, Next::NONE, &mut out);
             assert_eq!(out, [[expected; PANEL]; PANEL], "{name}, 2^{exponent}");
         }
     }

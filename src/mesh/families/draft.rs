@@ -1,5 +1,5 @@
 use super::super::TriMesh;
-use crate::base::{Error, Result, at_least, spend};
+use crate::base::{Error, Result, at_least, check_request, reserved, spend};
 
 /// A mesh under construction, with all of its memory reserved.
 pub(super) struct Draft {
@@ -19,6 +19,9 @@ impl Draft {
             })
         };
         let (vertices, faces) = (fits(vertices, 1)?, fits(faces, 3)?);
+        let bytes = vertices * size_of::<[f64; 3]>() + faces * size_of::<[u32; 3]>();
+        let request = format_args!("{vertices} vertices and {faces} faces");
+        check_request("mesh", request, bytes as f64)?;
         Ok(Self { vertices: reserved(vertices)?, faces: reserved(faces)? })
     }
 
@@ -26,13 +29,6 @@ impl Draft {
     pub fn finish(self) -> Result<TriMesh> {
         TriMesh::new(self.vertices, self.faces)
     }
-}
-
-fn reserved<T>(len: usize) -> Result<Vec<T>> {
-    let mut items = Vec::new();
-    let bytes = len.saturating_mul(size_of::<T>());
-    items.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
-    Ok(items)
 }
 
 /// How the last column of a sheet is joined to the first one.

@@ -2,7 +2,7 @@ use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::notes::Notes;
 use super::polygon::{corners_of, fan, not_a_fan};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, push};
 use crate::io::Source;
 
 /// An error of a reader in a line or an element. [`Fault::at`] and [`Fault::of`] add the position.
@@ -48,16 +48,6 @@ impl Fault {
             error => error,
         }
     }
-}
-
-/// Adds an item to a list, or returns [`Error::OutOfMemory`].
-pub(super) fn push<T>(list: &mut Vec<T>, item: T) -> Result<()> {
-    if list.len() == list.capacity() {
-        let bytes = list.capacity().saturating_mul(2 * size_of::<T>());
-        list.try_reserve(1).map_err(|_| Error::OutOfMemory { bytes })?;
-    }
-    list.push(item);
-    Ok(())
 }
 
 /// Returns a list with room for `count` items, or for fewer if the count can't be trusted yet.

@@ -7,11 +7,11 @@ use std::io::{self, Write};
 use super::super::TriMesh;
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
-use super::draft::{Checked, Draft, Fault, push};
+use super::draft::{Checked, Draft, Fault};
 use super::labels::{Labels, clean_name};
 use super::polygon::fan;
 use super::text::{integer, number, numbers, quoted, words};
-use crate::base::Result;
+use crate::base::{Result, push};
 use crate::io::Source;
 
 /// A corner without texture coordinates or normal.

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
-use super::draft::{Checked, Draft, Fault, push, roomy};
+use super::draft::{Checked, Draft, Fault, roomy};
 use super::text::{count, integer, number, quoted, words};
-use crate::base::Result;
+use crate::base::{Result, push};
 use crate::io::Source;
 
 /// The attributes of a vertex besides its position.

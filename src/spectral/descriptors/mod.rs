@@ -50,7 +50,7 @@ fn by_rows(
             ControlFlow::Break(()) => Err(Error::Cancelled),
         }
     });
-    let mut result = Mat::zeros(n, columns);
+    let mut result = crate::dense::zeros(n, columns)?;
     let mut start = 0;
     for values in blocks {
         let values = values?;

@@ -34,7 +34,7 @@ pub use polynomial::Polynomial;
 pub use texels::{Texels, texels};
 pub use volume::{VolumeFormat, Voxels, write_volume};
 
-use crate::base::{Par, Progress, Result, Tracker, reserved};
+use crate::base::{Par, Progress, Result, Tracker, check_request, reserved};
 use options::Parameters;
 use points::Cursor;
 
@@ -129,6 +129,8 @@ impl Newton {
 impl Fractal {
     /// Allocates a fractal of `len` points, which are not yet computed.
     pub(crate) fn with_len(len: usize) -> Result<Self> {
+        let bytes = len as f64 * (size_of::<u16>() + size_of::<f32>()) as f64;
+        check_request("points", format_args!("{len} points"), bytes)?;
         let mut fractal = Self { roots: reserved(len)?, convergence: reserved(len)? };
         fractal.roots.resize(len, 0);
         fractal.convergence.resize(len, 0.0);

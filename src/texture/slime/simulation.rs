@@ -11,7 +11,7 @@ use super::state::State;
 use super::surface::Surface;
 use super::texels::Texels;
 use super::walk::Walker;
-use crate::base::{Error, Par, Progress, Result, reserved, zeros};
+use crate::base::{Error, Par, Progress, Result, check_request, reserved, zeros};
 
 /// Number of agents that one thread moves at a time.
 const AGENTS: usize = 4096;
@@ -55,6 +55,21 @@ pub struct Simulation {
     marked: Vec<u32>,
 }
 
+/// Returns an error when the textures or the agents need more memory than there is.
+fn check_memory(options: &Options) -> Result<()> {
+    /// Bytes of a texel of a species, before and after a step.
+    const TRAIL: usize = 8;
+    /// Bytes of a texel of the surface: its triangle and its area.
+    const TEXEL: usize = 8;
+    /// Bytes of an agent.
+    const AGENT: usize = 24;
+    let Options { species, size, agents, .. } = *options;
+    let texels = size * size;
+    let bytes = (texels * (species * TRAIL + TEXEL)) as f64 + agents as f64 * AGENT as f64;
+    let request = format_args!("{species} textures of {size} x {size} and {agents} agents");
+    check_request("size", request, bytes)
+}
+
 impl Simulation {
     /// Creates a simulation with agents at their start positions, and no pheromone.
     ///
@@ -69,6 +84,7 @@ impl Simulation {
         }
         let size = options.size;
         check_mask(mask, size)?;
+        check_memory(options)?;
         let texels = Texels::new(&surface, size)?;
         let (agents, seed) = (options.agents, options.seed);
         let walkers = if mask.start.is_empty() && mask.ground.is_empty() {

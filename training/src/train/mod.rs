@@ -40,6 +40,29 @@ pub struct TrainOptions {
     pub seed: u64,
 }
 
+/// More pairs in a step would only take memory.
+const MOST_IN_BATCH: usize = 1 << 16;
+
+impl TrainOptions {
+    /// Returns an error that names the option out of range.
+    fn check(&self) -> Result<()> {
+        self.sizes.check()?;
+        let refuse = |what, why| Err(catamaran::Error::Argument { what, why });
+        if !(1..=MOST_IN_BATCH).contains(&self.batch) {
+            return refuse(
+                "batch",
+                format!("must be from 1 to {MOST_IN_BATCH}, is {}", self.batch),
+            );
+        }
+        for (what, value) in [("rate", self.rate), ("decay", self.decay)] {
+            if !value.is_finite() || value < 0.0 {
+                return refuse(what, format!("must be finite and at least 0, is {value}"));
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
@@ -60,6 +83,31 @@ pub struct State {
     pub history: Vec<Epoch>,
     /// The units of the network, which do not depend on later data.
     pub scaling: Scaling,
+}
+
+impl State {
+    /// Returns an error unless all numbers are finite, and units are those of a network.
+    fn check(&self) -> Result<()> {
+        let Scaling { feature_mean, feature_deviation, output_mean, output_deviation } =
+            &self.scaling;
+        let features = K * FEATURES;
+        let lengths = [
+            (feature_mean, features),
+            (feature_deviation, features),
+            (output_mean, K),
+            (output_deviation, K),
+        ];
+        let numbers = [&self.parameters, &self.best, &self.adam.mean, &self.adam.square];
+        let all = numbers.into_iter().chain(lengths.iter().map(|(values, _)| *values));
+        let is_sound = lengths.iter().all(|(values, len)| values.len() == *len)
+            && all.flatten().all(|x| x.is_finite())
+            && self.adam.square.iter().all(|&x| x >= 0.0);
+        if is_sound {
+            return Ok(());
+        }
+        let why = "is damaged: units or parameters of no network".into();
+        Err(catamaran::Error::Argument { what: "state", why })
+    }
 }
 
 /// Mean errors of one pass over the data, of logarithms of eigenvalues; small ones are relative
@@ -135,7 +183,7 @@ impl Trainer {
         state: Option<State>,
         par: Par,
     ) -> Result<Self> {
-        options.sizes.check()?;
+        options.check()?;
         let modes = examples.regions.modes();
         if options.sizes.modes != modes {
             let why = format!("must be {modes}, as in the regions, is {}", options.sizes.modes);
@@ -157,6 +205,7 @@ impl Trainer {
             let why = format!("must belong to a network with {} parameters", layout.len);
             return Err(catamaran::Error::Argument { what: "state", why });
         }
+        state.check()?;
         let sizes = &options.sizes;
         let pass = |parts| (Tape::new(sizes, TASK, parts), Outputs::new(sizes, TASK, parts));
         let worker = || Worker {

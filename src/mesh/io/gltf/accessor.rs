@@ -1,8 +1,9 @@
 //! Reads numbers from buffers.
 
-use super::super::draft::{Checked, push, roomy};
+use super::super::draft::{Checked, roomy};
 use super::container::Content;
 use super::document::{Accessor, View, code};
+use crate::base::push;
 
 impl Content {
     /// Returns the accessor with this index.

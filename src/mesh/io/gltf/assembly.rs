@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 use super::super::attributes::{Attribute, MeshFile};
-use super::super::draft::{Checked, Draft, push};
+use super::super::draft::{Checked, Draft};
 use super::super::labels::{Labels, clean_name};
 use super::document::Document;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, push};
 
 /// For each face, the indices of the values of its corners.
 type Corners = Vec<[u32; 3]>;

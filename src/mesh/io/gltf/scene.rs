@@ -1,10 +1,11 @@
 //! The meshes of a scene with the transformations of their nodes.
 
-use super::super::draft::{Checked, push};
+use super::super::draft::Checked;
 use super::super::notes::Notes;
 use super::container::Content;
 use super::document::{Document, Instances, Node};
 use super::transform::Transform;
+use crate::base::push;
 use crate::io::Source;
 
 /// A mesh at the place of its node.

@@ -10,9 +10,9 @@ use self::element::{Element, Name};
 use self::header::Header;
 use self::rows::Rows;
 use super::attributes::{Attribute, MeshFile};
-use super::draft::{Checked, Draft, push, roomy};
+use super::draft::{Checked, Draft, roomy};
 use super::polygon::fan;
-use crate::base::Result;
+use crate::base::{Result, push};
 use crate::io::Source;
 
 pub use self::encoding::PlyEncoding;

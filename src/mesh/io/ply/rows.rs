@@ -1,9 +1,10 @@
 use std::io::Read;
 
-use super::super::draft::{Checked, Fault, push};
+use super::super::draft::{Checked, Fault};
 use super::super::text;
 use super::element::{Element, Property, Type};
 use super::encoding::PlyEncoding;
+use crate::base::push;
 use crate::io::Source;
 
 /// One row of an element.

@@ -1,0 +1,127 @@
+//! Plans take as many steps for large matrices as for small ones.
+
+use super::Plan;
+use crate::ata::distributed::Chunks;
+use crate::ata::{AtaOptions, ComplexPlan, SchemeChoice, StreamPlan, planned_scratch_len};
+use crate::base::steps::steps_of;
+use crate::base::{Error, Par};
+use crate::blas::BlasReal;
+
+/// Steps that a plan and its scratch may take; that of a complex product has four plans, each with
+/// the products of a thousand triangles between which Strassen's algorithm is applied twice.
+const MOST: usize = 300_000;
+
+/// Shapes m, n, k, up to those of which no memory holds C.
+const SHAPES: [[usize; 3]; 9] = [
+    [0, 0, 0],
+    [20_000, 20_000, 20_000],
+    [1_000_000, 1_000_000, 1_000_000],
+    [999_999, 999_999, 1],
+    [1, 1_000_000, 1_000_000],
+    [1_000_000, 1, 1_000_000],
+    [1_000_000, 1000, 1000],
+    [1_000_000_000_000, 1, 1],
+    [1, 1_000_000_000_000, 1],
+];
+
+const SCHEMES: [SchemeChoice; 9] = [
+    SchemeChoice::Auto,
+    SchemeChoice::Float,
+    SchemeChoice::Exact,
+    SchemeChoice::Classical,
+    SchemeChoice::Winograd,
+    SchemeChoice::Ata2,
+    SchemeChoice::Rxtx,
+    SchemeChoice::Kgp4,
+    SchemeChoice::Kgp3,
+];
+
+/// Every scheme without a limit of memory and with one, and more limits where they matter.
+fn options() -> Vec<AtaOptions<'static>> {
+    use crate::Accuracy::{Default, Fast, Max};
+    let plain = || AtaOptions::new();
+    let limits = [0, 1 << 20, 1 << 30, usize::MAX].into_iter().flat_map(|memory| {
+        [SchemeChoice::Auto, SchemeChoice::Exact].map(|s| plain().scheme(s).memory(memory))
+    });
+    let schemes = SCHEMES.into_iter().flat_map(|scheme| {
+        let deep = plain().scheme(scheme).accuracy(Fast).leaf(1);
+        let flat = plain().scheme(scheme).accuracy(Max).leaf(40);
+        [plain().scheme(scheme).accuracy(Default).memory(64 << 20), deep, flat]
+    });
+    schemes.chain(limits).collect()
+}
+
+/// Plans everything that the library multiplies, and returns the most steps of a plan.
+fn most_steps<T: BlasReal>([m, n, k]: [usize; 3], options: &AtaOptions<'_>) -> usize {
+    let real = |plan: Result<Plan, Error>| {
+        for threads in [1, 2, 64] {
+            plan.iter().for_each(|plan| {
+                planned_scratch_len::<T>(plan, Par::Threads(threads));
+            });
+        }
+    };
+    let complex = |plan: Result<ComplexPlan, Error>| {
+        plan.iter().for_each(|plan| {
+            plan.scratch_len::<T>(Par::Threads(4));
+        });
+    };
+    let kinds: [&dyn Fn(); 6] = [
+        &|| real(Plan::ata::<T>(m, n, options)),
+        &|| real(Plan::ata::<T>(n, m, options)),
+        &|| real(Plan::atb::<T>(m, n, k, options)),
+        &|| real(Plan::atb_triangle::<T>(m, n, options)),
+        &|| complex(ComplexPlan::aha::<T>(m, n, options)),
+        &|| complex(ComplexPlan::ahb::<T>(m, n, k, options)),
+    ];
+    kinds.iter().map(steps_of).max().unwrap_or(0)
+}
+
+#[test]
+fn steps_of_plans_do_not_grow_with_the_sides() {
+    for shape in SHAPES {
+        for options in options() {
+            let steps = most_steps::<f64>(shape, &options);
+            assert!(steps <= MOST, "{steps} steps for {shape:?}, {options:?}");
+        }
+        let options = AtaOptions::new().memory(1 << 20);
+        let steps = most_steps::<f32>(shape, &options);
+        assert!(steps <= MOST, "{steps} steps for {shape:?}, f32");
+    }
+}
+
+#[test]
+fn steps_of_streams_grow_with_the_reads_only() {
+    for [m, n, _] in SHAPES {
+        for memory in [1 << 20, 20 << 30, 1 << 40] {
+            for (weighted, exact) in [(false, false), (true, false), (false, true)] {
+                let options = AtaOptions::new().reproducible(exact).threads(2);
+                let mut plan = None;
+                let steps = steps_of(|| {
+                    plan = Some(StreamPlan::new::<f64>(m, n, weighted, None, memory, &options));
+                });
+                let reads = plan.and_then(Result::ok).map_or(0, |plan| plan.reads());
+                assert!(reads <= 4096);
+                assert!(steps <= MOST * (1 + reads), "{steps}, {reads} reads of {m} x {n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_of_ranks_do_not_grow_with_the_rows() {
+    for [m, n, _] in SHAPES {
+        for ranks in [1, 16, 4096] {
+            let steps = steps_of(|| drop(Chunks::new(m, n.min(1_000_000), ranks)));
+            assert!(steps <= 20, "{steps} steps for {m} x {n} on {ranks} ranks");
+        }
+    }
+}
+
+#[test]
+fn a_stream_that_would_read_a_too_often_is_refused() {
+    // Two blocks, scratch and a few rows of C.
+    let (m, n) = (10_000, 400_000);
+    let needs = |memory| StreamPlan::new::<f64>(m, n, false, None, memory, &AtaOptions::new());
+    let text = needs(2 * 1024 * n * 8 + (32 << 20)).unwrap_err().to_string();
+    assert!(text.contains("more than 4096 times"), "{text}");
+}

@@ -1,0 +1,213 @@
+//! How much memory there is, and whether a request fits: allocations beyond it succeed on Linux,
+//! and the process is killed when it uses them.
+
+use std::fmt::Display;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::{Error, Result};
+
+/// The limit that a caller has set; 0 without one.
+static LIMIT: AtomicU64 = AtomicU64::new(0);
+
+/// Requests below this size are not compared with the memory of the machine.
+const SMALL: usize = 64 << 20;
+
+/// Sets how many bytes of memory a single request of this process may need, instead of
+/// [`available_memory`]; `None` removes the limit. Requests are arguments that decide how large a
+/// result is, such as a number of vertices.
+///
+/// Public for the command line: `--max-memory`.
+#[doc(hidden)]
+pub fn limit_memory(bytes: impl Into<Option<u64>>) {
+    LIMIT.store(bytes.into().map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
+}
+
+/// Returns how many bytes of memory this process can still take: the least of the memory that Linux
+/// reports as available, of what its control groups leave, and of its limit of address space.
+/// Without any of these, as on other systems, `u64::MAX`.
+///
+/// ```
+/// assert!(catamaran::base::available_memory() > 1 << 20);
+/// ```
+pub fn available_memory() -> u64 {
+    system::available().into_iter().min().unwrap_or(u64::MAX)
+}
+
+/// Returns [`Error::Argument`] when `request`, the value of argument `what`, needs more than the
+/// memory allowed. `bytes` is a lower bound, so that what fits is never refused.
+///
+/// Public for the command line, which creates results from several calls.
+///
+/// # Errors
+/// As above.
+#[doc(hidden)]
+pub fn check_request(what: &'static str, request: impl Display, bytes: f64) -> Result<()> {
+    let limit = LIMIT.load(Ordering::Relaxed);
+    let (allowed, are) = match limit {
+        0 if bytes < SMALL as f64 => return Ok(()),
+        0 => (available_memory(), "available"),
+        limit => (limit, "allowed (--max-memory)"),
+    };
+    if bytes <= allowed as f64 {
+        return Ok(());
+    }
+    let gib = |bytes: f64| {
+        let gib = bytes / f64::from(1 << 30);
+        if gib < 1e6 { format!("{gib:.2} GiB") } else { format!("{gib:.1e} GiB") }
+    };
+    let (needed, allowed) = (gib(bytes), gib(allowed as f64));
+    let why = format!("{request} would take at least {needed} of memory, {allowed} are {are}");
+    Err(Error::Argument { what, why })
+}
+
+/// Returns [`Error::OutOfMemory`] for a single allocation that is larger than the memory there is:
+/// Linux would grant it, and kill the process later.
+pub(crate) fn check_allocation(bytes: usize) -> Result<()> {
+    let fits = || {
+        let allowed = available_memory().max(LIMIT.load(Ordering::Relaxed));
+        bytes as u64 <= allowed
+    };
+    if bytes < SMALL || (bytes <= isize::MAX as usize && fits()) {
+        return Ok(());
+    }
+    Err(Error::OutOfMemory { bytes })
+}
+
+#[cfg(target_os = "linux")]
+mod system {
+    use std::fs::read_to_string;
+    use std::path::{Path, PathBuf};
+
+    /// Returns the limits that are known.
+    pub fn available() -> Vec<u64> {
+        let machine = read_to_string("/proc/meminfo").ok().and_then(|text| of_meminfo(&text));
+        let groups = read_to_string("/proc/self/cgroup").unwrap_or_default();
+        machine.into_iter().chain(of_groups(&groups)).chain(of_address_space()).collect()
+    }
+
+    /// Returns the memory that is available, and what can still be swapped out.
+    pub fn of_meminfo(text: &str) -> Option<u64> {
+        let bytes = |name: &str| {
+            let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+            line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+        };
+        bytes("MemAvailable:")?.checked_add(bytes("SwapFree:").unwrap_or(0))
+    }
+
+    /// Returns what each control group of the process leaves: those of the unified hierarchy, or
+    /// that of the memory controller of version 1.
+    fn of_groups(text: &str) -> Vec<u64> {
+        let mut found = Vec::new();
+        for line in text.lines() {
+            let mut parts = line.splitn(3, ':').skip(1);
+            let (Some(controllers), Some(group)) = (parts.next(), parts.next()) else { continue };
+            let (root, most, used) = match controllers {
+                "" => ("/sys/fs/cgroup", "memory.max", "memory.current"),
+                _ if controllers.split(',').any(|name| name == "memory") => {
+                    ("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes")
+                }
+                _ => continue,
+            };
+            // In a container the path may be that of the host: then only the root is there.
+            let folder = PathBuf::from(root).join(group.trim_start_matches('/'));
+            let ancestors = folder.ancestors().take_while(|folder| folder.starts_with(root));
+            found.extend(ancestors.filter_map(|folder| of_group(folder, most, used)));
+        }
+        found
+    }
+
+    /// Returns what one group leaves. Pages of files count as used, and are given up when memory is
+    /// short.
+    pub fn of_group(folder: &Path, most: &str, used: &str) -> Option<u64> {
+        let read = |name: &str| read_to_string(folder.join(name)).ok();
+        let number = |name: &str| read(name)?.trim().parse::<u64>().ok();
+        let stat = read("memory.stat").unwrap_or_default();
+        let files: u64 = stat
+            .lines()
+            .filter_map(|line| line.split_once(' '))
+            .filter(|(name, _)| matches!(*name, "inactive_file" | "active_file"))
+            .filter_map(|(_, value)| value.parse::<u64>().ok())
+            .sum();
+        Some(number(most)?.saturating_sub(number(used)?.saturating_sub(files)))
+    }
+
+    /// Returns what RLIMIT_AS leaves.
+    fn of_address_space() -> Option<u64> {
+        // SAFETY: the structure is plain numbers, and the call only writes to it.
+        let limit = unsafe {
+            let mut limit: libc::rlimit = std::mem::zeroed();
+            (libc::getrlimit(libc::RLIMIT_AS, &mut limit) == 0).then_some(limit.rlim_cur)
+        };
+        let limit = limit.filter(|&limit| limit != libc::RLIM_INFINITY)?;
+        let text = read_to_string("/proc/self/statm").ok()?;
+        let pages: u64 = text.split_whitespace().next()?.parse().ok()?;
+        // SAFETY: the call only returns a number.
+        let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
+        Some(limit.saturating_sub(pages.saturating_mul(page.unsigned_abs())))
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod system {
+    pub fn available() -> Vec<u64> {
+        Vec::new()
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::system::{of_group, of_meminfo};
+    use super::*;
+
+    #[test]
+    fn available_memory_is_read_in_kib() {
+        let text = "MemTotal:       100 kB\nMemAvailable:    64 kB\n";
+        assert_eq!(of_meminfo(text), Some(65536));
+        let swap = "MemAvailable:    64 kB\nSwapFree:    1 kB\n";
+        assert_eq!(of_meminfo(swap), Some(66560));
+        assert_eq!(of_meminfo("MemTotal: 1 kB"), None);
+        assert_eq!(of_meminfo("MemAvailable: much"), None);
+    }
+
+    #[test]
+    fn allocations_larger_than_the_machine_are_refused() {
+        let most = available_memory();
+        assert!(most > 1 << 20 && most < 1 << 50);
+        assert!(check_allocation(usize::try_from(most).unwrap().saturating_mul(2)).is_err());
+        assert!(check_allocation(1 << 20).is_ok());
+        // As large as all memory of the machine and what it may swap: Linux grants it.
+        let len = usize::try_from(most).unwrap() / 8 * 5 / 4;
+        assert!(crate::base::reserved::<f64>(len).is_err());
+        assert!(crate::base::zeros::<f64>(len).is_err());
+        assert!(crate::base::Workspace::<f64>::new(len).is_err());
+    }
+
+    #[test]
+    fn a_request_beyond_the_memory_says_how_much() {
+        let refused = check_request("n", "9 vertices", 1e15).unwrap_err().to_string();
+        assert!(
+            refused.starts_with("n: 9 vertices would take at least 931322.57 GiB"),
+            "{refused}"
+        );
+        assert!(refused.contains("available"), "{refused}");
+        assert!(check_request("n", "9 vertices", 1e3).is_ok());
+    }
+
+    #[test]
+    fn a_group_leaves_its_limit_less_what_is_used_beside_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let write =
+            |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        let left = || of_group(folder.path(), "memory.max", "memory.current");
+        assert_eq!(left(), None);
+        write("memory.max", "1000\n");
+        write("memory.current", "700\n");
+        assert_eq!(left(), Some(300));
+        write("memory.stat", "anon 1\nfile 250\ninactive_file 150\nactive_file 50\n");
+        assert_eq!(left(), Some(500));
+        write("memory.current", "2000\n");
+        assert_eq!(left(), Some(0));
+        write("memory.max", "max\n");
+        assert_eq!(left(), None);
+    }
+}
