@@ -64,13 +64,18 @@ fn check<T: Real>(
     }
 }
 
+/// Chooses the entries of A, which is not read with an alpha of 0.
+fn of_a<T: Real>(alpha: T, choices: &mut Choices<'_>) -> Entries {
+    if alpha.wide() == 0.0 { Entries::any(choices) } else { Entries::finite(choices) }
+}
+
 /// Makes a call with dense rows.
 pub fn dense<T: Real>(choices: &mut Choices<'_>) {
     let layout = choices.pick(&[CATA_ROW_MAJOR, CATA_COL_MAJOR]);
     let uplo = choices.pick(&[CATA_BOTH, CATA_LOWER, CATA_UPPER]);
     let (m, n) = (choices.side(), choices.side());
     let (alpha, beta): (T, T) = (factor(choices), factor(choices));
-    let mut entries = Entries::finite(choices);
+    let mut entries = of_a(alpha, choices);
     let a = Matrix::<T>::new(choices, layout, (m, n), 1, |i, j| entries.next(i, j));
     let mut old = Entries::finite(choices);
     let mut c = Matrix::<T>::new(choices, layout, (n, n), 1, |i, j| old.next(i, j));
@@ -136,7 +141,7 @@ pub fn sparse<T: Real>(choices: &mut Choices<'_>) {
     let (m, n) = (choices.side(), choices.side());
     let (alpha, beta): (T, T) = (factor(choices), factor(choices));
     let density = choices.pick(&[0.1, 0.5, 0.0, 1.0]);
-    let mut entries = Entries::finite(choices);
+    let mut entries = of_a(alpha, choices);
     let mut numbers = choices.rng();
     let mut x = vec![vec![0.0; n]; m];
     let (mut starts, mut columns, mut values) = (vec![0_usize], Vec::new(), Vec::<T>::new());
