@@ -257,6 +257,7 @@ cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
 /** Computes C := alpha A^T A + beta C, for A m x n and C n x n.
  * - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
  *   neither read nor written.
+ * - `alpha`: with 0, A is not read.
  * - `beta`: with 0, C is not read, so it may be uninitialized.
  *
  * The workspace is allocated before C is first written: C is untouched after any error but

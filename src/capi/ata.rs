@@ -21,6 +21,7 @@ use crate::{AtaOptions, Uplo};
 ///
 /// - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
 ///   neither read nor written.
+/// - `alpha`: with 0, A is not read.
 /// - `beta`: with 0, C is not read, so it may be uninitialized.
 ///
 /// The workspace is allocated before C is first written: C is untouched after any error but

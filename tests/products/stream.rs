@@ -784,3 +784,18 @@ impl RowBlocks<f64> for Source<'_> {
         Ok(())
     }
 }
+
+#[test]
+fn alpha_zero_reads_no_rows() {
+    let a = Mat::from_fn(10, 4, |i, j| if i == j { f64::INFINITY } else { f64::NAN });
+    for center in [Center::No, Center::Mean] {
+        for options in [AtaOptions::new(), AtaOptions::new().reproducible(true)] {
+            let mut c = Mat::from_fn(4, 4, |i, j| (i + j) as f64);
+            let row_options = RowOptions::new().center(center);
+            let options = options.uplo(Uplo::Both);
+            ata_rows(0.0, &mut DenseRows(a.as_ref()), &row_options, -1.0, c.as_mut(), &options)
+                .unwrap();
+            assert_eq!(c, Mat::from_fn(4, 4, |i, j| -((i + j) as f64)));
+        }
+    }
+}

@@ -99,7 +99,8 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 /// On the exact path, if the options request it, rows are read twice, once for their bounds, and 16
 /// bytes for each entry of a triangle of C are needed. The result then does not depend on the order
 /// of the rows either, as that of [`Accumulator::exact`](super::Accumulator::exact). It is rounded
-/// differently from that of [`ata`](crate::ata()), which knows the norms of the columns.
+/// differently from that of [`ata`](crate::ata()), which knows the norms of the columns. With
+/// `alpha == 0` no row is read.
 ///
 /// ```
 /// use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows};
@@ -135,8 +136,8 @@ pub fn ata_rows<T: BlasReal>(
     }
     row_options.check(m, n)?;
     let weights = row_options.weights;
-    if m == 0 {
-        // C is still scaled by beta.
+    if m == 0 || alpha == T::ZERO {
+        // C is still scaled by beta, and NaN times 0 is not added to it.
         let none = MatRef::from_row_major_slice(&[], 0, n);
         return ata(alpha, none, beta, c, options);
     }

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
-use sprs::CsMatView;
+use sprs::{CsMat, CsMatView};
 
 use super::accumulator::check_weights;
 use crate::ata::combine::mirror_lower;
@@ -64,6 +64,9 @@ pub fn ata_sparse<S: Real, T: BlasReal>(
         return Err(Error::Argument { what: "A", why: "must be stored by rows (CSR)".into() });
     }
     check_weights(a.rows(), weights)?;
+    // NaN times an alpha of 0 is not added to C.
+    let none = CsMat::zero((0, n));
+    let (a, weights) = if alpha == T::ZERO { (none.view(), None) } else { (a, weights) };
     let lower = match options.uplo {
         Uplo::Upper => c.rb_mut().transpose_mut(),
         Uplo::Lower | Uplo::Both => c.rb_mut(),

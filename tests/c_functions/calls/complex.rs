@@ -138,7 +138,7 @@ fn check<T: Real>(
                     bound: bound * (ar.abs() + ai.abs()),
                     as_loops: false,
                     spread,
-                    unit: 4.0 * T::UNIT,
+                    unit: if nearness == Nearness::Loops { 4.0 } else { 64.0 } * T::UNIT,
                     // Both parts of beta C may cancel.
                     tiny: 16.0 * (len + 1) as f64 * T::SMALLEST
                         + 4.0 * T::UNIT * mixed(br.abs(), size_of_old, bi.abs(), size_of_old),

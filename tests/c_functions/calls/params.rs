@@ -127,6 +127,8 @@ pub fn of_product(choices: &mut Choices<'_>) -> (Params<cata_ata_params>, Nearne
     }
     let automatic = scheme == CATA_SCHEME_AUTO || scheme == CATA_SCHEME_FLOAT;
     let nearness = match scheme {
+        // Fewer moduli, without a bound of their own.
+        _ if error_factor >= 8.0 => Nearness::Largest,
         CATA_SCHEME_CLASSICAL | CATA_SCHEME_EXACT => Nearness::Loops,
         _ if value.reproducible == 1 => Nearness::Loops,
         CATA_SCHEME_AUTO if error_factor == CATA_ERROR_LEAST => Nearness::Loops,

@@ -72,7 +72,8 @@ impl<T: Real> Factors<'_, T> {
                     },
                     as_loops: nearness == Nearness::Loops,
                     spread: !finite,
-                    unit: T::UNIT,
+                    // Fast schemes add to C many times.
+                    unit: if nearness == Nearness::Loops { T::UNIT } else { 64.0 * T::UNIT },
                     tiny: 4.0 * (len + 1) as f64 * T::SMALLEST,
                 };
                 let got = c.get(i, j);

@@ -7,17 +7,18 @@ use catamaran::capi::*;
 use super::buffers::Matrix;
 use super::choices::Choices;
 use super::entries::{Entries, Real, factor};
-use super::oracle::{Expected, dot, norm};
+use super::oracle::{Expected, dot};
 use super::params::{Nearness, field, of_product};
 use super::refusal::{check_accepted, check_refused};
 
-/// Checks the wanted entries of C against X^T W X of finite rows; `rounding` says for each column
-/// how much an entry of X may be wrong by.
+/// Checks the wanted entries of C against X^T W X of finite rows. Bounds are relative to the sizes of
+/// the columns, the largest entries of A and of what is subtracted, and to all weights: sums of
+/// integers round to a grid of the largest entry, and cancel what lies in a mean.
 fn check<T: Real>(
     what: &str,
     uplo: i32,
     (alpha, beta): (T, T),
-    (x, weights, rounding): (&[Vec<f64>], &[f64], &[f64]),
+    (x, weights, sizes): (&[Vec<f64>], &[f64], &[f64]),
     c: &Matrix<T>,
     nearness: Nearness,
 ) {
@@ -28,34 +29,29 @@ fn check<T: Real>(
     };
     c.check_changes(what, wanted);
     let len = x.len();
-    // Negative weights too: bounds are those of the rows times the roots of their sizes.
-    let scaled = |j: usize| norm(x.iter().zip(weights).map(|(row, w)| row[j] * w.abs().sqrt()));
-    let norms: Vec<f64> = (0..c.cols).map(scaled).collect();
-    let heaviest = norm(weights.iter().map(|w| w.abs().sqrt()));
-    let largest =
-        norms.iter().zip(rounding).fold(0.0_f64, |most, x| most.max(x.0 + x.1 * heaviest));
+    let unit = (len + 4) as f64 * T::UNIT;
+    let total: f64 = weights.iter().map(|w| w.abs()).sum();
+    let largest = sizes.iter().fold(0.0_f64, |most, &x| most.max(x));
     for i in 0..c.rows {
         for j in 0..c.cols {
             if !wanted(i, j) {
                 continue;
             }
-            let moved = |j: usize| norms[j] + rounding[j] * heaviest;
-            let shift = moved(i) * moved(j) - norms[i] * norms[j];
-            let unit = (len + 2) as f64 * T::UNIT;
-            let bound = match nearness {
-                Nearness::Largest => 256.0 * unit * (len + 1) as f64 * largest * largest,
-                _ => 6.0 * unit * moved(i) * moved(j),
-            };
             let old = if uplo == CATA_BOTH && i < j { c.old(j, i, 0) } else { c.old(i, j, 0) };
             let expected = Expected {
                 alpha: alpha.wide(),
                 sum: dot(x.iter().zip(weights).map(|(row, w)| (row[i], row[j] * w))),
                 beta: beta.wide(),
                 old: old.wide(),
-                bound: bound + 1.01 * shift,
+                bound: match nearness {
+                    Nearness::Largest => {
+                        256.0 * unit * (len + 1) as f64 * total * largest * largest
+                    }
+                    _ => 8.0 * unit * total * sizes[i] * sizes[j],
+                },
                 as_loops: true,
                 spread: false,
-                unit: T::UNIT,
+                unit: if nearness == Nearness::Loops { T::UNIT } else { 64.0 * T::UNIT },
                 tiny: 4.0 * (len + 1) as f64 * T::SMALLEST,
             };
             let got = c.get(i, j);
@@ -64,13 +60,18 @@ fn check<T: Real>(
     }
 }
 
+/// Chooses the entries of A, which is not read with an alpha of 0.
+fn of_a<T: Real>(alpha: T, choices: &mut Choices<'_>) -> Entries {
+    if alpha.wide() == 0.0 { Entries::any(choices) } else { Entries::finite(choices) }
+}
+
 /// Makes a call with dense rows.
 pub fn dense<T: Real>(choices: &mut Choices<'_>) {
     let layout = choices.pick(&[CATA_ROW_MAJOR, CATA_COL_MAJOR]);
     let uplo = choices.pick(&[CATA_BOTH, CATA_LOWER, CATA_UPPER]);
     let (m, n) = (choices.side(), choices.side());
     let (alpha, beta): (T, T) = (factor(choices), factor(choices));
-    let mut entries = Entries::finite(choices);
+    let mut entries = of_a(alpha, choices);
     let a = Matrix::<T>::new(choices, layout, (m, n), 1, |i, j| entries.next(i, j));
     let mut old = Entries::finite(choices);
     let mut c = Matrix::<T>::new(choices, layout, (n, n), 1, |i, j| old.next(i, j));
@@ -120,13 +121,8 @@ pub fn dense<T: Real>(choices: &mut Choices<'_>) {
     let x: Vec<Vec<f64>> =
         (0..m).map(|i| (0..n).map(|j| a.get(i, j).wide() - middles[j]).collect()).collect();
     let most = |j: usize| (0..m).fold(0.0_f64, |most, i| most.max(a.get(i, j).wide().abs()));
-    let rounding: Vec<f64> = (0..n)
-        .map(|j| match centering {
-            CATA_CENTER_NONE => 0.0,
-            _ => (m + 4) as f64 * T::UNIT * (most(j) + middles[j].abs()),
-        })
-        .collect();
-    check(&what, uplo, (alpha, beta), (&x, &weights, &rounding), &c, nearness);
+    let sizes: Vec<f64> = (0..n).map(|j| most(j) + middles[j].abs()).collect();
+    check(&what, uplo, (alpha, beta), (&x, &weights, &sizes), &c, nearness);
 }
 
 /// Makes a call with sparse rows.
@@ -136,7 +132,7 @@ pub fn sparse<T: Real>(choices: &mut Choices<'_>) {
     let (m, n) = (choices.side(), choices.side());
     let (alpha, beta): (T, T) = (factor(choices), factor(choices));
     let density = choices.pick(&[0.1, 0.5, 0.0, 1.0]);
-    let mut entries = Entries::finite(choices);
+    let mut entries = of_a(alpha, choices);
     let mut numbers = choices.rng();
     let mut x = vec![vec![0.0; n]; m];
     let (mut starts, mut columns, mut values) = (vec![0_usize], Vec::new(), Vec::<T>::new());
@@ -181,5 +177,7 @@ pub fn sparse<T: Real>(choices: &mut Choices<'_>) {
     }
     check_accepted(&what, status);
     let weights = if weighted { weights } else { vec![1.0; m] };
-    check(&what, uplo, (alpha, beta), (&x, &weights, &vec![0.0; n]), &c, Nearness::Norms);
+    let most = |j: usize| x.iter().fold(0.0_f64, |most, row| most.max(row[j].abs()));
+    let sizes: Vec<f64> = (0..n).map(most).collect();
+    check(&what, uplo, (alpha, beta), (&x, &weights, &sizes), &c, Nearness::Norms);
 }
