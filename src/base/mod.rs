@@ -34,6 +34,7 @@ pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
+#[cfg(feature = "geometry")]
 pub(crate) use memory::check_allocation;
 pub use memory::{available_memory, check_request, limit_memory};
 #[cfg(all(test, feature = "unions"))]
@@ -56,6 +57,7 @@ pub(crate) use simd::widest;
 pub(crate) use simd::{arch, has_fused};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
+#[cfg(feature = "geometry")]
+pub(crate) use workspace::push;
 pub use workspace::{Arena, Workspace, release_memory};
-pub(crate) use workspace::{Scratch, zeros};
-pub(crate) use workspace::{push, reserved};
+pub(crate) use workspace::{Scratch, reserved, zeros};

@@ -96,6 +96,7 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
 }
 
 /// Adds a value to a vector, or returns an error when memory is refused.
+#[cfg(feature = "geometry")]
 pub(crate) fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
     if values.len() == values.capacity() {
         let bytes = values.capacity().max(4).saturating_mul(2 * size_of::<T>());
