@@ -79,8 +79,8 @@ pub fn finish_first() -> MutexGuard<'static, ()> {
     SAVING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns unless the process is being ended from outside. Then an error is the consequence, such as
-/// that of an output after all were discarded, and must not be reported.
+/// Returns unless the process is being ended from outside. Then an error is the consequence, such
+/// as that of an output after all were discarded, and must not be reported.
 pub fn wait_for_end() {
     while ENDING.load(Ordering::Acquire) {
         thread::sleep(POLL);

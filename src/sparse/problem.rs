@@ -131,7 +131,12 @@ impl<'a> Problem<'a> {
                 let positive = options.shift.is_none();
                 let (values, vectors) = (krylov.values(), krylov.vectors());
                 let (residuals, solves) = (&certificate.residuals, krylov.solves());
-                return Ok(ascending(values, vectors, residuals, solves, positive));
+                let mut pairs = ascending(values, vectors, residuals, solves, positive);
+                if positive {
+                    // The values of constants on components are zero, not rounding errors.
+                    pairs.values.iter_mut().take(null.len()).for_each(|value| *value = 0.0);
+                }
+                return Ok(pairs);
             }
         }
         Err(Error::NotConverged { iterations: krylov.restarts(), residual: least })

@@ -13,6 +13,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_with_another_shape_is_named_on_every_rank",
         ranks: 4,
+        starved: None,
         play: another_shape,
         printed: &[
             "0: rank 2: n is 8, where rank 0 has 7",
@@ -23,6 +24,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_with_another_factor_is_named",
         ranks: 3,
+        starved: None,
         play: another_factor,
         printed: &[
             "0: rank 1: alpha is 2, where rank 0 has 1",
@@ -34,6 +36,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_without_memory_is_named_on_every_rank",
         ranks: 3,
+        starved: None,
         play: no_memory,
         printed: &["0: rank 1: out of memory", "1: out of memory", "2: rank 1: out of memory"],
         succeeds: true,
@@ -41,6 +44,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_that_cancels_ends_the_call_on_every_rank",
         ranks: 4,
+        starved: None,
         play: cancel,
         printed: &["0: rank 3: cancelled", "1: rank 3: cancelled", "3: cancelled"],
         succeeds: true,
@@ -48,6 +52,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "ranks_in_different_calls_notice",
         ranks: 2,
+        starved: None,
         play: different_calls,
         printed: &["0: rank 1: called another function", "1: rank 1: called another function"],
         succeeds: true,
@@ -55,6 +60,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_without_threads_is_named_on_every_rank",
         ranks: 3,
+        starved: Some(1),
         play: no_threads,
         printed: &[
             "0: rank 1: threads: one more than",
@@ -66,6 +72,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "calls_on_a_thread_that_may_not_call_mpi_are_refused",
         ranks: 2,
+        starved: None,
         play: other_thread,
         printed: &["0: communicator: MPI was started", "1: communicator: MPI was started"],
         succeeds: true,
@@ -73,6 +80,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_killed_rank_ends_the_job",
         ranks: 4,
+        starved: None,
         play: killed,
         printed: &[],
         succeeds: false,
@@ -80,6 +88,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_that_panics_ends_the_job",
         ranks: 3,
+        starved: None,
         play: panicking,
         printed: &["this rank panics"],
         succeeds: false,
@@ -145,11 +154,6 @@ fn different_calls(world: &World) {
 
 /// Every product that computes beside messages, where rank 1 gets no thread for that.
 fn no_threads(world: &World) {
-    if world.rank() == 1 {
-        // SAFETY: no other thread of this process reads or writes the environment. The stack of a
-        // thread is then larger than the address space.
-        unsafe { std::env::set_var("RUST_MIN_STACK", (1_u64 << 47).to_string()) };
-    }
     let a = part::<f64>(0..5, 0..7);
     let a = a.as_ref();
     let exact = options().reproducible(true);

@@ -25,12 +25,22 @@ pub fn run(cases: &[Case], scenes: &[Scene]) -> ExitCode {
 }
 
 fn be_rank(role: &str, cases: &[Case], scenes: &[Scene]) -> ExitCode {
+    let scene = scenes.iter().find(|scene| scene.name == role);
+    if let Some(rank) = scene.and_then(|scene| scene.starved) {
+        // Before MPI starts, and with it the first thread, which settles the size of all stacks.
+        let own = ["OMPI_COMM_WORLD_RANK", "PMI_RANK"].iter().find_map(|v| std::env::var(v).ok());
+        if own == Some(rank.to_string()) {
+            // SAFETY: this process has no other thread yet. The stack of a thread is then larger
+            // than the address space.
+            unsafe { std::env::set_var("RUST_MIN_STACK", (1_u64 << 47).to_string()) };
+        }
+    }
     let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
     let (universe, _) = start.expect("MPI starts");
     let world = universe.world();
     let expected = std::env::var(SIZE).expect("the number of ranks").parse();
     assert_eq!(Ok(world.size()), expected, "mpirun belongs to another MPI than this program");
-    if let Some(scene) = scenes.iter().find(|scene| scene.name == role) {
+    if let Some(scene) = scene {
         (scene.play)(&World::new(&world).expect("threads are allowed"));
         return ExitCode::SUCCESS;
     }

@@ -33,6 +33,8 @@ pub struct Scene {
     pub name: &'static str,
     /// How many ranks play it.
     pub ranks: usize,
+    /// The rank, if any, that the system gives no more threads.
+    pub starved: Option<i32>,
     /// What each rank does.
     pub play: fn(&World),
     /// What must be printed, by all ranks and `mpirun` together.

@@ -81,8 +81,8 @@ fn stability(options: &Options) -> Result<f64> {
 /// Computes table 3.1: the property that each parameter is said to change, at the ends of its range
 /// and for turn speeds over their whole range, and whether the sign is that of the thesis. The
 /// properties are measures of [`Pattern`], as in the tests of the library: scale is `gap`, cell
-/// formation `cell`, thickness `thickness`, clustering `cluster`. Stabilization is that of
-/// [`stability`].
+/// formation `cell`, thickness `thickness`, clustering `cluster`. Stabilization is the inverse of
+/// the relative change of the pheromone.
 ///
 /// # Errors
 /// The errors of the simulation.

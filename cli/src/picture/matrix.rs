@@ -46,8 +46,8 @@ impl Scale {
     }
 }
 
-/// Writes a picture of the n x n matrix C, and returns its colours. `entry` returns the row and column
-/// that hold the entry (i, j). Entries are shown as `C_ij / sqrt(C_ii C_jj)`, which is a
+/// Writes a picture of the n x n matrix C, and returns its colours. `entry` returns the row and
+/// column that hold the entry (i, j). Entries are shown as `C_ij / sqrt(C_ii C_jj)`, which is a
 /// correlation when A was centred, and as zero where the diagonal is zero.
 pub fn write<T: Real>(
     output: Output,
@@ -80,8 +80,8 @@ pub fn write<T: Real>(
     Ok(scale)
 }
 
-/// Writes a picture of n x n levels, which are shown from 0 to 1, and returns the colours. A cell of a
-/// larger matrix shows the highest of its levels.
+/// Writes a picture of n x n levels, which are shown from 0 to 1, and returns the colours. A cell
+/// of a larger matrix shows the highest of its levels.
 pub fn levels(output: Output, n: usize, level: impl Fn(usize, usize) -> f64) -> Result<Scale> {
     let cells = n.min(SMALLEST);
     let mut highest = Vec::with_capacity(cells * cells);

@@ -84,8 +84,8 @@ pub struct Args {
     /// Seed of all randomness; overrides --config [default: 0].
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u32>,
-    /// Mask over the texture, a .png file: red where agents start, green where obstacles are, blue
-    /// where attractors are.
+    /// Mask over the texture, a .png file: red is where agents start, green are obstacles, blue
+    /// attracts agents.
     #[arg(long, value_name = "FILE")]
     mask: Option<PathBuf>,
     /// Make an atlas of triangles even if the mesh has texture coordinates.

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::mesh::Edges;
 use catamaran::mesh::io::{MeshFile, check_name};
 use catamaran::mesh::{Boundary, Edges};
 use catamaran::spectral::{ShapeOptions, shape_from_spectrum};

@@ -17,6 +17,7 @@ use catamaran::plant::{Balance, tubes};
 
 use self::animation::write_animation;
 use self::watering::write_balance;
+use crate::output;
 use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::{report, status};

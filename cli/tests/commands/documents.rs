@@ -113,8 +113,8 @@ fn others() -> String {
     }
     let text = |path: &PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();
     let ours: String = paths.iter().map(text).collect();
-    // cargo, CMake, Open MPI and Slurm.
-    ours + "--features --release --locked --no-default-features --workspace --path --target --bin \
+    // cargo, ld, CMake, Open MPI and Slurm.
+    ours + "--gc-sections --features --release --locked --no-default-features --workspace --path --target --bin \
             --open --config --preset --map-by --cpu-bind --ntasks-per-socket"
 }
 

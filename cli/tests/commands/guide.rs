@@ -31,7 +31,7 @@ fn folder() -> Folder {
 }
 
 /// Runs the commands of a document, which stand at the beginning of lines; a comment may follow.
-fn run(document: &str, count: usize) {
+fn run(document: &str) {
     let folder = folder();
     let commands: Vec<&str> = document
         .lines()
@@ -43,33 +43,33 @@ fn run(document: &str, count: usize) {
     for command in &commands {
         folder.succeed(command);
     }
-    assert_eq!(commands.len(), count);
+    assert!(!commands.is_empty());
 }
 
 #[test]
 fn the_commands_of_the_readme_run() {
-    run(include_str!("../../../README.md"), 3);
+    run(include_str!("../../../README.md"));
 }
 
 #[test]
 fn the_commands_of_the_pages_on_matrices_run() {
-    run(include_str!("../../../docs/guide/ata.md"), 2);
-    run(include_str!("../../../docs/guide/larger-than-memory.md"), 4);
-    run(include_str!("../../../docs/guide/reproducibility.md"), 1);
-    run(include_str!("../../../docs/guide/performance.md"), 2);
+    run(include_str!("../../../docs/guide/ata.md"));
+    run(include_str!("../../../docs/guide/larger-than-memory.md"));
+    run(include_str!("../../../docs/guide/reproducibility.md"));
+    run(include_str!("../../../docs/guide/performance.md"));
 }
 
 #[test]
 fn the_commands_of_the_page_on_the_command_line_run() {
-    run(include_str!("../../../docs/guide/command-line.md"), 4);
+    run(include_str!("../../../docs/guide/command-line.md"));
 }
 
 #[test]
 fn the_commands_of_the_page_on_decimation_run() {
-    run(include_str!("../../../docs/guide/decimation.md"), 4);
+    run(include_str!("../../../docs/guide/decimation.md"));
 }
 
 #[test]
 fn the_commands_of_the_page_on_unions_run() {
-    run(include_str!("../../../docs/guide/unions.md"), 6);
+    run(include_str!("../../../docs/guide/unions.md"));
 }

@@ -35,7 +35,7 @@ const fn section(
 pub const SECTIONS: &[Section] = &[
     section(
         "status",
-        &["status", "last_error_message", "version", "capabilities", "memory"],
+        &["status", "last_error_message", "version", "capabilities", "memory", "threads"],
         &["status", "version", "memory"],
     ),
     section("progress", &["progress"], &["progress"]),

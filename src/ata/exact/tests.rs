@@ -57,7 +57,7 @@ fn layouts(whole: &Layout) -> Vec<Layout> {
         (2, 2, [1, 2, 2]),
         (whole.steps, 3, [2, 2, 3]),
     ] {
-        let groups = groups.min(whole.left.max(whole.right));
+        let groups = groups.min(whole.left.max(whole.right)).max(1);
         let blocking = Blocking { rows, cols, depth };
         found.push(Layout { chunk, groups, blocking, ..whole.clone() });
     }

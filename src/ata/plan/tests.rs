@@ -38,7 +38,7 @@ const SCHEMES: [SchemeChoice; 9] = [
 
 /// Every scheme without a limit of memory and with one, and more limits where they matter.
 fn options() -> Vec<AtaOptions<'static>> {
-    use crate::Accuracy::{Default, Fast, Max};
+    use crate::ata::Accuracy::{Default, Fast, Max};
     let plain = || AtaOptions::new();
     let limits = [0, 1 << 20, 1 << 30, usize::MAX].into_iter().flat_map(|memory| {
         [SchemeChoice::Auto, SchemeChoice::Exact].map(|s| plain().scheme(s).memory(memory))
@@ -101,7 +101,8 @@ fn steps_of_streams_grow_with_the_reads_only() {
                 });
                 let reads = plan.and_then(Result::ok).map_or(0, |plan| plan.reads());
                 assert!(reads <= 4096);
-                assert!(steps <= MOST * (1 + reads), "{steps}, {reads} reads of {m} x {n}");
+                // Blocks of several heights are planned before one is taken.
+                assert!(steps <= MOST * (4 + reads), "{steps}, {reads} reads of {m} x {n}");
             }
         }
     }
@@ -122,6 +123,6 @@ fn a_stream_that_would_read_a_too_often_is_refused() {
     // Two blocks, scratch and a few rows of C.
     let (m, n) = (10_000, 400_000);
     let needs = |memory| StreamPlan::new::<f64>(m, n, false, None, memory, &AtaOptions::new());
-    let text = needs(2 * 1024 * n * 8 + (32 << 20)).unwrap_err().to_string();
+    let text = needs(2 * 1024 * n * 8 + (33 << 20)).unwrap_err().to_string();
     assert!(text.contains("more than 4096 times"), "{text}");
 }

@@ -8,11 +8,13 @@
 // without the wide registers.
 use pulp::{Simd, WithSimd};
 
-use super::UNREACHED;
 use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
 use super::options::Parameters;
 use super::points::Cursor;
 use crate::base::arch;
+
+/// Marks the number of a root that a point does not reach; numbers are below 64^2.
+pub(super) const UNREACHED: u16 = 1 << 15;
 
 /// Values with |z|^2 below this count as 0.
 const ZERO: f32 = 1e-30;

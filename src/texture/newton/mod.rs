@@ -55,9 +55,6 @@ pub struct Fractal {
     pub unreached: usize,
 }
 
-/// Marks the number of a root that a point does not reach; numbers are below 64^2.
-const UNREACHED: u16 = 1 << 15;
-
 /// Newton's method for a bicomplex polynomial (thesis, chapter 7), with its parameters prepared.
 ///
 /// ```
@@ -146,8 +143,8 @@ impl Fractal {
 
     /// Counts the points that reach no root, and removes their marks.
     pub(crate) fn counted(mut self) -> Self {
-        self.unreached = self.roots.iter().filter(|root| **root & UNREACHED != 0).count();
-        self.roots.iter_mut().for_each(|root| *root &= !UNREACHED);
+        self.unreached = self.roots.iter().filter(|root| **root & iterate::UNREACHED != 0).count();
+        self.roots.iter_mut().for_each(|root| *root &= !iterate::UNREACHED);
         self
     }
 }

@@ -56,8 +56,8 @@ impl Texels {
         &self.areas
     }
 
-    /// Returns the triangles that overlap others in the texture, ascending: the centre of a texel is
-    /// in both. They share the trails of agents.
+    /// Returns the triangles that overlap others in the texture, ascending: the centre of a texel
+    /// is in both. They share the trails of agents.
     pub fn overlapping(&self) -> &[u32] {
         &self.overlapping
     }

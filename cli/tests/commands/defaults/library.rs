@@ -20,8 +20,8 @@ use catamaran::unions::ShapeDnaOptions;
 
 use super::Defaults;
 
-/// Fields that are compared under another name, or that no face has a default of: threads, progress,
-/// options within options, what must be given.
+/// Fields that are compared under another name, or that no face has a default of: threads,
+/// progress, options within options, what must be given.
 const OTHERS: [&str; 14] = [
     "par",
     "progress",
