@@ -120,9 +120,13 @@ fn steps_of_ranks_do_not_grow_with_the_rows() {
 
 #[test]
 fn a_stream_that_would_read_a_too_often_is_refused() {
-    // Two blocks, scratch and a few rows of C.
     let (m, n) = (10_000, 400_000);
-    let needs = |memory| StreamPlan::new::<f64>(m, n, false, None, memory, &AtaOptions::new());
-    let text = needs(2 * 1024 * n * 8 + (33 << 20)).unwrap_err().to_string();
+    let refusal = |memory| {
+        let plan = StreamPlan::new::<f64>(m, n, false, None, memory, &AtaOptions::new());
+        plan.unwrap_err().to_string()
+    };
+    // The least memory, in steps of ten rows of C, that holds two blocks, scratch and a row of C.
+    let refusals = (1..64).map(|step| refusal(2 * 1024 * n * 8 + (step << 25)));
+    let text = refusals.into_iter().find(|text| !text.contains("a row of C need")).unwrap();
     assert!(text.contains("more than 4096 times"), "{text}");
 }

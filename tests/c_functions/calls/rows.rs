@@ -11,8 +11,8 @@ use super::oracle::{Expected, dot};
 use super::params::{Nearness, field, of_product};
 use super::refusal::{check_accepted, check_refused};
 
-/// Checks the wanted entries of C against X^T W X of finite rows. Bounds are relative to the sizes of
-/// the columns, the largest entries of A and of what is subtracted, and to all weights: sums of
+/// Checks the wanted entries of C against X^T W X of finite rows. Bounds are relative to the sizes
+/// of the columns, the largest entries of A and of what is subtracted, and to all weights: sums of
 /// integers round to a grid of the largest entry, and cancel what lies in a mean.
 fn check<T: Real>(
     what: &str,
