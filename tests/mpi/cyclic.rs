@@ -21,6 +21,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_with_another_block_is_named",
         ranks: 3,
+        starved: None,
         play: another_block,
         printed: &[
             "0: rank 1: NB_ of C is 3, where rank 0 has 2, C untouched",
@@ -32,6 +33,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_grid_larger_than_the_world_is_refused",
         ranks: 2,
+        starved: None,
         play: large_grid,
         printed: &["0: grid: 2 x 2 needs more than the 2 ranks there are", "1: grid: 2 x 2"],
         succeeds: true,

@@ -23,6 +23,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "eigenpairs_that_one_rank_cancels_end_on_every_rank",
         ranks: 3,
+        starved: None,
         play: cancel,
         printed: &["0: rank 1: cancelled", "1: cancelled", "2: rank 1: cancelled"],
         succeeds: true,
@@ -30,6 +31,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "ranks_that_want_other_eigenpairs_are_named",
         ranks: 2,
+        starved: None,
         play: another_k,
         printed: &["0: rank 1: k is 4, where rank 0 has 3", "1: rank 1: k is 4"],
         succeeds: true,

@@ -19,6 +19,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_with_another_ridge_is_named",
         ranks: 3,
+        starved: None,
         play: another_ridge,
         printed: &["0: rank 1: the ridge", "1: rank 1: the ridge", "2: rank 1: the ridge"],
         succeeds: true,
@@ -26,6 +27,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_negative_weight_of_one_rank_ends_least_squares_on_every_rank",
         ranks: 3,
+        starved: None,
         play: negative_weight,
         printed: &["0: rank 2: weights: weight 0", "1: rank 2: weights", "2: weights: weight 0"],
         succeeds: true,
@@ -33,6 +35,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_target_that_is_not_finite_on_one_rank_is_named_on_every_rank",
         ranks: 2,
+        starved: None,
         play: infinite_target,
         printed: &[
             "0: rank 1: B: not finite at row 1, column 1",
@@ -43,6 +46,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_that_cancels_ends_least_squares_on_every_rank",
         ranks: 3,
+        starved: None,
         play: cancel,
         printed: &["0: rank 1: cancelled", "1: cancelled", "2: rank 1: cancelled"],
         succeeds: true,

@@ -24,6 +24,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_with_a_nan_is_named_on_every_rank",
         ranks: 3,
+        starved: None,
         play: nan,
         printed: &["0: rank 2: A: not finite at row 1", "1: rank 2: A: not finite", "2: A: not"],
         succeeds: true,
@@ -31,6 +32,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_mass_that_differs_from_its_transpose_on_another_rank_is_refused",
         ranks: 3,
+        starved: None,
         play: asymmetric,
         printed: &["0: rank 1: mass: not symmetric: entry", "1: mass: not", "2: mass: not"],
         succeeds: true,
@@ -38,6 +40,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "gram_schmidt_that_one_rank_cancels_ends_on_every_rank",
         ranks: 2,
+        starved: None,
         play: cancel,
         printed: &["0: rank 1: cancelled", "1: cancelled"],
         succeeds: true,
@@ -45,6 +48,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "columns_that_depend_are_refused_on_every_rank",
         ranks: 3,
+        starved: None,
         play: dependent,
         printed: &["0: A: column 3 depends", "1: A: column 3 depends", "2: A: column 3 depends"],
         succeeds: true,

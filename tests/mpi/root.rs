@@ -29,6 +29,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_tree_of_three_levels_gives_the_product",
         ranks: 36,
+        starved: None,
         play: shapes::<f64>,
         printed: &[],
         succeeds: true,
@@ -36,6 +37,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_root_without_a_matrix_is_named_on_every_rank",
         ranks: 3,
+        starved: None,
         play: without_matrix,
         printed: &["0: rank 1: A: missing on the root", "1: A: missing", "2: rank 1: A: missing"],
         succeeds: true,
@@ -43,6 +45,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_root_that_differs_or_does_not_exist_is_named",
         ranks: 2,
+        starved: None,
         play: another_root,
         printed: &["0: rank 1: root is 1, where rank 0 has 0", "0: root: must be less than 2"],
         succeeds: true,
@@ -50,6 +53,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_result_of_another_shape_is_named_on_every_rank",
         ranks: 2,
+        starved: None,
         play: another_shape,
         printed: &["0: C: expected 5 x 5, got 4 x 4", "1: rank 0: C: expected 5 x 5"],
         succeeds: true,
@@ -57,6 +61,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_of_the_tree_that_cancels_ends_the_call_on_every_rank",
         ranks: 8,
+        starved: None,
         play: cancel,
         printed: &["0: rank 5: cancelled", "5: cancelled", "7: rank 5: cancelled"],
         succeeds: true,
@@ -64,6 +69,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_that_is_dealt_to_and_cancels_ends_the_call_on_every_rank",
         ranks: 8,
+        starved: None,
         play: cancel_deal,
         printed: &["0: rank 5: cancelled", "5: cancelled", "7: rank 5: cancelled"],
         succeeds: true,
@@ -71,6 +77,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_killed_rank_of_the_tree_ends_the_job",
         ranks: 7,
+        starved: None,
         play: killed,
         printed: &[],
         succeeds: false,
@@ -78,6 +85,7 @@ pub const SCENES: &[Scene] = &[
     Scene {
         name: "a_rank_of_the_tree_that_panics_ends_the_job",
         ranks: 7,
+        starved: None,
         play: panicking,
         printed: &["this rank panics"],
         succeeds: false,
