@@ -464,8 +464,12 @@ static void test_cyclic_errors(void)
 #define GOOD_GRID 1, pc, CATA_ROW_MAJOR
 
     /* On all ranks. */
-    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, a.desc, GOOD_GRID), CATA_ERR_SHAPE);
+    /* As large as its descriptor says, or it would overlap A. */
+    dealt tall = deal(M, N, 4, 2, 0, 0, 1, size, CATA_ROW_MAJOR, minus_one);
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, tall.entries, a.desc, GOOD_GRID),
+                 CATA_ERR_SHAPE);
     CHECK_MESSAGE("C: expected 11 x 11, got 37 x 11");
+    free(tall.entries);
     CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 2, pc, CATA_ROW_MAJOR),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("grid: 2 x");
