@@ -469,7 +469,7 @@ static void test_cyclic_errors(void)
     CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, tall.entries, a.desc, GOOD_GRID),
                  CATA_ERR_SHAPE);
     CHECK_MESSAGE("C: expected 11 x 11, got 37 x 11");
-    free(tall.entries);
+    discard(&tall);
     CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 2, pc, CATA_ROW_MAJOR),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("grid: 2 x");
