@@ -41,23 +41,9 @@ fn summarize<T: BlasReal>(c: MatRef<'_, T>, uplo: Uplo) -> Result<()> {
         }
     }
     let Range { least, largest, missing } = diagonal;
-    report!(
-        "diagonal",
-        least = least,
-        largest = largest,
-        nan = missing;
-        "{}",
-        diagonal.text()
-    )?;
+    report!("diagonal", least = least, largest = largest, nan = missing; "{}", diagonal.text())?;
     let Range { least, largest, missing } = others;
-    report!(
-        "others",
-        least = least,
-        largest = largest,
-        nan = missing;
-        "{}",
-        others.text()
-    )?;
+    report!("others", least = least, largest = largest, nan = missing; "{}", others.text())?;
     let norm = norm.value();
     report!("norm", frobenius = norm; "{} (Frobenius)", digits(norm))
 }
