@@ -138,11 +138,13 @@ impl<'a> Progress<'a> {
     ///
     /// ```
     /// use std::ops::ControlFlow;
-    /// use catamaran::{Error, base::Progress, mesh::{LaplacianOptions, families, laplacian}};
+    /// use catamaran::{base::Progress, prelude::*};
     ///
-    /// let mesh = families::icosphere(7)?;
+    /// let a = Mat::<f64>::from_fn(1000, 300, |i, j| (i + j) as f64);
+    /// let mut c = Mat::<f64>::zeros(300, 300);
     /// let stop = |_: f64| ControlFlow::Break(());
-    /// let found = Progress::new(&stop).watch(|| laplacian(&mesh, &LaplacianOptions::new()));
+    /// let found = Progress::new(&stop)
+    ///     .watch(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().threads(1)));
     /// assert_eq!(found, Err(Error::Cancelled));
     /// # Ok::<(), Error>(())
     /// ```

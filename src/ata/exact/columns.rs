@@ -6,7 +6,7 @@ use faer::MatRef;
 
 use crate::base::{Arena, Disjoint, Par, widest};
 use crate::kernel::int8::{
-    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, WIDTH, column_norm,
+    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, WIDTH,
 };
 
 /// How the columns of an operand become integers.
@@ -28,12 +28,6 @@ fn extent<T>(a: MatRef<'_, T>) -> (usize, usize) {
 pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
     let count = m.div_ceil(STEP) * n.div_ceil(PANEL) * PANEL;
     Arena::<T>::len_of::<i32>(count) + Arena::<T>::len_of::<f64>(count)
-}
-
-/// Returns the elements of scratch that [`Columns::of_few`] takes.
-pub(super) fn few_scratch_len<T: Operand>(m: usize) -> usize {
-    let bands = m.div_ceil(STEP);
-    m + Arena::<T>::len_of::<[i32; WIDTH]>(bands) + Arena::<T>::len_of::<[f64; WIDTH]>(bands)
 }
 
 impl Columns {
@@ -75,49 +69,26 @@ impl Columns {
         let (exponents, squares) = (&*exponents, &*squares);
         let found = par.map_blocks(tiles, 1, |tile| {
             let bands = tile.start * bands..tile.end * bands;
-            combine::<T>(&exponents[bands.clone()], &squares[bands], limit)
-        });
-        Self::of_tiles(found.len(), found.into_iter())
-    }
-
-    /// Does what [`Columns::new`] does, without tiles: for operands that would not fill them.
-    pub fn of_few<T: Operand>(a: MatRef<'_, T>, moduli: &Moduli, arena: &mut Arena<'_, T>) -> Self {
-        let (m, n) = a.shape();
-        let bands = m.div_ceil(STEP);
-        let mut arena = arena.nested();
-        let exponents = arena.take_as::<[i32; WIDTH]>(bands);
-        let squares = arena.take_as::<[f64; WIDTH]>(bands);
-        let copy = arena.take(m);
-        let limit = limit(moduli, m);
-        let tiles = n.div_ceil(WIDTH);
-        let of_tile = |tile| {
-            exponents.fill([EMPTY; WIDTH]);
-            let columns = tile * WIDTH..n.min((tile + 1) * WIDTH);
+            let (exponents, squares) = (&exponents[bands.clone()], &squares[bands]);
             widest(
                 #[inline(always)]
-                || {
-                    for (lane, j) in columns.enumerate() {
-                        for (band, entries) in read(a, j, copy).chunks(STEP).enumerate() {
-                            let (exponent, square) = column_norm(entries);
-                            (exponents[band][lane], squares[band][lane]) = (exponent, square);
-                        }
-                    }
-                },
-            );
-            combine::<T>(exponents, squares, limit)
-        };
-        Self::of_tiles(tiles, (0..tiles).map(of_tile))
+                || combine::<T, _>(exponents, squares, limit),
+            )
+        });
+        Self::of_groups(found.len(), found.into_iter())
     }
 
-    /// Collects the exponents of tiles of 16 columns, `None` for columns that are not finite.
-    fn of_tiles(tiles: usize, found: impl Iterator<Item = [Option<i32>; WIDTH]>) -> Self {
-        let mut exponents = Vec::with_capacity(tiles * WIDTH);
+    /// Collects the exponents of groups of W columns, `None` for columns that are not finite.
+    pub fn of_groups<const W: usize>(
+        groups: usize,
+        found: impl Iterator<Item = [Option<i32>; W]>,
+    ) -> Self {
+        let mut exponents = Vec::with_capacity(groups * W);
         let mut non_finite = Vec::new();
-        for (j, exponent) in found.flatten().enumerate() {
-            if exponent.is_none() {
-                non_finite.push(j);
-            }
-            exponents.push(exponent.unwrap_or(0));
+        for group in found {
+            let first = exponents.len();
+            non_finite.extend((0..W).filter(|&j| group[j].is_none()).map(|j| first + j));
+            exponents.extend(group.iter().map(|exponent| exponent.unwrap_or(0)));
         }
         Self { exponents, non_finite, wide: false }
     }
@@ -146,70 +117,73 @@ impl Columns {
 
 /// Returns the largest norm of a column of m entries before it is rounded to integers, which adds
 /// at most 1/2 per row.
-fn limit(moduli: &Moduli, m: usize) -> f64 {
+pub(super) fn limit(moduli: &Moduli, m: usize) -> f64 {
     moduli.largest_norm - 0.5 * (m as f64).sqrt() - 1.0
 }
 
-/// Returns column j: itself, if its entries are adjacent, or a copy in `copy`.
-#[inline(always)]
-pub(super) fn read<'c, T: Operand>(a: MatRef<'c, T>, j: usize, copy: &'c mut [T]) -> &'c [T] {
-    let column = a.col(j);
-    if let Some(adjacent) = column.try_as_col_major() {
-        return adjacent.as_slice();
-    }
-    copy.iter_mut().zip(column.iter()).for_each(|(copy, &x)| *copy = x);
-    copy
-}
-
-/// Returns the exponents of 16 columns from the bounds of their tiles, `None` for columns that are
+/// Returns the exponents of W columns from the bounds of 64 rows each, `None` for columns that are
 /// not finite.
-fn combine<T: Operand>(
-    exponents: &[[i32; WIDTH]],
-    squares: &[[f64; WIDTH]],
+#[inline(always)]
+pub(super) fn combine<T: Operand, const W: usize>(
+    exponents: &[[i32; W]],
+    squares: &[[f64; W]],
     limit: f64,
-) -> [Option<i32>; WIDTH] {
-    let (largest, sums) = widest(
-        #[inline(always)]
-        || add_up(exponents, squares),
-    );
-    std::array::from_fn(|j| match largest[j] {
-        NON_FINITE => None,
-        EMPTY => Some(0),
-        largest => {
-            let norm = (sums[j] as f64).sqrt() * (1.0 + 1.0 / (1_u64 << 40) as f64);
-            let ratio = limit / norm;
-            let exponent = (ratio.to_bits() >> 52) as i32 - 1023 + NORM_BITS - largest;
-            Some(exponent.min(T::INTEGER_BITS - largest))
-        }
-    })
+) -> [Option<i32>; W] {
+    let (largest, sums) = add_up(exponents, squares);
+    let mut ratios = [0.0; W];
+    for (ratio, sum) in ratios.iter_mut().zip(sums) {
+        *ratio = limit / (sum.sqrt() * (1.0 + 1.0 / (1_u64 << 40) as f64));
+    }
+    let mut found = [None; W];
+    for j in 0..W {
+        let exponent = (ratios[j].to_bits() >> 52) as i32 - 1023 + NORM_BITS;
+        found[j] = match largest[j] {
+            NON_FINITE => None,
+            EMPTY => Some(0),
+            largest => Some((exponent - largest).min(T::INTEGER_BITS - largest)),
+        };
+    }
+    found
 }
 
-/// Returns the largest exponents of 16 columns, and the sums of the squares in the units of these.
+/// Returns the largest exponents of W columns, and the sums of the squares in the units of these.
 /// The sum of a column that is not finite has no meaning.
 #[inline(always)]
-fn add_up(exponents: &[[i32; WIDTH]], squares: &[[f64; WIDTH]]) -> ([i32; WIDTH], [u128; WIDTH]) {
-    let mut largest = [EMPTY; WIDTH];
+fn add_up<const W: usize>(exponents: &[[i32; W]], squares: &[[f64; W]]) -> ([i32; W], [f64; W]) {
+    let mut largest = [EMPTY; W];
     for exponents in exponents {
-        for j in 0..WIDTH {
+        for j in 0..W {
             largest[j] = largest[j].max(exponents[j]);
         }
     }
     /// So many sums of a tile, each at most 2^46, fit 64 bits.
     const MOST: usize = 1 << 16;
-    let mut sums = [0; WIDTH];
-    for (exponents, squares) in exponents.chunks(MOST).zip(squares.chunks(MOST)) {
-        let mut part = [0_u64; WIDTH];
-        for (exponents, squares) in exponents.iter().zip(squares) {
-            for j in 0..WIDTH {
-                // To the unit of the largest tile, rounded up; a tile of zeros adds none.
-                let shift = largest[j].saturating_sub(exponents[j]).min(31) as u32 * 2;
-                let squares = (squares[j] as u64).saturating_add((1 << shift) - 1) >> shift;
-                // A sum without meaning may overflow.
-                part[j] = part[j].wrapping_add(squares);
+    let mut parts = exponents.chunks(MOST).zip(squares.chunks(MOST)).map(
+        #[inline(always)]
+        |(exponents, squares)| {
+            let mut part = [0_u64; W];
+            for (exponents, squares) in exponents.iter().zip(squares) {
+                for j in 0..W {
+                    // To the unit of the largest tile, rounded up; a tile of zeros adds none.
+                    let shift = largest[j].saturating_sub(exponents[j]).min(31) as u32 * 2;
+                    let squares = (squares[j] as u64).saturating_add((1 << shift) - 1) >> shift;
+                    // A sum without meaning may overflow.
+                    part[j] = part[j].wrapping_add(squares);
+                }
             }
+            part
+        },
+    );
+    let first = parts.next().unwrap_or([0; W]);
+    let mut sums = [0.0; W];
+    if exponents.len() <= MOST {
+        for (sum, first) in sums.iter_mut().zip(first) {
+            *sum = first as f64;
         }
-        for (sum, part) in sums.iter_mut().zip(part) {
-            *sum += u128::from(part);
+    } else {
+        let parts: Vec<_> = std::iter::once(first).chain(parts).collect();
+        for (j, sum) in sums.iter_mut().enumerate() {
+            *sum = parts.iter().map(|part| u128::from(part[j])).sum::<u128>() as f64;
         }
     }
     (largest, sums)
@@ -255,8 +229,8 @@ mod tests {
             .collect();
         let (largest, sums) = add_up(&exponents, &squares);
         assert_eq!(largest, [0; WIDTH]);
-        let whole = (count as u128) << 46;
-        let quarter = (whole + (3 << 46)) / 4;
+        let whole = ((count as u128) << 46) as f64;
+        let quarter = (whole + (3_u64 << 46) as f64) / 4.0;
         assert_eq!(sums, std::array::from_fn(|j| if j == 1 { quarter } else { whole }));
     }
 
@@ -264,6 +238,6 @@ mod tests {
     fn tiles_of_zeros_and_much_smaller_ones_add_at_most_a_unit() {
         let exponents = [[7; WIDTH], [EMPTY; WIDTH], [-900; WIDTH]];
         let squares = [[5.0; WIDTH], [0.0; WIDTH], [1e12; WIDTH]];
-        assert_eq!(add_up(&exponents, &squares), ([7; WIDTH], [6; WIDTH]));
+        assert_eq!(add_up(&exponents, &squares), ([7; WIDTH], [6.0; WIDTH]));
     }
 }

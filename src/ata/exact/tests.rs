@@ -5,6 +5,8 @@ use faer::{Mat, MatRef};
 use super::blocking::Blocking;
 use super::layout::{Batch, Extent, Need, Pair, Pieces};
 use super::*;
+use crate::ata::SchemeChoice;
+use crate::ata::plan::{Plan, Strategy};
 use crate::base::{Arena, Par, Rng, Workspace};
 use crate::kernel::int8::tests::{PORTABLE, kernels};
 
@@ -169,8 +171,9 @@ fn awkward<T: Operand>(m: usize, n: usize, rng: &mut Rng) -> Mat<T> {
     })
 }
 
-/// Returns the product by words, in dirty memory.
+/// Returns the product by its integers, in dirty memory.
 fn run_small<T: Operand>(
+    kernel: &dyn Kernel,
     moduli: usize,
     symmetric: bool,
     (a, b): (MatRef<'_, T>, Option<MatRef<'_, T>>),
@@ -183,13 +186,13 @@ fn run_small<T: Operand>(
     let scratch = scratch.as_mut_slice();
     scratch.fill(T::from_f64(f64::NAN));
     let options = AtaOptions::default();
-    small::execute(moduli, symmetric, alpha, a, b, beta, c.as_mut(), &options, &mut scratch[..len])
-        .unwrap();
+    let (c_mut, scratch) = (c.as_mut(), &mut scratch[..len]);
+    small::execute(kernel, moduli, symmetric, alpha, a, b, beta, c_mut, &options, scratch).unwrap();
     c
 }
 
 fn check_small<T: Operand>(moduli: usize, rng: &mut Rng) {
-    for (m, n, k) in [(1, 1, 1), (3, 2, 5), (64, 4, 3), (65, 17, 33), (200, 9, 2), (5, 40, 40)] {
+    for (m, n, k) in [(1, 1, 1), (3, 2, 5), (64, 4, 3), (65, 17, 33), (800, 9, 2), (5, 40, 40)] {
         let (a, b) = (awkward::<T>(m, n, rng), awkward::<T>(k, m, rng));
         let square = awkward::<T>(m, n, rng);
         let of_a = (a.as_ref(), None);
@@ -199,7 +202,10 @@ fn check_small<T: Operand>(moduli: usize, rng: &mut Rng) {
             let cols = operands.1.unwrap_or(operands.0).ncols();
             let factors = [[1.0, 0.0], [-0.75, 1.5]][m % 2].map(T::from_f64);
             let before = Mat::from_fn(n, cols, |_, _| T::from_f64(rng.normal()));
-            let found = run_small(moduli, symmetric, operands, factors, before.clone());
+            let small = kernels().into_iter().map(|(name, kernel)| {
+                (name, run_small(kernel, moduli, symmetric, operands, factors, before.clone()))
+            });
+            let small: Vec<_> = small.collect();
             let same = operands.1.is_none();
             let layout = Layout::new([m, n, cols], size_of::<T>(), moduli, symmetric, same);
             let extents = [m, n, cols];
@@ -209,14 +215,16 @@ fn check_small<T: Operand>(moduli: usize, rng: &mut Rng) {
                 let ([alpha, beta], (a, b)) = (factors, operands);
                 let scratch = scratch.as_mut_slice();
                 execute(kernel, &layout, alpha, a, b, beta, c.as_mut(), &options, scratch).unwrap();
-                for (j, i) in (0..cols).flat_map(|j| (0..n).map(move |i| (j, i))) {
-                    let [found, right] = [&found, &c].map(|c| c[(i, j)].to_f64());
-                    assert_eq!(
-                        found.to_bits(),
-                        right.to_bits(),
-                        "{name}, {} {m} {n} {cols} ({i}, {j}): {found:e}, {right:e}",
-                        T::NAME
-                    );
+                for (by, small) in &small {
+                    for (j, i) in (0..cols).flat_map(|j| (0..n).map(move |i| (j, i))) {
+                        let [found, right] = [small, &c].map(|c| c[(i, j)].to_f64());
+                        assert_eq!(
+                            found.to_bits(),
+                            right.to_bits(),
+                            "{by}, {name}, {} {m} {n} {cols} ({i}, {j}): {found:e}, {right:e}",
+                            T::NAME
+                        );
+                    }
                 }
             }
         }
@@ -237,6 +245,19 @@ fn small_products_have_the_bytes_that_residues_give_on_every_kernel() {
 }
 
 #[test]
+fn small_products_stay_within_the_memory_of_their_plan() {
+    for (m, n) in [(10, 10), (20_000, 3), (100_000, 1), (300, 40)] {
+        for memory in [0, 1 << 16, 1 << 20] {
+            let options = AtaOptions::new().scheme(SchemeChoice::Exact).memory(memory);
+            let plan = Plan::ata::<f64>(m, n, &options).unwrap();
+            let Strategy::Exact(exact) = &plan.strategy else { panic!("not exact") };
+            let bytes = 8 * small::scratch_len::<f64>([m, n, n], true);
+            assert!(!exact.small || bytes <= memory, "{m} x {n} takes {bytes} of {memory}");
+        }
+    }
+}
+
+#[test]
 fn an_entry_next_to_the_middle_between_two_numbers_is_rounded_once_by_every_kernel() {
     // 1 + 2^-53 + 9 2^-110, and other distances from the middle between 1 and the next number.
     let power = |e: i32| f64::from(e).exp2();
@@ -251,9 +272,11 @@ fn an_entry_next_to_the_middle_between_two_numbers_is_rounded_once_by_every_kern
                 let c = run(kernel, &layout, a.as_ref(), Some(b.as_ref()), 1);
                 assert_eq!(c[(0, 0)], expected, "{name}, {distance} {sign}");
             }
-            let c = Mat::zeros(1, 1);
             let operands = (a.as_ref(), Some(b.as_ref()));
-            assert_eq!(run_small(15, false, operands, [1.0, 0.0], c)[(0, 0)], expected);
+            for (name, kernel) in kernels() {
+                let c = run_small(kernel, 15, false, operands, [1.0, 0.0], Mat::zeros(1, 1));
+                assert_eq!(c[(0, 0)], expected, "{name}, {distance} {sign}");
+            }
         }
     }
 }

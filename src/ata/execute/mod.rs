@@ -86,8 +86,11 @@ fn exactly<T: BlasReal>(
     let Product { alpha, a, b, beta, c, .. } = product;
     if plan.small {
         let (moduli, symmetric) = (plan.layout.moduli, plan.layout.symmetric);
-        let done = exact::small::execute(moduli, symmetric, alpha, a, b, beta, c, options, scratch);
-        return done.map(|()| Stages::default());
+        let kernel = plan.isa.kernel();
+        return exact::small::execute(
+            kernel, moduli, symmetric, alpha, a, b, beta, c, options, scratch,
+        )
+        .map(|()| Stages::default());
     }
     options.on_cores(|| {
         exact::execute(plan.isa.kernel(), &plan.layout, alpha, a, b, beta, c, options, scratch)

@@ -226,7 +226,9 @@ fn exact<T: BlasReal>(
     // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
-    let small = exact::small::pays::<T>(isa, sides, moduli, symmetric);
+    let bytes = exact::small::scratch_len::<T>(sides, same).saturating_mul(size_of::<T>());
+    let small = options.memory.is_none_or(|most| bytes <= most)
+        && exact::small::pays::<T>(isa, sides, moduli, symmetric);
     let strategy = Strategy::Exact(Box::new(Exact { isa, layout, small }));
     Choice { strategy, seconds, classical_seconds }
 }

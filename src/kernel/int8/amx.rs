@@ -6,6 +6,7 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
+use super::direct::{Products, Row};
 use super::kernel::{Kernel, Next, Operands, Session};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms};
@@ -159,6 +160,10 @@ impl Kernel for Amx {
         out: &mut Square<f64>,
     ) {
         self.others.recombine(residues, moduli, rows, columns, next, out);
+    }
+
+    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
+        self.others.multiply_strips(left, right, products);
     }
 
     fn spin(&self, count: usize) -> Option<usize> {

@@ -3,6 +3,7 @@
 
 use std::arch::x86_64::*;
 
+use super::direct::{Products, Row};
 use super::kernel::{Kernel, Next, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
@@ -113,6 +114,40 @@ impl Kernel for Avx2 {
             next: Next,
             out: &mut Square<f64>
         ))
+    }
+
+    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { multiply_strips(left, right, products) }
+    }
+}
+
+/// Implements [`Kernel::multiply_strips`].
+#[target_feature(enable = "avx2,fma")]
+fn multiply_strips(left: &[Row], right: &[Row], products: &mut Products) {
+    /// Columns of the right strip at a time: two vectors of sums for each fill half the registers.
+    const COLUMNS: usize = 4;
+    for (group, sums) in products.as_chunks_mut::<COLUMNS>().0.iter_mut().enumerate() {
+        let mut vectors = [[_mm256_setzero_si256(); 2]; COLUMNS];
+        for (left, right) in left.iter().zip(right) {
+            let left = left.as_ptr().cast::<__m128i>();
+            // SAFETY: a row is two vectors of four.
+            let left = [0, 1].map(|i| unsafe { _mm_loadu_si128(left.add(i)) });
+            let left = left.map(|part| _mm256_cvtepi32_epi64(part));
+            for (vectors, &right) in vectors.iter_mut().zip(&right[COLUMNS * group..]) {
+                // Only the lower half of each lane is multiplied.
+                let right = _mm256_set1_epi32(right);
+                for (vector, left) in vectors.iter_mut().zip(left) {
+                    *vector = _mm256_add_epi64(*vector, _mm256_mul_epi32(left, right));
+                }
+            }
+        }
+        for (sums, vectors) in sums.iter_mut().zip(vectors) {
+            for (sums, vector) in sums.as_chunks_mut::<4>().0.iter_mut().zip(vectors) {
+                // SAFETY: four sums.
+                unsafe { _mm256_storeu_si256(sums.as_mut_ptr().cast(), vector) };
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::arch::x86_64::*;
 
+use super::direct::{LANES, Products, Row};
 use super::kernel::{Kernel, Next, Operands};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
@@ -131,11 +132,37 @@ impl Kernel for Vnni {
         }
     }
 
+    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { multiply_strips(left, right, products) }
+    }
+
     fn spin(&self, count: usize) -> Option<usize> {
         let rounds = count.div_ceil(12 * 64).max(1);
         // SAFETY: `self` exists, so the CPU has the instructions.
         unsafe { spin(rounds) };
         Some(rounds * 12 * 64)
+    }
+}
+
+enabled! {
+    /// Implements [`Kernel::multiply_strips`].
+    fn multiply_strips(left: &[Row], right: &[Row], products: &mut Products) {
+        let mut vectors = [_mm512_setzero_si512(); LANES];
+        for (left, right) in left.iter().zip(right) {
+            // SAFETY: a row is a vector of eight.
+            let left = unsafe { _mm256_loadu_si256(left.as_ptr().cast()) };
+            let left = _mm512_cvtepi32_epi64(left);
+            for (vector, &right) in vectors.iter_mut().zip(right) {
+                // Only the lower half of each lane is multiplied.
+                let product = _mm512_mul_epi32(left, _mm512_set1_epi32(right));
+                *vector = _mm512_add_epi64(*vector, product);
+            }
+        }
+        for (sums, vector) in products.iter_mut().zip(vectors) {
+            // SAFETY: eight sums.
+            unsafe { _mm512_storeu_si512(sums.as_mut_ptr().cast(), vector) };
+        }
     }
 }
 

@@ -1,3 +1,4 @@
+use super::direct::{Products, Row};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
     Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,
@@ -63,6 +64,9 @@ pub(crate) trait Kernel: Sync {
         next: Next,
         out: &mut Square<f64>,
     );
+
+    /// Computes the products of the columns of two strips of the same height, modulo 2^64.
+    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products);
 
     /// Performs at least `count` multiplications of residues on registers alone, in a
     /// [`Kernel::session`], and returns how many; `None` for a kernel without such a loop.

@@ -24,7 +24,7 @@ mod recombine;
 pub(crate) mod tests;
 mod tile;
 
-pub(crate) use direct::{Direct, column_norm};
+pub(crate) use direct::{Direct, LANES, MOST_PARTS, MOST_ROWS, Products, Row};
 pub(crate) use integer::{I256, Integer};
 pub(crate) use kernel::{Kernel, Next, Operands};
 pub use ladder::{Ladder, Level, Rung, StepRates};
@@ -32,7 +32,7 @@ pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
 pub(crate) use tile::{
     Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Residues, STEP, Slice, Square, Tile,
-    TileNorms, WIDTH, power_of_two, scaled, transpose,
+    TileNorms, WIDTH, norms, power_of_two, scaled, transpose,
 };
 
 use crate::base::Real;
@@ -97,10 +97,18 @@ impl Isa {
     /// the back ends is a measured one.
     pub(crate) fn rates(self) -> Rates {
         match self {
-            Self::Amx => Rates { products: 2.6e12, conversions: 4.2e9, recombinations: 5e9 },
-            Self::Vnni => Rates { products: 2.0e11, conversions: 4e9, recombinations: 4e9 },
-            Self::Avx2 => Rates { products: 4.5e10, conversions: 3e9, recombinations: 2e9 },
-            Self::Portable => Rates { products: 1e10, conversions: 2e8, recombinations: 1e9 },
+            Self::Amx => {
+                Rates { products: 2.6e12, conversions: 4.2e9, recombinations: 5e9, integers: 2e10 }
+            }
+            Self::Vnni => {
+                Rates { products: 2.0e11, conversions: 4e9, recombinations: 4e9, integers: 2e10 }
+            }
+            Self::Avx2 => {
+                Rates { products: 4.5e10, conversions: 3e9, recombinations: 2e9, integers: 1.5e10 }
+            }
+            Self::Portable => {
+                Rates { products: 1e10, conversions: 2e8, recombinations: 1e9, integers: 3e9 }
+            }
         }
     }
 
@@ -120,12 +128,14 @@ impl Isa {
 }
 
 /// Rates of one core, per second: multiplications of residues, conversions of an entry to one
-/// residue, with the norm of its column and the loads of its panel, and residues recombined.
+/// residue, with the norm of its column and the loads of its panel, residues recombined, and
+/// products of parts of integers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rates {
     pub products: f64,
     pub conversions: f64,
     pub recombinations: f64,
+    pub integers: f64,
 }
 
 /// A scalar of the exact path; it selects the variant of each step.

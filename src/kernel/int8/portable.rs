@@ -1,5 +1,6 @@
 //! The kernel in plain Rust, for any CPU. Tests compare the other kernels with this one.
 
+use super::direct::{self, Products, Row};
 use super::kernel::{Kernel, Next, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::recombine;
@@ -55,6 +56,10 @@ impl Kernel for Portable {
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
         product_by_pairs(operands, residues, multiply, reduce);
+    }
+
+    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
+        direct::multiply_strips(left, right, products);
     }
 
     fn recombine(

@@ -106,9 +106,7 @@ pub(super) fn block<const FUSED: bool>(
             let quarter = i / WIDTH * 2 + half;
             let [high, middle, low] = row::<FUSED>(residues, moduli, quarter, i % WIDTH);
             for j in 0..WIDTH {
-                let (tail, tail_error) = two_sum(middle[j], low[j]);
-                let (head, head_error) = two_sum(high[j], tail);
-                let value = head + sum_to_odd(head_error, tail_error);
+                let value = nearest([high[j], middle[j], low[j]]);
                 let column = WIDTH * half + j;
                 out[column] = scaled(value, rows[i] + columns[column]);
             }
@@ -121,12 +119,36 @@ fn multiply_add<const FUSED: bool>(x: f64, y: f64, z: f64) -> f64 {
     if FUSED { x.mul_add(y, z) } else { x * y + z }
 }
 
+/// Returns the f64 nearest to the sum of three numbers.
+#[inline(always)]
+fn nearest([high, middle, low]: [f64; 3]) -> f64 {
+    let (tail, tail_error) = two_sum(middle, low);
+    let (head, head_error) = two_sum(high, tail);
+    head + sum_to_odd(head_error, tail_error)
+}
+
+/// Returns the f64 nearest to the sum of three numbers; each is zero, or as large as the sum of
+/// those after it.
+#[inline(always)]
+pub(super) fn nearest_of_ordered([high, middle, low]: [f64; 3]) -> f64 {
+    let (tail, tail_error) = ordered_sum(middle, low);
+    let (head, head_error) = ordered_sum(high, tail);
+    head + sum_to_odd(head_error, tail_error)
+}
+
 /// Returns `x + y` and its rounding error (Knuth 1969).
 #[inline(always)]
 fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
     let part = sum - x;
     (sum, (x - (sum - part)) + (y - part))
+}
+
+/// Returns `x + y` and its rounding error, for a larger x or zero (Dekker 1971).
+#[inline(always)]
+fn ordered_sum(x: f64, y: f64) -> (f64, f64) {
+    let sum = x + y;
+    (sum, y - (sum - x))
 }
 
 /// Returns `x + y`, rounded to an odd mantissa if it is not exact. Added to a larger number, it is

@@ -360,6 +360,67 @@ fn numbers_come_back_from_their_residues() {
     }
 }
 
+/// Returns a strip of integers below `largest`, which are often the largest, or have the largest
+/// low part.
+fn strip<T: Operand>(height: usize, largest: f64, rng: &mut Rng) -> Vec<[T; LANES]> {
+    let mut entry = |_| {
+        let unit = power_of_two(28);
+        let value = match rng.bits() % 4 {
+            0 => largest,
+            1 => ((largest * rng.uniform() / unit).floor() - 0.5) * unit,
+            2 => largest * rng.uniform(),
+            _ => 1e3 * rng.uniform(),
+        };
+        T::from_f64((value.round_ties_even() * rng.sign()).clamp(-largest, largest))
+    };
+    (0..height).map(|_| [(); LANES].map(&mut entry)).collect()
+}
+
+/// Checks the products of columns whose norms are nearly `2^bits`.
+fn check_strips<T: Operand>(bits: f64, rng: &mut Rng) {
+    for height in [1, 2, 31, MOST_ROWS, MOST_ROWS + 1, 3 * MOST_ROWS + 7] {
+        let largest = (bits.exp2() / (height as f64).sqrt()).floor();
+        let largest = largest.min(power_of_two(T::INTEGER_BITS) * 0.999);
+        let strips = [(); 2].map(|()| strip::<T>(height, largest, rng));
+        let parts = strips.each_ref().map(|strip| {
+            // SAFETY: the products of the columns are below 2^(2 bits).
+            let of_rows = strip.iter().map(|row| unsafe { T::parts(*row) });
+            let of_rows: Vec<_> = of_rows.collect();
+            [0, 1, 2].map(|part| of_rows.iter().map(|row| row[part]).collect::<Vec<_>>())
+        });
+        for (name, kernel) in kernels() {
+            let mut sums = [[[0; LANES]; LANES]; MOST_PARTS];
+            for first in (0..height).step_by(MOST_ROWS) {
+                let rows = first..height.min(first + MOST_ROWS);
+                let mut products = [[[-1; LANES]; LANES]; MOST_PARTS];
+                for (part, products) in products.iter_mut().enumerate() {
+                    let [left, right] = parts.each_ref().map(|parts| &parts[part][rows.clone()]);
+                    kernel.multiply_strips(left, right, products);
+                }
+                T::accumulate(&products, &mut sums);
+            }
+            for j in 0..LANES {
+                let values = T::values(&sums, j);
+                for (i, &value) in values.iter().enumerate() {
+                    let rows = strips[0].iter().zip(&strips[1]);
+                    let terms = rows.map(|(x, y)| x[i].to_f64() as i128 * y[j].to_f64() as i128);
+                    let expected = terms.sum::<i128>() as f64;
+                    assert_eq!(value, expected, "{name}, {} {height} ({i}, {j})", T::NAME);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn products_of_the_largest_integers_are_exact() {
+    let mut rng = Rng::new(58);
+    for _ in 0..20 {
+        check_strips::<f64>(58.49, &mut rng);
+        check_strips::<f32>(31.4, &mut rng);
+    }
+}
+
 #[test]
 fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
     let moduli = Moduli::of(14);

@@ -123,22 +123,25 @@ pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
     let _ = (at, count);
 }
 
-/// Powers of two, one per column of a tile, in two factors, since `2^exponent` may overflow or
+/// Powers of two, one per column of W, in two factors, since `2^exponent` may overflow or
 /// underflow.
 #[derive(Clone)]
 #[repr(C, align(64))]
-pub(crate) struct Powers<T> {
-    pub first: [T; WIDTH],
-    pub second: [T; WIDTH],
+pub(crate) struct Powers<T, const W: usize = WIDTH> {
+    pub first: [T; W],
+    pub second: [T; W],
 }
 
-impl<T: Real> Powers<T> {
+impl<T: Real, const W: usize> Powers<T, W> {
     /// Computes `2^e` for each exponent, which lies in `-2000..=2000` (f64) or `-250..=250` (f32).
-    pub fn new(exponents: [i32; WIDTH]) -> Self {
-        Self {
-            first: exponents.map(|e| T::from_f64(power_of_two(e >> 1))),
-            second: exponents.map(|e| T::from_f64(power_of_two(e - (e >> 1)))),
+    #[inline(always)]
+    pub fn new(exponents: [i32; W]) -> Self {
+        let mut powers = Self { first: [T::ZERO; W], second: [T::ZERO; W] };
+        for (j, e) in exponents.into_iter().enumerate() {
+            powers.first[j] = T::from_f64(power_of_two(e >> 1));
+            powers.second[j] = T::from_f64(power_of_two(e - (e >> 1)));
         }
+        powers
     }
 }
 
@@ -158,15 +161,15 @@ pub(crate) fn scaled(value: f64, exponent: i32) -> f64 {
     value * power_of_two(first) * power_of_two(second)
 }
 
-/// Bounds of the columns of a tile, which add up to bounds of norms in any order.
+/// Bounds of W columns of at most 64 entries, which add up to bounds of norms in any order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct TileNorms {
+pub(crate) struct TileNorms<const W: usize = WIDTH> {
     /// The least e such that every entry is below 2^e in magnitude: [`EMPTY`] for zeros,
     /// [`NON_FINITE`] if an entry is NaN or infinite.
-    pub exponents: [i32; WIDTH],
+    pub exponents: [i32; W],
     /// The sum of the squares of the magnitudes of the entries, each first divided by 2^(e - 20)
     /// and rounded up to an integer. Unspecified for [`NON_FINITE`].
-    pub squares: [f64; WIDTH],
+    pub squares: [f64; W],
 }
 
 /// Exponent of a column of zeros.
@@ -184,14 +187,14 @@ pub(super) const MAGNITUDE: u64 = !0 >> 1;
 /// Returns [`TileNorms::exponents`] for the bits of the largest magnitude of each column, and the
 /// powers that its entries are multiplied by before they are rounded up.
 #[inline(always)]
-pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64>) {
+pub(super) fn norm_exponents<const W: usize>(largest: [u64; W]) -> ([i32; W], Powers<f64, W>) {
     let exponents = largest.map(norm_exponent);
     (exponents, Powers::new(exponents.map(norm_power)))
 }
 
 /// Returns the exponent of [`TileNorms`] for the bits of the largest magnitude of a column.
 #[inline(always)]
-pub(super) fn norm_exponent(bits: u64) -> i32 {
+fn norm_exponent(bits: u64) -> i32 {
     const INFINITY: u64 = 0x7ff << 52;
     match bits {
         0 => EMPTY,
@@ -204,24 +207,31 @@ pub(super) fn norm_exponent(bits: u64) -> i32 {
 /// Returns the power of two that the entries of a column of this exponent are multiplied by before
 /// they are rounded up.
 #[inline(always)]
-pub(super) fn norm_power(exponent: i32) -> i32 {
+fn norm_power(exponent: i32) -> i32 {
     if exponent == EMPTY || exponent == NON_FINITE { 0 } else { NORM_BITS - exponent }
 }
 
-/// Computes the bounds of the columns of a tile. All sums are exact, so that every instruction set
-/// finds the same bounds.
+/// Computes the bounds of the columns of a tile.
 #[inline(always)]
-pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
-    let mut largest = [0; WIDTH];
-    for row in &tile.0 {
-        for j in 0..WIDTH {
-            largest[j] = largest[j].max(row[j].to_f64().to_bits() & MAGNITUDE);
+pub(super) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
+    norms(&tile.0)
+}
+
+/// Computes the bounds of columns from at most 64 rows. All sums are exact, so that every
+/// instruction set finds the same bounds.
+#[inline(always)]
+pub(crate) fn norms<T: Real, const W: usize>(rows: &[[T; W]]) -> TileNorms<W> {
+    // Signed, since AVX2 compares no unsigned integers.
+    let mut largest = [0; W];
+    for row in rows {
+        for j in 0..W {
+            largest[j] = largest[j].max((row[j].to_f64().to_bits() & MAGNITUDE) as i64);
         }
     }
-    let (exponents, powers) = norm_exponents(largest);
-    let mut squares = [0.0; WIDTH];
-    for row in &tile.0 {
-        for j in 0..WIDTH {
+    let (exponents, powers) = norm_exponents(largest.map(|bits| bits as u64));
+    let mut squares = [0.0; W];
+    for row in rows {
+        for j in 0..W {
             let scaled = (row[j].to_f64().abs() * powers.first[j] * powers.second[j]).ceil();
             squares[j] += scaled * scaled;
         }
