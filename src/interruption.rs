@@ -135,13 +135,22 @@ fn orthogonalizations_ask() {
 }
 
 /// The fractions that products of our own kernels tell are shares of their operations: no two that
-/// follow each other differ by more than 10^8 operations. Recursive schemes ask between tasks.
+/// follow each other differ by more than 10^8 operations.
 #[test]
 fn products_ask() {
     let n = 900;
     let a = random(n, n);
     let operations = (n * n * n) as f64;
-    for scheme in [SchemeChoice::Float, SchemeChoice::Classical, SchemeChoice::Exact] {
+    for scheme in [
+        SchemeChoice::Float,
+        SchemeChoice::Classical,
+        SchemeChoice::Exact,
+        SchemeChoice::Winograd,
+        SchemeChoice::Ata2,
+        SchemeChoice::Rxtx,
+        SchemeChoice::Kgp3,
+        SchemeChoice::Kgp4,
+    ] {
         let told = std::sync::Mutex::new(vec![0.0]);
         let note = |fraction: f64| {
             told.lock().unwrap().push(fraction);

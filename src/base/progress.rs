@@ -202,11 +202,12 @@ impl<'a> Tracker<'a> {
     }
 
     /// Adds `work` to what is done, reports the sum unless another thread is reporting, and returns
-    /// whether to continue.
+    /// whether to continue. Nothing is reported after a request to stop.
     pub fn add(&self, work: f64) -> ControlFlow<()> {
         if !self.progress.is_watched() {
             return ControlFlow::Continue(());
         }
+        self.state()?;
         let sum = |done: u64| Some((f64::from_bits(done) + work).to_bits());
         // The closure never returns None.
         let _ = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, sum);
@@ -215,6 +216,16 @@ impl<'a> Tracker<'a> {
             self.report(&mut reported);
         }
         self.state()
+    }
+
+    /// Calls `run` with a progress of its own, whose whole is `work` of this tracker.
+    pub fn part<R>(&self, work: f64, run: impl FnOnce(Progress<'_>) -> R) -> R {
+        let told = AtomicU64::new(0.0_f64.to_bits());
+        let tell = |fraction: f64| {
+            let before = f64::from_bits(told.swap(fraction.to_bits(), Ordering::Relaxed));
+            self.add(work * (fraction - before))
+        };
+        run(Progress::new(&tell))
     }
 
     fn report(&self, reported: &mut f64) {

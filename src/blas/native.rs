@@ -1,7 +1,9 @@
+use std::ops::ControlFlow;
+
 use faer::{MatMut, MatRef};
 
 use super::kernels::Kernels;
-use crate::base::{Par, Scratch, Tracker};
+use crate::base::{Par, Progress, Scratch, Tracker};
 use crate::kernel::packed::{
     self, Destination, Isa, Job, Kernel, Operand, Part, Product, Shape, Source, is_small, run,
     run_small, scratch_len,
@@ -58,7 +60,8 @@ impl Native {
         is_small(Shape { depth: m, rows: n, cols: k, same })
     }
 
-    /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`.
+    /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`. A request to stop leaves
+    /// C unfinished.
     ///
     /// The function is inlined into its three callers, so that a small product is not slowed down
     /// by the differences between them.
@@ -71,6 +74,7 @@ impl Native {
         beta: T,
         c: MatMut<'_, T>,
         part: Part,
+        progress: Option<Progress<'_>>,
     ) {
         let (n, k) = (c.nrows(), c.ncols());
         assert_eq!((a.nrows(), a.ncols()), (b.unwrap_or(a).nrows(), n));
@@ -80,7 +84,17 @@ impl Native {
         let kernel = T::kernel(self.isa);
         let mut shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
         if !is_small(shape) {
-            return large_product(kernel, alpha, a, b, beta, &destination, part, by_columns);
+            return large_product(
+                kernel,
+                alpha,
+                a,
+                b,
+                beta,
+                &destination,
+                part,
+                by_columns,
+                progress,
+            );
         }
         let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
         let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
@@ -106,6 +120,7 @@ fn large_product<T: Operand>(
     destination: &Destination<'_, T>,
     part: Part,
     by_columns: bool,
+    progress: Option<Progress<'_>>,
 ) {
     let right = b.unwrap_or(a);
     let (n, k) = (a.ncols(), right.ncols());
@@ -128,7 +143,9 @@ fn large_product<T: Operand>(
     let Ok(mut scratch) = Scratch::new::<T>(len) else {
         return product_in_pieces(kernel, alpha, a, right, beta, destination, part);
     };
-    let progress = &Tracker::unwatched();
+    let entries = if matches!(part, Part::Lower) { n * (n + 1) / 2 } else { n * k };
+    let work = entries as f64 * a.nrows() as f64;
+    let progress = &progress.map_or_else(Tracker::unwatched, |p| Tracker::new(p, work));
     let job = Job { kernel, products: &products, budget: BUDGET, progress };
     // SAFETY: C is borrowed for the length of this call.
     unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
@@ -175,15 +192,30 @@ fn side<T: Operand>(matrix: MatRef<'_, T>, first: usize, count: usize) -> Vec<So
 
 impl<T: Operand> Kernels<T> for Native {
     fn gemm(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
-        self.product(alpha, a, Some(b), beta, c, Part::All);
+        self.product(alpha, a, Some(b), beta, c, Part::All, None);
     }
 
     fn syrk(&self, alpha: T, a: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
-        self.product(alpha, a, None, beta, c, Part::Lower);
+        self.product(alpha, a, None, beta, c, Part::Lower, None);
     }
 
     fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
-        self.product(alpha, a, Some(b), beta, c, Part::Lower);
+        self.product(alpha, a, Some(b), beta, c, Part::Lower, None);
+    }
+
+    fn compute(
+        &self,
+        triangle: bool,
+        alpha: T,
+        a: MatRef<'_, T>,
+        b: Option<MatRef<'_, T>>,
+        beta: T,
+        c: MatMut<'_, T>,
+        progress: Progress<'_>,
+    ) -> ControlFlow<()> {
+        let part = if triangle { Part::Lower } else { Part::All };
+        self.product(alpha, a, b, beta, c, part, Some(progress));
+        progress.tell(1.0)
     }
 }
 

@@ -403,10 +403,12 @@ fn accuracy_max_is_the_exact_path_and_classical_is_not() {
     assert!(plan(Accuracy::Max).is_exact());
     assert!(!plan(Accuracy::Classical).is_exact());
     let named = AtaOptions::new().scheme(SchemeChoice::Exact);
-    let plan = Plan::atb::<f32>(500, 400, 30, &named).unwrap();
-    assert!(plan.is_exact() && !plan.is_fast());
-    let text = plan.to_string();
-    assert!(text.contains("modulo 8 numbers") && text.contains(Isa::best().name()), "{text}");
+    for ([m, n, k], way) in [([5000, 400, 300], "modulo 8 numbers"), ([5, 4, 3], "integers")] {
+        let plan = Plan::atb::<f32>(m, n, k, &named).unwrap();
+        assert!(plan.is_exact() && !plan.is_fast());
+        let text = plan.to_string();
+        assert!(text.contains(way) && text.contains(Isa::best().name()), "{text}");
+    }
 }
 
 #[test]

@@ -4,6 +4,8 @@
 //! sum of blocks of B, M for a product that goes into several blocks of C. A sum of one block is
 //! that block itself; a product with one destination goes straight there.
 
+use std::ops::ControlFlow;
+
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
@@ -14,13 +16,14 @@ use crate::ata::plan::{
     Extent, LevelScratch, Op, Recursion, block_start, cheapest_update, leading,
 };
 use crate::ata::scheme::{Product, ProductKind, Scheme, Term};
-use crate::base::{Arena, Real};
+use crate::base::{Arena, Real, Tracker};
 use crate::blas::Kernels;
 
 /// Runs a [`Recursion`] over one back end.
 pub(crate) struct Engine<'a, T> {
     pub(crate) kernels: &'a dyn Kernels<T>,
     pub(crate) recursion: &'a Recursion,
+    pub(crate) tracker: &'a Tracker<'a>,
 }
 
 /// `C := alpha op(A, B) + beta C`: A is m x n, B is m x k, C is n x k (k = n if symmetric, and then
@@ -63,28 +66,35 @@ impl<T: Real> Node<'_, T> {
 }
 
 impl<T: Real> Engine<'_, T> {
-    /// Computes a node.
-    pub(crate) fn run(&self, node: Node<'_, T>, scratch: &mut [T]) {
-        self.compute(node, Arena::new(scratch), self.recursion.fast_levels);
+    /// Computes a node, and adds `work` to what the tracker knows as done, part by part. On a
+    /// request to stop C is left unfinished.
+    pub(crate) fn run(&self, node: Node<'_, T>, work: f64, scratch: &mut [T]) -> ControlFlow<()> {
+        self.compute(node, work, Arena::new(scratch), self.recursion.fast_levels)
     }
 
-    fn compute(&self, mut node: Node<'_, T>, arena: Arena<'_, T>, fast_levels: usize) {
+    fn compute(
+        &self,
+        mut node: Node<'_, T>,
+        work: f64,
+        arena: Arena<'_, T>,
+        fast_levels: usize,
+    ) -> ControlFlow<()> {
         let (m, n, k) = (node.a.nrows(), node.a.ncols(), node.b.ncols());
         if n == 0 || k == 0 {
-            return;
+            return self.tracker.add(work);
         }
         if m == 0 {
-            return node.scale();
+            node.scale();
+            return self.tracker.add(work);
         }
         if let Some(id) = self.recursion.choose(node.op.symmetric(), m, n, k, fast_levels) {
-            return self.level(id.scheme(), node, arena, fast_levels);
+            return self.level(id.scheme(), node, work, arena, fast_levels);
         }
         let Node { op, alpha, a, b, beta, c } = node;
-        match op {
-            Op::Syrk => self.kernels.syrk(alpha, a, beta, c),
-            Op::Gemmt => self.kernels.gemmt(alpha, a, b, beta, c),
-            Op::Gemm => self.kernels.gemm(alpha, a, b, beta, c),
-        }
+        let b = (op != Op::Syrk).then_some(b);
+        self.tracker.part(work, |progress| {
+            self.kernels.compute(op != Op::Gemm, alpha, a, b, beta, c, progress)
+        })
     }
 
     /// Computes one level of `scheme`.
@@ -92,9 +102,10 @@ impl<T: Real> Engine<'_, T> {
         &self,
         scheme: &Scheme,
         node: Node<'_, T>,
+        work: f64,
         mut arena: Arena<'_, T>,
         fast_levels: usize,
-    ) {
+    ) -> ControlFlow<()> {
         let Node { op, alpha, a, b, beta, mut c } = node;
         let fast_levels = fast_levels - usize::from(scheme.is_fast());
         let need = LevelScratch::of(scheme, op, a.nrows(), a.ncols(), b.ncols());
@@ -112,7 +123,13 @@ impl<T: Real> Engine<'_, T> {
             if first { beta } else { T::ONE }
         };
 
+        let weight = |product: &Product| match op.of_product(product.kind) {
+            Op::Gemm => 1.0,
+            Op::Syrk | Op::Gemmt => 0.5,
+        };
+        let unit = work / scheme.products.iter().map(weight).sum::<f64>();
         for product in &scheme.products {
+            let work = unit * weight(product);
             let op_of_product = op.of_product(product.kind);
             let (sign, left, right) = factors.of(product, op_of_product == Op::Syrk);
 
@@ -127,7 +144,7 @@ impl<T: Real> Engine<'_, T> {
                     beta: beta_for(out),
                     c: block_mut(c.rb_mut(), scheme, out),
                 };
-                self.compute(child.fitted(), arena.nested(), fast_levels);
+                self.compute(child.fitted(), work, arena.nested(), fast_levels)?;
                 continue;
             }
 
@@ -141,13 +158,14 @@ impl<T: Real> Engine<'_, T> {
                 beta: T::ZERO,
                 c: product_matrix.rb_mut(),
             };
-            self.compute(child, arena.nested(), fast_levels);
+            self.compute(child, work, arena.nested(), fast_levels)?;
             if product.kind == ProductKind::SyrkFull && op_of_product == Op::Syrk {
                 mirror_lower(product_matrix.rb_mut());
             }
             let outputs: Vec<_> = product.outputs.iter().map(|&out| (out, beta_for(out))).collect();
             distribute(c.rb_mut(), scheme, op, &outputs, product_matrix.rb());
         }
+        ControlFlow::Continue(())
     }
 }
 
@@ -329,7 +347,7 @@ mod tests {
     use super::*;
     use crate::ata::plan::{Base, scratch_len};
     use crate::ata::scheme::SchemeId;
-    use crate::base::Rng;
+    use crate::base::{Progress, Rng};
     use crate::blas::{self, BlasReal};
 
     fn integers(m: usize, n: usize, seed: u64) -> Mat<f64> {
@@ -348,13 +366,15 @@ mod tests {
             fast_levels: 2,
         };
         let backend = blas::native();
-        let engine = Engine { kernels: f64::kernels(backend.as_ref()), recursion: &recursion };
+        let tracker = Tracker::new(Progress::none(), 1.0);
+        let kernels = f64::kernels(backend.as_ref());
+        let engine = Engine { kernels, recursion: &recursion, tracker: &tracker };
         let mut scratch = vec![f64::NAN; scratch_len(&recursion, op, m, n, k)];
         let wanted = |i, j| !op.symmetric() || i >= j;
         let start = |i: usize, j: usize| (i * 3 + j) as f64;
         let mut c = Mat::from_fn(n, k, |i, j| if wanted(i, j) { start(i, j) } else { f64::NAN });
         let node = Node { op, alpha: 2.0, a, b, beta: -1.0, c: c.as_mut() };
-        engine.run(node, &mut scratch);
+        assert!(engine.run(node, 1.0, &mut scratch).is_continue());
         for j in 0..k {
             for i in 0..n {
                 let sum: f64 = (0..m).map(|r| a[(r, i)] * b[(r, j)]).sum();

@@ -58,9 +58,10 @@ pub(super) fn execute<T: BlasReal>(
         true if !(even(a) && (problem.same() || even(b))) => &classical,
         _ => &plan.recursion,
     };
-    let engine = Engine { kernels: T::kernels(options.backend.as_ref()), recursion };
-    let total = cut.slabs as f64 * tasks.iter().map(Task::cost).sum::<f64>();
+    let total = problem.m as f64 * tasks.iter().map(Task::cost).sum::<f64>();
     let tracker = Tracker::new(options.progress, total);
+    let kernels = T::kernels(options.backend.as_ref());
+    let engine = Engine { kernels, recursion, tracker: &tracker };
 
     let _held = options.backend.single_threaded();
     // Which worker computes a task does not matter to its result.
@@ -75,10 +76,11 @@ pub(super) fn execute<T: BlasReal>(
             let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
             let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
             let (op, c) = (task.op(problem.op), block.rb_mut());
-            engine.run(Node { op, alpha, a: left, b: right, beta, c }, scratch);
+            let work = rows.len() as f64 * task.cost();
+            engine.run(Node { op, alpha, a: left, b: right, beta, c }, work, scratch)?;
             beta = T::ONE;
         }
-        tracker.add(task.cost())
+        ControlFlow::Continue(())
     });
     tracker.finish()?;
 

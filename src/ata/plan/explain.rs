@@ -72,7 +72,7 @@ impl Display for Exact {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let (moduli, isa) = (self.layout.moduli, self.isa.name());
         if self.small {
-            return writeln!(f, "exact      products of 64-bit integers: the product is small");
+            return writeln!(f, "exact      products of integers by {isa}: the product is small");
         }
         writeln!(f, "exact      modulo {moduli} numbers of 8 bits, by {isa}")
     }
