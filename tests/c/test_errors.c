@@ -226,7 +226,7 @@ static void test_params(void)
         params = initialized;
         params.error_factor = factors[i];
         CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
-        CHECK_MENTIONS("accuracy");
+        CHECK_MENTIONS("params.error_factor");
     }
     CHECK_UNTOUCHED();
 }
