@@ -207,10 +207,18 @@ impl Layout {
         layout
     }
 
-    /// Returns about how many products of blocks, of all moduli, a batch has: those of the largest
-    /// round, in batches of whole blocks.
+    /// Returns about how many products of blocks, of all moduli, a batch has on average over the
+    /// rounds, in batches of whole blocks.
     fn products_in_batch(&self) -> usize {
-        let (units, _) = self.largest_round();
+        let units = match self.groups {
+            1 => self.largest_round().0,
+            groups => {
+                let Blocking { rows, cols, .. } = self.blocking;
+                let all = blocks(self.left, groups, rows) * blocks(self.right, groups, cols);
+                // On the diagonal rounds have half as many.
+                all / (groups * if self.symmetric { groups + 1 } else { groups })
+            }
+        };
         let batches = if self.accumulates() {
             1
         } else {
@@ -381,6 +389,12 @@ impl Layout {
         let end = if self.symmetric { unit.cols.end.min(row + 1) } else { unit.cols.end };
         unit.cols.start..end.max(unit.cols.start)
     }
+}
+
+/// Returns how many blocks of `size` panels all groups together have.
+fn blocks(panels: usize, groups: usize, size: usize) -> usize {
+    let (short, long) = (panels / groups, panels % groups);
+    long * (short + 1).div_ceil(size) + (groups - long) * short.div_ceil(size)
 }
 
 /// Returns the pairs of panels, of the lower triangle or all.

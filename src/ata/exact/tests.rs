@@ -401,8 +401,7 @@ fn many_threads_get_several_blocks_each() {
             assert_eq!(cost(&cut), cost(&layout), "{shape:?}, {threads} threads");
             let batches: Vec<_> = all_batches(&cut).collect();
             let units: usize = batches.iter().map(|batch| batch.units.len()).sum();
-            // Rounds differ in size: half of what the largest has.
-            let enough = 2 * cut.moduli * units >= 3 * threads * batches.len();
+            let enough = cut.moduli * units >= 3 * threads * batches.len();
             let least = cut.blocking.rows <= 8 && cut.blocking.cols <= 8;
             assert!(enough || least, "{shape:?}, {threads} threads: {cut:?}");
         }
