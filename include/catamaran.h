@@ -120,7 +120,8 @@ cata_status cata_memory_release(void);
 
 /** Ends the threads that the library keeps between calls, and waits until they have ended.
  *
- * Later calls start threads anew. No thread may be in a call of this library. */
+ * Later calls start threads anew. A call that runs at the same time keeps its threads until it
+ * returns. */
 cata_status cata_threads_release(void);
 
 /** @} */
@@ -436,8 +437,8 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 typedef struct cata_lstsq_params {
     size_t struct_size; /**< sizeof(cata_lstsq_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
-     * cannot be cancelled. */
+    /** Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+     * the work after them tells 1 again. */
     cata_progress progress;
     void *progress_user; /**< Passed to `progress`. */
     /** Multiple of |X|^2 that is added to the minimized sum; finite, at least 0. The intercept is
@@ -507,8 +508,8 @@ cata_status cata_lstsq(int32_t layout, size_t m, size_t n, size_t k, const doubl
 typedef struct cata_pca_params {
     size_t struct_size; /**< sizeof(cata_pca_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
-     * cannot be cancelled. */
+    /** Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+     * the work after them tells 1 again. */
     cata_progress progress;
     void *progress_user; /**< Passed to `progress`. */
     /** 1: columns are divided by their standard deviations; those without variance are not. 0:
@@ -544,8 +545,8 @@ cata_status cata_pca(int32_t layout, size_t m, size_t n, const double *a, size_t
 typedef struct cata_gram_params {
     size_t struct_size; /**< sizeof(cata_gram_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
-     * cannot be cancelled. */
+    /** Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+     * the work after them tells 1 again. */
     cata_progress progress;
     void *progress_user; /**< Passed to `progress`. */
 } cata_gram_params;

@@ -90,6 +90,15 @@ fn small_eigenproblems_are_solved_apart() {
     let l = laplacian(&families::grid(24, 19).unwrap(), &LaplacianOptions::new()).unwrap();
     let all = EigenOptions::new().k(n - 100).par(Par::Seq);
     check("eigs of a small matrix", 0.0, |_| eigs(l.stiffness.view(), &l.mass, &all).map(drop));
+    // While the other thread works, the callback gets the same fraction again.
+    let fractions = std::sync::Mutex::new(Vec::new());
+    let note = |fraction: f64| {
+        fractions.lock().unwrap().push(fraction);
+        ControlFlow::Continue(())
+    };
+    Progress::new(&note).watch(|| eigs(l.stiffness.view(), &l.mass, &all)).unwrap();
+    let fractions = fractions.into_inner().unwrap();
+    assert!(fractions.windows(2).any(|pair| pair[0] == pair[1]), "{fractions:?}");
 }
 
 #[test]

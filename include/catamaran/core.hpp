@@ -226,7 +226,7 @@ private:
 }  // namespace detail
 
 /// Ends the threads that the library keeps between calls, and waits until they have ended; later
-/// calls start threads anew. No thread may be in a call of the library.
+/// calls start threads anew. A call that runs at the same time keeps its threads until it returns.
 inline void release_threads() { detail::check(cata_threads_release()); }
 
 }  // namespace catamaran

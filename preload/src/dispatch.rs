@@ -42,7 +42,7 @@ pub unsafe fn call<T: Element>(
     };
     if let Some(next) = entry.next(settings.forwards_small()) {
         warn_of_other_bytes(entry, why, settings);
-        if settings.mode == Mode::Auto && matches!(why, Why::Slower | Why::Memory) {
+        if settings.mode == Mode::Auto && why == Why::Slower {
             count_large_forwarded();
             if settings.hints {
                 report::at_exit();

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Returns the number of cores in the affinity mask of this process, at least 1. The mask is read
-/// on the first call.
+/// Returns the number of cores in the affinity mask of this process, or fewer where the CPU quota
+/// of a control group allows fewer; at least 1. Both are read on the first call.
 ///
 /// ```
 /// use catamaran::{Par, base::available_cores};

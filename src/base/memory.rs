@@ -61,7 +61,8 @@ pub fn check_request(what: &'static str, request: impl Display, bytes: f64) -> R
 }
 
 /// Returns [`Error::OutOfMemory`] for a single allocation that is larger than the memory there is:
-/// Linux would grant it, and kill the process later.
+/// Linux would grant it, and kill the process later. A larger `--max-memory` permits more than the
+/// system reports as available.
 pub(crate) fn check_allocation(bytes: usize) -> Result<()> {
     let fits = || {
         let allowed = available_memory().max(LIMIT.load(Ordering::Relaxed));

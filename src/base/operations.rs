@@ -17,7 +17,7 @@ const BETWEEN: f64 = 1e7;
 /// How long a thread waits for another one before it asks again: less than 10^8 operations.
 const PAUSE: Duration = Duration::from_millis(2);
 
-/// Counts floating-point operations of the calling thread, as good as estimated. For a search, one
+/// Counts floating-point operations of the calling thread; estimates are enough. For a search, one
 /// step counts as some operations.
 pub(crate) fn count(operations: f64) {
     watch::add(operations);
@@ -53,7 +53,7 @@ pub(crate) fn apart<R: Send + 'static>(
     operations: f64,
     work: impl FnOnce() -> R + Send + 'static,
 ) -> Result<R> {
-    if watch::current().is_none() || operations < BETWEEN {
+    if !watch::is_watched() || operations < BETWEEN {
         count(operations);
         return Ok(work());
     }
@@ -72,11 +72,12 @@ pub(crate) fn apart<R: Send + 'static>(
     });
     let Ok(thread) = thread else {
         let Some(work) = take(&work) else { return Err(Error::Cancelled) };
+        count(operations);
         return Ok(work());
     };
     loop {
         match wait.recv_timeout(PAUSE) {
-            Ok(found) => return Ok(found),
+            Ok(found) => return ask_now().map(|()| found),
             Err(RecvTimeoutError::Timeout) => ask_now()?,
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
                 Err(panic) => resume_unwind(panic),

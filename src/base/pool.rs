@@ -39,7 +39,9 @@ fn cores() -> &'static [CoreId] {
 /// A group of threads, made once and used for many calls: everything that is called inside
 /// [`ThreadPool::run`] computes on these threads and no others, except calls with [`Pin::Cores`],
 /// which have pinned threads of their own. A call that reads rows from a file starts one thread
-/// more, which reads ahead while the threads of the pool compute.
+/// more, which reads ahead while the threads of the pool compute. Where a call has a progress
+/// callback, a long dense eigenproblem, and the order of elimination of a large sparse matrix, are
+/// computed on a thread of their own.
 ///
 /// When the pool is dropped its threads end, and the caller waits for them.
 ///

@@ -119,7 +119,7 @@ impl<'a> Progress<'a> {
     pub fn tell(self, fraction: f64) -> ControlFlow<()> {
         let Some(callback) = self.callback else { return watch::ask_again() };
         let fraction = self.fraction(fraction);
-        watch::told(callback, fraction);
+        watch::reported(callback, fraction);
         watch::unwatched(|| callback(fraction))
     }
 
@@ -177,7 +177,8 @@ impl<'a> Tracker<'a> {
     /// Without a callback, the tracker asks the one that watches the calling thread.
     pub fn new(progress: Progress<'a>, total: f64) -> Self {
         let watching = || {
-            let (callback, fraction) = watch::current()?;
+            // SAFETY: the tracker lives in a call inside of `watched`, which waits for its threads.
+            let (callback, fraction) = unsafe { watch::current() }?;
             Some(Progress { callback: Some(callback), start: fraction, length: 0.0 })
         };
         match progress.is_watched() {
@@ -257,7 +258,7 @@ impl<'a> Tracker<'a> {
         }
         if let (Some(callback), true) = (self.progress.callback, self.total > 0.0) {
             // Another thread may have been in the callback last.
-            watch::told(callback, self.progress.fraction(done / self.total));
+            watch::reported(callback, self.progress.fraction(done / self.total));
         }
         match self.state() {
             ControlFlow::Continue(()) => Ok(()),

@@ -36,11 +36,12 @@ impl Drop for Restored {
     }
 }
 
-/// Calls `work`, during which the calling thread asks `callback` whether to stop. It has been told
-/// of `fraction`.
+/// Calls `work`, during which the calling thread asks `callback` whether to stop. It got
+/// `fraction` last.
 pub(super) fn watched<R>(callback: Callback<'_>, fraction: f64, work: impl FnOnce() -> R) -> R {
     // SAFETY: only the lifetime changes. `_restored` takes the reference out of the thread's
-    // watcher before this call returns or unwinds, and no other thread sees it.
+    // watcher before this call returns or unwinds. Others have it from `current` only, which asks
+    // them not to keep it longer.
     let callback = unsafe { std::mem::transmute::<Callback<'_>, Callback<'static>>(callback) };
     let fraction = match WATCHER.get() {
         Some(outer) if std::ptr::addr_eq(outer.callback, callback) => outer.fraction.max(fraction),
@@ -57,8 +58,8 @@ pub(super) fn unwatched<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Notes that `callback` was told of this fraction, and could ask to stop.
-pub(super) fn told(callback: Callback<'_>, fraction: f64) {
+/// Notes that `callback` got this fraction, and could ask to stop.
+pub(super) fn reported(callback: Callback<'_>, fraction: f64) {
     if let Some(watcher) = WATCHER.get() {
         if !std::ptr::addr_eq(watcher.callback, callback) {
             return;
@@ -87,9 +88,17 @@ pub(super) fn ask_again() -> ControlFlow<()> {
     unwatched(|| callback(fraction))
 }
 
-/// Returns the callback that watches the calling thread and the fraction that it was last told. Not
-/// to be kept when the call that asks returns.
-pub(super) fn current<'a>() -> Option<(Callback<'a>, f64)> {
+/// Returns whether a callback watches the calling thread.
+#[cfg(feature = "geometry")]
+pub(super) fn is_watched() -> bool {
+    WATCHER.get().is_some()
+}
+
+/// Returns the callback that watches the calling thread and the fraction that it got last.
+///
+/// # Safety
+/// The callback is not used after the call of this library has returned that asks for it.
+pub(super) unsafe fn current<'a>() -> Option<(Callback<'a>, f64)> {
     let Watcher { callback, fraction } = WATCHER.get()?;
     Some((callback, fraction))
 }

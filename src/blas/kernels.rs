@@ -27,8 +27,8 @@ pub trait Kernels<T: Real>: Send + Sync {
     /// [`Kernels::gemmt`], and tells `progress` the fraction that is done. On a request to stop it
     /// breaks, with C unfinished.
     ///
-    /// Unless a back end asks for itself, it computes some rows at a time, for 10^8 operations, but
-    /// no fewer than keep C from being read too often.
+    /// A back end that does not ask for itself is called with some rows at a time: for 10^8
+    /// operations, but at least 192, because C is read and written once for each piece.
     fn compute(
         &self,
         triangle: bool,
@@ -64,6 +64,7 @@ pub trait Kernels<T: Real>: Send + Sync {
 #[cfg(test)]
 mod tests {
     use std::sync::Mutex;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     use faer::Mat;
 
@@ -130,7 +131,12 @@ mod tests {
                     let told = told.into_inner().unwrap();
                     assert!(done.is_continue() && told.is_sorted() && told.last() == Some(&1.0));
                     assert!(told.len() >= m / 192, "{told:?}");
-                    let stop = Progress::new(&|_: f64| ControlFlow::Break(()));
+                    let asked = AtomicBool::new(false);
+                    let once = |_: f64| match asked.swap(true, Ordering::Relaxed) {
+                        false => ControlFlow::Break(()),
+                        true => ControlFlow::Continue(()),
+                    };
+                    let stop = Progress::new(&once);
                     let mut unfinished = c.clone();
                     let stopped =
                         kernels.compute(triangle, 2.0, a, right, 3.0, unfinished.as_mut(), stop);

@@ -63,7 +63,7 @@ impl Native {
     /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`. A request to stop leaves
     /// C unfinished.
     ///
-    /// The function is inlined into its three callers, so that a small product is not slowed down
+    /// The function is inlined into its callers, so that a small product is not slowed down
     /// by the differences between them.
     #[inline(always)]
     fn product<T: Operand>(
@@ -75,7 +75,7 @@ impl Native {
         c: MatMut<'_, T>,
         part: Part,
         progress: Option<Progress<'_>>,
-    ) {
+    ) -> ControlFlow<()> {
         let (n, k) = (c.nrows(), c.ncols());
         assert_eq!((a.nrows(), a.ncols()), (b.unwrap_or(a).nrows(), n));
         assert_eq!(b.unwrap_or(a).ncols(), k);
@@ -106,6 +106,7 @@ impl Native {
         }
         // SAFETY: C is borrowed for the length of this call.
         unsafe { run_small(kernel, left, right, target, shape) };
+        ControlFlow::Continue(())
     }
 }
 
@@ -121,7 +122,7 @@ fn large_product<T: Operand>(
     part: Part,
     by_columns: bool,
     progress: Option<Progress<'_>>,
-) {
+) -> ControlFlow<()> {
     let right = b.unwrap_or(a);
     let (n, k) = (a.ncols(), right.ncols());
     let mut products = Vec::new();
@@ -141,7 +142,8 @@ fn large_product<T: Operand>(
     let shapes = products.iter().map(|p| p.shape);
     let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
     let Ok(mut scratch) = Scratch::new::<T>(len) else {
-        return product_in_pieces(kernel, alpha, a, right, beta, destination, part);
+        product_in_pieces(kernel, alpha, a, right, beta, destination, part);
+        return ControlFlow::Continue(());
     };
     let entries = if matches!(part, Part::Lower) { n * (n + 1) / 2 } else { n * k };
     let work = entries as f64 * a.nrows() as f64;
@@ -149,6 +151,7 @@ fn large_product<T: Operand>(
     let job = Job { kernel, products: &products, budget: BUDGET, progress };
     // SAFETY: C is borrowed for the length of this call.
     unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
+    progress.state()
 }
 
 /// Computes [`large_product`] without memory, which was refused: by small products, slower and with
@@ -192,15 +195,15 @@ fn side<T: Operand>(matrix: MatRef<'_, T>, first: usize, count: usize) -> Vec<So
 
 impl<T: Operand> Kernels<T> for Native {
     fn gemm(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
-        self.product(alpha, a, Some(b), beta, c, Part::All, None);
+        let _ = self.product(alpha, a, Some(b), beta, c, Part::All, None);
     }
 
     fn syrk(&self, alpha: T, a: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
-        self.product(alpha, a, None, beta, c, Part::Lower, None);
+        let _ = self.product(alpha, a, None, beta, c, Part::Lower, None);
     }
 
     fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
-        self.product(alpha, a, Some(b), beta, c, Part::Lower, None);
+        let _ = self.product(alpha, a, Some(b), beta, c, Part::Lower, None);
     }
 
     fn compute(
@@ -214,7 +217,7 @@ impl<T: Operand> Kernels<T> for Native {
         progress: Progress<'_>,
     ) -> ControlFlow<()> {
         let part = if triangle { Part::Lower } else { Part::All };
-        self.product(alpha, a, b, beta, c, part, Some(progress));
+        self.product(alpha, a, b, beta, c, part, Some(progress))?;
         progress.tell(1.0)
     }
 }

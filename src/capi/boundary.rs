@@ -4,6 +4,7 @@ use std::any::Any;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+use std::sync::Once;
 
 use super::message::set_last_message;
 use super::regions::Call;
@@ -15,7 +16,8 @@ use crate::base::{FloatEnv, use_own_threads_only};
 pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_status {
     let _nearest = FloatEnv::nearest();
     let _call = Call::begin();
-    use_own_threads_only();
+    static OWN_THREADS: Once = Once::new();
+    OWN_THREADS.call_once(use_own_threads_only);
     // Memory that `work` borrowed mutably is the caller's, and documented as unspecified then.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => CATA_OK,

@@ -27,8 +27,8 @@ pub struct cata_gram_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
-    /// cannot be cancelled.
+    /// Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+    /// the work after them tells 1 again.
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,

@@ -32,8 +32,8 @@ pub struct cata_lstsq_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
-    /// cannot be cancelled.
+    /// Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+    /// the work after them tells 1 again.
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
@@ -152,8 +152,8 @@ pub unsafe extern "C" fn cata_lstsq(
         let (mut a, mut b) = (DenseRows(call.a), DenseRows(call.b));
         let rows = &mut JoinedRows::new(&mut a, &mut b)?;
         let name = |j: usize| if j < n { ("a", j) } else { ("b", j - n) };
-        let gram = extended(rows, &row_options, &call.params.watched(), name)?;
         let watched = call.params.watched();
+        let gram = extended(rows, &row_options, &watched, name)?;
         let found = watched.watch(|| LeastSquares::from_gram(&gram, k, &call.options))?;
         call.finish(&found);
         Ok(())

@@ -147,7 +147,8 @@ pub(super) fn fill(
         ([], 0) => Polynomial::Power(3),
         ([], power) => {
             if power < 2 || power as usize > Polynomial::MOST_ROOTS {
-                let why = format!("params.power: must be from 2 to 64, is {power}");
+                let most = Polynomial::MOST_ROOTS;
+                let why = format!("params.power: must be from 2 to {most}, is {power}");
                 return Err(Failure::new(CATA_ERR_ARGUMENT, why));
             }
             Polynomial::Power(power)

@@ -21,8 +21,8 @@ pub struct cata_pca_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Progress callback of the passes that form the Gram matrix; NULL: none. The work after them
-    /// cannot be cancelled.
+    /// Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+    /// the work after them tells 1 again.
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
@@ -103,8 +103,9 @@ pub unsafe extern "C" fn cata_pca(
         if n == 0 {
             return Ok(());
         }
-        let gram = of_matrix("a", a, Center::Mean, &params.watched())?;
-        let found = params.watched().watch(|| PrincipalComponents::from_gram(&gram, &options))?;
+        let watched = params.watched();
+        let gram = of_matrix("a", a, Center::Mean, &watched)?;
+        let found = watched.watch(|| PrincipalComponents::from_gram(&gram, &options))?;
         outputs.write(&found);
         Ok(())
     })

@@ -48,7 +48,7 @@ pub(super) fn watcher(
     })
 }
 
-/// Calls `work`, which asks a callback of the ABI whether to stop.
+/// Calls `work`, which asks a callback of the ABI, which was told that all is done, whether to stop.
 #[cfg(feature = "geometry")]
 pub(super) fn watched<R>(
     progress: cata_progress,
@@ -56,7 +56,7 @@ pub(super) fn watched<R>(
     work: impl FnOnce() -> R,
 ) -> R {
     let watch = watcher(progress, user);
-    watch.as_ref().map_or(Progress::none(), Progress::from).watch(work)
+    watch.as_ref().map_or(Progress::none(), Progress::from).part(1.0..1.0).watch(work)
 }
 
 /// Returns the threads of a field of that name: 0 stands for all.

@@ -515,6 +515,22 @@ static void test_without_a_world(void)
     CHECK(x[0] == 7);
 }
 
+/* The work after the Gram matrix asks too, and tells no fraction below the last one. */
+static void test_fractions_never_decrease(void)
+{
+    enum { M = 500, N = 250 };
+    static double a[M * N], values[N], v[N * N];
+    for (size_t i = 0; i < M * N; i++)
+        a[i] = (double)((i * 7919) % 10007) / 10007.0 - 0.5;
+    double last = 0;
+    cata_gram_params params;
+    CHECK_STATUS(cata_gram_params_init(&params, sizeof params), CATA_OK);
+    params.progress = go_on;
+    params.progress_user = &last;
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, M, N, a, N, values, v, N, &params), CATA_OK);
+    CHECK(last == 1.0 && values[0] >= values[N - 1] && values[N - 1] > 0.0);
+}
+
 int main(void)
 {
     test_lines_are_fitted_exactly();
@@ -524,6 +540,7 @@ int main(void)
     test_pca_of_a_line();
     test_pca_refusals();
     test_singular_values();
+    test_fractions_never_decrease();
     test_extended_gram();
     test_correlation();
     test_orthogonality();

@@ -50,7 +50,8 @@ static int32_t cancel(double fraction, void *user)
 
 static void test_spectrum_refusals(void)
 {
-    double values[3] = {5, 5, 5}, vectors[9];
+    /* As many as the largest k says: others would overlap. */
+    double values[4] = {5, 5, 5, 5}, vectors[12];
     CHECK_STATUS(cata_eigs(3, NULL, columns, entries, NULL, 1, values, vectors, 3, NULL, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("row_starts: must not be NULL");

@@ -257,7 +257,7 @@ fn reproducible_refuses_other_schemes() {
 
 #[test]
 fn explain_of_the_exact_path_names_moduli_and_threads_but_no_back_end() {
-    // Larger than what integers of 64 bits multiply.
+    // Longer than a product by integers may take, on every instruction set.
     let (folder, _) = with_input(4000, 80);
     for (options, moduli) in [
         ("--scheme exact --accuracy fast", 13),

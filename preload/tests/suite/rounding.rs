@@ -103,5 +103,6 @@ fn auto_forwards_calls_that_do_not_round_to_nearest() {
     let fake = fake(folder.path());
     let report = errors(&run("rounding forwarded", &[&fake], &[("CATAMARAN_BLAS_VERBOSE", "1")]));
     let line = report.lines().find(|line| line.contains(" dsyrk_: ")).unwrap();
-    assert!(line.contains("rounding 3") || line.contains("rounding 6"), "{report}");
+    // Three modes, a small and a large product each.
+    assert!(line.contains("rounding 6"), "{report}");
 }

@@ -14,17 +14,17 @@ use crate::kernel::int8::{
     norms, scaled, transpose,
 };
 
-/// Returns whether a product of A m x n and B m x k takes less time by its integers than by
-/// residues.
+/// Returns the seconds of a product of A m x n and B m x k, if it takes less time by its integers
+/// than by residues.
 ///
-/// The answer does not change the result. The rates were measured with the kernels of this folder
+/// The choice does not change the result. The rates were measured with the kernels of this folder
 /// on one core of a Zen 4.
-pub(crate) fn pays<T: Operand>(
+pub(crate) fn seconds<T: Operand>(
     isa: Isa,
     [m, n, k]: [usize; 3],
     moduli: usize,
     symmetric: bool,
-) -> bool {
+) -> Option<f64> {
     /// Seconds of an entry that becomes an integer.
     const ENTRY: f64 = 1e-9;
     /// Seconds of an entry of C that is rounded.
@@ -32,7 +32,7 @@ pub(crate) fn pays<T: Operand>(
     /// Seconds of a product by residues that do not grow with the sides.
     const START: f64 = 1e-5;
     /// Most seconds of a product by integers, which takes one thread and has no progress.
-    const MOST: f64 = 3e-3;
+    const MOST: f64 = 1e-3;
     let half = if symmetric { 0.5 } else { 1.0 };
     let real = |side: usize| side as f64;
     let padded = |side: usize, to: usize| side.next_multiple_of(to) as f64;
@@ -47,7 +47,7 @@ pub(crate) fn pays<T: Operand>(
     let residues = blocks * height / rates.products
         + operands / rates.conversions
         + blocks / rates.recombinations;
-    integers < MOST.min(START + moduli as f64 * residues)
+    (integers < MOST.min(START + moduli as f64 * residues)).then_some(integers)
 }
 
 /// Returns the elements of scratch that [`execute`] needs.

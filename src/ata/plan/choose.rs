@@ -227,10 +227,10 @@ fn exact<T: BlasReal>(
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
     let bytes = exact::small::scratch_len::<T>(sides, same).saturating_mul(size_of::<T>());
-    let small = options.memory.is_none_or(|most| bytes <= most)
-        && exact::small::pays::<T>(isa, sides, moduli, symmetric);
-    let strategy = Strategy::Exact(Box::new(Exact { isa, layout, small }));
-    Choice { strategy, seconds, classical_seconds }
+    let small = exact::small::seconds::<T>(isa, sides, moduli, symmetric)
+        .filter(|_| options.memory.is_none_or(|most| bytes <= most));
+    let strategy = Strategy::Exact(Box::new(Exact { isa, layout, small: small.is_some() }));
+    Choice { strategy, seconds: small.unwrap_or(seconds), classical_seconds }
 }
 
 /// Returns the cheapest recursion if it takes less than `gain` of the classical time, else none.
