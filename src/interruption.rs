@@ -144,7 +144,8 @@ fn orthogonalizations_ask() {
 }
 
 /// The fractions that products of our own kernels tell are shares of their operations: no two that
-/// follow each other differ by more than 10^8 operations.
+/// follow each other differ by more than 10^8 operations. Operations are those of the classical
+/// product, also for exact products, which take as many for each modulus.
 #[test]
 fn products_ask() {
     let n = 900;

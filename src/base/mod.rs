@@ -34,13 +34,15 @@ pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
-#[cfg(feature = "geometry")]
-pub(crate) use memory::check_allocation;
 pub use memory::{available_memory, check_request, limit_memory};
+#[cfg(feature = "geometry")]
+pub(crate) use memory::{check_allocation, repeated, room};
 #[cfg(all(test, feature = "unions"))]
 pub(crate) use operations::measure;
 #[cfg(feature = "geometry")]
 pub(crate) use operations::{apart, ask, count, spend};
+#[cfg(feature = "geometry")]
+pub(crate) use par::PIECE;
 pub use par::Par;
 pub(crate) use par::{Latch, tickets};
 pub(crate) use plain::Plain;

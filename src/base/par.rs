@@ -11,6 +11,10 @@ use super::operations::spend;
 use super::pool::{Pin, pinned, shared};
 use super::watch::unwatched;
 
+/// Most operations of a thread between two requests to go on, unless one item takes more.
+#[cfg(feature = "geometry")]
+pub(crate) const PIECE: usize = 1 << 25;
+
 /// How many threads a call may use. Results do not depend on it, bit for bit.
 ///
 /// ```
@@ -116,9 +120,7 @@ impl Par {
         operations: f64,
         work: impl Fn(usize, T) + Sync,
     ) -> super::Result<()> {
-        /// Operations of a thread between two requests.
-        const PIECE: f64 = 2.5e7;
-        let each = (PIECE / operations).max(1.0) as usize;
+        let each = (PIECE as f64 / operations).max(1.0) as usize;
         let mut first = 0;
         loop {
             let some: Vec<T> = items.by_ref().take(each.saturating_mul(self.threads())).collect();

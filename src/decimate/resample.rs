@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 use std::hash::BuildHasherDefault;
 
 use super::batches::Multiply;
-use crate::base::{Error, Progress, Result, check_request, push};
+use crate::base::{Error, Progress, Result, check_request, push, room};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
 
@@ -116,12 +116,6 @@ pub(super) fn resample_with(
         open = next;
     }
     Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents })
-}
-
-/// Makes room for so many more items.
-fn room<T>(list: &mut Vec<T>, count: usize) -> Result<()> {
-    let bytes = (list.len() + count).saturating_mul(size_of::<T>());
-    list.try_reserve(count).map_err(|_| Error::OutOfMemory { bytes })
 }
 
 /// Adds the mean of these points to the vertices, and returns its index.

@@ -1,7 +1,7 @@
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
-use crate::base::{Par, Result, spend};
+use crate::base::{PIECE, Par, Result, spend};
 
 /// Rows of a block, for work whose blocks stay in the second-level cache.
 pub(crate) const ROW_BLOCK: usize = 1024;
@@ -25,9 +25,6 @@ pub(crate) fn for_row_blocks(
     par.for_each(blocks.into_iter(), |i, block| work(i * rows, block));
 }
 
-/// Operations after which the thread asks whether to go on.
-const PIECE: usize = 1 << 25;
-
 /// Calls [`for_row_blocks`] for some blocks at a time, and asks in between whether to go on. A row
 /// takes so many `operations`.
 ///
@@ -40,23 +37,29 @@ pub(crate) fn by_pieces(
     par: Par,
     work: impl Fn(usize, MatMut<'_, f64>) + Sync,
 ) -> Result<()> {
-    for (first, height) in pieces(matrix.nrows(), rows, operations) {
+    for (first, height, spent) in pieces(matrix.nrows(), rows, operations, par.threads()) {
         let piece = matrix.rb_mut().subrows_mut(first, height);
         for_row_blocks(piece, rows, par, |start, block| work(first + start, block));
-        spend(height as f64 * operations as f64)?;
+        spend(spent)?;
     }
     Ok(())
 }
 
-/// Returns the first rows and the heights of pieces of whole blocks, after each of which a thread
-/// asks whether to go on.
+/// Returns the pieces of n rows, after each of which the calling thread asks whether to go on: the
+/// first row, the number of rows, and the operations of one thread. A piece has whole blocks of
+/// `rows` rows for every thread; a row takes so many `operations`.
 pub(super) fn pieces(
     n: usize,
     rows: usize,
     operations: usize,
-) -> impl Iterator<Item = (usize, usize)> {
-    let height = (PIECE / operations.max(1) / rows).max(1) * rows;
-    (0..n).step_by(height).map(move |first| (first, height.min(n - first)))
+    threads: usize,
+) -> impl Iterator<Item = (usize, usize, f64)> {
+    let most = (PIECE / operations.max(1) / rows).max(1) * rows * threads;
+    (0..n).step_by(most).map(move |first| {
+        let height = most.min(n - first);
+        let of_one = (height.div_ceil(rows).div_ceil(threads) * rows).min(height);
+        (first, height, of_one as f64 * operations as f64)
+    })
 }
 
 /// Returns how many rows a block has, at most `largest`, where each takes so many `operations`.
@@ -68,6 +71,18 @@ pub(super) fn block(operations: usize, largest: usize) -> usize {
 mod tests {
     use super::*;
     use faer::Mat;
+
+    #[test]
+    fn pieces_are_whole_blocks_for_every_thread() {
+        let all = |threads| pieces(1000, 100, PIECE / 200, threads).collect::<Vec<_>>();
+        let of_rows = |rows: usize| rows as f64 * (PIECE / 200) as f64;
+        let some = of_rows(200);
+        assert_eq!(all(1), [0, 200, 400, 600, 800].map(|first| (first, 200, some)));
+        assert_eq!(all(3), [(0, 600, some), (600, 400, some)]);
+        assert_eq!(all(50), [(0, 1000, of_rows(100))]);
+        assert_eq!(pieces(30, 100, 7, 4).collect::<Vec<_>>(), [(0, 30, 210.0)]);
+        assert_eq!(pieces(0, 100, 7, 4).count(), 0);
+    }
 
     #[test]
     fn every_row_is_visited_once_for_any_number_of_threads() {

@@ -31,7 +31,7 @@ pub(crate) fn transposed_product(
     let operations = 2 * a.ncols() * b.ncols();
     let block = block(operations, SUMMED);
     let mut sum = zeros(a.ncols(), b.ncols())?;
-    for (first, height) in pieces(a.nrows(), block, operations) {
+    for (first, height, spent) in pieces(a.nrows(), block, operations, par.threads()) {
         let (a, b) = (a.subrows(first, height), b.subrows(first, height));
         let parts = par.map_blocks(height, block, |rows| -> Result<Mat<f64>> {
             let mut product = zeros(a.ncols(), b.ncols())?;
@@ -42,7 +42,7 @@ pub(crate) fn transposed_product(
         for part in parts {
             sum += part?;
         }
-        spend(height as f64 * operations as f64)?;
+        spend(spent)?;
     }
     Ok(sum)
 }

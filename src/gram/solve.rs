@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::DoubleDouble;
-use crate::base::{Par, Result, widest};
+use crate::base::{PIECE, Par, Result, widest};
 
 /// Most right-hand sides that one thread works on at a time.
 const BLOCK: usize = 64;
@@ -17,10 +17,8 @@ const SUBTRACTED: f64 = 20.0;
 /// Returns how many right-hand sides a thread works on at a time, and the operations that it takes,
 /// for this many rows.
 fn block(rows: usize) -> (usize, f64) {
-    /// Operations of a block, unless it has the least width.
-    const WANTED: f64 = 2.5e7;
     let each = 0.5 * SUBTRACTED * (rows * rows).max(1) as f64;
-    let width = ((WANTED / each) as usize / LANES * LANES).clamp(LANES, BLOCK);
+    let width = ((PIECE as f64 / each) as usize / LANES * LANES).clamp(LANES, BLOCK);
     (width, width as f64 * each)
 }
 

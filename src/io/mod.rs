@@ -66,7 +66,8 @@ pub struct ReadOptions<'a> {
     /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may hold
     /// anything.
     pub columns: Option<Range<usize>>,
-    /// As [`SourceOptions::max_memory`]: of the entries, too.
+    /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the file,
+    /// whichever columns are kept.
     pub max_memory: Option<u64>,
     /// Receives the fraction of the file that has been read; may cancel.
     pub progress: Progress<'a>,

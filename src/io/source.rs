@@ -323,7 +323,8 @@ struct Watched<'a> {
     file: File,
     size: u64,
     done: u64,
-    /// Bytes that may be read: all readers keep about as much.
+    /// Bytes that may be read, also where a reader keeps only some columns: a file of unknown
+    /// length must end.
     memory: u64,
     progress: Progress<'a>,
 }

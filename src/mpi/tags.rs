@@ -1,7 +1,7 @@
 //! The tags of all messages between two ranks.
 //!
 //! Every kind of message has tags of its own: a call may send several kinds, and a rank may begin
-//! the next call while another one is in the last.
+//! the next call while another rank is still in the previous one.
 
 use crate::ata::distributed::STRIPS as MOST_STRIPS;
 
@@ -36,7 +36,7 @@ impl Tags {
     }
 }
 
-/// No message has tag 0, which stands for none in rsmpi.
+/// No message has tag 0, the tag of rsmpi's calls without a tag.
 const NONE: Tags = Tags { first: 0, count: 1 };
 const GATHERED: Tags = Tags::after(NONE, 1);
 const GATHERED_ROWS: Tags = Tags::after(GATHERED, 1);

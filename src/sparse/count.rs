@@ -60,6 +60,16 @@ mod tests {
         assert_eq!(count_below(path.view(), &mass, -1.0).unwrap(), 0);
         let refused = count_below(path.view(), &mass, f64::NAN).unwrap_err();
         assert!(matches!(refused, Error::Argument { what: "value", .. }));
+        // The last pivot of its elimination is 0, with no rows below it.
+        let three = sprs::CsMat::new(
+            (4, 4),
+            vec![0, 1, 2, 3, 4],
+            vec![0, 1, 2, 3],
+            vec![0.0, 1.0, 2.0, 3.0],
+        );
+        let refused = count_below(three.view(), &Mass::identity(4), 3.0).unwrap_err();
+        assert!(matches!(refused, Error::Argument { what: "value", .. }), "{refused}");
+        assert_eq!(count_below(three.view(), &Mass::identity(4), 2.5).unwrap(), 3);
         let none = sprs::CsMat::<f64>::zero((0, 0));
         assert_eq!(count_below(none.view(), &Mass::identity(0), 1.0).unwrap(), 0);
     }

@@ -8,7 +8,7 @@ use super::components::null_components;
 use super::eigenpairs::{Eigenpairs, ascending};
 use super::lanczos::{WIDTH, basis_size};
 use super::options::EigenOptions;
-use super::problem::{Problem, scale};
+use super::problem::{Problem, not_semi_definite, scale};
 use super::small::dense_pairs;
 use super::space::{Pencil, WholePencil};
 use crate::base::{Result, check_request};
@@ -127,6 +127,10 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
 /// Matrices of n x n entries that a dense problem holds: its two, the factor and the vectors.
 const DENSE: f64 = 4.0;
 
+/// Largest rounding error of an eigenvalue of a dense problem, in units of the largest eigenvalue,
+/// with a wide margin: huge weights beside small ones make it larger than the s of the others.
+const ROUNDED: f64 = 1e-9;
+
 /// Computes all pairs as a dense problem, and returns the wanted ones.
 fn small(
     pencil: &dyn Pencil,
@@ -138,6 +142,12 @@ fn small(
     let request = format_args!("{} of {n} eigenpairs, as a dense problem", options.k);
     check_request("k", request, DENSE * (n as f64).powi(2) * size_of::<f64>() as f64)?;
     let (values, vectors) = dense_pairs(stiffness, mass, options)?;
+    let scale = scale(stiffness, mass);
+    // The limit of the iteration, whose first factorization is that of W + s M.
+    let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    if options.shift.is_none() && values[0] <= -scale.max(ROUNDED * largest) {
+        return Err(not_semi_definite());
+    }
     let mut order: Vec<usize> = (0..values.len()).collect();
     if let Some(shift) = options.shift {
         order.sort_by(|&a, &b| (values[a] - shift).abs().total_cmp(&(values[b] - shift).abs()));
@@ -152,9 +162,34 @@ fn small(
     }
     let rows = pencil.inner().rows();
     let vectors = filled(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])])?;
-    let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
+    let vectors = vectors.as_ref();
     let Certificate { residuals, .. } =
         certify(pencil, &values, vectors, scale, ROUNDINGS, options)?;
     options.progress.report(1.0)?;
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
+}
+
+#[cfg(test)]
+mod tests {
+    use sprs::CsMat;
+
+    use super::*;
+    use crate::base::Error;
+
+    #[test]
+    fn indefinite_matrices_need_a_shift_whatever_their_size() {
+        for n in [1, 3, 500] {
+            let entries = (0..n).map(|i| if i == 0 { -2.0 } else { 1.0 + i as f64 }).collect();
+            let w = CsMat::new((n, n), (0..=n).collect(), (0..n).collect(), entries);
+            let (mass, options) = (Mass::identity(n), EigenOptions::new().k(1));
+            match eigs(w.view(), &mass, &options) {
+                Err(Error::Argument { what: "stiffness", why }) => {
+                    assert_eq!(why, "not positive semi-definite, which needs a shift");
+                }
+                other => panic!("n = {n}: {other:?}"),
+            }
+            let found = eigs(w.view(), &mass, &options.shift(-2.1)).unwrap();
+            assert!((found.values[0] + 2.0).abs() < 1e-9, "n = {n}: {:?}", found.values);
+        }
+    }
 }

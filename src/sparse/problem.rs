@@ -62,10 +62,7 @@ impl<'a> Problem<'a> {
 
     /// Factorizes `W - sigma M` for a semi-definite W.
     pub fn positive(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
-        self.shifts.positive(sigma)?.ok_or_else(|| {
-            let why = "not positive semi-definite, which needs a shift".into();
-            Error::Argument { what: "stiffness", why }
-        })
+        self.shifts.positive(sigma)?.ok_or_else(not_semi_definite)
     }
 
     /// Factorizes `W - sigma M`.
@@ -172,6 +169,12 @@ fn not_above(error: Error, least: f64) -> Error {
         }
         other => other,
     }
+}
+
+/// Returns the error about a W with eigenvalues below `-s`, the shift without a request for one.
+pub(crate) fn not_semi_definite() -> Error {
+    let why = "not positive semi-definite, which needs a shift".into();
+    Error::Argument { what: "stiffness", why }
 }
 
 /// Returns the scale s of [`super::eigs()`].

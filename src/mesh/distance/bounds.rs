@@ -1,8 +1,9 @@
+use std::collections::HashMap;
+
 use rstar::RTree;
-use rstar::primitives::GeomWithData;
 
 use super::super::TriMesh;
-use super::super::vector::distance;
+use super::super::vector::{Vector, distance};
 use super::{Dijkstra, Graph, SearchLimits};
 use crate::base::{Result, spend};
 
@@ -44,17 +45,21 @@ impl Bounds {
         let mut search = Dijkstra::new(&self.paths);
         let starts: Vec<(u32, f64)> = sources.iter().map(|&source| (source, 0.0)).collect();
         search.search(&starts, &SearchLimits::default())?;
-        let placed = sources.iter().map(|&source| {
+        // One tree for each component: a search in a common one would pass all nearer sources of
+        // other components.
+        let mut placed: HashMap<u32, Vec<Vector>> = HashMap::new();
+        for &source in sources {
             let v = source as usize;
-            GeomWithData::new(self.positions[v], components[v])
-        });
-        let tree = RTree::bulk_load(placed.collect());
+            placed.entry(components[v]).or_default().push(self.positions[v]);
+        }
+        let trees: HashMap<u32, RTree<Vector>> =
+            placed.into_iter().map(|(part, points)| (part, RTree::bulk_load(points))).collect();
         for (v, found) in distances.iter_mut().enumerate().filter(|(_, found)| found.is_finite()) {
             spend(SEARCHED)?;
             let position = self.positions[v];
-            let mut nearest = tree.nearest_neighbor_iter(position);
-            let own = nearest.find(|source| source.data == components[v]);
-            let below = own.map_or(0.0, |source| distance(position, *source.geom()));
+            let tree = trees.get(&components[v]);
+            let source = tree.and_then(|tree| tree.nearest_neighbor(position));
+            let below = source.map_or(0.0, |&source| distance(position, source));
             *found = found.max(below).min(search.distances()[v]);
         }
         Ok(())

@@ -20,7 +20,7 @@ pub(super) struct Colors {
 impl Colors {
     /// Looks at a number of a colour as it is written.
     pub fn see(&mut self, word: &[u8]) {
-        self.has_point |= word.iter().any(|byte| !byte.is_ascii_digit());
+        self.has_point |= word.iter().any(|byte| matches!(byte, b'.' | b'e' | b'E'));
     }
 
     /// Returns the colours of `count` vertices from 0 to 1, `None` unless each vertex has one.
@@ -63,11 +63,34 @@ impl Colors {
 
 /// Returns the byte that is 255 times a colour; `None` where that is not a whole number.
 pub(super) fn byte(x: f64) -> Option<u8> {
-    let scaled = (x * 255.0).round();
-    ((0.0..=255.0).contains(&scaled) && scaled / 255.0 == x).then_some(scaled as u8)
+    nearest_byte(x).filter(|&byte| f64::from(byte) / 255.0 == x)
 }
 
 /// Returns the byte nearest to 255 times a colour; `None` for a colour that is not from 0 to 1.
 pub(super) fn nearest_byte(x: f64) -> Option<u8> {
     (0.0..=1.0).contains(&x).then_some((x * 255.0).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_does_not_decide_how_numbers_count() {
+        let first = |words: [&str; 2]| {
+            let mut colors = Colors::default();
+            for word in words {
+                colors.see(word.as_bytes());
+                let x: f64 = word.parse().unwrap();
+                colors.values.push([x, x, x, 1.0]);
+            }
+            let mut notes = Vec::new();
+            let found = colors.finish(2, &mut notes).unwrap();
+            (found[0][0], notes.len())
+        };
+        assert_eq!(first(["16", "2"]), (16.0 / 255.0, 0));
+        assert_eq!(first(["+16", "-0"]), (16.0 / 255.0, 0));
+        assert_eq!(first(["1.5", "+1"]), (1.5, 1));
+        assert_eq!(first(["15e-1", "1"]), (1.5, 1));
+    }
 }

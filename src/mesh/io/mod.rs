@@ -293,9 +293,13 @@ pub fn write_with_material(
     };
     file.check()?;
     material.check(file)?;
-    write_file(output, file, format, |sink, rounding| {
+    let mut notes = write_file(output, file, format, |sink, rounding| {
         gltf::write_with_material(sink, file, encoding, rounding, material)
-    })
+    })?;
+    if file.materials.is_some() {
+        notes.push("left out the names of materials, in place of which is the given one".into());
+    }
+    Ok(notes)
 }
 
 fn write_packed(

@@ -129,10 +129,15 @@ impl Rounding {
                 .bounding_box()
                 .map_or(0.0, |[low, high]| sub(high, low).into_iter().fold(0.0, f64::max));
             let (moved, v) = (self.moved, self.vertex);
+            let part = moved / side;
+            let part = match part.is_finite() {
+                true => format!(", {part:.1e} of the longest side of the mesh"),
+                // All vertices are at one point.
+                false => String::new(),
+            };
             notes.push(format!(
                 "rounded coordinates to single precision: vertices move by up to {moved:.1e} \
-                 (vertex {v}), {:.1e} of the longest side of the mesh",
-                moved / side
+                 (vertex {v}){part}"
             ));
         }
         if self.met > 0 {
@@ -184,6 +189,13 @@ mod tests {
         found.note(&mesh, &mut notes);
         let said = "rounded coordinates to single precision: vertices move by up to 6.2e-2 \
                     (vertex 2), 6.0e-8 of the longest side of the mesh";
+        assert_eq!(notes, [said]);
+        // A mesh without a longest side.
+        let mesh = TriMesh::new(vec![[0.1, 0.0, 0.0]; 3], vec![[0, 1, 2]]).unwrap();
+        let mut notes = Vec::new();
+        Rounding::around([0.0; 3], &mesh).note(&mesh, &mut notes);
+        let said = "rounded coordinates to single precision: vertices move by up to 1.5e-9 \
+                    (vertex 0)";
         assert_eq!(notes, [said]);
     }
 

@@ -15,9 +15,10 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Error, Par, Result, apart};
+use crate::base::{Error, Par, Result, apart, reserved};
 use numeric::Pivots;
 use pattern::{Entries, Pattern};
+use supernode::Block;
 use sweeps::Sweeps;
 
 /// Operations to which finding the order of one entry is equal, roughly.
@@ -54,13 +55,15 @@ impl Symbolic {
             factorize_symbolic_cholesky(owned.as_ref(), side, order, parameters)
         })?
         .map_err(|_| refused)?;
-        let order = found.perm().expect("an order was asked for").arrays().0.to_vec();
+        let found_order = found.perm().expect("an order was asked for").arrays().0;
+        let mut order = reserved(found_order.len())?;
+        order.extend_from_slice(found_order);
         let pattern = match found.raw() {
-            SymbolicCholeskyRaw::Supernodal(raw) => Pattern::new(raw),
+            SymbolicCholeskyRaw::Supernodal(raw) => Pattern::new(raw)?,
             // Without rows.
             SymbolicCholeskyRaw::Simplicial(_) => Pattern::default(),
         };
-        Ok(Self { entries: Entries::new(places, &order), pattern, order })
+        Ok(Self { entries: Entries::new(places, &order)?, pattern, order })
     }
 
     /// Returns about how many bytes a factor takes, with the pattern and the rows of right-hand
@@ -74,13 +77,12 @@ impl Symbolic {
     /// Factorizes `A = L L^T` on the calling thread; returns `Ok(None)` when A is not positive
     /// definite.
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
-        let found = numeric::positive(&self.pattern, &self.entries, a.val())?;
-        Ok(found.map(|values| Factor {
-            values,
-            subdiagonal: None,
-            below_zero: 0,
-            sweeps: Sweeps::new(&self.pattern, |i| self.order[i], |i| i),
-        }))
+        let Some(values) = numeric::positive(&self.pattern, &self.entries, a.val())? else {
+            return Ok(None);
+        };
+        let sweeps = Sweeps::new(&self.pattern, |i| self.order[i], |i| i)?;
+        let (subdiagonal, below_zero, is_singular) = (None, 0, false);
+        Ok(Some(Factor { values, subdiagonal, below_zero, is_singular, sweeps }))
     }
 
     /// Factorizes `A = L B L^T` on the calling thread, where B has blocks of one or two rows and
@@ -88,9 +90,11 @@ impl Symbolic {
     pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
         let (values, pivots) = numeric::indefinite(&self.pattern, &self.entries, a.val())?;
         let Pivots { subdiagonal, forward, inverse } = pivots;
-        let sweeps = Sweeps::new(&self.pattern, |i| self.order[forward[i]], |i| inverse[i]);
-        let below_zero = sweeps.negative(&values, &subdiagonal);
-        Ok(Factor { values, subdiagonal: Some(subdiagonal), below_zero, sweeps })
+        let sweeps = Sweeps::new(&self.pattern, |i| self.order[forward[i]], |i| inverse[i])?;
+        let below_zero = sweeps.blocks(&values, &subdiagonal).map(Block::negative).sum();
+        let is_singular = sweeps.blocks(&values, &subdiagonal).any(Block::is_singular);
+        let subdiagonal = Some(subdiagonal);
+        Ok(Factor { values, subdiagonal, below_zero, is_singular, sweeps })
     }
 }
 
@@ -101,6 +105,8 @@ pub(crate) struct Factor {
     /// For an indefinite matrix: the entries of B below its diagonal.
     subdiagonal: Option<Vec<f64>>,
     below_zero: usize,
+    /// Whether a pivot is 0. Without rows below it, no value shows that.
+    is_singular: bool,
     sweeps: Sweeps,
 }
 
@@ -119,7 +125,7 @@ impl Inverse for Factor {
     }
 
     fn is_finite(&self) -> bool {
-        self.values.iter().all(|x| x.is_finite())
+        !self.is_singular && self.values.iter().all(|x| x.is_finite())
     }
 }
 
@@ -152,6 +158,22 @@ mod tests {
                     .unwrap()
                     .is_none()
             );
+        }
+    }
+
+    #[test]
+    fn a_shift_that_is_an_eigenvalue_leaves_no_finite_factor() {
+        for n in [4, 5, 200] {
+            let mut entries = TriMat::new((n, n));
+            (0..n).for_each(|i| entries.add_triplet(i, i, i as f64));
+            let (w, mass): (CsMat<f64>, Mass) = (entries.to_csr(), Mass::identity(n));
+            let shifted = Shifted::new(w.view(), &mass);
+            let symbolic = Symbolic::new(shifted.symbolic()).unwrap();
+            let factor =
+                |shift| symbolic.indefinite(shifted.matrix(&shifted.values(shift))).unwrap();
+            assert!(!factor(3.0).is_finite(), "n = {n}");
+            let beside = factor(2.5);
+            assert!(beside.is_finite() && beside.below_zero() == 3, "n = {n}");
         }
     }
 

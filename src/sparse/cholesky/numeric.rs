@@ -14,12 +14,8 @@ use faer::{Accum, MatMut, MatRef};
 
 use super::pattern::{Entries, Pattern};
 use super::supernode::Supernode;
-use crate::base::{Result, ask, count, zeros};
+use crate::base::{PIECE, Result, ask, count, repeated, reserved, room, zeros};
 use crate::dense::{self, buffer};
-
-/// Most operations of a product or a solution of equations, after which the thread asks whether to
-/// go on.
-const PIECE: usize = 1 << 25;
 
 /// Marks the end of a list.
 const NONE: u32 = u32::MAX;
@@ -38,7 +34,10 @@ pub(super) struct Pivots {
 
 impl Pivots {
     pub fn new(n: usize) -> Result<Self> {
-        Ok(Self { subdiagonal: zeros(n)?, forward: (0..n).collect(), inverse: (0..n).collect() })
+        let (mut forward, mut inverse) = (reserved(n)?, reserved(n)?);
+        forward.extend(0..n);
+        inverse.extend(0..n);
+        Ok(Self { subdiagonal: zeros(n)?, forward, inverse })
     }
 }
 
@@ -103,10 +102,10 @@ impl<'a> Numeric<'a> {
             entries,
             a,
             values: zeros(pattern.values)?,
-            first: vec![NONE; count],
-            next: vec![NONE; count],
-            applied: vec![0; count],
-            place: vec![0; pattern.n],
+            first: repeated(NONE, count)?,
+            next: repeated(NONE, count)?,
+            applied: repeated(0, count)?,
+            place: repeated(0, pattern.n)?,
             update: Vec::new(),
             weighted: Vec::new(),
         })
@@ -159,7 +158,7 @@ impl<'a> Numeric<'a> {
         let across = match pivots {
             None => source.subrows(0, width),
             Some(pivots) => {
-                self.weighted.resize(width * k, 0.0);
+                resize(&mut self.weighted, width * k)?;
                 let mut across = MatMut::from_column_major_slice_mut(&mut self.weighted, width, k);
                 across.copy_from(source.subrows(0, width));
                 let blocks = from.blocks(&earlier[..], &pivots.subdiagonal);
@@ -170,7 +169,7 @@ impl<'a> Numeric<'a> {
         let piece = (PIECE / (2 * width * k)).max(1);
         for first in (0..rows.len()).step_by(piece) {
             let height = piece.min(rows.len() - first);
-            self.update.resize(height * width, 0.0);
+            resize(&mut self.update, height * width)?;
             let product = MatMut::from_column_major_slice_mut(&mut self.update, height, width);
             let left = source.subrows(first, height);
             matmul(product, Accum::Replace, left, across.transpose(), 1.0, SEQ);
@@ -222,6 +221,7 @@ impl<'a> Numeric<'a> {
             let (mut forward, mut inverse) = (vec![0usize; n], vec![0usize; n]);
             let scratch = pivoted::cholesky_in_place_scratch::<usize, f64>;
             let mut memory = buffer(scratch(n, SEQ, Default::default()))?;
+            count((n * n * n / 3) as f64);
             pivoted::cholesky_in_place(
                 triangle.rb_mut(),
                 DiagMut::from_slice_mut(subdiagonal),
@@ -253,6 +253,13 @@ impl<'a> Numeric<'a> {
     }
 }
 
+/// Changes the length of a list, or returns an error when memory is refused.
+fn resize(list: &mut Vec<f64>, len: usize) -> Result<()> {
+    room(list, len.saturating_sub(list.len()))?;
+    list.resize(len, 0.0);
+    Ok(())
+}
+
 /// Solves for the rows below the triangle L of a supernode, some at a time.
 fn solve_below(
     node: Supernode,
@@ -261,7 +268,6 @@ fn solve_below(
     solve: impl Fn(MatRef<'_, f64>, MatMut<'_, f64>),
 ) -> Result<()> {
     let n = node.columns;
-    count((n * n * n / 3) as f64);
     let piece = (PIECE / (n * n)).max(1);
     let mut rest = below;
     while rest.nrows() > 0 {

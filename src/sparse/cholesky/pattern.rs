@@ -4,6 +4,7 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::supernode::Supernode;
+use crate::base::{Result, push, repeated, reserved, room};
 
 /// Most columns of a supernode. Wider ones are cut, so that each step takes few operations; pivots
 /// are chosen inside the pieces.
@@ -27,30 +28,38 @@ pub(super) struct Pattern {
 
 impl Pattern {
     /// Cuts the supernodes of a factor.
-    pub fn new(symbolic: &SymbolicSupernodalCholesky<usize>) -> Self {
+    pub fn new(symbolic: &SymbolicSupernodalCholesky<usize>) -> Result<Self> {
         let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
-        let mut pattern = Self { n: symbolic.nrows(), starts: vec![0], ..Self::default() };
-        for s in 0..symbolic.n_supernodes() {
-            let mut below: Vec<u32> =
-                symbolic.supernode(s).pattern().iter().map(|&row| row as u32).collect();
+        let (n, nodes) = (symbolic.nrows(), symbolic.n_supernodes());
+        let mut pattern =
+            Self { n, owner: reserved(n)?, nodes: reserved(nodes)?, ..Self::default() };
+        push(&mut pattern.starts, 0)?;
+        let mut below: Vec<u32> = Vec::new();
+        for s in 0..nodes {
+            let rows = symbolic.supernode(s).pattern();
+            below.clear();
+            room(&mut below, rows.len())?;
+            below.extend(rows.iter().map(|&row| row as u32));
             below.sort_unstable();
             for start in (starts[s]..ends[s]).step_by(WIDEST) {
                 let end = ends[s].min(start + WIDEST);
+                room(&mut pattern.rows, ends[s] - end + below.len())?;
                 pattern.rows.extend(end as u32..ends[s] as u32);
                 pattern.rows.extend_from_slice(&below);
-                pattern.push(start, end - start);
+                pattern.push(start, end - start)?;
             }
         }
-        pattern
+        Ok(pattern)
     }
 
     /// Adds the supernode of the rows that have been added.
-    fn push(&mut self, start: usize, columns: usize) {
+    fn push(&mut self, start: usize, columns: usize) -> Result<()> {
         let below = self.rows.len() - self.starts[self.nodes.len()];
+        room(&mut self.owner, columns)?;
         self.owner.resize(start + columns, self.nodes.len() as u32);
-        self.nodes.push(Supernode { start, columns, below, values: self.values });
+        push(&mut self.nodes, Supernode { start, columns, below, values: self.values })?;
         self.values += (columns + below) * columns;
-        self.starts.push(self.rows.len());
+        push(&mut self.starts, self.rows.len())
     }
 
     /// Returns the rows below the triangle of a supernode, ascending.
@@ -76,8 +85,8 @@ pub(super) struct Entries {
 impl Entries {
     /// Finds the entries in the lower triangle of a matrix; row i of the factor is row `order[i]`
     /// of the matrix.
-    pub fn new(matrix: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Self {
-        let mut place = vec![0u32; order.len()];
+    pub fn new(matrix: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Result<Self> {
+        let mut place = repeated(0u32, order.len())?;
         (0..).zip(order).for_each(|(i, &row)| place[row] = i);
         let lower = || {
             let place = &place;
@@ -89,20 +98,21 @@ impl Entries {
                 })
             })
         };
-        let mut starts = vec![0; order.len() + 1];
+        let mut starts = repeated(0usize, order.len() + 1)?;
         for (column, ..) in lower() {
             starts[column as usize + 1] += 1;
         }
         for j in 0..order.len() {
             starts[j + 1] += starts[j];
         }
-        let mut next = starts.clone();
-        let mut places = vec![(0, 0); starts[order.len()]];
+        let mut next = reserved(starts.len())?;
+        next.extend_from_slice(&starts);
+        let mut places = repeated((0, 0), starts[order.len()])?;
         for (column, row, at) in lower() {
             places[next[column as usize]] = (row, at);
             next[column as usize] += 1;
         }
-        Self { starts, places }
+        Ok(Self { starts, places })
     }
 
     /// Returns the rows of a column of the factor and the indices of their entries.

@@ -145,9 +145,15 @@ impl Block {
     pub fn negative(self) -> usize {
         match self {
             Self::One(d) => usize::from(d < 0.0),
-            Self::Two([d, next], below) if d * next - below * below < 0.0 => 1,
+            // Not by products, which overflow and underflow.
+            Self::Two([d, next], below) if (d / below) * (next / below) < 1.0 => 1,
             Self::Two([d, _], _) => 2 * usize::from(d < 0.0),
         }
+    }
+
+    /// Returns whether it is a zero: a singular matrix leaves such a pivot.
+    pub fn is_singular(self) -> bool {
+        matches!(self, Self::One(0.0))
     }
 
     /// Computes `X := X B` for the columns of X from `first` on that belong to the block.
@@ -169,18 +175,17 @@ impl Block {
         for i in 0..x.nrows() {
             match self {
                 Self::One(d) => x[(i, first)] /= d,
-                Self::Two(..) => {
+                Self::Two(diagonal, below) => {
                     let pair = [x[(i, first)], x[(i, first + 1)]];
-                    [x[(i, first)], x[(i, first + 1)]] = self.divided(pair);
+                    [x[(i, first)], x[(i, first + 1)]] = Self::divided(diagonal, below, pair);
                 }
             }
         }
     }
 
-    /// Returns `B^-1 x` for a block of two rows. By Cramer's rule, in units of the entry beside the
-    /// diagonal, which is the largest.
-    fn divided(self, [x, next]: [f64; 2]) -> [f64; 2] {
-        let Self::Two(diagonal, below) = self else { return [x, next] };
+    /// Returns `B^-1 x` for a block of two rows with this diagonal and the entry `below` beside it.
+    /// By Cramer's rule, in units of that entry, which is the largest.
+    fn divided(diagonal: [f64; 2], below: f64, [x, next]: [f64; 2]) -> [f64; 2] {
         let [a, b] = diagonal.map(|d| d / below);
         let determinant = a * b - 1.0;
         let [p, q] = [x / below, next / below];
@@ -191,9 +196,9 @@ impl Block {
     pub fn solve(self, x: &mut [Row]) {
         match self {
             Self::One(d) => x[0] = x[0].map(|x| x / d),
-            Self::Two(..) => {
+            Self::Two(diagonal, below) => {
                 for j in 0..WIDTH {
-                    [x[0][j], x[1][j]] = self.divided([x[0][j], x[1][j]]);
+                    [x[0][j], x[1][j]] = Self::divided(diagonal, below, [x[0][j], x[1][j]]);
                 }
             }
         }
@@ -286,5 +291,23 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
     #[inline(always)]
     fn divided<const UNIT: bool>(x: &Row, sum: &Row, d: f64) -> Row {
         std::array::from_fn(|j| if UNIT { x[j] - sum[j] } else { (x[j] - sum[j]) / d })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn negative_eigenvalues_of_blocks_are_counted_at_any_scale() {
+        // 1e-200 and 1e200 have squares that underflow and overflow.
+        for scale in [1e-300, 1e-200, 1.0, -1.0, 1e200, 1e300] {
+            let two = |a: f64, b: f64| Block::Two([scale * a, scale * b], scale).negative();
+            assert_eq!((two(0.0, 0.0), two(0.5, 0.5), two(-0.5, 0.5)), (1, 1, 1), "{scale:e}");
+            let definite = if scale > 0.0 { 0 } else { 2 };
+            assert_eq!((two(2.0, 3.0), two(-2.0, -3.0)), (definite, 2 - definite), "{scale:e}");
+        }
+        let one = |d: f64| (Block::One(d).negative(), Block::One(d).is_singular());
+        assert_eq!([one(-3.0), one(0.0), one(3.0)], [(1, false), (0, true), (0, false)]);
     }
 }

@@ -12,8 +12,10 @@ use faer::prelude::ReborrowMut;
 
 use super::parts::split;
 use super::pattern::Pattern;
-use super::supernode::{Row, Supernode, WIDTH};
-use crate::base::{Disjoint, Par, Result, has_fused, spend, widest, zeros};
+use super::supernode::{Block, Row, Supernode, WIDTH};
+use crate::base::{
+    Disjoint, Par, Result, has_fused, push, repeated, reserved, spend, widest, zeros,
+};
 
 /// The order in which the supernodes of a factor are applied, and to which rows.
 #[derive(Debug, Default)]
@@ -67,34 +69,37 @@ impl Sweeps {
         pattern: &Pattern,
         order: impl Fn(usize) -> usize,
         place: impl Fn(usize) -> usize,
-    ) -> Self {
+    ) -> Result<Self> {
         let supernodes = &pattern.nodes;
-        let parents: Vec<_> = (0..supernodes.len())
-            .map(|s| pattern.below(s).first().map(|&row| pattern.owner[row as usize] as usize))
-            .collect();
+        let parent =
+            |s: usize| pattern.below(s).first().map(|&row| pattern.owner[row as usize] as usize);
+        let mut parents = reserved(supernodes.len())?;
+        parents.extend((0..supernodes.len()).map(parent));
         let work = |s: usize| (supernodes[s].columns + supernodes[s].below) * supernodes[s].columns;
         let (subtrees, top) = split(&parents, work);
 
-        let rows_of = |nodes: &[usize]| -> Vec<usize> {
-            let rows =
-                |&s: &usize| supernodes[s].start..supernodes[s].start + supernodes[s].columns;
-            nodes.iter().flat_map(rows).collect()
+        let rows_of = |nodes: &[usize]| -> Result<Vec<usize>> {
+            let mut rows = reserved(nodes.iter().map(|&s| supernodes[s].columns).sum())?;
+            for &s in nodes {
+                rows.extend(supernodes[s].start..supernodes[s].start + supernodes[s].columns);
+            }
+            Ok(rows)
         };
         const NONE: u32 = u32::MAX;
-        let mut row_of_top = vec![NONE; pattern.n];
-        (0..).zip(rows_of(&top)).for_each(|(i, row)| row_of_top[row] = i);
+        let mut row_of_top = repeated(NONE, pattern.n)?;
+        (0..).zip(rows_of(&top)?).for_each(|(i, row)| row_of_top[row] = i);
 
         let mut sweeps = Self {
-            nodes: Vec::with_capacity(supernodes.len()),
-            targets: Vec::with_capacity(pattern.all_below()),
+            nodes: reserved(supernodes.len())?,
+            targets: reserved(pattern.all_below())?,
             subtrees: vec![],
             top: Part::default(),
             kept: Mutex::default(),
             fused: has_fused(),
         };
-        let mut row_of_part = vec![NONE; pattern.n];
-        let mut part = |nodes: &[usize]| {
-            let own = rows_of(nodes);
+        let mut row_of_part = repeated(NONE, pattern.n)?;
+        let mut part = |nodes: &[usize]| -> Result<Part> {
+            let own = rows_of(nodes)?;
             (0..).zip(&own).for_each(|(i, &row)| row_of_part[row] = i);
             let (mut above, mut first, start) = (Vec::new(), 0, sweeps.nodes.len());
             let values = nodes.iter().map(|&s| supernodes[s].range().len()).sum();
@@ -103,7 +108,7 @@ impl Sweeps {
                 for row in pattern.below(s).iter().map(|&row| place(row as usize)) {
                     if row_of_part[row] == NONE {
                         row_of_part[row] = (own.len() + above.len()) as u32;
-                        above.push(row);
+                        push(&mut above, row)?;
                     }
                     sweeps.targets.push(row_of_part[row]);
                 }
@@ -112,29 +117,26 @@ impl Sweeps {
                 first += supernodes[s].columns;
             }
             own.iter().chain(&above).for_each(|&row| row_of_part[row] = NONE);
-            Part {
-                nodes: start..sweeps.nodes.len(),
-                own: own.iter().map(|&row| order(row) as u32).collect(),
-                above: above.iter().map(|&row| row_of_top[row]).collect(),
-                values,
-            }
+            let (mut own_rows, mut rows_above) = (reserved(own.len())?, reserved(above.len())?);
+            own_rows.extend(own.iter().map(|&row| order(row) as u32));
+            rows_above.extend(above.iter().map(|&row| row_of_top[row]));
+            let nodes = start..sweeps.nodes.len();
+            Ok(Part { nodes, own: own_rows, above: rows_above, values })
         };
-        let subtrees = subtrees.iter().map(|nodes| part(nodes)).collect();
-        let top = part(&top);
+        let subtrees = subtrees.iter().map(|nodes| part(nodes)).collect::<Result<Vec<_>>>()?;
+        let top = part(&top)?;
         (sweeps.subtrees, sweeps.top) = (subtrees, top);
-        sweeps
+        Ok(sweeps)
     }
 
-    /// Returns the number of negative eigenvalues of B in `L B L^T`; `subdiagonal` has the entries
-    /// of B below the diagonal.
-    pub fn negative(&self, values: &[f64], subdiagonal: &[f64]) -> usize {
-        let blocks = |node: &Node| {
-            node.supernode
-                .blocks(values, subdiagonal)
-                .map(|(_, block)| block.negative())
-                .sum::<usize>()
-        };
-        self.nodes.iter().map(blocks).sum()
+    /// Returns the blocks of B in `L B L^T`; `subdiagonal` has the entries of B below the diagonal.
+    pub fn blocks<'s>(
+        &'s self,
+        values: &'s [f64],
+        subdiagonal: &'s [f64],
+    ) -> impl Iterator<Item = Block> + use<'s> {
+        let of = move |node: &'s Node| node.supernode.blocks(values, subdiagonal);
+        self.nodes.iter().flat_map(of).map(|(_, block)| block)
     }
 
     /// Returns the number of rows of right-hand sides in all parts.

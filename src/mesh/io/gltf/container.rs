@@ -11,7 +11,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use super::super::draft::{Checked, Fault};
 use super::document::{Buffer, Document};
-use super::extensions;
+use super::extensions::{check_required, is_unsupported, unsupported};
 use crate::io::Source;
 
 /// The first bytes of a binary file, and the types of its chunks.
@@ -48,7 +48,7 @@ impl Content {
         if least != "2.0" {
             return Err(format!("needs version {least:?} of glTF, and 2.0 is supported").into());
         }
-        extensions::check_required(&document)?;
+        check_required(&document)?;
         let mut buffers = Vec::new();
         let mut total = 0usize;
         for (i, buffer) in document.buffers.iter().enumerate() {
@@ -94,9 +94,9 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
 fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>> {
     let length = buffer.byte_length;
     let mut bytes = match buffer.uri.as_deref() {
-        None => match (binary, buffer.extensions.keys().next()) {
+        None => match (binary, buffer.extensions.keys().find(|name| is_unsupported(name))) {
             (Some(binary), _) => binary.to_vec(),
-            (None, Some(name)) => return Err(extensions::unsupported(name)),
+            (None, Some(name)) => return Err(unsupported(name)),
             (None, None) => return Err("has no URI, and is not in the file".into()),
         },
         Some(uri) => match uri.strip_prefix("data:") {

@@ -29,8 +29,7 @@ const NO_TRIANGLES: [&str; 39] = [
 
 /// Returns an error unless the reader can read files that require their extensions.
 pub(super) fn check_required(document: &Document) -> Checked<()> {
-    let wrong = |name: &&String| COMPRESSION.contains(&&name[..]) || changes_triangles(name);
-    match document.extensions_required.iter().find(wrong) {
+    match document.extensions_required.iter().find(|name| is_unsupported(name)) {
         Some(name) => Err(unsupported(name)),
         None => Ok(()),
     }
@@ -47,8 +46,9 @@ pub(super) fn unsupported(name: &str) -> Fault {
 /// Returns the extension that has the numbers of a primitive with these extensions, where the file
 /// has none outside of extensions.
 pub(super) fn source<'a>(own: &'a Extensions, document: &'a Document) -> Option<&'a str> {
-    let used = document.extensions_used.iter().map(String::as_str);
-    own.keys().map(String::as_str).chain(used.filter(|name| COMPRESSION.contains(name))).next()
+    let mut used = document.extensions_used.iter().map(String::as_str);
+    let found = own.keys().map(String::as_str).find(|name| is_unsupported(name));
+    found.or_else(|| used.find(|name| COMPRESSION.contains(name)))
 }
 
 /// Notes the extensions of objects that may change the triangles, and that are left out.
@@ -82,8 +82,39 @@ pub(super) fn note_left_out(document: &Document, notes: &mut Notes) {
     }
 }
 
+/// Returns whether the reader lacks an extension that may hold or change the triangles.
+pub(super) fn is_unsupported(name: &str) -> bool {
+    COMPRESSION.contains(&name) || changes_triangles(name)
+}
+
 /// Returns whether an extension may change the triangles in a way that the reader does not apply.
 fn changes_triangles(name: &str) -> bool {
     let harmless = NO_TRIANGLES.iter().any(|start| name.starts_with(start));
     !harmless && !APPLIED.contains(&name) && !COMPRESSION.contains(&name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_source_of_missing_numbers_is_an_extension_that_may_have_them() {
+        let found = |used: &str, own: &str| {
+            let primitive = format!(r#"{{"extensions": {{{own}}}}}"#);
+            let json = format!(
+                r#"{{"extensionsUsed": [{used}], "meshes": [{{"primitives": [{primitive}]}}]}}"#
+            );
+            let document: Document = serde_json::from_str(&json).unwrap();
+            source(&document.meshes[0].primitives[0].extensions, &document).map(str::to_owned)
+        };
+        let draco = r#""KHR_draco_mesh_compression""#;
+        let (features, variants) = (r#""EXT_mesh_features""#, r#""KHR_materials_variants""#);
+        let name = Some("KHR_draco_mesh_compression");
+        let used = format!("{features}, {draco}");
+        assert_eq!(found(&used, &format!("{features}: {{}}")).as_deref(), name);
+        assert_eq!(found("", &format!("{features}: {{}}, {draco}: {{}}")).as_deref(), name);
+        assert_eq!(found(variants, &format!("{variants}: {{}}")), None);
+        let other = r#""AGI_sky": {}, "FOO_points": {}"#;
+        assert_eq!(found("", other).as_deref(), Some("FOO_points"));
+    }
 }

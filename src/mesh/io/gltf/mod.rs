@@ -124,7 +124,7 @@ impl Reader<'_, '_, '_> {
                 let turned = |(i, t): (usize, &[u32])| {
                     if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] }
                 };
-                // Triangles with a vertex twice only turn a strip.
+                // Strips repeat vertices to change direction; these triangles have no area.
                 let whole = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
                 corners.windows(3).enumerate().map(turned).filter(whole).collect()
             }
