@@ -214,9 +214,10 @@ impl Layout {
             1 => self.largest_round().0,
             groups => {
                 let Blocking { rows, cols, .. } = self.blocking;
-                let all = blocks(self.left, groups, rows) * blocks(self.right, groups, cols);
+                let right = blocks(self.right, groups, cols);
+                let all = blocks(self.left, groups, rows).saturating_mul(right);
                 // On the diagonal rounds have half as many.
-                all / (groups * if self.symmetric { groups + 1 } else { groups })
+                all / groups / if self.symmetric { groups + 1 } else { groups }
             }
         };
         let batches = if self.accumulates() {
