@@ -106,8 +106,8 @@ impl<'a> Pieces<'a> {
         let (path, zeros, least) = (path.display(), eigenvalues(*free), free + 1);
         let which = if free == count { "" } else { " without boundary" };
         bail!(
-            "{path}: {zeros} zero, one for each component{which}: -k {k} compares zeros only, {least} \
-             or more is enough{}",
+            "{path}: {zeros} zero, one for each component{which}: -k {k} compares zeros only, \
+             {least} or more is enough{}",
             self.hint()
         )
     }
