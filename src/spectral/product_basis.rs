@@ -89,8 +89,8 @@ impl ProductBasis {
     /// memory.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) when the order is too large, the functions do not
-    /// fit into the memory or the constant is not among the eigenfunctions,
+    /// [`Error::Argument`](crate::Error::Argument) when the order is too large, the products do not
+    /// fit into the memory, or the constant is not among the eigenfunctions,
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory),
     /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(
