@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use catamaran::io::{Array, write_npz};
 use catamaran::sparse::Mass;
-use catamaran::spectral::{Eigenproducts, ProductBasis, ProductBasisOptions};
+use catamaran::spectral::{ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
 use crate::pieces::Need;
@@ -47,8 +47,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let output = args.force.create(&args.output)?;
     let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
-    let products = Eigenproducts::new(args.k, args.order)?.len();
-    let shape = args.laplacian.shape_for(&args.mesh, &[need], products)?;
+    let shape = args.laplacian.shape(&args.mesh, &[need])?;
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
     let options = ProductBasisOptions::new()

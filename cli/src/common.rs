@@ -14,7 +14,7 @@ pub const HEADING: &str = "Common options";
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Threads {
     /// Number of threads, at most 4 for each core. Does not change the result [default: one for
-    /// each core of the affinity mask, at most CATAMARAN_NUM_THREADS].
+    /// each core of the affinity mask, at most CATAMARAN_NUM_THREADS and RAYON_NUM_THREADS].
     #[arg(long, value_name = "N", help_heading = HEADING)]
     threads: Option<NonZeroUsize>,
 }

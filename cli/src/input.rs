@@ -117,6 +117,11 @@ impl MeshArgs {
         self.apply(mesh(path)?, path)
     }
 
+    /// Returns whether a mesh that needs repair is an error.
+    pub fn is_strict(&self) -> bool {
+        self.strict
+    }
+
     /// Returns the option of `catamaran mesh` that joins the vertices that these options join.
     pub fn weld_flag(&self) -> String {
         match self.weld {

@@ -27,7 +27,8 @@ pub struct Pieces<'a> {
 /// The eigenfunctions that an option asks for.
 #[derive(Debug, Clone, Copy)]
 pub struct Need {
-    /// The option, whose number does not count the constant function.
+    /// The option that sets the number. [`Pieces::check`] names its number without the constant
+    /// function.
     pub option: &'static str,
     /// Number of eigenfunctions, the constant one included.
     pub len: usize,
@@ -98,14 +99,15 @@ impl<'a> Pieces<'a> {
 
     /// Refuses a signature of k eigenvalues that are all zero: all such meshes have it in common.
     pub fn check_signature(&self, k: usize) -> Result<()> {
-        let Self { path, free, .. } = self;
+        let Self { path, count, free, .. } = self;
         if k > *free {
             return Ok(());
         }
         let (path, zeros, least) = (path.display(), eigenvalues(*free), free + 1);
+        let which = if free == count { "" } else { " without boundary" };
         bail!(
-            "{path}: {zeros} zero, one for each component: -k {k} compares zeros only, {least} or \
-             more is enough{}",
+            "{path}: {zeros} zero, one for each component{which}: -k {k} compares zeros only, \
+             {least} or more is enough{}",
             self.hint()
         )
     }
@@ -122,7 +124,8 @@ impl<'a> Pieces<'a> {
         let welded = repair(self.mesh.clone().into(), &options).ok();
         match welded.map(|found| Components::new(&found.file.mesh).len()) {
             Some(left) if left < self.count => {
-                format!(" (--weld joins them into {left}; {one})")
+                let instead = if self.repair.is_strict() { " instead of --strict" } else { "" };
+                format!(" (--weld{instead} joins them into {left}; {one})")
             }
             _ => format!(" ({one})"),
         }

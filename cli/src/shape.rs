@@ -92,25 +92,20 @@ impl LaplacianArgs {
 
     /// Reads a mesh and computes its first eigenfunctions, as many as the largest of `needs` says.
     pub fn shape(&self, path: &Path, needs: &[Need]) -> Result<Shape> {
-        self.shape_for(path, needs, 0)
-    }
-
-    /// The same, unless there is too little memory for as many functions as are computed from the
-    /// eigenfunctions later.
-    pub fn shape_for(&self, path: &Path, needs: &[Need], functions: usize) -> Result<Shape> {
         let file = self.repair.read(path)?;
-        let len = needs.iter().map(|need| need.len).max().unwrap_or(0);
+        // The first of the largest.
+        let most = needs.iter().rev().max_by_key(|need| need.len);
+        let Need { option, len, .. } = *most.context("no eigenfunctions are needed")?;
         let vertices = file.mesh.vertices().len();
         if len > vertices {
-            let k = len - 1;
             bail!(
-                "{}: {vertices} vertices, too few for {k} eigenfunctions and the constant one",
+                "{}: {option}: {vertices} vertices, too few for {len} eigenfunctions, the constant \
+                 one included",
                 path.display()
             );
         }
-        let functions = functions.max(len);
-        let request = format_args!("{functions} functions of {vertices} vertices");
-        check_request("k", request, 8.0 * functions as f64 * vertices as f64)?;
+        let request = format_args!("{len} functions of {vertices} vertices");
+        check_request(option, request, 8.0 * len as f64 * vertices as f64)?;
         let pieces = Pieces::new(&file.mesh, path, &self.repair, &Boundary::Neumann)?;
         needs.iter().try_for_each(|need| pieces.check(*need))?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());

@@ -93,7 +93,7 @@ pub fn write_mesh<'py>(
     run(py, Length::Long, None, move |_| write_as(Output::create(&path, overwrite)?, &file, format))
 }
 
-/// Texture coordinates of the corners of faces, faces x 3 x 2; a face with a NaN has none.
+/// Texture coordinates of the corners of faces, faces x 3 x 2; a face of NaN alone has none.
 pub fn texture_coordinates(uv: &Bound<'_, PyAny>, faces: usize) -> PyResult<Attribute<2>> {
     let rows = Array::<f64>::new("uv", &uv.call_method1("reshape", ((3 * faces, 2),))?, &[2])?;
     let view = rows.view();
@@ -102,8 +102,15 @@ pub fn texture_coordinates(uv: &Bound<'_, PyAny>, faces: usize) -> PyResult<Attr
     let mut corners = Vec::with_capacity(faces);
     for f in 0..faces as u32 {
         let numbers = [3 * f, 3 * f + 1, 3 * f + 2];
-        let absent = numbers.iter().any(|&i| values[i as usize].iter().any(|x| x.is_nan()));
-        corners.push(if absent { [Attribute::<2>::ABSENT; 3] } else { numbers });
+        let of_face = numbers.map(|i| values[i as usize]);
+        corners.push(match of_face.as_flattened().iter().filter(|x| x.is_nan()).count() {
+            0 => numbers,
+            6 => [Attribute::<2>::ABSENT; 3],
+            _ => {
+                let why = format!("face {f}: NaN at some of its corners only");
+                return Err(refused("uv", why));
+            }
+        });
     }
     // The values of no face.
     values

@@ -11,7 +11,7 @@ use catamaran::spectral::{Eigenbasis as Basis, ProductBasis, ProductBasisOptions
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
-use crate::error::refused;
+use crate::error::{exception, refused};
 use crate::options::{laplacian_kind, orthogonalization, par, vertices, word};
 use crate::sparse::{Parts, mass_parts};
 use crate::surface::{Pieces, Surface};
@@ -22,6 +22,23 @@ use crate::task::{Length, run};
 pub struct Eigenbasis {
     basis: Basis,
     pieces: Pieces,
+}
+
+/// Refuses fewer eigenfunctions than components: a component without its constant function would
+/// move to the origin.
+fn check_count(len: usize, (count, _, left, _): Pieces) -> catamaran::Result<()> {
+    if len >= count || count < 2 {
+        return Ok(());
+    }
+    let hint = match left < count {
+        true => format!("; weld=True joins them into {left}"),
+        false => String::new(),
+    };
+    let why = format!(
+        "{count} components, each with a constant function of its own: {len} eigenfunctions, the \
+         constant one included, are too few, {count} or more are enough{hint}"
+    );
+    Err(catamaran::Error::Argument { what: "k", why })
 }
 
 #[pymethods]
@@ -47,10 +64,11 @@ impl Eigenbasis {
                 let element = format!("vertex {}", surface.firsts()(vertex));
                 return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
             }
+            let pieces = surface.pieces(&Boundary::Neumann)?;
+            check_count(k, pieces)?;
             let search = EigenOptions::new().k(k).par(par).progress(progress);
             let pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
             let (vectors, mass) = (surface.extend(pairs.vectors), surface.shares(found.mass));
-            let pieces = surface.pieces(&Boundary::Neumann)?;
             Ok((Basis::new(pairs.values, vectors, mass)?, pieces))
         })?;
         Ok(Self { basis, pieces })
@@ -144,6 +162,9 @@ pub fn functional_map<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let par = par(threads)?;
+    for (basis, len) in [(source, k.0), (target, k.1)] {
+        check_count(len, basis.get().pieces).map_err(exception)?;
+    }
     let known =
         [("none", Refinement::None), ("icp", Refinement::Icp), ("zoomout", Refinement::ZoomOut)];
     let refine = word("refine", refine, &known)?;
@@ -239,6 +260,9 @@ pub fn transfer<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);
+    for (basis, len) in [(source, k.0), (target, k.1)] {
+        check_count(len, basis.get().pieces).map_err(exception)?;
+    }
     let points = vertices("points", points)?;
     let f = Array::<f64>::new("functions", functions, &[1, 2])?;
     let (source, target, view) = (&source.get().basis, &target.get().basis, f.view());

@@ -82,7 +82,10 @@ impl Mould {
 }
 
 /// Textures (species x size x size), texture coordinates (faces x 3 x 2), coverage after each step
-/// (steps x species), agents: triangles, positions in the texture. See `catamaran.slime`.
+/// (steps x species), and the number of triangles that overlap others in the texture.
+type Grown<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, usize);
+
+/// Slime moulds on a mesh; see `catamaran.slime`.
 #[pyfunction]
 #[pyo3(signature = (v, f, steps, mould, uv, start, ground, progress))]
 pub fn slime<'py>(
@@ -95,7 +98,7 @@ pub fn slime<'py>(
     start: Option<&Bound<'py, PyAny>>,
     ground: Option<&Bound<'py, PyAny>>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+) -> PyResult<Grown<'py>> {
     let (options, par, mesh) = (mould.options(), par(mould.threads)?, mesh(v, f)?);
     let uv = uv.map(|uv| texture_coordinates(uv, mesh.faces().len())).transpose()?;
     let numbers = |name, object: Option<&Bound<'_, PyAny>>| -> PyResult<Vec<u8>> {
@@ -136,6 +139,7 @@ pub fn slime<'py>(
         textures,
         corners.call_method1("reshape", ((count, 3, 2),))?,
         from_matrix(py, table.as_ref())?.into_any(),
+        simulation.texels().overlapping().len(),
     ))
 }
 
@@ -177,7 +181,8 @@ pub struct Where<'py> {
     extent: f64,
 }
 
-/// The root of each point and how fast it is reached; see `catamaran.newton`.
+/// The root of each point, how fast it is reached, and how many points reach none; see
+/// `catamaran.newton`.
 #[pyfunction]
 #[pyo3(signature = (at, fractal, progress))]
 pub fn newton<'py>(
@@ -185,7 +190,7 @@ pub fn newton<'py>(
     at: Where<'py>,
     fractal: Fractal,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
     let polynomial = match (fractal.power, &fractal.roots) {
         (Some(power), None) => Polynomial::Power(power),
         (None, Some(roots)) => Polynomial::Roots(roots.iter().map(|&(re, im)| [re, im]).collect()),
@@ -217,5 +222,6 @@ pub fn newton<'py>(
         };
         Newton::new(&options)?.evaluate(points, par, progress)
     })?;
-    Ok((from_vec(py, found.roots).into_any(), from_vec(py, found.convergence).into_any()))
+    let (roots, convergence) = (from_vec(py, found.roots), from_vec(py, found.convergence));
+    Ok((roots.into_any(), convergence.into_any(), found.unreached))
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use catamaran::mesh::{Boundary, LaplacianOptions, TriMesh, free_components};
+use catamaran::mesh::{Boundary, LaplacianOptions};
 use catamaran::unions::{K, PartSpectra, ShapeDnaOptions, SpectralUnion, shape_dna as signature};
 use pyo3::prelude::*;
 
@@ -38,7 +38,7 @@ pub fn shape_dna<'py>(
 /// A part: its spectrum, or the mesh that it is of.
 enum Part {
     Spectrum(Vec<f64>),
-    Mesh(TriMesh),
+    Mesh(Surface),
 }
 
 impl Part {
@@ -46,29 +46,36 @@ impl Part {
         if let Ok((v, f)) = object.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>()
             && v.len().is_ok()
         {
-            return Ok(Self::Mesh(Surface::new(&v, &f, weld)?.mesh));
+            return Ok(Self::Mesh(Surface::new(&v, &f, weld)?));
         }
         let values = Array::<f64>::new("parts", object, &[1])?;
         Ok(Self::Spectrum(values.entries().into_owned()))
     }
 
-    fn spectrum(self) -> catamaran::Result<Vec<f64>> {
-        match self {
-            Self::Spectrum(values) => Ok(values),
-            Self::Mesh(mesh) => {
-                if free_components(&mesh, &Boundary::Dirichlet)? > 0 {
-                    let why = "a component is closed: each component of a part needs a boundary";
-                    return Err(catamaran::Error::Argument { what: "parts", why: why.into() });
-                }
-                let all = vec![true; mesh.vertices().len()];
-                PartSpectra::new(&mesh, &LaplacianOptions::default())?.dirichlet(&all, K)
-            }
+    /// The spectrum of part `i`, and the components of its mesh.
+    fn spectrum(self, i: usize) -> catamaran::Result<(Vec<f64>, Option<Pieces>)> {
+        let surface = match self {
+            Self::Spectrum(values) => return Ok((values, None)),
+            Self::Mesh(surface) => surface,
+        };
+        let pieces = surface.pieces(&Boundary::Dirichlet)?;
+        let (_, closed, _, _) = pieces;
+        if closed > 0 {
+            let what = "a component is closed: each component of a part needs a boundary";
+            let element = format!("part {i}");
+            return Err(catamaran::Error::Mesh { what: what.into(), element });
         }
+        let all = vec![true; surface.mesh.vertices().len()];
+        let spectra = PartSpectra::new(&surface.mesh, &LaplacianOptions::default())?;
+        Ok((spectra.dirichlet(&all, K)?, Some(pieces)))
     }
 }
 
-/// The spectrum of the union, those of the parts, and how unlike the training the parts are; see
-/// `catamaran.union_spectrum`.
+/// The spectrum of the union, those of the parts, the components of the parts that are meshes, and
+/// how unlike the training the parts are.
+type Union<'py> = (Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, Vec<Option<Pieces>>, f64);
+
+/// The spectrum of a union; see `catamaran.union_spectrum`.
 #[pyfunction]
 #[pyo3(signature = (parts, model, weld, progress))]
 pub fn union_spectrum<'py>(
@@ -77,20 +84,21 @@ pub fn union_spectrum<'py>(
     model: Option<PathBuf>,
     weld: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, f64)> {
+) -> PyResult<Union<'py>> {
     let parts: Vec<Part> =
         parts.iter().map(|part| Part::new(part, weld)).collect::<PyResult<_>>()?;
-    let (union, spectra, ood_score) = run(py, Length::Long, progress, move |_| {
+    let (union, spectra, pieces, ood_score) = run(py, Length::Long, progress, move |_| {
         let model = match model {
             Some(path) => SpectralUnion::read(&path)?,
             None => SpectralUnion::pretrained()?,
         };
-        let spectra: Vec<_> =
-            parts.into_iter().map(Part::spectrum).collect::<catamaran::Result<_>>()?;
+        let found = (0..).zip(parts).map(|(i, part)| part.spectrum(i));
+        let found: Vec<_> = found.collect::<catamaran::Result<_>>()?;
+        let (spectra, pieces): (Vec<Vec<f64>>, Vec<_>) = found.into_iter().unzip();
         let views: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
         let (union, ood_score) = (model.predict_all(&views)?, model.ood_score(&views)?);
-        Ok((union.to_vec(), spectra, ood_score))
+        Ok((union.to_vec(), spectra, pieces, ood_score))
     })?;
     let spectra = spectra.into_iter().map(|values| from_vec(py, values).into_any()).collect();
-    Ok((from_vec(py, union).into_any(), spectra, ood_score))
+    Ok((from_vec(py, union).into_any(), spectra, pieces, ood_score))
 }

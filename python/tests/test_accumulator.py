@@ -175,7 +175,14 @@ def test_every_call_waits_for_those_of_other_threads(rng, tmp_path):
             one.add(a[:1500])
             one.remove(a[:1500])
 
+    def read_changing():
+        for _ in range(5):
+            assert np.isfinite(one.cov()).all() and len(one.mean) == 40
+            assert "rows of 40" in repr(one)
+            assert pickle.loads(pickle.dumps(one)).rows in (3000, 4500)
+
     together(read, read)
+    together(change, read_changing)
     # Merges in a circle, which would wait for each other with two locks.
     small = [catamaran.Accumulator(2) for _ in range(2)]
     for sums in small:

@@ -62,11 +62,16 @@ def test_every_chapter_tells_its_progress():
         lambda progress: catamaran.slime(v, f, 2, agents=10, size=160, progress=progress),
         lambda progress: catamaran.newton(size=8, progress=progress),
         lambda progress: catamaran.eigenproducts(v, f, 3, progress=progress),
+        lambda progress: catamaran.transfer((v, f), (v, f), v, k=3, progress=progress),
     ]
     for call in calls:
         told = []
         call(lambda done, total: told.append(done))
         assert told[-1] == 1000
+    # Bases of meshes come first.
+    told = []
+    catamaran.transfer((v, f), (v, f), v, k=3, progress=lambda done, total: told.append(done))
+    assert {300, 600, 1000} <= set(told)
 
 
 def test_an_exception_in_a_callback_ends_the_call():
@@ -133,6 +138,7 @@ def test_ctrl_c_ends_a_call():
 LONG = {
     "shape_dna": "catamaran.shape_dna(v, f, 100, threads=1)",
     "eigsh": "catamaran.eigsh(v, f, 60, threads=1)",
+    "eigenproducts": "catamaran.eigenproducts(v, f, 60, 1, threads=1)",
     "laplacian": "catamaran.laplacian(v, f, kind='tufted', threads=1)",
     "decimate": "catamaran.decimate(v, f, 20_000, threads=1)",
     "farthest_points": "catamaran.farthest_points(v, f, 50_000)",

@@ -1,5 +1,7 @@
 """Decimation, curves, unions, plants, textures."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -97,6 +99,18 @@ def test_slime_does_not_depend_on_threads():
         catamaran.slime(v, f, 1, size=32)
 
 
+def test_slime_says_that_faces_share_texture():
+    v, f = shapes.icosphere(1)
+    uv = np.tile([[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]], (len(f), 1, 1))
+    message = f"faces share texture: {len(f)} of {len(f)} triangles overlap others; without uv"
+    with pytest.warns(UserWarning, match=message) as said:
+        catamaran.slime(v, f, 1, agents=100, size=160, uv=uv)
+    assert all(warning.filename == __file__ for warning in said)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        catamaran.slime(v, f, 1, agents=100, size=160)
+
+
 def test_newton_finds_the_roots_it_is_told():
     roots = [1.0, -1.0, 1j]
     found = catamaran.newton([[x.real, x.imag, 0.0] for x in map(complex, roots)], roots=roots)
@@ -106,3 +120,5 @@ def test_newton_finds_the_roots_it_is_told():
     assert catamaran.newton(size=12, volume=True).roots.shape == (12, 12, 12)
     with pytest.raises(ValueError, match="iterations"):
         catamaran.newton(size=8, iterations=0)
+    with pytest.warns(UserWarning, match="of 1024 points reach no root in 2 iterations; raise"):
+        catamaran.newton(size=32, iterations=2)

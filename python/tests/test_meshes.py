@@ -126,6 +126,9 @@ def test_what_a_file_does_not_hold_is_a_warning(tmp_path):
     assert "nan" not in (tmp_path / "g.obj").read_text().lower()
     again = catamaran.read_mesh(tmp_path / "g.obj", attributes=True)[2]["uv"]
     assert np.array_equal(again, uv, equal_nan=True)
+    uv[9, 1, 0] = np.nan
+    with pytest.raises(ValueError, match="uv: face 9: NaN at some of its corners only"):
+        catamaran.write_mesh(tmp_path / "h.obj", v, f, uv=uv)
 
 
 def by_trimesh(path):

@@ -34,7 +34,7 @@ COUNT = len(WHOLE[1])
 CALLS = {
     "eigsh": lambda mesh, **how: catamaran.eigsh(*mesh, 5, **how).values,
     "shape_dna": lambda mesh, **how: catamaran.shape_dna(*mesh, COUNT + 3, **how),
-    "Eigenbasis": lambda mesh, **how: catamaran.Eigenbasis(*mesh, 5, **how).values,
+    "Eigenbasis": lambda mesh, **how: catamaran.Eigenbasis(*mesh, COUNT + 3, **how).values,
     "eigenproducts": lambda mesh, **how: catamaran.eigenproducts(*mesh, COUNT + 3, 1, **how).r,
     "functional_map": lambda mesh, **how: catamaran.functional_map(
         mesh, mesh, landmarks=[[0, 0], [40, 40]], k=COUNT + 3, refine="none", **how
@@ -54,9 +54,29 @@ def test_components_are_said_and_welding_joins_them(name):
     assert all(warning.filename == __file__ for warning in said)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        if name in ("eigsh", "Eigenbasis"):
+        if name == "eigsh":
             CALLS[name](PIECES, weld=True)
             CALLS[name](WHOLE)
+        if name == "Eigenbasis":
+            catamaran.Eigenbasis(*PIECES, 5, weld=True)
+            catamaran.Eigenbasis(*WHOLE, 5)
+
+
+def test_fewer_functions_than_components_are_refused():
+    few = "too few, 3 or more are enough"
+    three = beside(*(uneven(*shapes.icosphere(1)) for _ in range(3)))
+    with pytest.raises(ValueError, match=f"k: 3 components, .*: 2 eigenfunctions, .* {few}$"):
+        catamaran.Eigenbasis(*three, 2)
+    with pytest.raises(ValueError, match=f"{few}$"):
+        catamaran.eigenproducts(*three, 1)
+    with pytest.warns(UserWarning, match="3 components: 3 eigenvalues are zero, one for each$"):
+        basis = catamaran.Eigenbasis(*three, 8)
+    with pytest.raises(ValueError, match=few):
+        catamaran.transfer(basis, basis, three[0], k=1)
+    with pytest.raises(ValueError, match=few):
+        catamaran.functional_map(basis, basis, landmarks=[[0, 0], [9, 9]], k=(2, 1))
+    with pytest.raises(ValueError, match=f"{COUNT} or more .*weld=True joins them into 1"):
+        catamaran.Eigenbasis(*PIECES, 5)
 
 
 def test_welded_meshes_have_the_spectrum_of_the_whole_with_a_row_for_each_vertex():
@@ -101,8 +121,17 @@ def test_a_signature_of_zeros_is_refused():
 
 def test_closed_components_under_dirichlet_and_loose_vertices_are_said():
     both = beside(shapes.grid(6, 6), shapes.icosphere(1))
-    with pytest.warns(UserWarning, match="2 components: 1 eigenvalues are zero"):
+    with pytest.warns(UserWarning, match="1 eigenvalue is zero, one for each without a vertex"):
         assert catamaran.eigsh(*both, 3, boundary="dirichlet").values[0] == 0
+    grids = beside(shapes.grid(6, 6), shapes.grid(6, 6))
+    with pytest.warns(UserWarning, match="2 components, whose eigenvalues are in one list"):
+        assert catamaran.eigsh(*grids, 3, boundary="dirichlet").values[0] > 0
+    with pytest.warns(UserWarning, match="the mesh has no boundary"):
+        catamaran.eigsh(*shapes.icosphere(1), 3, boundary="dirichlet")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        catamaran.eigsh(*both, 3, sigma=5.0)
+        catamaran.eigsh(*shapes.icosphere(1), 3, boundary="dirichlet", sigma=5.0)
     v, f = shapes.icosphere(1)
     v = np.vstack([v, [[9.0, 9.0, 9.0]]])
     with pytest.warns(UserWarning, match="vertices in no face: 1"):
@@ -120,7 +149,10 @@ def test_components_of_a_matrix_are_said():
 
 def test_parts_of_a_union_must_have_a_boundary():
     closed, disk = shapes.icosphere(2), shapes.disk(10, 20)
-    with pytest.raises(ValueError, match="parts: a component is closed"):
+    with pytest.raises(ValueError, match="part 1: a component is closed"):
         catamaran.union_spectrum([disk, closed])
-    with pytest.raises(ValueError, match="parts: a component is closed"):
+    with pytest.raises(ValueError, match="part 1: a component is closed"):
         catamaran.union_spectrum([disk, split(*closed)], weld=True)
+    message = "part 1: the mesh has 2 components, whose eigenvalues are in one list"
+    with pytest.warns(UserWarning, match=message):
+        catamaran.union_spectrum([disk, beside(disk, disk)])

@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::basis::Basis;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
-use crate::base::{Par, Progress, Result, builder};
+use crate::base::{Par, Progress, Result, builder, check_request};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place};
 
@@ -89,8 +89,9 @@ impl ProductBasis {
     /// memory.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) when the order is too large or the constant is
-    /// not among the eigenfunctions, [`Error::OutOfMemory`](crate::Error::OutOfMemory),
+    /// [`Error::Argument`](crate::Error::Argument) when the order is too large, the products do not
+    /// fit into the memory, or the constant is not among the eigenfunctions,
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory),
     /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(
         eigenbasis: &Eigenbasis,
@@ -100,7 +101,10 @@ impl ProductBasis {
         let constant = eigenbasis.need_constant("eigenbasis")?;
         let k = eigenbasis.len() - 1;
         let products = Eigenproducts::new(k, order)?;
-        let mut matrix = zeros(eigenbasis.basis().vertices(), products.len())?;
+        let (n, len) = (eigenbasis.basis().vertices(), products.len());
+        let request = format_args!("{len} functions of {n} vertices");
+        check_request("order", request, 8.0 * len as f64 * n as f64)?;
+        let mut matrix = zeros(n, len)?;
         let factors = Scale(1.0 / constant) * eigenbasis.functions().subcols(1, k);
         products.evaluate(factors.as_ref(), matrix.as_mut(), options.par)?;
         let mass = eigenbasis.basis().mass().clone();

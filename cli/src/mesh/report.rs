@@ -37,6 +37,9 @@ pub fn validation(mesh: &TriMesh, found: &Validation) -> Result<()> {
     )
 }
 
+/// What `--weld` with a tolerance does.
+const JOINS: &str = "joins vertices at most that far apart";
+
 /// Returns the options that help against the problems of a mesh, with what they do.
 fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
     let mut options = Vec::new();
@@ -53,10 +56,10 @@ fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
         Some(0.0) => options.push(("--weld".into(), "joins vertices in the same place")),
         Some(apart) => {
             // A round number above the distance.
-            options.push((format!("--weld={:.0e}", 1.5 * apart), "joins vertices that near"));
+            options.push((format!("--weld={:.0e}", 1.5 * apart), JOINS));
         }
         None if has(|p| matches!(p, Problem::LooseFace(_))) => {
-            options.push(("--weld=TOLERANCE".into(), "joins vertices that near"));
+            options.push(("--weld=TOLERANCE".into(), JOINS));
         }
         None => {}
     }

@@ -18,7 +18,7 @@ use crate::report::row;
 ///
 /// With --localize this is figure 2.10 of the thesis: the region of the union on a template while
 /// one part turns into another. An interpolated spectrum may not be that of any surface; the
-/// out-of-distribution score says where it is further out than the training data.
+/// out-of-distribution score says which parts are further out than 99.5 % of the training pairs.
 #[derive(clap::Args)]
 pub struct Args {
     /// The first part, the last part, and the part that stays: .obj, .ply, .off, .stl, .glb or

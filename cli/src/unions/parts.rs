@@ -38,7 +38,9 @@ impl PartArgs {
     pub fn read(&self, path: &Path) -> Result<(TriMesh, Vec<f64>)> {
         let mesh = self.repair.read(path)?.mesh;
         let spectrum = spectrum(&mesh).with_context(|| path.display().to_string())?;
-        Pieces::new(&mesh, path, &self.repair, &Boundary::Dirichlet)?.note();
+        if !mesh.faces().is_empty() {
+            Pieces::new(&mesh, path, &self.repair, &Boundary::Dirichlet)?.note();
+        }
         Ok((mesh, spectrum))
     }
 

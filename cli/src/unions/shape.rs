@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     let table = dense(&args.spectrum)?;
     let named = || args.spectrum.display().to_string();
     let last = table.ncols().checked_sub(1).context("no columns").with_context(named)?;
-    if Edges::new(&template).boundary().next().is_none() && is_predicted(&args.spectrum) {
+    if closed && is_predicted(&args.spectrum) {
         note(format_args!(
             "{} is closed, and its eigenvalues are those without a boundary; `unions predict` \
              writes those of a part with its boundary held at zero",
@@ -97,7 +97,10 @@ pub fn run(args: &Args) -> Result<()> {
         let (wanted, why) = (
             100.0 * args.tolerance,
             match found.steps < args.steps {
-                true => "no step brings them nearer: no shape near the template has this spectrum",
+                true => {
+                    "no further step brings them nearer; perhaps no shape near the template has \
+                     this spectrum"
+                }
                 false => "more steps may bring them nearer (--steps)",
             },
         );

@@ -88,14 +88,22 @@ fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
 #[test]
 fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() {
     let folder = folder("in.ply", &sphere().into());
-    folder.write("plant.swc", "1 1 0 0 0 1 -1\n2 1 0 0 1 1 1\n");
     let file = fs::metadata(folder.path("in.ply")).unwrap().len();
     assert!(file < 1 << 20, "{file} bytes");
     for (command, what) in [
         ("decimate in.ply -n 1000000 -o out.ply", "1000000 vertices"),
         ("decimate in.ply --edge-length 0.0001 -o out.ply", "vertices"),
         ("spectrum in.ply -k 2000 -o out.npz", "2000 of 2562 eigenpairs"),
-        ("basis in.ply -k 200 -o out.npz", "20301 functions of 2562 vertices"),
+        ("basis in.ply -k 600 -o out.npz", "-k: 601 functions of 2562 vertices"),
+        ("basis in.ply -k 50 -o out.npz", "order: 1326 functions of 2562 vertices"),
+        (
+            "transfer in.ply in.ply --identity --details coordinates -k 50 -o out.ply",
+            "order: 1326 functions of 2562 vertices",
+        ),
+        (
+            "transfer in.ply in.ply --identity --details heights --smooth 600 -o out.ply",
+            "--smooth: 601 functions of 2562 vertices",
+        ),
         ("newton --size 4096 -o out.png", "16777216 points"),
         ("slime --tile --size 4096 -o out", "4096 x 4096"),
     ] {
@@ -105,7 +113,7 @@ fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() 
         assert!(message.contains("0.01 GiB are allowed (--max-memory)"), "{command}: {message}");
     }
     // Without a limit the memory of the machine counts.
-    let message = folder.fail("decimate in.ply -n 400000000 -o out.ply");
+    let message = folder.fail("decimate in.ply -n 999999999999 -o out.ply");
     assert!(message.contains("GiB are available"), "{message}");
     assert!(!folder.path("out.ply").exists());
 }

@@ -130,6 +130,10 @@ fn the_hints_of_the_note_lead_to_one_component() {
     let hint = "note: pages.ply: 3 components: 3 eigenvalues are zero, one for each (--weld joins \
                 them into 1; `";
     assert!(run.stderr.contains(hint), "{}", run.stderr);
+    // --weld and --strict exclude each other.
+    let run = succeed(&folder, "spectrum pages.ply --strict -k 5");
+    let hint = "(--weld instead of --strict joins them into 1; `";
+    assert!(run.stderr.contains(hint), "{}", run.stderr);
     let run = succeed(&folder, "spectrum pages.ply --weld -k 5");
     assert!(!run.stderr.contains("eigenvalues are zero"), "{}", run.stderr);
 
@@ -158,6 +162,9 @@ fn boundary_conditions_count() {
         let run = succeed(&folder, &format!("spectrum {mesh} -k 5 --boundary dirichlet"));
         assert!(run.stderr.contains(&format!("note: {mesh}: {says}")), "{}", run.stderr);
     }
+    let refused = folder.fail("shapedna both.ply -k 1 --dirichlet");
+    let says = "1 eigenvalue is zero, one for each component without boundary: -k 1";
+    assert!(refused.contains(says), "{refused}");
     let run = folder.run("unions predict grids.ply both.ply");
     assert_eq!(run.code, Some(1), "{}", run.stdout);
     assert!(run.stderr.contains("both.ply: a component is closed (1 of 2)"), "{}", run.stderr);

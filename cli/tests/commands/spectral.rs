@@ -373,8 +373,11 @@ fn a_filter_moves_no_component_to_the_origin() {
     let run = folder.run("filter spheres.ply --low-pass 1 -k 20 -o points.ply");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert!(run.stderr.contains("note: 4 of 4 components are points now"), "{}", run.stderr);
+    // The other note is that of the number of components.
+    assert_eq!(run.stderr.lines().count(), 2, "{}", run.stderr);
     let run = folder.run("filter spheres.ply --low-pass 17 -k 20 -o round.ply");
     assert!(!run.stderr.contains("are points now"), "{}", run.stderr);
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
 }
 
 #[test]

@@ -66,7 +66,9 @@ fn parts_may_be_point_clouds() {
         folder.write(&format!("{name}-cloud.off"), text);
     }
     folder.succeed("unions predict a.off b.off -o meshes.csv");
-    folder.succeed("unions predict a-cloud.off b-cloud.off -o clouds.csv --picture none.png");
+    let run = folder.run("unions predict a-cloud.off b-cloud.off -o clouds.csv --picture none.png");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(!run.stderr.contains("in no face"), "{}", run.stderr);
     let [meshes, clouds] =
         ["meshes.csv", "clouds.csv"].map(|name| fs::read_to_string(folder.path(name)).unwrap());
     for (mesh, cloud) in columns(&meshes).iter().zip(columns(&clouds)) {

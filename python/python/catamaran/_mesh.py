@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from typing import Any, Dict, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
@@ -118,9 +117,9 @@ def write_mesh(
 
 
 def warn(path: Path, notes: Sequence[str]) -> None:
-    """Turn notes about a file into warnings of the caller of the caller."""
+    """Turn notes about a file into warnings at the line that called this package."""
     for note in notes:
-        warnings.warn(f"{os.fspath(path)}: {note}", stacklevel=3)
+        warn_caller(f"{os.fspath(path)}: {note}")
 
 
 class Laplacian(NamedTuple):
@@ -213,8 +212,9 @@ def eigsh(
     ``eigsh(v, f, k)`` takes a mesh. ``eigsh(A, M, k)`` takes a symmetric positive semi-definite
     matrix of scipy.sparse and a mass: a positive definite one, a vector, or None.
 
-    Every component of a mesh has an eigenvalue zero. A warning says how many there are where the
-    mesh has several components, and how many vertices are in no face.
+    Every component of a mesh without a vertex held at zero has an eigenvalue zero. Without `sigma`
+    a warning says how many there are where the mesh has several components. Another one says how
+    many vertices are in no face.
 
     Parameters
     ----------
@@ -267,5 +267,6 @@ def eigsh(
         pairs, pieces = _catamaran.eigsh(
             v, f, search, kind, mass, boundary, weld, callback(progress)
         )
-        warn_of_pieces(pieces)
+        dirichlet = isinstance(boundary, str) and boundary == "dirichlet"
+        warn_of_pieces(pieces, dirichlet=dirichlet, shifted=sigma is not None)
     return Eigenpairs(*pairs)

@@ -50,6 +50,19 @@ def callback(progress: Progress) -> Optional[Callable[[int, int], Any]]:
     return progress
 
 
+def part(progress: Progress, start: float, stop: float) -> Optional[Callable[[int, int], Any]]:
+    """Return a callable for the part of the progress from `start` to `stop`, as parts of 1."""
+    whole = callback(progress)
+    if whole is None:
+        return None
+    call: Callable[[int, int], Any] = whole
+
+    def update(done: int, total: int) -> None:
+        call(round((start + (stop - start) * done / total) * total), total)
+
+    return update
+
+
 def products(
     uplo: str, scheme: str, accuracy: Accuracy, reproducible: bool, threads: Optional[int]
 ) -> Tuple[str, str, Accuracy, bool, Optional[int]]:
@@ -98,20 +111,34 @@ def warn_caller(message: str) -> None:
     warnings.warn(message, UserWarning, stacklevel=level)
 
 
-def warn_of_pieces(pieces: Tuple[int, int, int, int]) -> None:
+def warn_of_pieces(
+    pieces: Tuple[int, int, int, int],
+    *,
+    dirichlet: bool = False,
+    shifted: bool = False,
+    name: str = "",
+) -> None:
     """Warn of a mesh with several components, and of vertices in no face.
 
     `pieces` are the components, those without a vertex held at zero, those that are left with
-    `weld`, and the vertices in no face.
+    `weld`, and the vertices in no face. With `dirichlet` a mesh without a boundary is named, too;
+    with `shifted` the eigenvalues may lie far from zero, and components are not. `name` is that of
+    the mesh, if there are several.
     """
     count, free, left, alone = pieces
     found: List[str] = []
-    if count > 1:
-        found.append(
-            f"the mesh has {count} components: {free} eigenvalues are zero, one for each without a "
-            "vertex held at zero" + (f"; weld=True joins them into {left}" if left < count else "")
-        )
+    zeros = "1 eigenvalue is zero" if free == 1 else f"{free} eigenvalues are zero"
+    if count > 1 and not shifted:
+        what = f"the mesh has {count} components"
+        if free == 0:
+            what += ", whose eigenvalues are in one list"
+        else:
+            what += f": {zeros}, one for each"
+            what += "" if free == count else " without a vertex held at zero"
+        found.append(what + (f"; weld=True joins them into {left}" if left < count else ""))
+    elif free > 0 and dirichlet and not shifted:
+        found.append("the mesh has no boundary")
     if alone > 0:
         found.append(f"vertices in no face: {alone}; eigenfunctions are zero there")
     for message in found:
-        warn_caller(message)
+        warn_caller(f"{name}: {message}" if name else message)

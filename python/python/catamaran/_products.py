@@ -77,8 +77,9 @@ def ata(
     dtype : dtype, optional
         ``numpy.float64`` computes a float64 result of float32 rows, without a copy of A.
     threads : int, optional
-        Threads, at most; by default one for each core, or ``OMP_NUM_THREADS`` if that is lower. The
-        result does not depend on it, bit for bit.
+        Threads, at most; by default one for each core, at most ``RAYON_NUM_THREADS`` and
+        ``CATAMARAN_NUM_THREADS`` (or, where that is not set, ``OMP_NUM_THREADS``). The result does
+        not depend on it, bit for bit.
     progress : callable or tqdm bar, optional
         ``progress(done, total)`` is called now and then; an exception in it ends the call.
 
@@ -388,7 +389,6 @@ class Accumulator(_catamaran.Accumulator):
         """Return ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
         return self._result(alpha, uplo)
 
-    @to_nearest
     def cov(self, *, ddof: int = 1) -> NDArray[Any]:
         """Return the covariance matrix; needs `center`."""
         return self._cov(ddof)

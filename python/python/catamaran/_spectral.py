@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_scipy, warn_of_pieces
+from ._options import Progress, callback, part, to_scipy, warn_of_pieces
 
 __all__ = [
     "Eigenbasis",
@@ -28,7 +28,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
     v, f : array_like, n x 3 and m x 3
         Vertices and faces.
     k : int
-        Eigenfunctions, the constant one included; at least one for each piece of the mesh.
+        Eigenfunctions, the constant one included; at least one for each component of the mesh.
     kind : {"cotangent", "intrinsic", "tufted"}
         As in `laplacian`.
     weld : bool
@@ -81,11 +81,29 @@ class Eigenbasis(_catamaran.Eigenbasis):
 Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike]]
 
 
-def _basis(shape: Shape, k: int, weld: bool, threads: Optional[int]) -> Eigenbasis:
-    if isinstance(shape, Eigenbasis):
-        return shape
-    v, f = shape
-    return Eigenbasis(v, f, k, weld=weld, threads=threads)
+#: The part of the progress of a call that a basis takes.
+_SHARE = 0.3
+
+
+def _bases(
+    shapes: Sequence[Shape],
+    lens: Sequence[int],
+    weld: bool,
+    threads: Optional[int],
+    progress: Progress,
+) -> Tuple[List[Eigenbasis], Progress]:
+    """Return a basis of each shape, and the progress of what is computed with them."""
+    bases: List[Eigenbasis] = []
+    start = 0.0
+    for shape, k in zip(shapes, lens):
+        if isinstance(shape, Eigenbasis):
+            bases.append(shape)
+            continue
+        v, f = shape
+        of_basis = part(progress, start, start + _SHARE)
+        bases.append(Eigenbasis(v, f, k, weld=weld, threads=threads, progress=of_basis))
+        start += _SHARE
+    return bases, part(progress, start, 1.0)
 
 
 class Eigenproducts(NamedTuple):
@@ -149,10 +167,11 @@ def eigenproducts(
     [[], [1], [2], [3], [1, 1], [1, 2]]
     """
     if isinstance(v, Eigenbasis):
-        basis = v
+        basis, rest = v, progress
     else:
-        basis = Eigenbasis(v, f, k + 1, kind=kind, weld=weld, threads=threads)
-    found = _catamaran.eigenproducts(basis, order, method, threads, callback(progress))
+        of_basis, rest = part(progress, 0.0, _SHARE), part(progress, _SHARE, 1.0)
+        basis = Eigenbasis(v, f, k + 1, kind=kind, weld=weld, threads=threads, progress=of_basis)
+    found = _catamaran.eigenproducts(basis, order, method, threads, callback(rest))
     return Eigenproducts(*found)
 
 
@@ -223,7 +242,7 @@ def functional_map(
     both = (k, k) if isinstance(k, int) else k
     lens = (both[0] + 1, both[1] + 1)
     more = [max(n, zoom) if refine == "zoomout" else n for n in lens]
-    bases = [_basis(shape, n, weld, threads) for shape, n in zip((source, target), more)]
+    bases, rest = _bases((source, target), more, weld, threads, progress)
     found = _catamaran.functional_map(
         bases[0],
         bases[1],
@@ -234,7 +253,7 @@ def functional_map(
         commutativity,
         refine,
         threads,
-        callback(progress),
+        callback(rest),
     )
     return FunctionalMap(*found)
 
@@ -289,10 +308,10 @@ def transfer(
     """
     both = (k, k) if isinstance(k, int) else k
     lens = (both[0] + 1, both[1] + 1)
-    bases = [_basis(shape, n, weld, threads) for shape, n in zip((source, target), lens)]
+    bases, rest = _bases((source, target), lens, weld, threads, progress)
     if points is None:
         points = np.arange(bases[1].functions.shape[0])
     found = _catamaran.transfer(
-        bases[0], bases[1], functions, points, lens, order, method, threads, callback(progress)
+        bases[0], bases[1], functions, points, lens, order, method, threads, callback(rest)
     )
     return found[:, 0] if np.ndim(functions) == 1 else found

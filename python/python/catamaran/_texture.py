@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback
+from ._options import Progress, callback, warn_caller
 
 __all__ = ["Fractal", "Slime", "newton", "slime"]
 
@@ -88,6 +88,11 @@ def slime(
     Slime
         ``texture``, ``uv``, ``coverage``.
 
+    Warns
+    -----
+    UserWarning
+        Says how many triangles overlap others in the texture, where they share trails.
+
     Examples
     --------
     >>> import catamaran
@@ -115,8 +120,15 @@ def slime(
     }
     if uv is not None:
         uv = np.asarray(uv, dtype=np.float64)
-    found = _catamaran.slime(v, f, steps, mould, uv, start, ground, callback(progress))
-    return Slime(*found)
+    texture, corners, coverage, count = _catamaran.slime(
+        v, f, steps, mould, uv, start, ground, callback(progress)
+    )
+    if count > 0:
+        warn_caller(
+            f"faces share texture: {count} of {len(corners)} triangles overlap others; without uv "
+            "there are no overlaps"
+        )
+    return Slime(texture, corners, coverage)
 
 
 class Fractal(NamedTuple):
@@ -180,6 +192,11 @@ def newton(
     Fractal
         ``roots`` and ``convergence``: n numbers, height x width, or size x size x size.
 
+    Warns
+    -----
+    UserWarning
+        Says how many points reach no root; their root is the one nearest to where they are then.
+
     Examples
     --------
     >>> import catamaran
@@ -214,6 +231,11 @@ def newton(
         "w": w,
         "threads": threads,
     }
-    found: Tuple[Any, Any] = _catamaran.newton(at, fractal, callback(progress))
-    shape = shapes.get(kind, found[0].shape)
-    return Fractal(found[0].reshape(shape), found[1].reshape(shape))
+    numbers, convergence, unreached = _catamaran.newton(at, fractal, callback(progress))
+    if unreached > 0:
+        warn_caller(
+            f"{unreached} of {numbers.size} points reach no root in {iterations} iterations; raise "
+            "iterations"
+        )
+    shape = shapes.get(kind, numbers.shape)
+    return Fractal(numbers.reshape(shape), convergence.reshape(shape))

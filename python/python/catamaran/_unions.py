@@ -104,6 +104,11 @@ def union_spectrum(
     UnionSpectrum
         ``union``, ``parts``, ``ood_score``.
 
+    Warns
+    -----
+    UserWarning
+        Names a part, numbered from 0, of several components, or with vertices in no face.
+
     Examples
     --------
     >>> import numpy as np
@@ -113,5 +118,10 @@ def union_spectrum(
     >>> bool(np.all(found.union <= found.parts[0]))  # a larger domain has smaller eigenvalues
     True
     """
-    found = _catamaran.union_spectrum(list(parts), model, weld, callback(progress))
-    return UnionSpectrum(*found)
+    union, spectra, pieces, ood_score = _catamaran.union_spectrum(
+        list(parts), model, weld, callback(progress)
+    )
+    for i, of_part in enumerate(pieces):
+        if of_part is not None:
+            warn_of_pieces(of_part, name=f"part {i}")
+    return UnionSpectrum(union, spectra, ood_score)
