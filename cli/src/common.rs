@@ -7,6 +7,8 @@ use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
 
+use crate::claims::{Purpose, claim};
+
 /// The heading of these options in help texts.
 pub const HEADING: &str = "Common options";
 
@@ -64,9 +66,10 @@ impl Force {
     /// Starts a file, once it is known that it may be written.
     ///
     /// # Errors
-    /// Those of [`Force::check`]; the folder can't be written.
+    /// Those of [`Force::check`]; the folder can't be written; another result has this name.
     pub fn create(self, path: &Path) -> Result<Output> {
         self.check(path)?;
+        claim(path, Purpose::Result)?;
         Ok(Output::create(path, self.overwrite())?)
     }
 }

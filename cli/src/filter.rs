@@ -228,18 +228,27 @@ fn gains(
     frequencies: &[f64],
     numbers: &[usize],
 ) -> Result<(Vec<f64>, f64)> {
-    let in_band = |band: std::ops::Range<usize>, inside: f64| {
+    let known = numbers.iter().max().map_or(0, |last| last + 1);
+    let in_band = |option: &str, band: std::ops::Range<usize>, inside: f64| {
+        if band.end > known && numbers.len() < basis.vertices() {
+            // Several components have several constant functions.
+            let need = match args.order {
+                ..=1 => format!("-k {} or more", numbers.len() - 1 + band.end - known),
+                _ => "a larger -k or --order".into(),
+            };
+            bail!("{option}: {known} frequencies are computed; {need} is needed");
+        }
         let gain = |number: &usize| if band.contains(number) { inside } else { 1.0 - inside };
-        (numbers.iter().map(gain).collect(), 1.0 - inside)
+        Ok((numbers.iter().map(gain).collect(), 1.0 - inside))
     };
     if let Some(count) = args.low_pass {
-        return Ok(in_band(0..count, 1.0));
+        return in_band("--low-pass", 0..count, 1.0);
     }
     if let Some(count) = args.high_pass {
-        return Ok(in_band(0..count, 0.0));
+        return in_band("--high-pass", 0..count, 0.0);
     }
     if let Some(band) = &args.band {
-        return Ok(in_band(band.clone(), 1.0));
+        return in_band("--band", band.clone(), 1.0);
     }
     let time = args.heat.or(args.sharpen).unwrap_or_default();
     let amount = args.amount.unwrap_or(1.0);

@@ -3,6 +3,7 @@
 mod ata;
 mod backend;
 mod basis;
+mod claims;
 mod common;
 mod completions;
 mod curve;

@@ -234,9 +234,14 @@ impl Growing<'_> {
             self.add(inner, a.rb_mut(), start..middle)?;
             return self.add(inner, a, middle..range.end);
         };
-        let (rank, before) = (block.kept.len(), self.kept.len());
+        // No more columns are independent than the space has dimensions, whatever rounding leaves.
+        let before = self.kept.len();
+        let rank = block.kept.len().min(self.r.nrows() - before);
         self.r.as_mut().submatrix_mut(0, start, before, width).copy_from(&block.above);
-        self.r.as_mut().submatrix_mut(before, start, rank, width).copy_from(&block.own);
+        self.r
+            .as_mut()
+            .submatrix_mut(before, start, rank, width)
+            .copy_from(block.own.as_ref().subrows(0, rank));
         // Columns move left, one by one: they may overlap.
         for j in 0..rank {
             let to = before + j;
@@ -249,7 +254,7 @@ impl Growing<'_> {
                 false => {}
             }
         }
-        self.kept.extend(block.kept.iter().map(|j| start + j));
+        self.kept.extend(block.kept[..rank].iter().map(|j| start + j));
         Ok(())
     }
 }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use super::{Plant, Segment};
-use crate::base::{Error, Result, Rng, builder, reserved};
+use crate::base::{Error, Result, Rng, builder, check_request, reserved};
 use crate::mesh::vector::{add, cross, dot, scale, unit};
 
 /// Number of segments of an internode.
@@ -131,6 +131,10 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
         let why = format!("nodes, radius and internode must be positive, in {options:?}");
         return Err(Error::Argument { what: "growth", why });
     }
+    /// Bytes of a node while the plant grows: its segment, its place in the tree, and its bud.
+    const NODE: f64 = 200.0;
+    let request = format_args!("a plant of {} nodes", options.nodes);
+    check_request("nodes", request, options.nodes as f64 * NODE)?;
     let mut rng = Rng::new(options.seed);
     let mut segments: Vec<Segment> = reserved(options.nodes)?;
     let mut parents: Vec<Option<u32>> = reserved(options.nodes)?;

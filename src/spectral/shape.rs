@@ -3,7 +3,7 @@
 
 use faer::Mat;
 
-use crate::base::{Error, Par, Progress, Result, builder};
+use crate::base::{Error, Par, Progress, Result, at_least_zero, builder};
 use crate::dense::{
     cholesky, lower_solve_in_place, transposed_product, upper_solve_in_place, zeros,
 };
@@ -88,6 +88,7 @@ pub fn shape_from_spectrum(
     options: &ShapeOptions<'_>,
 ) -> Result<ShapeFromSpectrum> {
     check(template, eigenvalues)?;
+    at_least_zero("tolerance", options.tolerance)?;
     let wanted = Wanted::new(template, eigenvalues, options.par)?;
     let as_given = wanted.shape(template.vertices().to_vec())?;
     // Eigenvalues scale with 1 / length^2.

@@ -104,6 +104,19 @@ fn more_columns_than_rows_have_the_rank_of_the_rows() {
 }
 
 #[test]
+fn a_single_pass_keeps_no_more_columns_than_there_are_rows() {
+    // Products of a few functions: many nearly dependent columns, and more of them than rows.
+    for n in [10, 30, 90] {
+        let power = |i: usize, j: usize| (i as f64 / n as f64 - 0.5).powi(j as i32 % 40);
+        let wave = |i: usize, j: usize| ((1 + j / 40) as f64 * i as f64 / n as f64).cos();
+        let a = Mat::from_fn(n, 20 * n, |i, j| power(i, j) * wave(i, j));
+        let options = GramSchmidtOptions::single_pass().threshold(1e-13);
+        let found = gram_schmidt(a.as_ref(), &Mass::identity(n), &options).unwrap();
+        assert!(found.kept.len() <= n, "{} of {n}", found.kept.len());
+    }
+}
+
+#[test]
 fn duplicates_zeros_and_sums_are_dropped() {
     let (n, mass) = (400, full(400));
     let mut a = random(n, 600, 3);

@@ -8,6 +8,7 @@ use catamaran::ata::Accumulator;
 use catamaran::blas::BlasReal;
 use catamaran::io::{self as files, Output, Overwrite};
 
+use crate::claims::{Purpose, claim};
 use crate::common::Force;
 use crate::parse;
 use crate::ranks::Ranks;
@@ -53,8 +54,8 @@ impl CheckpointArgs {
         })
     }
 
-    /// Refuses a file that exists, unless --resume or --force is given, and a file that can't be
-    /// written.
+    /// Refuses a file that exists, unless --resume or --force is given, one that has another
+    /// purpose, and one that can't be written.
     pub fn check(&self, ranks: &Ranks, force: Force) -> Result<()> {
         let Some(path) = self.path(ranks) else { return Ok(()) };
         if !force.is_given() && !self.resume && path.symlink_metadata().is_ok() {
@@ -63,6 +64,7 @@ impl CheckpointArgs {
                 path.display()
             );
         }
+        claim(&path, Purpose::Checkpoint)?;
         // The first checkpoint, which may be hours later, would be too late for this error.
         drop(Output::create(&path, Overwrite::Replace)?);
         Ok(())

@@ -14,6 +14,7 @@ use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
 
+use crate::claims::{Purpose, claim};
 use crate::input;
 use crate::progress::Bar;
 use crate::report::{seconds, status};
@@ -59,6 +60,12 @@ pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 impl Source {
     /// Opens `.npy` and HDF5 files, and reads all others.
     pub fn open(name: &Path, columns: Option<Range<usize>>) -> Result<Self> {
+        // Of FILE.h5:/dataset the file.
+        let file = name
+            .to_str()
+            .and_then(|name| name.split_once(":/"))
+            .map_or(name, |(file, _)| Path::new(file));
+        claim(file, Purpose::Input)?;
         let (content, names) = if is_file_of_rows(name) {
             let file = RowFile::open(name)?;
             let file = match columns {

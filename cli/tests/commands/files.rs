@@ -73,3 +73,35 @@ fn force_writes_what_a_symbolic_link_leads_to() {
         assert!(fs::read_to_string(folder.path(target)).unwrap().starts_with("OFF\n4 4"));
     }
 }
+
+#[test]
+fn no_file_has_two_purposes_of_which_one_destroys_the_other() {
+    let folder = folder();
+    folder.write("a.csv", "1,2\n3,4\n5,6\n");
+    folder.write_npy("a.npy", &[3, 2], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    let checkpoint = "--checkpoint names a file that is also an input or a result";
+    let results = "two results have this name";
+    for (command, says) in [
+        ("ata a.npy --checkpoint a.npy -o c.npy --force", checkpoint),
+        ("ata a.csv --checkpoint ./a.csv -o c.npy --force", checkpoint),
+        ("ata a.npy --checkpoint c.npy -o c.npy", checkpoint),
+        ("ata a.npy --checkpoint c.png -o c.npy --picture c.png", checkpoint),
+        ("ata a.npy --checkpoint c.sums --accumulator c.sums", checkpoint),
+        ("lstsq a.npy --by-column 0 --checkpoint a.npy -o c.npz --force", checkpoint),
+        ("pca a.npy --checkpoint c.npz -o c.npz", checkpoint),
+        ("svd a.npy --checkpoint c.npz -o c.npz", checkpoint),
+        ("shapedna odd.obj odd.obj -k 3 --distances c.csv --signatures c.csv --force", results),
+        ("newton --size 32 -o c.png --heights c.png --force", results),
+    ] {
+        let message = folder.fail(command);
+        assert!(message.contains(says), "{command}: {message}");
+        for input in ["a.csv", "a.npy", "odd.obj"] {
+            assert!(folder.path(input).exists(), "{command}: {input}");
+        }
+        for result in ["c.npy", "c.npz", "c.csv", "c.png", "c.sums"] {
+            assert!(!folder.path(result).exists(), "{command}: {result}");
+        }
+    }
+    // An input may be replaced by the result of the command.
+    folder.succeed("ata a.npy -o a.npy --force");
+}

@@ -253,6 +253,9 @@ fn one_coefficient_changes_by_a_share_of_the_size() {
         ("--coefficient 0", "the constant function only moves the mesh"),
         ("--coefficient 11", "the last frequency is number 10"),
         ("--coefficient 1 --share inf", "--share inf: a finite number is needed"),
+        ("--low-pass 12", "--low-pass: 11 frequencies are computed; -k 12 or more is needed"),
+        ("--high-pass 99", "--high-pass: 11 frequencies"),
+        ("--band 9..12", "--band: 11 frequencies"),
         ("--low-pass 3 --share 0.1", "--share is for --coefficient only"),
         ("--heat 0.1 --amount 2", "--amount is for --sharpen only"),
     ] {

@@ -102,6 +102,11 @@ fn a_template_is_deformed_to_a_predicted_spectrum() {
     rectangle(&folder, "b.off", 10, 14);
     rectangle(&folder, "template.off", 15, 15);
     folder.succeed("unions predict a.off b.off -o spectra.csv");
+    for tolerance in ["nan", "-1"] {
+        let command = "unions shape template.off --spectrum spectra.csv -k 8 -o no.off --tolerance";
+        let message = folder.fail(&format!("{command}={tolerance}"));
+        assert!(message.contains("tolerance"), "{message}");
+    }
     let deform = "unions shape template.off --spectrum spectra.csv -k 8 --tolerance 0.01 -o";
     let said = folder.succeed(&format!("{deform} union.ply --picture union.png"));
     let error = said.lines().find_map(|line| line.strip_prefix("error")).unwrap();

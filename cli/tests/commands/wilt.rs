@@ -89,6 +89,8 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
         assert!(refused.contains(why), "{refused}");
     }
     assert!(folder.fail("wilt --grow 0 -o out").contains("nodes"));
+    let message = folder.fail("wilt --grow 50000000 -o out --max-memory 1");
+    assert!(message.contains("a plant of 50000000 nodes would take at least"), "{message}");
     let run = folder.run("wilt --grow 5 -o out --frames 4000000000");
     assert_eq!(run.code, Some(2));
     assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));

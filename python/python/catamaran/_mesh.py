@@ -268,5 +268,5 @@ def eigsh(
             v, f, search, kind, mass, boundary, weld, callback(progress)
         )
         dirichlet = isinstance(boundary, str) and boundary == "dirichlet"
-        warn_of_pieces(pieces, dirichlet=dirichlet, shifted=sigma is not None)
+        warn_of_pieces(pieces, dirichlet=dirichlet, shifted=sigma is not None, name="")
     return Eigenpairs(*pairs)

@@ -114,9 +114,9 @@ def warn_caller(message: str) -> None:
 def warn_of_pieces(
     pieces: Tuple[int, int, int, int],
     *,
-    dirichlet: bool = False,
-    shifted: bool = False,
-    name: str = "",
+    dirichlet: bool,
+    shifted: bool,
+    name: str,
 ) -> None:
     """Warn of a mesh with several components, and of vertices in no face.
 

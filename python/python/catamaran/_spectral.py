@@ -65,7 +65,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
         progress: Progress = None,
     ) -> Eigenbasis:
         basis = super().__new__(cls, v, f, k, kind, weld, threads, callback(progress))
-        warn_of_pieces(basis._pieces)
+        warn_of_pieces(basis._pieces, dirichlet=False, shifted=False, name="")
         return basis
 
     @property

@@ -61,7 +61,7 @@ def shape_dna(
     values, pieces = _catamaran.shape_dna(
         v, f, k, normalized, kind, weld, threads, callback(progress)
     )
-    warn_of_pieces(pieces)
+    warn_of_pieces(pieces, dirichlet=False, shifted=False, name="")
     return values
 
 
@@ -123,5 +123,5 @@ def union_spectrum(
     )
     for i, of_part in enumerate(pieces):
         if of_part is not None:
-            warn_of_pieces(of_part, name=f"part {i}")
+            warn_of_pieces(of_part, dirichlet=False, shifted=False, name=f"part {i}")
     return UnionSpectrum(union, spectra, ood_score)
