@@ -74,25 +74,6 @@ pub(crate) fn check_allocation(bytes: usize) -> Result<()> {
     Err(Error::OutOfMemory { bytes })
 }
 
-/// Makes room for `more` further items, or returns an error when memory is refused.
-#[cfg(feature = "geometry")]
-pub(crate) fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
-    if more <= values.capacity() - values.len() {
-        return Ok(());
-    }
-    let bytes = values.len().saturating_add(more).saturating_mul(size_of::<T>());
-    check_allocation(bytes)?;
-    values.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })
-}
-
-/// Returns `len` copies of a value, or an error when memory is refused.
-#[cfg(feature = "geometry")]
-pub(crate) fn repeated<T: Copy>(value: T, len: usize) -> Result<Vec<T>> {
-    let mut values = super::reserved(len)?;
-    values.resize(len, value);
-    Ok(values)
-}
-
 #[cfg(target_os = "linux")]
 mod system {
     use std::fs::read_to_string;

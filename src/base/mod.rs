@@ -34,9 +34,9 @@ pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
-pub use memory::{available_memory, check_request, limit_memory};
 #[cfg(feature = "geometry")]
-pub(crate) use memory::{check_allocation, repeated, room};
+pub(crate) use memory::check_allocation;
+pub use memory::{available_memory, check_request, limit_memory};
 #[cfg(all(test, feature = "unions"))]
 pub(crate) use operations::measure;
 #[cfg(feature = "geometry")]
@@ -59,7 +59,7 @@ pub(crate) use simd::widest;
 pub(crate) use simd::{arch, has_fused};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
-#[cfg(feature = "geometry")]
-pub(crate) use workspace::push;
 pub use workspace::{Arena, Workspace, release_memory};
 pub(crate) use workspace::{Scratch, reserved, zeros};
+#[cfg(feature = "geometry")]
+pub(crate) use workspace::{push, repeated, room};

@@ -252,7 +252,12 @@ impl<'a> Tracker<'a> {
     /// [`Error::Cancelled`] when the callback asked to stop.
     pub fn finish(&self) -> Result<()> {
         let mut reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
-        let done = f64::from_bits(self.done.load(Ordering::Relaxed));
+        let mut done = f64::from_bits(self.done.load(Ordering::Relaxed));
+        // The sum of many parts differs from the whole by rounding.
+        if (done - self.total).abs() < 1e-9 * self.total {
+            done = self.total;
+            self.done.store(done.to_bits(), Ordering::Relaxed);
+        }
         if self.progress.is_watched() && self.state().is_continue() && *reported < done {
             self.report(&mut reported);
         }

@@ -95,6 +95,25 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     Ok(values)
 }
 
+/// Makes room for `more` further items, or returns an error when memory is refused.
+#[cfg(feature = "geometry")]
+pub(crate) fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
+    if more <= values.capacity() - values.len() {
+        return Ok(());
+    }
+    let bytes = values.len().saturating_add(more).saturating_mul(size_of::<T>());
+    check_allocation(bytes)?;
+    values.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })
+}
+
+/// Returns `len` copies of a value, or an error when memory is refused.
+#[cfg(feature = "geometry")]
+pub(crate) fn repeated<T: Copy>(value: T, len: usize) -> Result<Vec<T>> {
+    let mut values = reserved(len)?;
+    values.resize(len, value);
+    Ok(values)
+}
+
 /// Adds a value to a vector, or returns an error when memory is refused.
 #[cfg(feature = "geometry")]
 pub(crate) fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {

@@ -60,8 +60,8 @@ impl Native {
         is_small(Shape { depth: m, rows: n, cols: k, same })
     }
 
-    /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`. A request to stop leaves
-    /// C unfinished.
+    /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`. A request to stop
+    /// leaves C unfinished.
     ///
     /// The function is inlined into its callers, so that a small product is not slowed down
     /// by the differences between them.

@@ -48,7 +48,8 @@ pub(super) fn watcher(
     })
 }
 
-/// Calls `work`, which asks a callback of the ABI, which was told that all is done, whether to stop.
+/// Calls `work`, which asks a callback of the ABI whether to stop, after it was told that all is
+/// done.
 #[cfg(feature = "geometry")]
 pub(super) fn watched<R>(
     progress: cata_progress,

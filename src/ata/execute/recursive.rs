@@ -69,32 +69,49 @@ impl<T: Real> Engine<'_, T> {
     /// Computes a node, and adds `work` to what the tracker knows as done, part by part. On a
     /// request to stop C is left unfinished.
     pub(crate) fn run(&self, node: Node<'_, T>, work: f64, scratch: &mut [T]) -> ControlFlow<()> {
-        self.compute(node, work, Arena::new(scratch), self.recursion.fast_levels)
+        self.compute(node, Some(work), Arena::new(scratch), self.recursion.fast_levels)
     }
 
+    /// Computes a node as a part of a larger one; without `work`, it asks nobody.
     fn compute(
         &self,
         mut node: Node<'_, T>,
-        work: f64,
+        work: Option<f64>,
         arena: Arena<'_, T>,
         fast_levels: usize,
     ) -> ControlFlow<()> {
+        /// Operations between two requests, at least.
+        const PIECE: f64 = 1e7;
         let (m, n, k) = (node.a.nrows(), node.a.ncols(), node.b.ncols());
-        if n == 0 || k == 0 {
+        if let Some(work) = work
+            && 2.0 * m as f64 * n as f64 * k as f64 <= PIECE
+        {
+            self.compute(node, None, arena, fast_levels)?;
             return self.tracker.add(work);
+        }
+        if n == 0 || k == 0 {
+            return ControlFlow::Continue(());
         }
         if m == 0 {
             node.scale();
-            return self.tracker.add(work);
+            return ControlFlow::Continue(());
         }
         if let Some(id) = self.recursion.choose(node.op.symmetric(), m, n, k, fast_levels) {
             return self.level(id.scheme(), node, work, arena, fast_levels);
         }
         let Node { op, alpha, a, b, beta, c } = node;
-        let b = (op != Op::Syrk).then_some(b);
-        self.tracker.part(work, |progress| {
-            self.kernels.compute(op != Op::Gemm, alpha, a, b, beta, c, progress)
-        })
+        if let Some(work) = work {
+            let b = (op != Op::Syrk).then_some(b);
+            return self.tracker.part(work, |progress| {
+                self.kernels.compute(op != Op::Gemm, alpha, a, b, beta, c, progress)
+            });
+        }
+        match op {
+            Op::Syrk => self.kernels.syrk(alpha, a, beta, c),
+            Op::Gemmt => self.kernels.gemmt(alpha, a, b, beta, c),
+            Op::Gemm => self.kernels.gemm(alpha, a, b, beta, c),
+        }
+        ControlFlow::Continue(())
     }
 
     /// Computes one level of `scheme`.
@@ -102,7 +119,7 @@ impl<T: Real> Engine<'_, T> {
         &self,
         scheme: &Scheme,
         node: Node<'_, T>,
-        work: f64,
+        work: Option<f64>,
         mut arena: Arena<'_, T>,
         fast_levels: usize,
     ) -> ControlFlow<()> {
@@ -127,9 +144,9 @@ impl<T: Real> Engine<'_, T> {
             Op::Gemm => 1.0,
             Op::Syrk | Op::Gemmt => 0.5,
         };
-        let unit = work / scheme.products.iter().map(weight).sum::<f64>();
+        let weights: f64 = scheme.products.iter().map(weight).sum();
         for product in &scheme.products {
-            let work = unit * weight(product);
+            let work = work.map(|work| work * weight(product) / weights);
             let op_of_product = op.of_product(product.kind);
             let (sign, left, right) = factors.of(product, op_of_product == Op::Syrk);
 

@@ -5,7 +5,7 @@
 //! An integer of f64 has two parts, `low + high 2^28`; the product of their sums gives the two
 //! mixed products at once (Karatsuba 1962).
 
-use super::recombine::nearest_of_ordered;
+use super::rounding::nearest_of_ordered;
 use super::tile::power_of_two;
 use crate::base::Real;
 
@@ -13,7 +13,7 @@ use crate::base::Real;
 pub(crate) const LANES: usize = 8;
 /// One row of a strip: a part of the integer of each column.
 pub(crate) type Row = [i32; LANES];
-/// Products of products of two strips: entry `[j][i]` belongs to column i of the left one and column j
+/// Sums of products of two strips: entry `[j][i]` belongs to column i of the left one and column j
 /// of the right one.
 pub(crate) type Products = [[i64; LANES]; LANES];
 

@@ -20,6 +20,7 @@ mod ladder;
 mod moduli;
 mod portable;
 mod recombine;
+mod rounding;
 #[cfg(test)]
 pub(crate) mod tests;
 mod tile;
