@@ -50,7 +50,7 @@ const COMMANDS: [&str; 11] = [
     "descriptors MESH --kind wks -k K -o d.npy --force",
     "descriptors MESH --kind gps -k K -o d.npy --force",
     "basis MESH -k K -o b.npz --force",
-    "filter MESH --low-pass 1 -k K -o f.ply --force",
+    "filter MESH --heat 0.01 -k K -o f.ply --force",
     "transfer MESH MESH --identity --details coordinates -k K -o t.ply --force",
     "transfer MESH MESH --landmarks pairs.txt --details coordinates -k K -o t.ply --force",
     "transfer MESH MESH --identity --details heights -k 30 --smooth K -o t.ply --force",
