@@ -65,43 +65,14 @@ pub mod blas;
 pub mod kernel;
 pub mod prelude;
 
-#[cfg(feature = "geometry")]
-pub mod curve;
-#[cfg(feature = "geometry")]
-pub mod decimate;
-#[cfg(feature = "geometry")]
 pub mod dense;
-#[cfg(feature = "geometry")]
 pub mod gram;
-#[cfg(feature = "geometry")]
 pub mod io;
-#[cfg(feature = "geometry")]
-pub mod mesh;
-#[cfg(feature = "geometry")]
 pub mod ortho;
-#[cfg(feature = "geometry")]
-pub mod plant;
-#[cfg(feature = "geometry")]
 pub mod sparse;
-#[cfg(feature = "geometry")]
-pub mod spectral;
-#[cfg(feature = "geometry")]
-pub mod texture;
-
-#[cfg(feature = "unions")]
-pub mod unions;
 
 #[cfg(feature = "mpi")]
 pub mod mpi;
-
-#[cfg(feature = "opencl")]
-pub mod opencl;
-
-#[cfg(feature = "capi-ata")]
-pub mod capi;
-
-#[cfg(all(test, feature = "unions"))]
-mod interruption;
 
 /// The matrix library whose views ([`faer::MatRef`], [`faer::MatMut`]) the API takes.
 pub use faer;

@@ -14,13 +14,5 @@ pub use faer::{Mat, MatMut, MatRef};
 
 pub use crate::ata::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};
 pub use crate::base::{Error, Par, Progress, Result};
-#[cfg(feature = "unions")]
-pub use crate::unions::SpectralUnion;
-#[cfg(feature = "geometry")]
-pub use crate::{
-    curve::{CurveOptions, CurveSolver},
-    decimate::{DecimateOptions, Decimator},
-    mesh::{Laplacian, LaplacianOptions, TriMesh, laplacian},
-    ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt},
-    sparse::{EigenOptions, Eigenpairs, eigs},
-};
+pub use crate::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt};
+pub use crate::sparse::{EigenOptions, Eigenpairs, eigs};

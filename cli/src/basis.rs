@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use catamaran::io::{Array, write_npz};
 use catamaran::sparse::Mass;
-use catamaran::spectral::{ProductBasis, ProductBasisOptions};
+use catamaran_geometry::spectral::{ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
 use crate::pieces::Need;

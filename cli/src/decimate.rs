@@ -5,14 +5,14 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
-use catamaran::decimate::{
+use catamaran::io::Output;
+use catamaran::sparse::CsMat;
+use catamaran_geometry::decimate::{
     DecimateOptions, Decimation, Difference, Method, Quality, Topology, decimate, edge_length_for,
     vertices_for_edge_length, vertices_for_faces,
 };
-use catamaran::io::Output;
-use catamaran::mesh::io::{self as files, MeshFile};
-use catamaran::mesh::{RepairOptions, TriMesh, repair};
-use catamaran::sparse::CsMat;
+use catamaran_geometry::mesh::io::{self as files, MeshFile};
+use catamaran_geometry::mesh::{RepairOptions, TriMesh, repair};
 use clap::{ArgGroup, ValueEnum};
 
 use crate::common::{Force, Threads};

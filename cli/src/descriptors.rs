@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files};
-use catamaran::mesh::TriMesh;
-use catamaran::spectral::descriptors::{
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::spectral::descriptors::{
     ShotOptions, global_point_signature, heat_kernel_signature, heat_times, shot,
     wave_kernel_signature, wave_scales,
 };

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 #[cfg(feature = "opencl")]
-use catamaran::opencl::DeviceInfo;
+use catamaran_simulation::opencl::DeviceInfo;
 
 use crate::info::WIDTH;
 #[cfg(feature = "opencl")]
@@ -21,7 +21,7 @@ pub struct DeviceArgs {
 
 /// An OpenCL device that is ready.
 #[cfg(feature = "opencl")]
-pub type Device = catamaran::opencl::Device;
+pub type Device = catamaran_simulation::opencl::Device;
 
 /// A device, of which this build has none.
 #[cfg(not(feature = "opencl"))]
@@ -63,7 +63,7 @@ pub fn name(device: &Device) -> &str {
 /// Reports each device, or why there is none, for `catamaran info`.
 #[cfg(feature = "opencl")]
 pub fn report() -> Result<()> {
-    let devices = match catamaran::opencl::devices() {
+    let devices = match catamaran_simulation::opencl::devices() {
         Ok(devices) => devices,
         Err(e) => return none(&e.to_string()),
     };

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files};
-use catamaran::mesh::{
+use catamaran_geometry::mesh::{
     Components, Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits, TriMesh,
 };
 use clap::ValueEnum;

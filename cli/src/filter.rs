@@ -6,10 +6,10 @@ use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::faer::Mat;
 use catamaran::io as files;
-use catamaran::mesh::io as meshes;
-use catamaran::mesh::{Components, TriMesh};
-use catamaran::spectral::test_functions::coordinates;
-use catamaran::spectral::{
+use catamaran_geometry::mesh::io as meshes;
+use catamaran_geometry::mesh::{Components, TriMesh};
+use catamaran_geometry::spectral::test_functions::coordinates;
+use catamaran_geometry::spectral::{
     Basis, Orthogonalization, ProductBasis, ProductBasisOptions, Response, add_coefficient,
     dirichlet_energies, filter,
 };

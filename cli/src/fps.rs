@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::decimate::{Cells, FarthestPoints};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
+use catamaran_geometry::decimate::{Cells, FarthestPoints};
 
 use crate::common::Force;
 use crate::input::MeshArgs;

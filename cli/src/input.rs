@@ -8,8 +8,10 @@ use std::sync::OnceLock;
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
 use catamaran::io::SourceOptions;
-use catamaran::mesh::io::{self as meshes, MeshFile};
-use catamaran::mesh::{RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair};
+use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
+use catamaran_geometry::mesh::{
+    RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair,
+};
 
 use crate::parse;
 use crate::progress::Bar;

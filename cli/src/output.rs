@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use catamaran::io::{Output, check_arrays_name};
-use catamaran::mesh::io::{self as meshes, Material, MeshFile, MeshFormat};
+use catamaran_geometry::mesh::io::{self as meshes, Material, MeshFile, MeshFormat};
 
 use crate::common::Force;
 use crate::report;

@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use catamaran::mesh::Weld;
 use catamaran::{Accuracy, SchemeChoice, Uplo};
+use catamaran_geometry::mesh::Weld;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 

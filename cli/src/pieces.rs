@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use catamaran::mesh::{
+use catamaran_geometry::mesh::{
     Boundary, Components, RepairOptions, TriMesh, Weld, free_components, repair,
 };
 

@@ -7,10 +7,10 @@ use catamaran::Par;
 use catamaran::base::check_request;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix, ReadOptions};
-use catamaran::mesh::io::MeshFile;
-use catamaran::mesh::{Boundary, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
-use catamaran::spectral::{Eigenbasis, Orthogonalization};
+use catamaran_geometry::mesh::io::MeshFile;
+use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
+use catamaran_geometry::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
 
 use crate::common::Threads;

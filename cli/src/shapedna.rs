@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use catamaran::faer::Mat;
 use catamaran::io::{self, Output};
-use catamaran::mesh::{Boundary, LaplacianOptions, io::read_with};
-use catamaran::unions::{ShapeDnaOptions, retrieve, shape_dna};
+use catamaran_geometry::mesh::{Boundary, LaplacianOptions, io::read_with};
+use catamaran_geometry::unions::{ShapeDnaOptions, retrieve, shape_dna};
 
 use crate::common::Force;
 use crate::input;

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::decimate::{DecimateOptions, decimate};
 use catamaran::io::{Array, ArraysWriter, Output};
-use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, TriMesh, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, eigs_two_level};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::{
+    Boundary, Laplacian, LaplacianOptions, MassKind, TriMesh, laplacian,
+};
 use clap::ValueEnum;
 
 use crate::common::Force;

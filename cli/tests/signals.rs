@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 use common::Folder;
 
 /// What a signal may take: a second, and some patience with a busy machine.

@@ -2,7 +2,7 @@
 //! mesh that can be looked at.
 #![no_main]
 
-use catamaran::mesh::io::read_with;
+use catamaran_geometry::mesh::io::read_with;
 use catamaran_fuzz::{file, source_options};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

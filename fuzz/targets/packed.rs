@@ -2,7 +2,7 @@
 #![no_main]
 
 use catamaran::io::read;
-use catamaran::mesh::io::read_with;
+use catamaran_geometry::mesh::io::read_with;
 use catamaran_fuzz::{file, matrix_options, source_options};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

@@ -4,7 +4,7 @@
 
 use std::sync::OnceLock;
 
-use catamaran::unions::SpectralUnion;
+use catamaran_geometry::unions::SpectralUnion;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let changed;

@@ -7,8 +7,8 @@ use std::sync::{LazyLock, Mutex};
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::families;
-use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+use catamaran_geometry::mesh::families;
+use catamaran_simulation::texture::slime::{Mask, Options, Simulation, Surface, atlas};
 
 /// Of a state file before the step.
 const HEADER: usize = 16 + 6 * 4;

@@ -1,10 +1,10 @@
 //! Any bytes as a file: a mesh or an error, and a mesh that can be looked at.
 #![no_main]
 
-use catamaran::mesh::io::{MeshFormat, StlEncoding};
+use catamaran_geometry::mesh::io::{MeshFormat, StlEncoding};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    if let Ok(file) = catamaran::mesh::io::read_bytes(bytes, MeshFormat::Stl(StlEncoding::Ascii)) {
+    if let Ok(file) = catamaran_geometry::mesh::io::read_bytes(bytes, MeshFormat::Stl(StlEncoding::Ascii)) {
         std::hint::black_box(file.mesh.validate());
     }
 });

@@ -1,6 +1,6 @@
 //! Curves through samples on a mesh.
 
-use catamaran::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome};
+use catamaran_geometry::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -1,6 +1,6 @@
 //! Decimation and farthest points.
 
-use catamaran::decimate::{DecimateOptions, FarthestPoints, Method, decimate as reduce};
+use catamaran_geometry::decimate::{DecimateOptions, FarthestPoints, Method, decimate as reduce};
 use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};

@@ -1,6 +1,6 @@
 //! Meshes as arrays of vertices and faces, generated ones, and their Laplacians.
 
-use catamaran::mesh::{TriMesh, families, laplacian as assemble};
+use catamaran_geometry::mesh::{TriMesh, families, laplacian as assemble};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 

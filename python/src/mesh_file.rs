@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::{Attribute, MeshFile, MeshFormat, read, write_as};
+use catamaran_geometry::mesh::io::{Attribute, MeshFile, MeshFormat, read, write_as};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

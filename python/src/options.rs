@@ -1,8 +1,8 @@
 //! Words and numbers of Python as options of the library.
 
-use catamaran::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
-use catamaran::spectral::Orthogonalization;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
+use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
+use catamaran_geometry::spectral::Orthogonalization;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;

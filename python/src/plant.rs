@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
-use catamaran::plant::families::{GrowthOptions, grow as grow_plant};
-use catamaran::plant::{
+use catamaran_simulation::plant::families::{GrowthOptions, grow as grow_plant};
+use catamaran_simulation::plant::{
     Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, WaterModel,
     WaterOptions, WiltOptions, Wilting, grams_per_hour, read, tubes as tubes_of,
     wilt as wilt_plant,

@@ -3,11 +3,15 @@
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
-use catamaran::mesh::{Boundary, LaplacianOptions, laplacian};
 use catamaran::sparse::{EigenOptions, eigs};
-use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
-use catamaran::spectral::functional_map::{MapFit, icp, map_from_points, points_from_map, zoomout};
-use catamaran::spectral::{Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer};
+use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
+use catamaran_geometry::spectral::descriptors::{wave_kernel_signature, wave_scales};
+use catamaran_geometry::spectral::functional_map::{
+    MapFit, icp, map_from_points, points_from_map, zoomout,
+};
+use catamaran_geometry::spectral::{
+    Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer,
+};
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};

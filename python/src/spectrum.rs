@@ -1,9 +1,9 @@
 //! Eigenpairs of Laplacians and of other sparse pencils.
 
 use catamaran::base::Progress;
-use catamaran::mesh::laplacian;
 use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs, free_components};
 use catamaran::{Error, Par};
+use catamaran_geometry::mesh::laplacian;
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_vec};

@@ -2,10 +2,10 @@
 //! know of its components.
 
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mesh::{
+use catamaran::sparse::Mass;
+use catamaran_geometry::mesh::{
     Boundary, Components, RepairOptions, TriMesh, Weld, free_components, repair,
 };
-use catamaran::sparse::Mass;
 use pyo3::prelude::*;
 
 use crate::error::exception;

@@ -1,8 +1,10 @@
 //! Slime moulds and Newton's fractals.
 
 use catamaran::faer::Mat;
-use catamaran::texture::newton::{Gradient, Grid, Newton, NewtonOptions, Points, Polynomial};
-use catamaran::texture::slime::{
+use catamaran_simulation::texture::newton::{
+    Gradient, Grid, Newton, NewtonOptions, Points, Polynomial,
+};
+use catamaran_simulation::texture::slime::{
     Blur, Coverage, Mask, Options, Simulation, Surface, TangentStep, atlas, fitted,
 };
 use pyo3::prelude::*;

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use catamaran::mesh::{Boundary, LaplacianOptions};
-use catamaran::unions::{K, PartSpectra, ShapeDnaOptions, SpectralUnion, shape_dna as signature};
+use catamaran_geometry::mesh::{Boundary, LaplacianOptions};
+use catamaran_geometry::unions::{
+    K, PartSpectra, ShapeDnaOptions, SpectralUnion, shape_dna as signature,
+};
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_vec};

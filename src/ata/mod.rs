@@ -32,7 +32,6 @@ pub use complex::{ComplexPlan, aha, aha_planned, ahb, ahb_planned};
 #[cfg(feature = "mpi")]
 pub(crate) use exact::Flags;
 pub use exact::Stages;
-#[cfg(feature = "geometry")]
 pub(crate) use gram::About;
 #[cfg(feature = "mpi")]
 pub(crate) use gram::exact_sums;
@@ -40,7 +39,6 @@ pub use gram::{
     Accumulator, AfterBlock, Center, DenseRows, ExtendedGram, RowBlocks, RowBounds, RowOptions,
     StreamPlan, Strip, ata_extended, ata_rows, block_rows, scalar_of, stream,
 };
-#[cfg(feature = "geometry")]
 pub use gram::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, levels};

@@ -6,6 +6,8 @@
 /// [`Real`](crate::Real).
 ///
 /// With `setters only` the macro does not define `new`.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! builder {
     ($options:ident$(<$generic:lifetime $(, $scalar:ident)?>)? { $($fields:tt)* }) => {
         impl$(<$generic $(, $scalar: $crate::base::Real)?>)? $options$(<$generic $(, $scalar)?>)? {
@@ -53,5 +55,3 @@ macro_rules! builder {
         }
     };
 }
-
-pub(crate) use builder;

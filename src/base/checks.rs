@@ -3,7 +3,7 @@
 use super::error::{Error, Result};
 
 /// Returns [`Error::Argument`] unless `value` is finite and above 0.
-pub(crate) fn positive(what: &'static str, value: f64) -> Result<()> {
+pub fn positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
@@ -11,7 +11,7 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<()> {
 }
 
 /// Returns [`Error::Argument`] unless `value` is finite and at least 0.
-pub(crate) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
+pub fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     if value >= 0.0 && value.is_finite() {
         return Ok(());
     }
@@ -19,7 +19,7 @@ pub(crate) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
 }
 
 /// Returns [`Error::Argument`] unless `value` is at least `least`.
-pub(crate) fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
+pub fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
     if value >= least {
         return Ok(());
     }

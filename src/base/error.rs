@@ -186,7 +186,8 @@ impl Error {
     }
 
     /// Returns [`Error::Shape`] unless `got == expected`.
-    pub(crate) fn check_shape(
+    #[doc(hidden)]
+    pub fn check_shape(
         what: &'static str,
         expected: (usize, usize),
         got: (usize, usize),

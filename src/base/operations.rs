@@ -19,9 +19,9 @@ const PAUSE: Duration = Duration::from_millis(2);
 
 /// Counts floating-point operations of the calling thread; estimates are enough. For a search, one
 /// step counts as some operations.
-pub(crate) fn count(operations: f64) {
+pub fn count(operations: f64) {
     watch::add(operations);
-    #[cfg(all(test, feature = "unions"))]
+    #[cfg(debug_assertions)]
     measure::count(operations);
 }
 
@@ -29,12 +29,12 @@ pub(crate) fn count(operations: f64) {
 ///
 /// # Errors
 /// [`Error::Cancelled`] when the callback asks to stop.
-pub(crate) fn ask() -> Result<()> {
+pub fn ask() -> Result<()> {
     if watch::add(0.0) < BETWEEN { Ok(()) } else { ask_now() }
 }
 
 /// Counts operations, and asks as [`ask`] does.
-pub(crate) fn spend(operations: f64) -> Result<()> {
+pub fn spend(operations: f64) -> Result<()> {
     count(operations);
     ask()
 }
@@ -49,7 +49,7 @@ fn ask_now() -> Result<()> {
 /// Returns what `work` returns, which takes about so many operations and can't ask. If that is long
 /// and the calling thread is watched, another thread does the work. That thread is left to itself
 /// when the callback asks to stop: it owns all that it uses.
-pub(crate) fn apart<R: Send + 'static>(
+pub fn apart<R: Send + 'static>(
     operations: f64,
     work: impl FnOnce() -> R + Send + 'static,
 ) -> Result<R> {
@@ -87,9 +87,9 @@ pub(crate) fn apart<R: Send + 'static>(
     }
 }
 
-/// What a thread has counted, for tests.
-#[cfg(all(test, feature = "unions"))]
-pub(crate) mod measure {
+/// What a thread has counted: for the tests of all crates, in development builds.
+#[cfg(debug_assertions)]
+pub mod measure {
     use std::cell::Cell;
 
     thread_local! {
@@ -103,7 +103,7 @@ pub(crate) mod measure {
     }
 
     /// Returns the most operations between two requests of `work` on this thread, and all of them.
-    pub(crate) fn operations(work: impl FnOnce()) -> (f64, f64) {
+    pub fn operations(work: impl FnOnce()) -> (f64, f64) {
         super::watch::add(-super::watch::add(0.0));
         LONGEST.set(0.0);
         TOTAL.set(0.0);

@@ -6,13 +6,11 @@ use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
 use super::cores::{allowed_threads, available_cores};
 use super::float_env::FloatEnv;
-#[cfg(feature = "geometry")]
 use super::operations::spend;
 use super::pool::{Pin, pinned, shared};
 use super::watch::unwatched;
 
 /// Most operations of a thread between two requests to go on, unless one item takes more.
-#[cfg(feature = "geometry")]
 pub(crate) const PIECE: usize = 1 << 25;
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
@@ -90,11 +88,8 @@ impl Par {
     }
 
     /// Calls `work(i, item)` for every item, each once, in order on one thread.
-    pub(crate) fn for_each<T: Send>(
-        self,
-        items: impl Iterator<Item = T>,
-        work: impl Fn(usize, T) + Sync,
-    ) {
+    #[doc(hidden)]
+    pub fn for_each<T: Send>(self, items: impl Iterator<Item = T>, work: impl Fn(usize, T) + Sync) {
         if self.threads() == 1 {
             items.enumerate().for_each(|(i, item)| work(i, item));
             return;
@@ -113,7 +108,6 @@ impl Par {
     ///
     /// # Errors
     /// [`Error::Cancelled`](super::Error::Cancelled).
-    #[cfg(feature = "geometry")]
     pub(crate) fn for_each_asking<T: Send>(
         self,
         mut items: impl Iterator<Item = T>,
@@ -135,7 +129,8 @@ impl Par {
     }
 
     /// Returns what `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
-    pub(crate) fn map_blocks<T: Send + Sync>(
+    #[doc(hidden)]
+    pub fn map_blocks<T: Send + Sync>(
         self,
         n: usize,
         size: usize,
@@ -155,8 +150,8 @@ impl Par {
     ///
     /// # Errors
     /// [`Error::Cancelled`](super::Error::Cancelled).
-    #[cfg(feature = "geometry")]
-    pub(crate) fn map_blocks_asking<T: Send + Sync>(
+    #[doc(hidden)]
+    pub fn map_blocks_asking<T: Send + Sync>(
         self,
         n: usize,
         size: usize,
@@ -171,7 +166,7 @@ impl Par {
     }
 
     /// Calls [`tickets`] with workers that have no memory of their own.
-    pub(crate) fn tickets(self, count: usize, work: impl Fn(usize) -> ControlFlow<()> + Sync) {
+    pub fn tickets(self, count: usize, work: impl Fn(usize) -> ControlFlow<()> + Sync) {
         let mut workers = vec![(); self.at_most(count).threads()];
         tickets(&mut workers, count, |(), i| work(i));
     }
@@ -184,7 +179,7 @@ impl Par {
 /// Which worker gets which ticket varies from run to run, so results must not depend on it. The
 /// calling thread is the first worker. If no thread is free for another worker, those that run
 /// serve its tickets.
-pub(crate) fn tickets<W: Send>(
+pub fn tickets<W: Send>(
     workers: &mut [W],
     count: usize,
     work: impl Fn(&mut W, usize) -> ControlFlow<()> + Sync,
@@ -244,7 +239,7 @@ fn threads_of_pool() -> Option<usize> {
 
 /// A counter that threads wait for until it has been counted down to zero.
 #[derive(Debug)]
-pub(crate) struct Latch {
+pub struct Latch {
     left: AtomicUsize,
     /// Number of threads asleep.
     asleep: Mutex<usize>,

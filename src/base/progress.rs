@@ -161,7 +161,7 @@ impl<'a> Progress<'a> {
 /// A thread that finds another thread in the callback continues at once: the next report includes
 /// its work. [`Tracker::add`] must be called when no thread waits for the work of the caller: the
 /// callback may run other work on this thread.
-pub(crate) struct Tracker<'a> {
+pub struct Tracker<'a> {
     progress: Progress<'a>,
     total: f64,
     /// The work that is done: the bits of an f64.

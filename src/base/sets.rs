@@ -1,6 +1,6 @@
 /// Disjoint sets of the numbers from 0 to `count - 1` (Tarjan 1975), each identified by its lowest
 /// number.
-pub(crate) struct Sets {
+pub struct Sets {
     parent: Vec<u32>,
 }
 

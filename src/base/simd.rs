@@ -26,7 +26,7 @@ pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
 
 /// Returns the widest SIMD registers of this CPU that the limit of this process permits.
 #[inline]
-pub(crate) fn arch() -> Arch {
+pub fn arch() -> Arch {
     if IsaLevel::Avx512.permitted().is_ok() {
         return Arch::new();
     }
@@ -41,8 +41,7 @@ pub(crate) fn arch() -> Arch {
 
 /// Returns whether the registers of [`arch`] multiply and add at once; elsewhere a fused operation
 /// would be a call of a function.
-#[cfg(feature = "geometry")]
-pub(crate) fn has_fused() -> bool {
+pub fn has_fused() -> bool {
     #[cfg(target_arch = "x86_64")]
     return !matches!(arch(), Arch::Scalar);
     #[cfg(not(target_arch = "x86_64"))]

@@ -71,7 +71,6 @@ pub(super) fn reported(callback: Callback<'_>, fraction: f64) {
 }
 
 /// Adds operations to those of the calling thread since the last request, and returns the sum.
-#[cfg(feature = "geometry")]
 pub(super) fn add(operations: f64) -> f64 {
     let since = SINCE.get() + operations;
     SINCE.set(since);
@@ -89,7 +88,6 @@ pub(super) fn ask_again() -> ControlFlow<()> {
 }
 
 /// Returns whether a callback watches the calling thread.
-#[cfg(feature = "geometry")]
 pub(super) fn is_watched() -> bool {
     WATCHER.get().is_some()
 }

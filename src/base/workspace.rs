@@ -86,7 +86,7 @@ impl<T: Real> Workspace<T> {
 }
 
 /// Returns an empty vector with room for `len` entries.
-pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
+pub fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
     check_allocation(bytes)?;
@@ -96,8 +96,7 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
 }
 
 /// Makes room for `more` further items, or returns an error when memory is refused.
-#[cfg(feature = "geometry")]
-pub(crate) fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
+pub fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
     if more <= values.capacity() - values.len() {
         return Ok(());
     }
@@ -107,16 +106,14 @@ pub(crate) fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
 }
 
 /// Returns `len` copies of a value, or an error when memory is refused.
-#[cfg(feature = "geometry")]
-pub(crate) fn repeated<T: Copy>(value: T, len: usize) -> Result<Vec<T>> {
+pub fn repeated<T: Copy>(value: T, len: usize) -> Result<Vec<T>> {
     let mut values = reserved(len)?;
     values.resize(len, value);
     Ok(values)
 }
 
 /// Adds a value to a vector, or returns an error when memory is refused.
-#[cfg(feature = "geometry")]
-pub(crate) fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
+pub fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
     if values.len() == values.capacity() {
         let bytes = values.capacity().max(4).saturating_mul(2 * size_of::<T>());
         check_allocation(bytes)?;
@@ -127,7 +124,7 @@ pub(crate) fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
 }
 
 /// Returns a vector of `len` zeros, or an error when memory is refused.
-pub(crate) fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
+pub fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
     let bytes = len.saturating_mul(size_of::<T>());
     check_allocation(bytes)?;
     let mut values = zeroed(len).ok_or(Error::OutOfMemory { bytes })?;
@@ -172,7 +169,7 @@ fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 /// Fresh pages from the system cost as much as the arithmetic on them, so large blocks are kept for
 /// later calls, as in other BLAS libraries, until [`release_memory`].
 #[derive(Default)]
-pub(crate) struct Scratch(Workspace<f64>);
+pub struct Scratch(Workspace<f64>);
 
 /// Blocks that later calls may use, in the order in which they were returned. No call waits for the
 /// lock: in a process that is forked while another thread holds it, the wait would never end.

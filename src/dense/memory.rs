@@ -6,13 +6,13 @@ use faer::dyn_stack::{MemBuffer, StackReq};
 use crate::base::{Error, Result, check_allocation};
 
 /// Returns a zero matrix, or an error when memory is refused.
-pub(crate) fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
+pub fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
     // faer's own zeros abort when memory is refused.
     filled(rows, cols, |_, _| 0.0)
 }
 
 /// Returns the matrix of `entry(i, j)`, or an error when memory is refused.
-pub(crate) fn filled(
+pub fn filled(
     rows: usize,
     cols: usize,
     entry: impl FnMut(usize, usize) -> f64,
@@ -26,7 +26,7 @@ pub(crate) fn filled(
 }
 
 /// Allocates the memory that a function of faer asks for.
-pub(crate) fn buffer(requirement: StackReq) -> Result<MemBuffer> {
+pub fn buffer(requirement: StackReq) -> Result<MemBuffer> {
     let bytes = requirement.unaligned_bytes_required();
     check_allocation(bytes)?;
     MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })

@@ -8,10 +8,12 @@ mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
-pub(crate) use memory::{buffer, filled, zeros};
+#[doc(hidden)]
+pub use memory::{buffer, filled, zeros};
 pub(crate) use rank::{pivots, right_singular};
-pub(crate) use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
-pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};
-pub(crate) use triangular::{
-    cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place,
-};
+#[doc(hidden)]
+pub use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
+#[doc(hidden)]
+pub use tall::{multiply_in_place, subtract_product, transposed_product};
+#[doc(hidden)]
+pub use triangular::{cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place};

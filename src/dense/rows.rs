@@ -4,11 +4,11 @@ use faer::prelude::ReborrowMut;
 use crate::base::{PIECE, Par, Result, spend};
 
 /// Rows of a block, for work whose blocks stay in the second-level cache.
-pub(crate) const ROW_BLOCK: usize = 1024;
+pub const ROW_BLOCK: usize = 1024;
 
 /// Calls `work(first row, block)` for blocks of `rows` rows each of the matrix, on the threads of
 /// `par`. The blocks are the same for any number of threads.
-pub(crate) fn for_row_blocks(
+pub fn for_row_blocks(
     matrix: MatMut<'_, f64>,
     rows: usize,
     par: Par,
@@ -30,7 +30,7 @@ pub(crate) fn for_row_blocks(
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled).
-pub(crate) fn by_pieces(
+pub fn by_pieces(
     mut matrix: MatMut<'_, f64>,
     rows: usize,
     operations: usize,

@@ -23,11 +23,7 @@ const BLOCK: usize = 1024;
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) and
 /// [`Error::OutOfMemory`](crate::Error::OutOfMemory), as for the other products.
-pub(crate) fn transposed_product(
-    a: MatRef<'_, f64>,
-    b: MatRef<'_, f64>,
-    par: Par,
-) -> Result<Mat<f64>> {
+pub fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let operations = 2 * a.ncols() * b.ncols();
     let block = block(operations, SUMMED);
     let mut sum = zeros(a.ncols(), b.ncols())?;
@@ -49,7 +45,7 @@ pub(crate) fn transposed_product(
 
 /// Computes `X := X - A B` for A (n x p) and a narrow X (n x q). The result is the same for every
 /// `par`, bit for bit.
-pub(crate) fn subtract_product(
+pub fn subtract_product(
     x: MatMut<'_, f64>,
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -65,7 +61,7 @@ pub(crate) fn subtract_product(
 
 /// Computes `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold
 /// the result. The result is the same for every `par`, bit for bit.
-pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) -> Result<()> {
+pub fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) -> Result<()> {
     let operations = 2 * s.nrows() * s.ncols();
     let block = block(operations, BLOCK);
     let refused = Mutex::new(None);

@@ -16,7 +16,7 @@ const WHOLE: f64 = 1e7;
 
 /// Computes L of `A = L L^T` in the lower triangle of A, the only part that is read or written.
 /// Returns `Ok(Err(i))` when the i-th pivot is not positive.
-pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
+pub fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
     let operations = (a.nrows() as f64).powi(3) / 3.0;
     if operations < WHOLE {
         count(operations);
@@ -65,18 +65,18 @@ fn factorize(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled).
-pub(crate) fn divide_by_upper(x: MatMut<'_, f64>, l: MatRef<'_, f64>, par: Par) -> Result<()> {
+pub fn divide_by_upper(x: MatMut<'_, f64>, l: MatRef<'_, f64>, par: Par) -> Result<()> {
     let operations = l.nrows() * l.nrows();
     let block = block(operations, ROW_BLOCK);
     by_pieces(x, block, operations, par, |_, rows| lower_solve_in_place(l, rows.transpose_mut()))
 }
 
 /// Computes `X := L^-1 X` on the calling thread.
-pub(crate) fn lower_solve_in_place(l: MatRef<'_, f64>, x: MatMut<'_, f64>) {
+pub fn lower_solve_in_place(l: MatRef<'_, f64>, x: MatMut<'_, f64>) {
     solve_lower_triangular_in_place(l, x, faer::Par::Seq);
 }
 
 /// Computes `X := U^-1 X` on the calling thread.
-pub(crate) fn upper_solve_in_place(u: MatRef<'_, f64>, x: MatMut<'_, f64>) {
+pub fn upper_solve_in_place(u: MatRef<'_, f64>, x: MatMut<'_, f64>) {
     solve_upper_triangular_in_place(u, x, faer::Par::Seq);
 }

@@ -46,7 +46,8 @@ pub use sprs::CsMat;
 pub use strips::StripOutput;
 
 use crate::base::{Error, Progress, Real, Result, builder};
-pub(crate) use source::{Packing, Source};
+#[doc(hidden)]
+pub use source::{Packing, Source};
 
 /// How [`read`] reads. The default reads everything.
 ///

@@ -17,15 +17,19 @@ const SMALLEST: u64 = 1 << 16;
 
 /// How a file is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Packing {
+pub enum Packing {
+    /// As it is.
     None,
+    /// By gzip.
     Gzip,
+    /// By xz.
     Xz,
 }
 
 impl Packing {
     /// Returns the file name (in lower case) without the ending of a packed file, and the packing.
-    pub(crate) fn of(name: &str) -> (&str, Self) {
+    #[doc(hidden)]
+    pub fn of(name: &str) -> (&str, Self) {
         if let Some(stem) = name.strip_suffix(".gz") {
             (stem, Self::Gzip)
         } else if let Some(stem) = name.strip_suffix(".xz") {
@@ -39,7 +43,7 @@ impl Packing {
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A file being read: unpacked, watched by a progress callback, and counting lines.
-pub(crate) struct Source<'a> {
+pub struct Source<'a> {
     path: PathBuf,
     reader: Box<dyn BufRead + 'a>,
     /// Lines taken by [`Source::next_line`] so far.
@@ -53,12 +57,17 @@ pub(crate) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub(crate) fn open(path: &Path, packing: Packing, options: &SourceOptions<'a>) -> Result<Self> {
+    /// Opens a file that is packed so.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the file can't be opened or unpacked.
+    pub fn open(path: &Path, packing: Packing, options: &SourceOptions<'a>) -> Result<Self> {
         Self::open_packed(path, |_| packing, options)
     }
 
     /// Opens a file, packed as `packing` concludes from the first bytes.
-    pub(crate) fn open_packed(
+    #[doc(hidden)]
+    pub fn open_packed(
         path: &Path,
         packing: impl FnOnce(&[u8]) -> Packing,
         options: &SourceOptions<'a>,
@@ -98,7 +107,8 @@ impl<'a> Source<'a> {
     }
 
     /// Creates a source of the bytes of a file that would be called `path`.
-    pub(crate) fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
+    #[doc(hidden)]
+    pub fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
         Self {
             path: path.into(),
             reader: Box::new(bytes),
@@ -111,22 +121,25 @@ impl<'a> Source<'a> {
     }
 
     /// Returns the path of the file.
-    pub(crate) fn path(&self) -> &Path {
+    #[doc(hidden)]
+    pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Returns the bytes of the file, where they are known.
-    pub(crate) fn size(&self) -> Option<u64> {
+    #[doc(hidden)]
+    pub fn size(&self) -> Option<u64> {
         self.size
     }
 
     /// Returns how the file is packed.
-    pub(crate) fn packing(&self) -> Packing {
+    pub fn packing(&self) -> Packing {
         self.packing
     }
 
     /// Returns up to `count` of the next bytes without consuming them.
-    pub(crate) fn peek(&mut self, count: usize) -> Result<Vec<u8>> {
+    #[doc(hidden)]
+    pub fn peek(&mut self, count: usize) -> Result<Vec<u8>> {
         let mut head = Vec::new();
         let read = (&mut self.reader).take(count as u64).read_to_end(&mut head);
         read.map_err(|e| self.io_error(e))?;
@@ -136,7 +149,8 @@ impl<'a> Source<'a> {
     }
 
     /// Returns all bytes that are left.
-    pub(crate) fn read_all(&mut self) -> Result<Vec<u8>> {
+    #[doc(hidden)]
+    pub fn read_all(&mut self) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         loop {
             let piece = match self.reader.fill_buf() {
@@ -158,7 +172,8 @@ impl<'a> Source<'a> {
 
     /// Returns an error when `what`, which takes the memory of `len` values of T, exceeds the
     /// memory that this file may take.
-    pub(crate) fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
+    #[doc(hidden)]
+    pub fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
         let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
         check_memory(self.memory, what, bytes).map_err(|what| self.fail(what))
     }
@@ -175,7 +190,8 @@ impl<'a> Source<'a> {
     }
 
     /// Returns the next line as bytes, without its end, or `None` at the end of the file.
-    pub(crate) fn next_bytes(&mut self) -> Result<Option<&[u8]>> {
+    #[doc(hidden)]
+    pub fn next_bytes(&mut self) -> Result<Option<&[u8]>> {
         self.buffer.clear();
         self.line += 1;
         let longest = longest_line(self.memory);
@@ -206,22 +222,26 @@ impl<'a> Source<'a> {
     }
 
     /// Returns the number of the last line, from 1.
-    pub(crate) fn line(&self) -> usize {
+    #[doc(hidden)]
+    pub fn line(&self) -> usize {
         self.line
     }
 
     /// Returns an error at the last line.
-    pub(crate) fn fail(&self, what: impl Into<String>) -> Error {
+    #[doc(hidden)]
+    pub fn fail(&self, what: impl Into<String>) -> Error {
         error(&self.path, self.at(), what)
     }
 
     /// Returns an error at another line, or without a line.
-    pub(crate) fn fail_at(&self, line: impl Into<Option<usize>>, what: impl Into<String>) -> Error {
+    #[doc(hidden)]
+    pub fn fail_at(&self, line: impl Into<Option<usize>>, what: impl Into<String>) -> Error {
         error(&self.path, line, what)
     }
 
     /// Returns the error of a failed read.
-    pub(crate) fn io_error(&self, e: io::Error) -> Error {
+    #[doc(hidden)]
+    pub fn io_error(&self, e: io::Error) -> Error {
         error_at(&self.path, self.at(), e)
     }
 

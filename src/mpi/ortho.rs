@@ -124,7 +124,7 @@ pub fn cholesky_qr(world: &World, a: MatMut<'_, f64>, mass: &Mass, par: Par) -> 
 }
 
 /// Computes [`cholesky_qr`], and reports progress.
-pub(crate) fn watched_cholesky_qr(
+pub fn watched_cholesky_qr(
     world: &World,
     a: MatMut<'_, f64>,
     mass: &Mass,

@@ -278,12 +278,8 @@ impl World {
     /// # Errors
     /// The error of this rank; [`Error::Rank`] for that of another rank, and for facts that differ;
     /// [`Error::Argument`], on this rank alone, on a thread that may not call MPI.
-    pub(crate) fn begin<X>(
-        &self,
-        operation: Operation,
-        facts: &[Fact],
-        prepared: Result<X>,
-    ) -> Result<X> {
+    #[doc(hidden)]
+    pub fn begin<X>(&self, operation: Operation, facts: &[Fact], prepared: Result<X>) -> Result<X> {
         use ::mpi::collective::CommunicatorCollectives;
         check_threads()?;
         assert!(facts.len() + 2 <= FACTS, "room for {FACTS} numbers");
@@ -317,7 +313,8 @@ impl World {
     ///
     /// # Errors
     /// The error of this rank; [`Error::Rank`] for that of another rank.
-    pub(crate) fn agree<X>(&self, own: Result<X>) -> Result<X> {
+    #[doc(hidden)]
+    pub fn agree<X>(&self, own: Result<X>) -> Result<X> {
         use ::mpi::collective::CommunicatorCollectives;
         let at_fault = if own.is_err() { self.rank as i32 } else { i32::MAX };
         let mut first = 0_i32;
@@ -377,7 +374,8 @@ impl World {
 
     /// Aborts the whole job if the scope is left by a panic, because the other ranks would wait
     /// forever.
-    pub(crate) fn abort_on_panic(&self) -> impl Drop + '_ {
+    #[doc(hidden)]
+    pub fn abort_on_panic(&self) -> impl Drop + '_ {
         struct Guard<'w>(&'w World);
         impl Drop for Guard<'_> {
             fn drop(&mut self) {
@@ -455,7 +453,7 @@ impl Drop for World {
 
 /// A number that all ranks of a call must have in common.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fact {
+pub struct Fact {
     what: &'static str,
     bits: u64,
     /// Writes the number that has these bits.
@@ -485,7 +483,8 @@ pub(super) fn number_fact<T: Real>(what: &'static str, value: T) -> Fact {
 /// The collective calls, by which ranks notice that they make different ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u64)]
-pub(crate) enum Operation {
+#[allow(missing_docs)] // named after the calls
+pub enum Operation {
     Rows = 1,
     Columns,
     Root,

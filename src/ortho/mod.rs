@@ -9,8 +9,8 @@ mod rank_revealing;
 mod scale;
 
 pub use cholesky_qr::cholesky_qr;
-#[cfg(any(feature = "mpi", feature = "capi"))]
-pub(crate) use cholesky_qr::cholesky_qr_of;
+#[doc(hidden)]
+pub use cholesky_qr::cholesky_qr_of;
 #[cfg(feature = "mpi")]
 pub(crate) use gram_schmidt::gram_schmidt_of;
 pub use gram_schmidt::{

@@ -15,7 +15,8 @@ use crate::base::{Error, Result};
 /// difference of two counts as `k` and the middle of the interval as the shift.
 ///
 /// ```
-/// use catamaran::{prelude::*, mesh::families, sparse::count_below};
+/// use catamaran::{prelude::*, sparse::count_below};
+/// use catamaran_geometry::mesh::families;
 ///
 /// let Laplacian { stiffness, mass, .. } =
 ///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;

@@ -24,7 +24,8 @@ impl Eigenpairs {
     /// ([`EigenOptions::tolerance`](super::EigenOptions::tolerance)).
     ///
     /// ```
-    /// use catamaran::{prelude::*, mesh::families};
+    /// use catamaran::prelude::*;
+    /// use catamaran_geometry::mesh::families;
     ///
     /// let Laplacian { stiffness, mass, .. } =
     ///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;

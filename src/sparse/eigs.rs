@@ -30,7 +30,8 @@ use crate::dense::filled;
 /// of n, the result, and the factor.
 ///
 /// ```
-/// use catamaran::{prelude::*, mesh::families};
+/// use catamaran::prelude::*;
+/// use catamaran_geometry::mesh::families;
 ///
 /// let mesh = families::icosphere(3)?;
 /// let Laplacian { stiffness, mass, .. } = laplacian(&mesh, &LaplacianOptions::new())?;

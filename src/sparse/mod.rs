@@ -23,7 +23,8 @@ mod two_level;
 
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
-pub(crate) use cholesky::{Factor, Symbolic};
+#[doc(hidden)]
+pub use cholesky::{Factor, Symbolic};
 pub use components::free_components;
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
@@ -37,10 +38,13 @@ pub(crate) use problem::Problem;
 pub use product::multiply;
 #[cfg(feature = "mpi")]
 pub(crate) use product::{multiply_by_differences, multiply_magnitudes};
-pub(crate) use select::select;
-pub(crate) use shifted::Shifted;
+#[doc(hidden)]
+pub use select::select;
+#[doc(hidden)]
+pub use shifted::Shifted;
 pub use slices::eigs_sliced;
-pub(crate) use space::{InnerSpace, Inverse};
+#[doc(hidden)]
+pub use space::{InnerSpace, Inverse};
 #[cfg(feature = "mpi")]
 pub(crate) use space::{Pencil, Shifts};
 /// The sparse matrix, by rows, from crate sprs.

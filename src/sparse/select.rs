@@ -2,7 +2,7 @@ use sprs::{CsMat, CsMatView};
 
 /// Returns the given rows of a matrix, with the columns that have a place, at these places; the
 /// result has `columns` columns, in the order of the matrix.
-pub(crate) fn select(
+pub fn select(
     matrix: CsMatView<'_, f64>,
     rows: &[usize],
     place: &[Option<usize>],

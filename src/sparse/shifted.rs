@@ -5,7 +5,7 @@ use super::Mass;
 
 /// The lower triangle of `W - sigma M` by columns, its diagonal always stored: the same pattern for
 /// every sigma.
-pub(crate) struct Shifted<'a> {
+pub struct Shifted<'a> {
     stiffness: CsMatView<'a, f64>,
     mass: &'a Mass,
     column_starts: Vec<usize>,

@@ -46,7 +46,8 @@ const ATTEMPTS: usize = 20;
 /// The result is the same, bit for bit, for every `options.par`. It depends on `memory`.
 ///
 /// ```
-/// use catamaran::{prelude::*, mesh::families, sparse::eigs_sliced};
+/// use catamaran::{prelude::*, sparse::eigs_sliced};
+/// use catamaran_geometry::mesh::families;
 ///
 /// let Laplacian { stiffness, mass, .. } =
 ///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;

@@ -10,7 +10,7 @@ use super::product::{multiply_by_differences, multiply_magnitudes, multiply_symm
 use crate::base::{Par, Result};
 
 /// An inner product of vectors whose rows may be spread over processes.
-pub(crate) trait InnerSpace {
+pub trait InnerSpace {
     /// Returns the number of entries of a vector, on all processes.
     fn dimension(&self) -> usize;
 
@@ -62,7 +62,7 @@ pub(crate) trait Shifts {
 }
 
 /// A symmetric matrix A that is factorized.
-pub(crate) trait Inverse {
+pub trait Inverse {
     /// Computes `X := A^-1 X`, of the rows of this process; the same for every `par`, bit for bit.
     fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()>;
 

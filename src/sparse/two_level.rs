@@ -41,7 +41,8 @@ const STEPS: usize = 4;
 /// max(8, k / 4) + 64` vectors of n, the result, and what the coarse problem takes.
 ///
 /// ```
-/// use catamaran::{prelude::*, decimate::{DecimateOptions, decimate}, mesh::families};
+/// use catamaran::prelude::*;
+/// use catamaran_geometry::{decimate::{DecimateOptions, decimate}, mesh::families};
 /// use catamaran::sparse::eigs_two_level;
 ///
 /// let mesh = families::icosphere(4)?;

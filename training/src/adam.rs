@@ -1,7 +1,7 @@
 //! The optimizer Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter
 //! 2019), and its learning rates.
 
-use catamaran::unions::network::sum;
+use catamaran_geometry::unions::network::sum;
 use rayon::prelude::*;
 
 /// Number of parameters that are processed together.

@@ -1,4 +1,4 @@
-//! The training of the pretrained weights of `catamaran::unions`: generates shapes, their parts and
+//! The training of the pretrained weights of `catamaran_geometry::unions`: generates shapes, their parts and
 //! data sets, and fits the weights.
 //!
 //! Thesis, chapter 2. The protocol is in docs/algorithms/unions.md.

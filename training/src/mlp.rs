@@ -3,7 +3,7 @@
 
 use catamaran::Result;
 use catamaran::base::Rng;
-use catamaran::unions::network::gemm;
+use catamaran_geometry::unions::network::gemm;
 
 use crate::adam::{Adam, annealing, clip};
 

@@ -4,10 +4,10 @@
 use std::borrow::Cow;
 
 use catamaran::base::{Pin, Progress, ThreadPool};
-use catamaran::decimate::FarthestPoints;
 use catamaran::faer::Mat;
-use catamaran::unions::Localizer;
 use catamaran::{Par, Result};
+use catamaran_geometry::decimate::FarthestPoints;
+use catamaran_geometry::unions::Localizer;
 use rayon::prelude::*;
 
 use crate::dataset::Template;

@@ -5,8 +5,8 @@ use std::collections::BinaryHeap;
 
 use catamaran::Result;
 use catamaran::base::Rng;
-use catamaran::mesh::vector::{dot, norm};
-use catamaran::mesh::{Edges, TriMesh};
+use catamaran_geometry::mesh::vector::{dot, norm};
+use catamaran_geometry::mesh::{Edges, TriMesh};
 
 /// A mesh of some of the vertices of another mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,8 +181,8 @@ impl<'m> Draft<'m> {
 
 #[cfg(test)]
 mod tests {
-    use catamaran::mesh::families::{grid, icosphere};
-    use catamaran::mesh::{Edges, Genus};
+    use catamaran_geometry::mesh::families::{grid, icosphere};
+    use catamaran_geometry::mesh::{Edges, Genus};
 
     use super::*;
 

@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use catamaran::base::{Pin, Progress, ThreadPool};
-use catamaran::mesh::{LaplacianOptions, TriMesh};
-use catamaran::unions::{K, PartSpectra, SpectralUnion};
 use catamaran::{Error, Par, Result};
+use catamaran_geometry::mesh::{LaplacianOptions, TriMesh};
+use catamaran_geometry::unions::{K, PartSpectra, SpectralUnion};
 use rayon::prelude::*;
 
 use crate::adam::Adam;
@@ -40,7 +40,7 @@ impl Default for TuneOptions {
 /// does not depend on the number of threads.
 ///
 /// # Errors
-/// Those of [`PartSpectra::new`] and [`catamaran::mesh::HeatMethod`] for a mesh;
+/// Those of [`PartSpectra::new`] and [`catamaran_geometry::mesh::HeatMethod`] for a mesh;
 /// [`Error::Argument`] for fewer than two meshes, and when no pair could be cut;
 /// [`Error::Cancelled`].
 pub fn family_examples(

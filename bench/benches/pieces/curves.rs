@@ -1,9 +1,9 @@
 //! Curves: the search for a curve through samples without an order.
 
 use catamaran::base::Rng;
-use catamaran::curve::dataset::{Generator, Sampling, samples};
-use catamaran::curve::{CurveOptions, CurveSolver, Mode};
-use catamaran::mesh::{Graph, families};
+use catamaran_geometry::curve::dataset::{Generator, Sampling, samples};
+use catamaran_geometry::curve::{CurveOptions, CurveSolver, Mode};
+use catamaran_geometry::mesh::{Graph, families};
 use criterion::{BenchmarkId, Criterion};
 
 pub fn all(criterion: &mut Criterion) {

@@ -1,8 +1,8 @@
 //! Decimation: farthest points.
 
 use catamaran::base::Progress;
-use catamaran::decimate::FarthestPoints;
-use catamaran::mesh::families;
+use catamaran_geometry::decimate::FarthestPoints;
+use catamaran_geometry::mesh::families;
 use criterion::{BenchmarkId, Criterion};
 
 pub fn all(criterion: &mut Criterion) {

@@ -1,8 +1,8 @@
 //! Plants: elimination from the leaves of a tree to its root, and substitution back.
 
 use catamaran::Par;
-use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Bdf6, Start, WaterModel, WaterOptions};
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{Bdf6, Start, WaterModel, WaterOptions};
 use criterion::{BenchmarkId, Criterion, Throughput};
 
 pub fn all(criterion: &mut Criterion) {

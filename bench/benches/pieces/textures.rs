@@ -2,9 +2,9 @@
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::families;
-use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
-use catamaran::texture::slime::{Mask, Options, Simulation, Surface, TangentStep};
+use catamaran_geometry::mesh::families;
+use catamaran_simulation::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran_simulation::texture::slime::{Mask, Options, Simulation, Surface, TangentStep};
 use criterion::{BenchmarkId, Criterion, Throughput};
 
 pub fn all(criterion: &mut Criterion) {

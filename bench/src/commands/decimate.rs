@@ -106,7 +106,7 @@ fn meshes(inputs: &Inputs, arguments: &Arguments) -> Result<Vec<(Input, Vec<usiz
         let n = n.parse().map_err(|_| format!("{text}: {n:?} is not a number of vertices"))?;
         let name = path.rsplit('/').next().unwrap_or(path);
         let name = name.split('.').next().unwrap_or(name);
-        Ok((inputs.of(name, catamaran::mesh::io::read(path.as_ref())?)?, vec![n]))
+        Ok((inputs.of(name, catamaran_geometry::mesh::io::read(path.as_ref())?)?, vec![n]))
     };
     arguments.meshes.iter().map(mesh).collect()
 }

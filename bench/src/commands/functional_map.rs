@@ -8,13 +8,13 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::sparse::Mass;
-use catamaran::spectral::Eigenbasis;
-use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
-use catamaran::spectral::functional_map::{MapFit, zoomout};
 use catamaran_bench::child::{self, Duel, Report};
 use catamaran_bench::exchange::{get, get_vector, put, put_vector};
 use catamaran_bench::spectral::{Pair, Shape, Shapes};
 use catamaran_bench::{Result, host, record};
+use catamaran_geometry::spectral::Eigenbasis;
+use catamaran_geometry::spectral::descriptors::{wave_kernel_signature, wave_scales};
+use catamaran_geometry::spectral::functional_map::{MapFit, zoomout};
 
 /// Number of descriptors: energies of the wave kernel signature.
 const DESCRIPTORS: usize = 40;

@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mesh::{Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
 use catamaran::sparse::{Mass, multiply};
 use catamaran_bench::child::{self, Duel, Report};
 use catamaran_bench::exchange::{get, put};
 use catamaran_bench::{Result, host, record};
+use catamaran_geometry::mesh::{Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
 
 use super::Contest;
 use super::spectrum::meshes;

@@ -4,11 +4,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use catamaran::mesh::{LaplacianOptions, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
 use catamaran_bench::child::{self, Duel, Report};
 use catamaran_bench::exchange::{get_vector, put_vector};
 use catamaran_bench::{Result, host, record};
+use catamaran_geometry::mesh::{LaplacianOptions, families, laplacian};
 
 use super::Contest;
 
@@ -77,11 +77,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Returns the meshes at these paths, or the default ones, with their names.
-pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh)>> {
+pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran_geometry::mesh::TriMesh)>> {
     let read = |path: &Path| -> Result<_> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.split('.').next().unwrap_or_default().to_owned();
-        Ok((name, catamaran::mesh::io::read(path)?.mesh))
+        Ok((name, catamaran_geometry::mesh::io::read(path)?.mesh))
     };
     if !paths.is_empty() {
         return paths.iter().map(|path| read(path)).collect();
@@ -96,7 +96,7 @@ pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh
 }
 
 /// Writes the problem for both contenders.
-fn prepare(folder: &Path, mesh: &catamaran::mesh::TriMesh) -> Result<()> {
+fn prepare(folder: &Path, mesh: &catamaran_geometry::mesh::TriMesh) -> Result<()> {
     let problem = laplacian(mesh, &LaplacianOptions::default())?;
     let Mass::Lumped(mass) = &problem.mass else { return Err("a full mass".into()) };
     let as_f64 = |indices: &[usize]| indices.iter().map(|&i| i as f64).collect::<Vec<_>>();

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::decimate::{DecimateOptions, Method, decimate};
 use catamaran::io::Overwrite;
+use catamaran_geometry::decimate::{DecimateOptions, Method, decimate};
 
 use super::inputs;
 use crate::Result;
@@ -170,7 +170,7 @@ pub fn solve(
     threads: usize,
     output: &Path,
 ) -> Result<()> {
-    let mesh = catamaran::mesh::io::read(input)?.mesh;
+    let mesh = catamaran_geometry::mesh::io::read(input)?.mesh;
     let options = DecimateOptions::new()
         .method(if contender == Contender::Thesis { Method::Thesis } else { Method::Uniform })
         .par(Par::Threads(threads));

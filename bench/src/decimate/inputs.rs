@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::MeshFile;
-use catamaran::mesh::{Edges, Normalization, RepairOptions, TriMesh, repair};
+use catamaran_geometry::mesh::io::MeshFile;
+use catamaran_geometry::mesh::{Edges, Normalization, RepairOptions, TriMesh, repair};
 
 use crate::Result;
 
@@ -75,7 +75,7 @@ impl Inputs {
             return Ok(None);
         }
         let name = file.split('.').next().unwrap_or(file);
-        self.of(name, catamaran::mesh::io::read(&path)?).map(Some)
+        self.of(name, catamaran_geometry::mesh::io::read(&path)?).map(Some)
     }
 
     /// Returns this mesh with longest side 1, and with the repairs that `catamaran decimate` makes
@@ -99,6 +99,6 @@ impl Inputs {
 /// When the file can't be written.
 pub fn write(path: &Path, mesh: &TriMesh, overwrite: Overwrite) -> Result<()> {
     let output = Output::create(path, overwrite)?;
-    catamaran::mesh::io::write(output, &MeshFile::from(mesh.clone()))?;
+    catamaran_geometry::mesh::io::write(output, &MeshFile::from(mesh.clone()))?;
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! Measures of inputs and of decimated meshes.
 
 use catamaran::Par;
-use catamaran::decimate::Quality;
-use catamaran::mesh::{Comparison, Components, Edges, Genus, TriMesh};
+use catamaran_geometry::decimate::Quality;
+use catamaran_geometry::mesh::{Comparison, Components, Edges, Genus, TriMesh};
 
 use crate::Result;
 
@@ -140,7 +140,7 @@ impl std::fmt::Display for Intersecting {
 
 #[cfg(test)]
 mod tests {
-    use catamaran::mesh::families;
+    use catamaran_geometry::mesh::families;
 
     use super::*;
 

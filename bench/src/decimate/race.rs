@@ -1,6 +1,6 @@
 //! Races contenders of decimation.
 
-use catamaran::mesh::TriMesh;
+use catamaran_geometry::mesh::TriMesh;
 
 use super::measures::text;
 use super::{Contender, Input, Inputs, Job, Measures, Rivals, Soundness};
@@ -141,7 +141,7 @@ pub fn race(
         let pairs = reports.iter().zip(yardstick);
         let ratios =
             pairs.filter_map(|(own, first)| Some(own.as_ref()?.seconds / first.as_ref()?.seconds));
-        let made = catamaran::mesh::io::read(&output(*contender))?.mesh;
+        let made = catamaran_geometry::mesh::io::read(&output(*contender))?.mesh;
         rows.push(Row {
             contender: *contender,
             repetitions: measured.len(),

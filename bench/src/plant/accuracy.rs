@@ -1,7 +1,7 @@
 //! The water, compared with numbers of 100 bits.
 
 use catamaran::Par;
-use catamaran::plant::{Bdf6, Start, WaterOptions, read};
+use catamaran_simulation::plant::{Bdf6, Start, WaterOptions, read};
 
 use super::reference::Coefficients;
 use super::{Part, Subject};

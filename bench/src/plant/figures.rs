@@ -1,7 +1,7 @@
 //! Figures of the water, and of the resulting poses.
 
 use catamaran::Par;
-use catamaran::plant::{
+use catamaran_simulation::plant::{
     Bdf6, Conductivity, Elasticity, Plant, Pose, RelaxOptions, RodOptions, Rods, Start, WaterModel,
     WaterOptions, grams_per_hour,
 };

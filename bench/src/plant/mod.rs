@@ -5,7 +5,7 @@ mod figures;
 mod part;
 mod race;
 #[allow(dead_code)] // tests have more of it
-#[path = "../../../tests/geometry/plant/reference.rs"]
+#[path = "../../../simulation/tests/simulation/plant/reference.rs"]
 mod reference;
 mod shapes;
 mod shares;

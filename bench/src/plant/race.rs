@@ -6,8 +6,8 @@ use std::time::Instant;
 use catamaran::Par;
 use catamaran::faer::MatRef;
 use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write};
-use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Bdf6, Start};
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{Bdf6, Start};
 
 use super::{Part, Subject};
 use crate::race::median;

@@ -2,7 +2,7 @@
 //! plant.
 
 use catamaran::Par;
-use catamaran::plant::{
+use catamaran_simulation::plant::{
     Elasticity, MotionOptions, Plant, Pose, RelaxOptions, RodOptions, Rods, Segment, SwayOptions,
     WaterModel, WaterOptions, WiltOptions, grams_per_hour, sway, wilt,
 };

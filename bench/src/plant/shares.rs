@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::plant::{Bdf6, Elasticity, Motion, MotionOptions, RodOptions, Rods, Start};
+use catamaran_simulation::plant::{
+    Bdf6, Elasticity, Motion, MotionOptions, RodOptions, Rods, Start,
+};
 
 use super::{Part, Subject};
 use crate::Result;

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{
     Bdf6, Gusts, Motion, MotionOptions, RodOptions, Rods, Start, Tissue, WaterModel, WaterOptions,
     Wind,
 };

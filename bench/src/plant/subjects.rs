@@ -1,7 +1,7 @@
 //! The plants: those of CATAMARAN_DATA (default ../shared) if it exists, and generated ones.
 
-use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Plant, WaterModel, WaterOptions, read};
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{Plant, WaterModel, WaterOptions, read};
 
 use crate::Result;
 

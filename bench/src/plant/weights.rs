@@ -1,7 +1,7 @@
 //! Figure 4.6 as an experiment: two plants on a scale, and one loss rate for both.
 
 use catamaran::base::Rng;
-use catamaran::plant::{
+use catamaran_simulation::plant::{
     Conductivity, FitOptions, Measurements, WaterModel, WaterOptions, fit, grams_per_hour,
 };
 

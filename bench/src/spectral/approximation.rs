@@ -1,7 +1,7 @@
 //! Table 1.1: functions approximated in several bases.
 
 use catamaran::Par;
-use catamaran::spectral::{
+use catamaran_geometry::spectral::{
     Basis, Orthogonalization, ProductBasis, ProductBasisOptions, TruncatedProducts, relative_errors,
 };
 

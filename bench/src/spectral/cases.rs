@@ -3,9 +3,9 @@
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::spectral::functional_map::{map_from_points, pull_back};
-use catamaran::spectral::test_functions::{coordinates, heat_kernels};
-use catamaran::spectral::{
+use catamaran_geometry::spectral::functional_map::{map_from_points, pull_back};
+use catamaran_geometry::spectral::test_functions::{coordinates, heat_kernels};
+use catamaran_geometry::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, TruncatedProducts,
     relative_errors,
 };

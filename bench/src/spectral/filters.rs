@@ -2,8 +2,8 @@
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef, Scale};
-use catamaran::spectral::test_functions::coordinates;
-use catamaran::spectral::{
+use catamaran_geometry::spectral::test_functions::coordinates;
+use catamaran_geometry::spectral::{
     Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions, TruncatedProducts,
     dirichlet_energies, relative_errors,
 };

@@ -2,7 +2,7 @@
 
 use catamaran::Par;
 use catamaran::faer::{Mat, Scale};
-use catamaran::spectral::{Eigenproducts, dirichlet_energies};
+use catamaran_geometry::spectral::{Eigenproducts, dirichlet_energies};
 
 use super::shapes::Shape;
 use crate::Result;

@@ -4,7 +4,9 @@
 use catamaran::Par;
 use catamaran::faer::{Mat, Scale};
 use catamaran::sparse::Mass;
-use catamaran::spectral::{Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions};
+use catamaran_geometry::spectral::{
+    Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions,
+};
 
 use super::shapes::Shape;
 use crate::Result;

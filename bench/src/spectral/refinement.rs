@@ -3,8 +3,8 @@
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::spectral::functional_map::{icp, points_from_map, zoomout};
-use catamaran::spectral::{Orthogonalization, ProductBasis, ProductBasisOptions};
+use catamaran_geometry::spectral::functional_map::{icp, points_from_map, zoomout};
+use catamaran_geometry::spectral::{Orthogonalization, ProductBasis, ProductBasisOptions};
 
 use super::shapes::Pair;
 use super::transfer::fit;

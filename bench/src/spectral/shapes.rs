@@ -5,13 +5,15 @@ use std::rc::Rc;
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::decimate::{DecimateOptions, Place, decimate};
 use catamaran::faer::Mat;
-use catamaran::mesh::{Components, LaplacianOptions, Normalization, TriMesh, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
-use catamaran::spectral::Eigenbasis;
-use catamaran::spectral::functional_map::nearest_rows;
-use catamaran::spectral::test_functions::geodesic_cells;
+use catamaran_geometry::decimate::{DecimateOptions, Place, decimate};
+use catamaran_geometry::mesh::{
+    Components, LaplacianOptions, Normalization, TriMesh, families, laplacian,
+};
+use catamaran_geometry::spectral::Eigenbasis;
+use catamaran_geometry::spectral::functional_map::nearest_rows;
+use catamaran_geometry::spectral::test_functions::geodesic_cells;
 
 use crate::Result;
 
@@ -153,7 +155,7 @@ impl Shapes {
 
     fn read(&self, name: &str, file: &str, k: usize) -> Result<Rc<Shape>> {
         let folder = self.folder.as_ref().ok_or("CATAMARAN_DATA is missing")?;
-        let mesh = catamaran::mesh::io::read(&folder.join(file))?.mesh;
+        let mesh = catamaran_geometry::mesh::io::read(&folder.join(file))?.mesh;
         Ok(Rc::new(Shape::new(name, &mesh, k)?))
     }
 

@@ -2,11 +2,11 @@
 
 use catamaran::Par;
 use catamaran::faer::Mat;
-use catamaran::spectral::descriptors::{
+use catamaran_geometry::spectral::descriptors::{
     RingOptions, ShotOptions, geodesic_rings, heat_kernel_signature, heat_times, shot,
     wave_kernel_signature, wave_scales,
 };
-use catamaran::spectral::test_functions::{
+use catamaran_geometry::spectral::test_functions::{
     channels, coordinates, geodesic_cells, heat_kernels, random,
 };
 

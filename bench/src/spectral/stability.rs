@@ -2,8 +2,8 @@
 
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
-use catamaran::spectral::functional_map::{map_from_points, points_from_map, pull_back};
-use catamaran::spectral::{
+use catamaran_geometry::spectral::functional_map::{map_from_points, points_from_map, pull_back};
+use catamaran_geometry::spectral::{
     Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap, transform_of_all_products,
 };
 

@@ -5,13 +5,13 @@ use std::rc::Rc;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::spectral::descriptors::{
+use catamaran_geometry::spectral::descriptors::{
     heat_kernel, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
 };
-use catamaran::spectral::functional_map::{
+use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back,
 };
-use catamaran::spectral::{
+use catamaran_geometry::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap, Transfer,
     TruncatedProducts, relative_errors,
 };

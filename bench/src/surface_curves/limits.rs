@@ -2,12 +2,12 @@
 //! geodesics between samples, or missing information in the samples.
 
 use catamaran::base::Rng;
-use catamaran::curve::dataset::{Generator, Samples, Sampling, samples};
-use catamaran::curve::{
+use catamaran_geometry::curve::dataset::{Generator, Samples, Sampling, samples};
+use catamaran_geometry::curve::{
     CurveOptions, CurveSolver, Mode, Reconstruction, Steiner, hausdorff, refined,
     root_mean_distance, root_mean_square_distance,
 };
-use catamaran::mesh::{Edges, Graph, TriMesh};
+use catamaran_geometry::mesh::{Edges, Graph, TriMesh};
 
 use super::{SIZES, Surface};
 use crate::Result;

@@ -5,7 +5,7 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};
 
-use catamaran::mesh::Graph;
+use catamaran_geometry::mesh::Graph;
 
 /// The treatment of samples that a path runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,5 @@
-use catamaran::curve::dataset::scaled;
-use catamaran::mesh::{Components, TriMesh, families, io};
+use catamaran_geometry::curve::dataset::scaled;
+use catamaran_geometry::mesh::{Components, TriMesh, families, io};
 
 use crate::Result;
 

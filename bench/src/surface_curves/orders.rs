@@ -3,9 +3,9 @@
 //! with a circle in the plane.
 
 use catamaran::base::Rng;
-use catamaran::curve::dataset::{Generator, LEAST_VERTICES, Sampling, samples};
-use catamaran::curve::{CurveOptions, CurveSolver, Mode, same_order};
-use catamaran::mesh::{Dijkstra, Edges, Graph, SearchLimits, TriMesh};
+use catamaran_geometry::curve::dataset::{Generator, LEAST_VERTICES, Sampling, samples};
+use catamaran_geometry::curve::{CurveOptions, CurveSolver, Mode, same_order};
+use catamaran_geometry::mesh::{Dijkstra, Edges, Graph, SearchLimits, TriMesh};
 
 use super::literal::{Passed, walk};
 use super::{SIZES, Surface};

@@ -1,12 +1,12 @@
 use std::time::Instant;
 
 use catamaran::base::Rng;
-use catamaran::curve::dataset::{Generator, Sampling, samples};
-use catamaran::curve::{
+use catamaran_geometry::curve::dataset::{Generator, Sampling, samples};
+use catamaran_geometry::curve::{
     CurveOptions, CurveSolver, Mode, Outcome, hausdorff, root_mean_distance,
     root_mean_square_distance, same_order,
 };
-use catamaran::mesh::Graph;
+use catamaran_geometry::mesh::Graph;
 
 use super::Surface;
 use crate::Result;

@@ -1,6 +1,6 @@
 //! Tables and plots of the runs.
 
-use catamaran::curve::dataset::Sampling;
+use catamaran_geometry::curve::dataset::Sampling;
 
 use super::runs::{Method, Run, SIZES};
 use crate::curves::Plot;

@@ -2,7 +2,7 @@
 
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
-use catamaran::texture::slime::{
+use catamaran_simulation::texture::slime::{
     FREE, GOAL, Mask, OBSTACLE, Options, Simulation, Surface, Walker, project, unfold,
 };
 

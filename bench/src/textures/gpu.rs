@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::opencl::{Device, DeviceKind, SlimeOnDevice, evaluate_newton};
-use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
-use catamaran::texture::slime::{Blur, Mask, Options, Simulation, TangentStep};
+use catamaran_simulation::opencl::{Device, DeviceKind, SlimeOnDevice, evaluate_newton};
+use catamaran_simulation::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran_simulation::texture::slime::{Blur, Mask, Options, Simulation, TangentStep};
 
 use super::surfaces::torus;
 use super::thesis::{Case, FRAMES as THESIS_FRAMES, cases};

@@ -2,9 +2,11 @@
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::{TriMesh, families};
-use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
-use catamaran::texture::slime::{Mask, Options, Simulation, Surface, TangentStep, atlas};
+use catamaran_geometry::mesh::{TriMesh, families};
+use catamaran_simulation::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran_simulation::texture::slime::{
+    Mask, Options, Simulation, Surface, TangentStep, atlas,
+};
 
 use super::surfaces::torus;
 use crate::Result;

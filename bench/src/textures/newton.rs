@@ -4,8 +4,10 @@ use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::{Components, Edges, Rim, TriMesh, families, vertex_areas};
-use catamaran::texture::newton::{Fractal, Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran_geometry::mesh::{Components, Edges, Rim, TriMesh, families, vertex_areas};
+use catamaran_simulation::texture::newton::{
+    Fractal, Grid, Newton, NewtonOptions, Points, Polynomial,
+};
 
 use super::polar;
 use crate::Result;
@@ -160,7 +162,7 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
     let (fine, coarse) = (plane(size), plane((size / 16).max(1)));
     // Created before the closures that borrow them.
     #[cfg(feature = "opencl")]
-    let device = catamaran::opencl::Device::open("")?;
+    let device = catamaran_simulation::opencl::Device::open("")?;
     #[cfg(feature = "opencl")]
     let theirs = polar::OnDevice::new(device.info().index, &coarse)?;
     for power in [3, 7] {
@@ -180,7 +182,7 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
             let (device, theirs) = (&device, &theirs);
             let on = &device.info().name;
             contenders.push(Contender::new(&format!("ours, {on}"), fine, move |grid| {
-                Ok(catamaran::opencl::evaluate_newton(
+                Ok(catamaran_simulation::opencl::evaluate_newton(
                     device,
                     ours,
                     Points::Grid(*grid),

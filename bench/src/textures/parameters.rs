@@ -2,7 +2,7 @@
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::texture::slime::{Options, Pattern};
+use catamaran_simulation::texture::slime::{Options, Pattern};
 
 use super::figures::grown;
 use crate::Result;

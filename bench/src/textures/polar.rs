@@ -1,7 +1,7 @@
 //! Newton's fractal with powers in polar form, as the thesis describes it, one pixel after the
 //! other.
 
-use catamaran::texture::newton::{Fractal, Grid};
+use catamaran_simulation::texture::newton::{Fractal, Grid};
 use rayon::prelude::*;
 
 /// Computes z^n - 1 at the pixels of a plane, on the processor. With `stops`, iterations end when a

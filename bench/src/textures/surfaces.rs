@@ -5,11 +5,11 @@ use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
 #[cfg(feature = "opencl")]
-use catamaran::mesh::io::read;
-use catamaran::mesh::{TriMesh, families};
-use catamaran::texture::slime::Surface;
+use catamaran_geometry::mesh::io::read;
+use catamaran_geometry::mesh::{TriMesh, families};
+use catamaran_simulation::texture::slime::Surface;
 #[cfg(feature = "opencl")]
-use catamaran::texture::slime::{atlas, fitted};
+use catamaran_simulation::texture::slime::{atlas, fitted};
 
 use crate::Result;
 

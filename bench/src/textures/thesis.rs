@@ -1,6 +1,6 @@
 //! Tables 3.2 to 3.4 of the thesis: milliseconds of a frame on an NVIDIA RTX 2080 Ti.
 
-use catamaran::texture::slime::{Options, TangentStep};
+use catamaran_simulation::texture::slime::{Options, TangentStep};
 
 /// Number of texels along a side in tables 3.3 and 3.4.
 pub const SIZE: usize = 8192;

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::opencl::{Device, SlimeOnDevice};
-use catamaran::texture::slime::{Mask, Simulation, Surface};
+use catamaran_simulation::opencl::{Device, SlimeOnDevice};
+use catamaran_simulation::texture::slime::{Mask, Simulation, Surface};
 
 use super::surfaces::{ten, torus};
 use super::thesis::{Case, FRAMES as THESIS_FRAMES, SIZE, cases};

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::curve::{
+use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, Drawing, Drawn, Mode, Outcome, Placement, Reconstruction, Region,
     cut, place,
 };
-use catamaran::mesh::{Refined, TriMesh};
+use catamaran_geometry::mesh::{Refined, TriMesh};
 use clap::{ArgGroup, ValueEnum, ValueHint};
 use samples::Group;
 use surface::{SurfaceArgs, paint, walls};

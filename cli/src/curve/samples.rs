@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use catamaran::curve::{Side, Site};
+use catamaran_geometry::curve::{Side, Site};
 
 use super::surface::side;
 use crate::input::TextFile;

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use catamaran::curve::{Curve, Drawn, Region, Side, cut};
 use catamaran::faer::MatRef;
 use catamaran::io::{self as tables, Output};
-use catamaran::mesh::io::{MeshFile, MeshFormat, check_name};
-use catamaran::mesh::{Components, Part, Refined};
+use catamaran_geometry::curve::{Curve, Drawn, Region, Side, cut};
+use catamaran_geometry::mesh::io::{MeshFile, MeshFormat, check_name};
+use catamaran_geometry::mesh::{Components, Part, Refined};
 use clap::ValueEnum;
 
 use super::samples::Group;

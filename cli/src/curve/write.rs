@@ -5,8 +5,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use catamaran::curve::{Outcome, Reconstruction};
 use catamaran::io::Output;
+use catamaran_geometry::curve::{Outcome, Reconstruction};
 
 use super::samples::Group;
 

@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use catamaran::base::Rng;
-use catamaran::curve::dataset::{Generator, Samples, Sampling, samples, scaled};
-use catamaran::curve::{
+use catamaran_geometry::curve::dataset::{Generator, Samples, Sampling, samples, scaled};
+use catamaran_geometry::curve::{
     Curve, CurveOptions, CurveSolver, Drawing, Mode, Reconstruction, Region, Side, cut, same_order,
 };
-use catamaran::mesh::{Components, Graph, TriMesh, families};
+use catamaran_geometry::mesh::{Components, Graph, TriMesh, families};
 use minijinja::context;
 
 use super::Site;

@@ -6,10 +6,10 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::decimate::{
+use catamaran_geometry::decimate::{
     DecimateOptions, Decimation, Difference, FarthestPoints, Method, Quality, decimate,
 };
-use catamaran::mesh::{TriMesh, families};
+use catamaran_geometry::mesh::{TriMesh, families};
 use minijinja::context;
 use minijinja::value::Value;
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::families;
-use catamaran::texture::newton::{
+use catamaran_geometry::mesh::families;
+use catamaran_simulation::texture::newton::{
     Fractal, Grid, Newton, NewtonOptions, Points, Polynomial, root_color,
 };
 use minijinja::context;

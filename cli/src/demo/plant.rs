@@ -5,9 +5,9 @@ use std::time::Instant;
 use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Bdf6, Start, Tissue, WaterModel, WaterOptions};
 use catamaran_charts::svg;
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{Bdf6, Start, Tissue, WaterModel, WaterOptions};
 use minijinja::context;
 use minijinja::value::Value;
 

@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::Par;
-use catamaran::mesh::families;
-use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
 use catamaran_charts::svg;
+use catamaran_geometry::mesh::families;
+use catamaran_simulation::texture::slime::{Mask, Options, Simulation, Surface, atlas};
 use minijinja::context;
 
 use super::Site;

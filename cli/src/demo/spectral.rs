@@ -6,10 +6,10 @@ use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mesh::{LaplacianOptions, Normalization, TriMesh, families, laplacian};
 use catamaran::sparse::{EigenOptions, eigs};
-use catamaran::spectral::functional_map::{map_from_points, points_from_map};
-use catamaran::spectral::{
+use catamaran_geometry::mesh::{LaplacianOptions, Normalization, TriMesh, families, laplacian};
+use catamaran_geometry::spectral::functional_map::{map_from_points, points_from_map};
+use catamaran_geometry::spectral::{
     Basis, Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer,
     relative_errors,
 };

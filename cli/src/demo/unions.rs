@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::Par;
-use catamaran::mesh::{LaplacianOptions, TriMesh};
-use catamaran::unions::{K, PartSpectra, SpectralUnion};
+use catamaran_geometry::mesh::{LaplacianOptions, TriMesh};
+use catamaran_geometry::unions::{K, PartSpectra, SpectralUnion};
 use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
 use minijinja::context;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::mesh::io::{self as files, MeshFile, MeshFormat};
-use catamaran::mesh::{
+use catamaran_geometry::mesh::io::{self as files, MeshFile, MeshFormat};
+use catamaran_geometry::mesh::{
     Components, Normalization, Part, RepairOptions, RepairReport, RepairStep, TriMesh, Weld, repair,
 };
 use clap::ValueEnum;

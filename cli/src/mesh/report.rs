@@ -5,8 +5,10 @@ use std::path::Path;
 
 use anyhow::Result;
 use catamaran::Par;
-use catamaran::mesh::io::MeshFile;
-use catamaran::mesh::{Comparison, Genus, OneSided, Problem, RepairStep, TriMesh, Validation};
+use catamaran_geometry::mesh::io::MeshFile;
+use catamaran_geometry::mesh::{
+    Comparison, Genus, OneSided, Problem, RepairStep, TriMesh, Validation,
+};
 use serde_json::{Value, json};
 
 use crate::input;

@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::{Normalization, TriMesh};
-use catamaran::texture::newton::{
+use catamaran_geometry::mesh::{Normalization, TriMesh};
+use catamaran_simulation::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
 };
-use catamaran::texture::slime;
+use catamaran_simulation::texture::slime;
 use clap::ValueEnum;
 
 use crate::common::{Force, Threads};
@@ -242,7 +242,9 @@ fn evaluate(
     progress: Progress<'_>,
 ) -> Result<Fractal> {
     Ok(match device {
-        Some(device) => catamaran::opencl::evaluate_newton(device, newton, points, progress)?,
+        Some(device) => {
+            catamaran_simulation::opencl::evaluate_newton(device, newton, points, progress)?
+        }
         None => newton.evaluate(points, par, progress)?,
     })
 }

@@ -7,9 +7,9 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::MatRef;
 use catamaran::io::{self as files, Output};
-use catamaran::mesh::TriMesh;
-use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
-use catamaran::texture::newton::{
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::io::{self as meshes, MeshFile, MeshFormat};
+use catamaran_simulation::texture::newton::{
     Fractal, Grid, Inlay, Newton, Points, Texels, VolumeFormat, Voxels, darkened, root_color,
     write_volume,
 };

@@ -3,9 +3,9 @@
 use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::io::{Labels, MeshFile};
-use catamaran::mesh::{Rim, TriMesh};
-use catamaran::texture::newton::{Fractal, Grid, Newton, root_color};
+use catamaran_geometry::mesh::io::{Labels, MeshFile};
+use catamaran_geometry::mesh::{Rim, TriMesh};
+use catamaran_simulation::texture::newton::{Fractal, Grid, Newton, root_color};
 use clap::ValueEnum;
 
 use crate::picture::Volume;
@@ -154,7 +154,7 @@ pub fn surfaces(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use catamaran::texture::newton::{NewtonOptions, Points};
+    use catamaran_simulation::texture::newton::{NewtonOptions, Points};
 
     #[test]
     fn basins_are_numbers_of_roots() {

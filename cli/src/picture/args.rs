@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use catamaran::io::Output;
-use catamaran::mesh::TriMesh;
+use catamaran_geometry::mesh::TriMesh;
 
 use super::color::ColorScale;
 use super::format::create;

@@ -1,9 +1,9 @@
 //! Draws curves on a surface as thin tubes that lie on it, and samples as small balls.
 
 use anyhow::Result;
-use catamaran::curve::Curve;
-use catamaran::mesh::vector::{Vector, cross, norm, sub};
-use catamaran::mesh::{TriMesh, families};
+use catamaran_geometry::curve::Curve;
+use catamaran_geometry::mesh::vector::{Vector, cross, norm, sub};
+use catamaran_geometry::mesh::{TriMesh, families};
 
 use super::image::Rgb;
 

@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Result, bail};
 use catamaran::base::Progress;
-use catamaran::mesh::TriMesh;
-use catamaran::mesh::vector::Vector;
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::vector::Vector;
 
 use super::color::{to_light, to_screen};
 use super::image::{Image, Rgb};

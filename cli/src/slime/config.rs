@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use catamaran::texture::slime::{Blur, Options, TangentStep};
+use catamaran_simulation::texture::slime::{Blur, Options, TangentStep};
 use serde::Deserialize;
 
 use super::material::LookConfig;

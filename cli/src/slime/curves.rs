@@ -5,8 +5,8 @@ use std::io::Write as _;
 
 use anyhow::Result;
 use catamaran::io::Output;
-use catamaran::texture::slime::Coverage;
 use catamaran_charts::{Axis, Chart, Line, Series};
+use catamaran_simulation::texture::slime::Coverage;
 
 /// A moment: seconds of the simulation, and the coverage of each species.
 pub type Moment = (f64, Vec<Coverage>);

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use catamaran::io::Output;
-use catamaran::mesh::io::Picture;
-use catamaran::texture::slime::Simulation;
+use catamaran_geometry::mesh::io::Picture;
+use catamaran_simulation::texture::slime::Simulation;
 
 /// Returns the names of the pictures of a frame: species in the channels of one picture, or one
 /// picture for each species when there are more than three.

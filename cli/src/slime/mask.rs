@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use catamaran::io::SourceOptions;
-use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE};
+use catamaran_simulation::texture::slime::{FREE, GOAL, Mask, OBSTACLE};
 
 /// A channel of a mask counts above this value.
 const HALF: u8 = 127;

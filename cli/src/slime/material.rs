@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use catamaran::mesh::io::{Attribute, Material, MeshFile, Picture};
-use catamaran::texture::{Finish, Look, MaterialMaps, Preset};
+use catamaran_geometry::mesh::io::{Attribute, Material, MeshFile, Picture};
+use catamaran_simulation::texture::{Finish, Look, MaterialMaps, Preset};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Deserialize;
 

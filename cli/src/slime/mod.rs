@@ -16,12 +16,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::io::Output;
-use catamaran::mesh::io::{Attribute, Labels, MeshFile};
-use catamaran::texture::slime::{
+use catamaran::{Error, Par};
+use catamaran_geometry::mesh::io::{Attribute, Labels, MeshFile};
+use catamaran_simulation::texture::slime::{
     Coverage, Mask, Options, Simulation, Surface, atlas, fitted, smallest_size,
 };
-use catamaran::texture::{Look, MaterialMaps, Preset};
-use catamaran::{Error, Par};
+use catamaran_simulation::texture::{Look, MaterialMaps, Preset};
 
 use crate::common::{Force, Threads};
 use crate::device::DeviceArgs;

@@ -1,19 +1,19 @@
 //! Runs a simulation on a device.
 
 use anyhow::Result;
-use catamaran::texture::slime::{Coverage, Simulation};
+use catamaran_simulation::texture::slime::{Coverage, Simulation};
 
 use crate::device::Device;
 
 /// The kernels on a device.
 #[cfg(feature = "opencl")]
-pub struct OnDevice(catamaran::opencl::SlimeOnDevice);
+pub struct OnDevice(catamaran_simulation::opencl::SlimeOnDevice);
 
 #[cfg(feature = "opencl")]
 impl OnDevice {
     /// Copies the simulation to the device.
     pub fn new(device: &Device, simulation: &Simulation) -> Result<Self> {
-        Ok(Self(catamaran::opencl::SlimeOnDevice::new(device, simulation)?))
+        Ok(Self(catamaran_simulation::opencl::SlimeOnDevice::new(device, simulation)?))
     }
 
     /// Computes a step, and returns the coverage after it.

@@ -1,9 +1,9 @@
 //! Draws the lit surface with its texture.
 
 use anyhow::Result;
-use catamaran::mesh::TriMesh;
-use catamaran::texture::MaterialMaps;
-use catamaran::texture::slime::{GOAL, OBSTACLE, Simulation};
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_simulation::texture::MaterialMaps;
+use catamaran_simulation::texture::slime::{GOAL, OBSTACLE, Simulation};
 
 use crate::picture::{Image, Material, Paint, Panel, Scene, Texture, View, render};
 

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use catamaran::unions::{K, interpolate};
+use catamaran_geometry::unions::{K, interpolate};
 
 use super::parts::{PartArgs, report_ood};
 use crate::common::Force;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
-use catamaran::mesh::{
+use catamaran_geometry::mesh::{
     Boundary, CloudOptions, Components, LaplacianOptions, TriMesh, free_components,
 };
-use catamaran::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
+use catamaran_geometry::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
 
 use crate::input::MeshArgs;
 use crate::pieces::Pieces;

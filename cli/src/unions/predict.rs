@@ -4,8 +4,8 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use catamaran::mesh::TriMesh;
-use catamaran::unions::K;
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::unions::K;
 
 use super::parts::{PartArgs, report_ood};
 use crate::common::Force;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::mesh::io::{MeshFile, check_name};
-use catamaran::mesh::{Boundary, Edges};
-use catamaran::spectral::{ShapeOptions, shape_from_spectrum};
+use catamaran_geometry::mesh::io::{MeshFile, check_name};
+use catamaran_geometry::mesh::{Boundary, Edges};
+use catamaran_geometry::spectral::{ShapeOptions, shape_from_spectrum};
 
 use crate::common::{Force, Threads};
 use crate::input::MeshArgs;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use catamaran::mesh::TriMesh;
-use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
 use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
-use catamaran::unions::network::Architecture;
+use catamaran_geometry::unions::network::Architecture;
 use catamaran_training::dataset;
 use catamaran_training::train::{Examples, TrainOptions, Trainer, read_state, write_state};
 use catamaran_training::transformer::{Losses, Transformer, TransformerOptions};

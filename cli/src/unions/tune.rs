@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use catamaran::base::Progress;
-use catamaran::mesh::{Boundary, TriMesh};
+use catamaran_geometry::mesh::{Boundary, TriMesh};
 use catamaran_training::train::Trainer;
 use catamaran_training::tune::{TuneOptions, family_examples, start};
 

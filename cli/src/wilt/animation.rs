@@ -6,7 +6,7 @@ use std::io::Write;
 
 use anyhow::{Result, bail};
 use catamaran::io::Output;
-use catamaran::plant::{Plant, Pose, RodOptions, Rods, tubes};
+use catamaran_simulation::plant::{Plant, Pose, RodOptions, Rods, tubes};
 use gltf::Glb;
 use gltf::binary::Header;
 use gltf::json::accessor::{Accessor, ComponentType, GenericComponentType, Type};

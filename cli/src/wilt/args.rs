@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use catamaran::Par;
-use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{
     Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue, Wind, read_with,
 };
 use clap::{ValueEnum, ValueHint};

@@ -1,7 +1,7 @@
 //! Draws curves of water over time.
 
-use catamaran::plant::Plant;
 use catamaran_charts::{Axis, Chart, Line, Rgb, Series};
+use catamaran_simulation::plant::Plant;
 
 use super::Simulation;
 

@@ -6,8 +6,8 @@ use std::io::Write;
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
 use catamaran::io::Output;
-use catamaran::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit};
 use catamaran_charts::{Axis, Chart, Line, Series};
+use catamaran_simulation::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit};
 
 use crate::input::TextFile;
 use crate::picture::write_chart;

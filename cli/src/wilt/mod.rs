@@ -12,8 +12,8 @@ mod watering;
 
 use anyhow::{Context, Result};
 use catamaran::base::Progress;
-use catamaran::mesh::io::MeshFile;
-use catamaran::plant::{Balance, tubes};
+use catamaran_geometry::mesh::io::MeshFile;
+use catamaran_simulation::plant::{Balance, tubes};
 
 use self::animation::write_animation;
 use self::watering::write_balance;

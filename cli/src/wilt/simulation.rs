@@ -3,7 +3,7 @@
 use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::plant::{
+use catamaran_simulation::plant::{
     Balance, Conductivity, Interval, MotionOptions, Plant, Pose, Rewatering, RodOptions, Rods,
     Soil, Stomata, SwayOptions, Tissue, WaterModel, WaterOptions, WiltOptions, Wind,
     grams_per_hour, sway, wilt,

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use anyhow::{Result, bail};
-use catamaran::plant::{Elasticity, Part, Plant, Tissue};
+use catamaran_simulation::plant::{Elasticity, Part, Plant, Tissue};
 
 /// Names of parts.
 const PARTS: [(&str, Part); 3] =

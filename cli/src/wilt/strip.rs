@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use catamaran::io::Output;
-use catamaran::mesh::TriMesh;
-use catamaran::plant::{Plant, tubes};
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_simulation::plant::{Plant, tubes};
 
 use super::Simulation;
 use crate::picture::{ColorMap, ColorScale, Paint, Panel, Scene, Up, View, render};

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use anyhow::Result;
 use catamaran::io::Output;
-use catamaran::plant::{Balance, Rewatering, Soil, Stomata};
+use catamaran_simulation::plant::{Balance, Rewatering, Soil, Stomata};
 
 use super::tables::write_rows;
 

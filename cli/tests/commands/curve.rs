@@ -1,7 +1,7 @@
 //! `catamaran curve`, from outside.
 
-use catamaran::mesh::io::{read, write};
-use catamaran::mesh::{TriMesh, families};
+use catamaran_geometry::mesh::io::{read, write};
+use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::Folder;
 

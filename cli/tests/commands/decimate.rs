@@ -3,8 +3,8 @@
 use std::fs;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::{Attribute, MeshFile, read, write};
-use catamaran::mesh::{TriMesh, families};
+use catamaran_geometry::mesh::io::{Attribute, MeshFile, read, write};
+use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::Folder;
 

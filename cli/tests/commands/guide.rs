@@ -1,7 +1,7 @@
 //! The commands of README.md and of the pages of docs/guide that have no chapter of their own.
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 use crate::common::{Folder, table};
 

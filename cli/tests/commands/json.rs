@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use catamaran::mesh::families;
-use catamaran::mesh::vector::dot;
+use catamaran_geometry::mesh::families;
+use catamaran_geometry::mesh::vector::dot;
 use serde_json::{Map, Value};
 
 use crate::common::{Folder, table};

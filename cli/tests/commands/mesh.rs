@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::{Attribute, MeshFile};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::io::{Attribute, MeshFile};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 use crate::common::Folder;
 

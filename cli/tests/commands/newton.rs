@@ -48,7 +48,7 @@ fn a_mesh_gets_colours_and_a_texture() {
         "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
     );
     folder.succeed("newton square.obj --w 0.2 -o colored.ply --heights h.csv --picture view.png");
-    let file = catamaran::mesh::io::read(&folder.path("colored.ply")).unwrap();
+    let file = catamaran_geometry::mesh::io::read(&folder.path("colored.ply")).unwrap();
     assert_eq!(file.colors.unwrap().len(), 4);
     assert_eq!(std::fs::read_to_string(folder.path("h.csv")).unwrap().lines().count(), 4);
     assert!(size_and_bits(&folder, "view.png").0 > 100);
@@ -61,7 +61,7 @@ fn a_mesh_gets_colours_and_a_texture() {
 
 #[test]
 fn a_mesh_has_the_same_colours_whatever_its_unit_and_place() {
-    use catamaran::mesh::{TriMesh, families};
+    use catamaran_geometry::mesh::{TriMesh, families};
     let folder = Folder::new();
     let sphere = families::icosphere(3).unwrap();
     let colors = |name: &str, size: f64, shift: f64, options: &str| {
@@ -70,9 +70,9 @@ fn a_mesh_has_the_same_colours_whatever_its_unit_and_place() {
         let mesh = TriMesh::new(vertices, sphere.faces().to_vec()).unwrap();
         let overwrite = catamaran::io::Overwrite::Replace;
         let output = catamaran::io::Output::create(&folder.path(name), overwrite).unwrap();
-        catamaran::mesh::io::write(output, &mesh.into()).unwrap();
+        catamaran_geometry::mesh::io::write(output, &mesh.into()).unwrap();
         folder.succeed(&format!("newton {name} --power 5 {options} -o colored.ply --force"));
-        let file = catamaran::mesh::io::read(&folder.path("colored.ply")).unwrap();
+        let file = catamaran_geometry::mesh::io::read(&folder.path("colored.ply")).unwrap();
         // The mesh itself stays where it is.
         assert!((file.mesh.vertices()[0][0] - place(&sphere.vertices()[0])[0]).abs() < 1e-3 * size);
         file.colors.unwrap()
@@ -139,7 +139,7 @@ fn the_surface_of_a_basin_is_closed_and_has_the_colour_of_its_root() {
     let folder = Folder::new();
     let said = folder.succeed("newton --volume --size 24 --basins 4 -o one.ply --picture one.png");
     assert!(said.contains("surface     ") && said.contains(" faces, volume "), "{said}");
-    let one = catamaran::mesh::io::read(&folder.path("one.ply")).unwrap();
+    let one = catamaran_geometry::mesh::io::read(&folder.path("one.ply")).unwrap();
     one.mesh.require_closed().unwrap();
     let colors = one.colors.unwrap();
     assert!(colors.iter().all(|color| *color == colors[0]));
@@ -152,7 +152,7 @@ fn the_surface_of_a_basin_is_closed_and_has_the_colour_of_its_root() {
     assert!((0.9..1.0).contains(&ratio), "{ratio}");
 
     folder.succeed("newton --volume --size 24 --basins all -o all.obj --threads 1");
-    let all = catamaran::mesh::io::read(&folder.path("all.obj")).unwrap();
+    let all = catamaran_geometry::mesh::io::read(&folder.path("all.obj")).unwrap();
     all.mesh.require_closed().unwrap();
     assert!(all.mesh.volume() > 24.0 && all.mesh.volume() < 27.0, "{}", all.mesh.volume());
     assert_eq!(all.groups.unwrap().names.len(), 9);
@@ -290,7 +290,10 @@ fn a_material_is_in_a_file_with_its_mesh() {
         for part in ["baseColorTexture", "metallicRoughnessTexture", "normalTexture", "height"] {
             assert!(text.contains(part), "{name}: {part}");
         }
-        assert_eq!(catamaran::mesh::io::read(&folder.path(name)).unwrap().mesh.faces().len(), 2);
+        assert_eq!(
+            catamaran_geometry::mesh::io::read(&folder.path(name)).unwrap().mesh.faces().len(),
+            2
+        );
     }
     let [enamel, stones] =
         ["enamel.glb", "stones.glb"].map(|name| std::fs::read(folder.path(name)).unwrap());
@@ -386,7 +389,7 @@ fn what_is_wrong_is_said() {
 #[test]
 fn a_device_draws_what_the_processor_draws() {
     let folder = Folder::new();
-    if let Err(e) = catamaran::opencl::devices() {
+    if let Err(e) = catamaran_simulation::opencl::devices() {
         assert!(std::env::var_os("CATAMARAN_REQUIRE_OPENCL").is_none(), "{e}");
         println!("skipped: {e}");
         return;
@@ -398,7 +401,8 @@ fn a_device_draws_what_the_processor_draws() {
     let different = cpu.iter().zip(&device).filter(|(a, b)| a != b).count();
     // Processors round divisions correctly. A GPU may differ at one point of 4,000, and 4,096 are
     // drawn; some more are on the borders of basins.
-    let is_cpu = catamaran::opencl::find("0").unwrap().kind == catamaran::opencl::DeviceKind::Cpu;
+    let is_cpu = catamaran_simulation::opencl::find("0").unwrap().kind
+        == catamaran_simulation::opencl::DeviceKind::Cpu;
     let allowed = if is_cpu { 0 } else { 8 };
     assert!(cpu.len() == 64 * 64 && different <= allowed, "{different} of {} pixels", cpu.len());
 }

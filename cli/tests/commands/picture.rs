@@ -1,8 +1,8 @@
 //! Options of pictures, whatever the command.
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::write;
-use catamaran::mesh::{TriMesh, families};
+use catamaran_geometry::mesh::io::write;
+use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::Folder;
 

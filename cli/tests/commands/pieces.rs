@@ -2,7 +2,7 @@
 //! eigenvalue zero of its own.
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 use crate::common::{Folder, Run};
 

@@ -4,7 +4,7 @@
 use std::process::Command;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{families, io};
+use catamaran_geometry::mesh::{families, io};
 
 use crate::common::{Folder, Run};
 

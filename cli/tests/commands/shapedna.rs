@@ -1,7 +1,7 @@
 //! `catamaran shapedna` and `catamaran unions dataset`, from outside.
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 use crate::common::Folder;
 

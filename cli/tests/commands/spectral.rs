@@ -3,8 +3,8 @@
 use std::io::Read;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io::{read, write};
-use catamaran::mesh::{TriMesh, families};
+use catamaran_geometry::mesh::io::{read, write};
+use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::Folder;
 
@@ -234,7 +234,7 @@ fn one_coefficient_changes_by_a_share_of_the_size() {
             assert!((row[0] - row[1]).abs() < 1e-12 && (row[0] - row[2]).abs() < 1e-12);
             assert!((row[0] + back[0]).abs() < 1e-12);
         }
-        let areas = catamaran::mesh::vertex_areas(&source);
+        let areas = catamaran_geometry::mesh::vertex_areas(&source);
         let total: f64 = areas.iter().sum();
         let inner = |a: &[f64], b: &[f64]| -> f64 {
             (0..162).map(|i| areas[i] * a[3 * i] * b[3 * i]).sum()

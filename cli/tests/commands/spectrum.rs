@@ -12,7 +12,7 @@ use catamaran::faer::Mat;
 #[cfg(feature = "hdf5")]
 use catamaran::io::RowFile;
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 fn write(folder: &Folder, name: &str, mesh: TriMesh) {
     let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();

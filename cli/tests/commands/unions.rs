@@ -3,7 +3,7 @@
 use std::fs;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 use crate::common::Folder;
 

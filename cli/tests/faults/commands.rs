@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::{TriMesh, families, io};
+use catamaran_geometry::mesh::{TriMesh, families, io};
 
 use crate::common::{Folder, csv, table};
 

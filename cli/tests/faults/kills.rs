@@ -7,7 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use catamaran::io::{read_accumulator, read_arrays};
-use catamaran::unions::SpectralUnion;
+use catamaran_geometry::unions::SpectralUnion;
 use catamaran_training::train::read_state;
 
 use crate::commands::inputs;

@@ -165,7 +165,6 @@ impl ExtendedGram {
     }
 
     /// Returns the columns that are not zero, but whose squared length rounds to 0; ascending.
-    #[cfg(feature = "geometry")]
     pub(crate) fn vanished(&self) -> &[usize] {
         &self.about.vanished
     }

@@ -14,7 +14,6 @@ mod pass;
 mod plan;
 mod rows;
 mod source;
-#[cfg(feature = "geometry")]
 mod sparse;
 mod stream;
 mod strip;
@@ -30,12 +29,10 @@ pub use grid::RowBounds;
 pub use plan::StreamPlan;
 pub use rows::{Center, RowOptions, ata_extended, ata_rows};
 pub use source::{DenseRows, RowBlocks};
-#[cfg(feature = "geometry")]
 pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use stream::{AfterBlock, stream};
 pub use strip::Strip;
 
-#[cfg(feature = "geometry")]
 pub(crate) use extended::About;
 pub(crate) use rows::AdjustedRows;
 #[cfg(feature = "mpi")]

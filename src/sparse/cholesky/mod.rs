@@ -30,7 +30,7 @@ const ORDERED: f64 = 200.0;
 /// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
 /// dissection fills in as much on surfaces (docs/decisions/0039).
 #[derive(Debug)]
-pub(crate) struct Symbolic {
+pub struct Symbolic {
     pattern: Pattern,
     entries: Entries,
     /// The row of the matrix for each row of the factor.
@@ -100,7 +100,7 @@ impl Symbolic {
 
 /// A factor of a symmetric matrix.
 #[derive(Debug)]
-pub(crate) struct Factor {
+pub struct Factor {
     values: Vec<f64>,
     /// For an indefinite matrix: the entries of B below its diagonal.
     subdiagonal: Option<Vec<f64>>,

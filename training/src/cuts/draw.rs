@@ -2,7 +2,7 @@
 
 use catamaran::Result;
 use catamaran::base::Rng;
-use catamaran::mesh::Edges;
+use catamaran_geometry::mesh::Edges;
 
 use super::regions::{Mask, Surface};
 

@@ -14,8 +14,8 @@ mod triples;
 use std::collections::BTreeMap;
 
 use catamaran::base::Rng;
-use catamaran::mesh::TriMesh;
 use catamaran::{Par, Result};
+use catamaran_geometry::mesh::TriMesh;
 
 use crate::families::Model;
 pub(crate) use draw::below;
@@ -101,7 +101,7 @@ impl Cuts {
 /// Cuts the template of a family. The same options give the same cuts for any number of threads.
 ///
 /// # Errors
-/// Those of [`HeatMethod`](catamaran::mesh::HeatMethod).
+/// Those of [`HeatMethod`](catamaran_geometry::mesh::HeatMethod).
 pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
     let surface = Surface::new(model.template(), model.mirror(), par)?;
     cuts_of(&surface, model.segments(), options)
@@ -111,7 +111,7 @@ pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
 /// same cuts for any number of threads.
 ///
 /// # Errors
-/// Those of [`HeatMethod`](catamaran::mesh::HeatMethod).
+/// Those of [`HeatMethod`](catamaran_geometry::mesh::HeatMethod).
 pub fn cuts_of_mesh(mesh: &TriMesh, options: &CutOptions, par: Par) -> Result<Cuts> {
     let itself: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
     cuts_of(&Surface::new(mesh, &itself, par)?, &[], options)

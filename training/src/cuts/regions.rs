@@ -1,7 +1,7 @@
 //! Connected regions of a template, as masks.
 
-use catamaran::mesh::{Adjacency, HeatMethod, HeatOptions, TriMesh, vertex_areas};
 use catamaran::{Par, Result};
+use catamaran_geometry::mesh::{Adjacency, HeatMethod, HeatOptions, TriMesh, vertex_areas};
 
 /// For each vertex of the template, whether it belongs to the region.
 pub type Mask = Vec<bool>;

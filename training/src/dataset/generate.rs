@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::base::{Pin, Progress, ThreadPool};
 use catamaran::io::{Array, ArraysWriter, Output, Overwrite, read_arrays};
-use catamaran::mesh::{LaplacianOptions, TriMesh, laplacian, vertex_areas};
 use catamaran::sparse::{EigenOptions, eigs};
-use catamaran::unions::PartSpectra;
 use catamaran::{Error, Par, Result, faer::MatRef};
+use catamaran_geometry::mesh::{LaplacianOptions, TriMesh, laplacian, vertex_areas};
+use catamaran_geometry::unions::PartSpectra;
 use rayon::prelude::*;
 
 use super::plan::{DatasetOptions, HeldOut, Job, Parts, jobs};

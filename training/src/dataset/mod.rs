@@ -6,7 +6,7 @@ mod plan;
 
 use catamaran::Result;
 use catamaran::faer::Mat;
-use catamaran::mesh::TriMesh;
+use catamaran_geometry::mesh::TriMesh;
 
 pub use file::{read, write};
 pub use generate::generate;

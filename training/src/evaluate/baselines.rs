@@ -1,8 +1,8 @@
 use catamaran::Result;
 use catamaran::faer::Mat;
 use catamaran::faer::linalg::solvers::SolveLstsq;
-use catamaran::unions::K;
-use catamaran::unions::network::sum;
+use catamaran_geometry::unions::K;
+use catamaran_geometry::unions::network::sum;
 
 use super::Predictor;
 use crate::dataset::Spectrum;

@@ -1,6 +1,6 @@
-use catamaran::mesh::{LaplacianOptions, TriMesh};
-use catamaran::unions::PartSpectra;
 use catamaran::{Error, Par, Result};
+use catamaran_geometry::mesh::{LaplacianOptions, TriMesh};
+use catamaran_geometry::unions::PartSpectra;
 
 use crate::cuts::{Mask, Surface, no_pair, union};
 use crate::dataset::{EIGENVALUES, Spectrum};
@@ -128,7 +128,7 @@ fn radius(distances: &[f64], areas: &[f64], share: f64) -> f64 {
 /// Cuts a shape in each way of [`BODY_CUTS`]; returns the spectra of each pair, or why it has none.
 ///
 /// # Errors
-/// Those of [`HeatMethod`](catamaran::mesh::HeatMethod) and [`PartSpectra::new`].
+/// Those of [`HeatMethod`](catamaran_geometry::mesh::HeatMethod) and [`PartSpectra::new`].
 pub fn body_pairs(
     mesh: &TriMesh,
     frame: Frame,
@@ -173,7 +173,7 @@ mod tests {
                 assert!(union[i] <= first[i].min(second[i]) * (1.0 + 1e-6), "{}", cut.name);
             }
         }
-        let small = catamaran::mesh::families::icosphere(1).unwrap();
+        let small = catamaran_geometry::mesh::families::icosphere(1).unwrap();
         let pairs = body_pairs(&small, FRAME, Par::all()).unwrap();
         assert!(pairs.iter().all(|(_, pair)| matches!(pair, Err(Error::Argument { .. }))));
     }

@@ -1,5 +1,5 @@
 use catamaran::Result;
-use catamaran::unions::SpectralUnion;
+use catamaran_geometry::unions::SpectralUnion;
 
 use crate::dataset::{Dataset, Spectrum};
 use crate::train::{LEAST_SHARE, Pair};

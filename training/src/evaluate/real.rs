@@ -1,8 +1,8 @@
 use std::path::Path;
 
-use catamaran::decimate::{DecimateOptions, decimate};
-use catamaran::mesh::{RepairOptions, TriMesh, io, repair};
 use catamaran::{Par, Result};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::{RepairOptions, TriMesh, io, repair};
 
 use super::{BodyCut, Frame, body_pairs};
 use crate::families::{Family, Model};

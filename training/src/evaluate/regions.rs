@@ -1,5 +1,5 @@
 use catamaran::Result;
-use catamaran::unions::SpectralUnion;
+use catamaran_geometry::unions::SpectralUnion;
 
 use crate::dataset::Dataset;
 
@@ -72,8 +72,8 @@ pub fn localization(
 #[cfg(test)]
 mod tests {
     use catamaran::Par;
-    use catamaran::mesh::LaplacianOptions;
-    use catamaran::unions::{K, PartSpectra};
+    use catamaran_geometry::mesh::LaplacianOptions;
+    use catamaran_geometry::unions::{K, PartSpectra};
 
     use super::*;
     use crate::dataset::DatasetOptions;

@@ -1,5 +1,5 @@
-use catamaran::unions::retrieve;
 use catamaran::{Par, Result};
+use catamaran_geometry::unions::retrieve;
 
 use crate::cuts::id;
 use crate::dataset::{Dataset, Spectrum, TRAIN};

@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 
 use catamaran::Result;
 use catamaran::base::Rng;
-use catamaran::unions::K;
+use catamaran_geometry::unions::K;
 
 use super::metric::{MetricOptions, RetrievalMetric};
 use super::oracle::{log_errors, with_errors};

@@ -1,5 +1,5 @@
 use catamaran::Result;
-use catamaran::unions::SpectralUnion;
+use catamaran_geometry::unions::SpectralUnion;
 
 use super::errors;
 use crate::train::Pair;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use catamaran::base::Rng;
-use catamaran::mesh::vector::{Vector, add, distance, scale};
+use catamaran_geometry::mesh::vector::{Vector, add, distance, scale};
 
 use super::skeleton::Spec;
 use crate::cuts::below;

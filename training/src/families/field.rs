@@ -1,6 +1,6 @@
 //! The implicit surface around bones: a smooth union of capsules.
 
-use catamaran::mesh::vector::{Vector, distance, dot, scale, sub};
+use catamaran_geometry::mesh::vector::{Vector, distance, dot, scale, sub};
 
 use super::skeleton::{Bone, Skeleton};
 

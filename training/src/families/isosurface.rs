@@ -7,8 +7,8 @@
 use std::collections::HashMap;
 
 use catamaran::Result;
-use catamaran::mesh::vector::{Vector, add, distance, scale};
-use catamaran::mesh::{Edges, TriMesh};
+use catamaran_geometry::mesh::vector::{Vector, add, distance, scale};
+use catamaran_geometry::mesh::{Edges, TriMesh};
 
 use super::field::Field;
 use super::rotation::mirrored;

@@ -13,8 +13,8 @@ mod skeleton;
 mod weights;
 
 use catamaran::base::Rng;
-use catamaran::mesh::{Components, TriMesh};
 use catamaran::{Error, Result};
+use catamaran_geometry::mesh::{Components, TriMesh};
 
 use field::Field;
 use sheet::Sheet;

@@ -1,6 +1,6 @@
 //! Rotations and mirror images in space.
 
-use catamaran::mesh::vector::{Vector, add, cross, dot, norm, scale};
+use catamaran_geometry::mesh::vector::{Vector, add, cross, dot, norm, scale};
 
 /// Returns the mirror image in the plane x = 0.
 pub fn mirrored(a: Vector) -> Vector {

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use catamaran::Result;
 use catamaran::base::Rng;
-use catamaran::mesh::TriMesh;
-use catamaran::mesh::vector::Vector;
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::vector::Vector;
 
 /// A grid of cells with an even number of columns.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! Bones, the proportions of identities, and poses.
 
 use catamaran::base::Rng;
-use catamaran::mesh::vector::{Vector, add, distance, dot, scale, sub};
+use catamaran_geometry::mesh::vector::{Vector, add, distance, dot, scale, sub};
 
 use super::rotation::{Rotation, about, compose, mirrored, rotate};
 

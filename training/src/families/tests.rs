@@ -1,5 +1,5 @@
-use catamaran::mesh::vector::distance;
-use catamaran::mesh::{Components, Edges, Genus};
+use catamaran_geometry::mesh::vector::distance;
+use catamaran_geometry::mesh::{Components, Edges, Genus};
 
 use super::rotation::mirrored;
 use super::skeleton::{Proportions, rest};

@@ -1,6 +1,6 @@
 //! The bones that move each vertex, and their weights.
 
-use catamaran::mesh::TriMesh;
+use catamaran_geometry::mesh::TriMesh;
 
 use super::field::to_flesh;
 use super::skeleton::Skeleton;

@@ -1,5 +1,5 @@
 use catamaran::base::Rng;
-use catamaran::unions::network::{
+use catamaran_geometry::unions::network::{
     Architecture, K, LayerLayout, LayerTape, Number, Parameter, ParameterLayout, Tape, gemm,
     sigmoid, sum,
 };
@@ -216,7 +216,7 @@ pub(crate) fn add<T: Number>(sum: &mut [T], x: &[T]) {
 
 #[cfg(test)]
 mod tests {
-    use catamaran::unions::network::{FEATURES, forward};
+    use catamaran_geometry::unions::network::{FEATURES, forward};
 
     use super::*;
 

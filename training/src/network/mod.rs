@@ -1,4 +1,4 @@
-//! Back-propagation through the network of [`catamaran::unions::network`].
+//! Back-propagation through the network of [`catamaran_geometry::unions::network`].
 
 mod backward;
 

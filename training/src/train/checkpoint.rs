@@ -1,9 +1,9 @@
 use std::path::Path;
 
 use catamaran::io::{Array, Output, read_arrays, write_arrays};
-use catamaran::unions::Scaling;
-use catamaran::unions::network::Architecture;
 use catamaran::{Error, Result};
+use catamaran_geometry::unions::Scaling;
+use catamaran_geometry::unions::network::Architecture;
 
 use super::{Epoch, State, TrainOptions};
 use crate::adam::Adam;

@@ -3,9 +3,9 @@ use std::ops::Range;
 use std::slice;
 
 use catamaran::base::Rng;
-use catamaran::unions::network::{FEATURES, K};
-use catamaran::unions::{Localizer, PartFeatures, Scaling};
 use catamaran::{Error, Par, Result};
+use catamaran_geometry::unions::network::{FEATURES, K};
+use catamaran_geometry::unions::{Localizer, PartFeatures, Scaling};
 
 use crate::cuts::{below, id};
 use crate::dataset::{Dataset, Samples, Spectrum, TEST_B, TRAIN};

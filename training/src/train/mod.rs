@@ -9,11 +9,11 @@ pub use examples::{Example, Examples, LEAST_SHARE, Pair};
 use std::borrow::Cow;
 
 use catamaran::base::{Pin, Rng, ThreadPool};
-use catamaran::unions::network::{
+use catamaran::{Par, Result};
+use catamaran_geometry::unions::network::{
     Architecture, FEATURES, K, ParameterLayout, Tape, forward, quantize, sigmoid,
 };
-use catamaran::unions::{OodDetector, PartFeatures, Scaling, SpectralUnion};
-use catamaran::{Par, Result};
+use catamaran_geometry::unions::{OodDetector, PartFeatures, Scaling, SpectralUnion};
 use rayon::prelude::*;
 
 use crate::adam::{Adam, CHUNK, annealing, clip};

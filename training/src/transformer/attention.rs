@@ -3,7 +3,7 @@
 //! Head h has the channels h, h + 8, h + 16 and h + 24 of a token, so that one vector instruction
 //! works on all heads. Which channels a head has does not matter, as the linear maps are learned.
 
-use catamaran::unions::network::{K, Number};
+use catamaran_geometry::unions::network::{K, Number};
 
 use super::layout::{HEADS, WIDTH};
 

@@ -1,4 +1,4 @@
-use catamaran::unions::network::{K, Number, Parameter};
+use catamaran_geometry::unions::network::{K, Number, Parameter};
 
 use super::attention::attend_back;
 use super::forward::{BranchTape, NormTape, StackTape, Tape, attended};

@@ -1,4 +1,4 @@
-use catamaran::unions::network::{K, Number, Parameter, gemm, normalize};
+use catamaran_geometry::unions::network::{K, Number, Parameter, gemm, normalize};
 
 use super::attention::attend;
 use super::layout::{Branch, HEADS, Kind, Layout, POSITIONAL, Stack, WIDTH};

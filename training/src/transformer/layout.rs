@@ -1,4 +1,4 @@
-use catamaran::unions::network::{K, Parameter};
+use catamaran_geometry::unions::network::{K, Parameter};
 
 use crate::network::random_parameters;
 

@@ -1,5 +1,5 @@
 //! The network of the thesis (section 2.4), for comparison: a [`Predictor`] that is trained on the
-//! same pairs as the network of [`catamaran::unions`], and is not shipped.
+//! same pairs as the network of [`catamaran_geometry::unions`], and is not shipped.
 //!
 //! Each eigenvalue is a token of 32 numbers: 16 learned ones for its position, 15 learned multiples
 //! of its offset from the previous eigenvalue, and the offset. `T_A` (8 heads, 6 layers, 64 hidden
@@ -38,8 +38,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use catamaran::io::{Array, Output, read_arrays, write_arrays};
-use catamaran::unions::network::K;
 use catamaran::{Error, Result};
+use catamaran_geometry::unions::network::K;
 
 pub use train::{Losses, TransformerOptions};
 

@@ -2,8 +2,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use catamaran::base::{Pin, Rng, ThreadPool};
-use catamaran::unions::network::K;
 use catamaran::{Error, Par, Result};
+use catamaran_geometry::unions::network::K;
 use rayon::prelude::*;
 
 use super::backward::Gradient;

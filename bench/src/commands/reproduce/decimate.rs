@@ -3,12 +3,14 @@
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::decimate::{DecimateOptions, Difference, decimate, edge_length_for, resample};
-use catamaran::mesh::families;
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::decimate::{Contender, Input, Inputs, Rivals, Row, race};
 use catamaran_bench::race::median;
+use catamaran_geometry::decimate::{
+    DecimateOptions, Difference, decimate, edge_length_for, resample,
+};
+use catamaran_geometry::mesh::families;
 
 use super::{Arguments, Report};
 
@@ -308,13 +310,14 @@ fn resampling(report: &mut Report, inputs: &Inputs) -> Result<()> {
             let quality = |resample: bool| {
                 let options = DecimateOptions::new().resample(resample);
                 decimate(&input.mesh, n, &options)
-                    .map(|made| catamaran::decimate::Quality::of(&made.mesh))
+                    .map(|made| catamaran_geometry::decimate::Quality::of(&made.mesh))
             };
             let [without, with] = [quality(false), quality(true)];
-            let cell = |found: &catamaran::Result<catamaran::decimate::Quality>,
-                        of: fn(&catamaran::decimate::Quality) -> f64| {
-                found.as_ref().map_or_else(|_| "refused".into(), |q| format!("{:.3}", of(q)))
-            };
+            let cell =
+                |found: &catamaran::Result<catamaran_geometry::decimate::Quality>,
+                 of: fn(&catamaran_geometry::decimate::Quality) -> f64| {
+                    found.as_ref().map_or_else(|_| "refused".into(), |q| format!("{:.3}", of(q)))
+                };
             report.say(&format!(
                 "| {} | {n} | {finer} | {seconds:.3} | {} | {} | {} | {} |",
                 input.name,
@@ -351,7 +354,7 @@ fn everything(report: &mut Report, inputs: &Inputs) -> Result<()> {
         for n in [100, 1000, 10_000] {
             let found = match decimate(&input.mesh, n, &DecimateOptions::default()) {
                 Ok(made) => {
-                    let quality = catamaran::decimate::Quality::of(&made.mesh);
+                    let quality = catamaran_geometry::decimate::Quality::of(&made.mesh);
                     record(
                         report,
                         "all",

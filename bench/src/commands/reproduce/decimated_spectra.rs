@@ -3,15 +3,15 @@
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::decimate::{DecimateOptions, decimate};
 use catamaran::faer::Mat;
-use catamaran::mesh::{Laplacian, LaplacianOptions, TriMesh, families, laplacian};
 use catamaran::sparse::{EigenOptions, eigs, eigs_two_level};
-use catamaran::spectral::Basis;
-use catamaran::spectral::functional_map::map_from_points;
 use catamaran_bench::Result;
 use catamaran_bench::decimate::{Input, Inputs, Rivals, Row, race};
 use catamaran_bench::spectral::nearest_vertices;
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::{Laplacian, LaplacianOptions, TriMesh, families, laplacian};
+use catamaran_geometry::spectral::Basis;
+use catamaran_geometry::spectral::functional_map::map_from_points;
 
 use super::decimate::{Curves, FIGURES, plot, record};
 use super::{Arguments, Report};

@@ -2,7 +2,6 @@
 
 use std::rc::Rc;
 
-use catamaran::spectral::test_functions::coordinates;
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
@@ -11,6 +10,7 @@ use catamaran_bench::spectral::{
     approximated, approximation, cardinality, colours, eigenpowers, filters, frequencies, heat,
     noise, ranks, refinement, sizes, stability, transfer, transferred,
 };
+use catamaran_geometry::spectral::test_functions::coordinates;
 
 use super::Report;
 

@@ -1,7 +1,7 @@
 use std::str::FromStr;
 
-use catamaran::mesh::TriMesh;
-use catamaran::mesh::vector::{Vector, norm, sub};
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::vector::{Vector, norm, sub};
 
 /// Half the angle that a perspective view opens to, in radians.
 const HALF_ANGLE: f64 = 0.22;

@@ -1,6 +1,6 @@
 //! The lamps.
 
-use catamaran::mesh::vector::Vector;
+use catamaran_geometry::mesh::vector::Vector;
 
 /// The directions of the two lamps as the viewer sees them (right, up, near; unit vectors), and
 /// their brightness.

@@ -11,7 +11,7 @@ mod tests;
 pub mod up;
 
 use anyhow::{Result, bail};
-use catamaran::mesh::TriMesh;
+use catamaran_geometry::mesh::TriMesh;
 
 use super::color::{ColorScale, Lights};
 use super::image::{Image, Rgb};

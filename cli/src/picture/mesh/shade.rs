@@ -1,4 +1,4 @@
-use catamaran::mesh::vector::{Vector, dot, unit};
+use catamaran_geometry::mesh::vector::{Vector, dot, unit};
 
 use super::camera::{Camera, Projected};
 use super::lamp::LAMPS;

@@ -1,7 +1,7 @@
 //! Normal maps, and the light of rough and shining, plain and metallic surfaces.
 
-use catamaran::mesh::TriMesh;
-use catamaran::mesh::vector::{Vector, dot, unit};
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::vector::{Vector, dot, unit};
 
 use super::Texture;
 use super::camera::Camera;

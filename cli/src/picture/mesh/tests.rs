@@ -1,7 +1,7 @@
 use super::camera::{Projection, Up};
 use super::*;
 use crate::picture::color::ColorMap;
-use catamaran::mesh::families;
+use catamaran_geometry::mesh::families;
 
 fn triangle(z: f64) -> TriMesh {
     let vertices = vec![[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];

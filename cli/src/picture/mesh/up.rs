@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use catamaran::mesh::TriMesh;
+use catamaran_geometry::mesh::TriMesh;
 
 use super::camera::Up;
 
@@ -44,7 +44,7 @@ fn height_field(mesh: &TriMesh) -> Option<Up> {
 
 #[cfg(test)]
 mod tests {
-    use catamaran::mesh::families;
+    use catamaran_geometry::mesh::families;
 
     use super::*;
 

@@ -4,19 +4,19 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use catamaran::AtaOptions;
-use catamaran::curve::CurveOptions;
-use catamaran::decimate::DecimateOptions;
 use catamaran::gram::{LeastSquaresOptions, PrincipalComponentsOptions};
-use catamaran::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
 use catamaran::ortho::GramSchmidtOptions;
-use catamaran::plant::families::GrowthOptions;
-use catamaran::plant::{
+use catamaran::sparse::EigenOptions;
+use catamaran_geometry::curve::CurveOptions;
+use catamaran_geometry::decimate::DecimateOptions;
+use catamaran_geometry::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
+use catamaran_geometry::spectral::{ProductBasisOptions, ShapeOptions};
+use catamaran_geometry::unions::ShapeDnaOptions;
+use catamaran_simulation::plant::families::GrowthOptions;
+use catamaran_simulation::plant::{
     Elasticity, MotionOptions, RelaxOptions, RodOptions, Stomata, SwayOptions, WaterOptions, Wind,
 };
-use catamaran::sparse::EigenOptions;
-use catamaran::spectral::{ProductBasisOptions, ShapeOptions};
-use catamaran::texture::{newton::NewtonOptions, slime};
-use catamaran::unions::ShapeDnaOptions;
+use catamaran_simulation::texture::{newton::NewtonOptions, slime};
 
 use super::Defaults;
 

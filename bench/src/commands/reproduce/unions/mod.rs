@@ -13,11 +13,11 @@ use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::LaplacianOptions;
-use catamaran::unions::{PartSpectra, SpectralUnion};
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
+use catamaran_geometry::mesh::LaplacianOptions;
+use catamaran_geometry::unions::{PartSpectra, SpectralUnion};
 use catamaran_training::dataset::{
     self, Dataset, DatasetOptions, EIGENVALUES, KNOWN_IDENTITY, TEST_A, TEST_B,
 };

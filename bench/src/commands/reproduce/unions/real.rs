@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use catamaran::Par;
-use catamaran::unions::SpectralUnion;
 use catamaran_bench::{Result, input};
+use catamaran_geometry::unions::SpectralUnion;
 use catamaran_training::evaluate::{
     BodyCut, DOCUMENTED_THRESHOLD, Judgement, Minimum, REAL_SHAPES, RealShape, errors,
 };

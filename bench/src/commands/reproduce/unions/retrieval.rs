@@ -1,7 +1,7 @@
 //! Table 2.4, other distances, and the errors that retrieval tolerates.
 
-use catamaran::unions::SpectralUnion;
 use catamaran_bench::Result;
+use catamaran_geometry::unions::SpectralUnion;
 use catamaran_training::dataset::Dataset;
 use catamaran_training::evaluate::{Disturbance, MetricOptions, Retrieval, RetrievalStudy, Source};
 

@@ -2,9 +2,9 @@
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::mesh::TriMesh;
-use catamaran::unions::SpectralUnion;
 use catamaran_bench::Result;
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::unions::SpectralUnion;
 use catamaran_training::dataset::{Dataset, TEST_B};
 use catamaran_training::families::{Family, Model};
 use catamaran_training::train::{Examples, TrainOptions, Trainer};

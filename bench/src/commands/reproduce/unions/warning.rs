@@ -1,7 +1,7 @@
 //! The predictions that a threshold of the out-of-distribution score detects.
 
-use catamaran::unions::SpectralUnion;
 use catamaran_bench::Result;
+use catamaran_geometry::unions::SpectralUnion;
 use catamaran_training::dataset::{Dataset, UNKNOWN_FAMILY};
 use catamaran_training::evaluate::{
     DOCUMENTED_THRESHOLD, Detection, Judgement, THRESHOLDS, WRONG, select,

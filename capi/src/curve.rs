@@ -1,0 +1,423 @@
+//! # Curves
+//!
+//! Closed or open curves along the edges of a mesh through samples of them, whose order is found
+//! (thesis, chapter 6): a solver for each mesh, for many curves.
+//!
+//! ```c
+//! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, .5, .5, 0}, length;
+//! uint32_t f[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4}, samples[] = {0, 2, 1, 3};
+//! cata_curve_solver *solver;
+//! cata_curves *curves;
+//! cata_curve_solver_new(5, v, 4, f, &solver);
+//! cata_curve_solver_find(solver, 4, samples, NULL, &curves);
+//! cata_curves_size(curves, 0, NULL, NULL, NULL, &length);
+//! printf("%g\n", length); // 4
+//! cata_curves_free(curves);
+//! cata_curve_solver_free(solver);
+//! ```
+
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use super::boundary::boundary;
+use super::params::{Versioned, flag, init, read};
+use super::pointer::{
+    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+};
+use super::progress::{cata_progress, watcher};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use catamaran::base::Progress;
+use catamaran_geometry::curve::{
+    Count, Curve, CurveOptions, CurveSolver, Mode, Outcome, Placement, Reconstruction, Site, place,
+};
+
+/// `outcome`: the curve is closed, or all curves are.
+pub const CATA_CURVE_CLOSED: i32 = 0;
+/// `outcome`: the curve is open, as requested.
+pub const CATA_CURVE_OPEN: i32 = 1;
+/// `outcome`: no path leaves one of the samples.
+pub const CATA_CURVE_BLOCKED: i32 = 2;
+/// `outcome`: no path leads back to the first sample.
+pub const CATA_CURVE_CLOSE_BLOCKED: i32 = 3;
+/// `outcome`: samples are on several components.
+pub const CATA_CURVE_DISCONNECTED: i32 = 4;
+
+/// `points`: vertices, and new ones on edges where needed.
+pub const CATA_CURVE_STEINER: i32 = 0;
+/// `points`: vertices of the mesh alone.
+pub const CATA_CURVE_VERTICES: i32 = 1;
+
+/// Instead of a face: the place is a point in space.
+pub const CATA_IN_SPACE: u32 = u32::MAX;
+
+/// How curves are found. They are found on the calling thread.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_curve_params {
+    /// sizeof(cata_curve_params).
+    pub struct_size: usize,
+    /// Ignored.
+    pub threads: usize,
+    /// Progress callback; NULL: none.
+    pub progress: cata_progress,
+    /// Passed to `progress`.
+    pub progress_user: *mut c_void,
+    /// With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5.
+    pub candidates: usize,
+    /// With `faithful` 1: the number of the sample that the curve starts at.
+    pub start: usize,
+    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths
+    /// that do not meet.
+    pub faithful: i32,
+    /// 1: an open curve; 0: closed.
+    pub open: i32,
+    /// 1: one curve, even where there are gaps as between several; 0: as many as there are gaps
+    /// for.
+    pub single: i32,
+    /// CATA_CURVE_STEINER or CATA_CURVE_VERTICES.
+    pub points: i32,
+    /// 1: curves are shortened to geodesics between their samples. 0: they are along edges.
+    pub smooth: i32,
+}
+
+impl Versioned for cata_curve_params {
+    const NAME: &'static str = "cata_curve_params";
+    const FIRST_SIZE: usize = offset_of!(Self, smooth) + size_of::<i32>();
+}
+
+/// A mesh, prepared for the search for curves. Made by cata_curve_solver_new.
+pub struct cata_curve_solver {
+    solver: CurveSolver<'static>,
+}
+
+/// Curves that were found. Made by cata_curve_solver_find; constant.
+pub struct cata_curves {
+    found: Reconstruction,
+}
+
+/// Fills a struct with the defaults.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_params_init(
+    params: *mut cata_curve_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// Creates a solver for a mesh of any kind, of which it keeps a copy.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_new(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    solver: *mut *mut cata_curve_solver,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, place) =
+            unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("solver", solver)?) };
+        let solver = CurveSolver::owning(mesh)?;
+        *place = Box::into_raw(Box::new(cata_curve_solver { solver }));
+        Ok(())
+    })
+}
+
+/// Creates a solver as cata_curve_solver_new, for samples that need not be vertices: those inside
+/// of faces become vertices, numbered from n_vertices on, which cut their faces.
+///
+/// - `count`: number of places.
+/// - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
+/// - `weights`: 3 `count` elements, read: barycentric coordinates in the face, or x, y, z.
+/// - `samples`: `count` elements, written: the vertices that stand for the places.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_new_at(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    count: usize,
+    places: *const u32,
+    weights: *const f64,
+    samples: *mut u32,
+    solver: *mut *mut cata_curve_solver,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("weights", count, 3)?;
+        // SAFETY: the caller's promise.
+        let (mesh, places, weights, samples, to) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("places", places, count)?,
+                slice("weights", weights, 3 * count)?,
+                slice_mut("samples", samples, count)?,
+                output("solver", solver)?,
+            )
+        };
+        let sites: Vec<Site> = places
+            .iter()
+            .zip(weights.as_chunks().0)
+            .map(|(&face, &weights)| match face {
+                CATA_IN_SPACE => Site::Near(weights),
+                face => Site::Face { face, weights },
+            })
+            .collect();
+        let placed = place(&mesh, &sites, Placement::Insert)?;
+        let solver = CurveSolver::owning(placed.mesh.map_or(mesh, |refined| refined.mesh))?;
+        samples.copy_from_slice(&placed.vertices);
+        *to = Box::into_raw(Box::new(cata_curve_solver { solver }));
+        Ok(())
+    })
+}
+
+/// Frees a solver.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_free(solver: *mut cata_curve_solver) {
+    // SAFETY: the promises are the same.
+    unsafe { free(solver) };
+}
+
+/// Finds the curves through unordered samples; they meet neither themselves nor each other. The
+/// same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve:
+/// see cata_curves_outcome.
+///
+/// - `samples`: `count` elements, read: vertices, at least 3, none twice.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_find(
+    solver: *mut cata_curve_solver,
+    count: usize,
+    samples: *const u32,
+    params: *const cata_curve_params,
+    curves: *mut *mut cata_curves,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (solver, samples, curves) = unsafe {
+            let solver = solver.as_mut().ok_or_else(|| Failure::null("solver"))?;
+            (&mut solver.solver, slice("samples", samples, count)?, output("curves", curves)?)
+        };
+        let (mut options, mut smooth, mut watch) = (CurveOptions::default(), false, None);
+        if !params.is_null() {
+            // SAFETY: the caller's promise.
+            let params = unsafe { read("params", params) }?;
+            fill(&mut options, &params)?;
+            smooth = flag("params.smooth", params.smooth)?;
+            watch = watcher(params.progress, params.progress_user);
+        }
+        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+        let found = options.progress.watch(|| {
+            let mut found = solver.reconstruct(samples, &options)?;
+            if smooth {
+                found.smooth(solver.mesh(), samples)?;
+            }
+            Ok::<_, Failure>(found)
+        })?;
+        *curves = Box::into_raw(Box::new(cata_curves { found }));
+        Ok(())
+    })
+}
+
+pub(super) fn fill(
+    options: &mut CurveOptions<'_>,
+    params: &cata_curve_params,
+) -> Result<(), Failure> {
+    if flag("params.faithful", params.faithful)? {
+        options.mode = Mode::Faithful;
+    }
+    if flag("params.single", params.single)? {
+        options.count = Count::One;
+    }
+    options.open = flag("params.open", params.open)?;
+    options.steiner = match params.points {
+        CATA_CURVE_STEINER => true,
+        CATA_CURVE_VERTICES => false,
+        other => {
+            let why = format!(
+                "params.points: must be CATA_CURVE_STEINER or CATA_CURVE_VERTICES, is {other}"
+            );
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+    };
+    options.start = params.start;
+    if params.candidates > 0 {
+        options.candidates = params.candidates;
+    }
+    Ok(())
+}
+
+/// Frees curves.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
+    // SAFETY: the promises are the same.
+    unsafe { free(curves) };
+}
+
+/// Gets how the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
+/// curve is through, because their components of the mesh have fewer than three. NULL where not
+/// wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_outcome(
+    curves: *const cata_curves,
+    outcome: *mut i32,
+    count: *mut usize,
+    left_out: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (found, outcome, numbers) = unsafe {
+            (
+                &known("curves", curves)?.found,
+                optional_output("outcome", outcome)?,
+                [optional_output("count", count)?, optional_output("left_out", left_out)?],
+            )
+        };
+        if let Some(outcome) = outcome {
+            *outcome = match found.outcome {
+                Outcome::Closed => CATA_CURVE_CLOSED,
+                Outcome::Open => CATA_CURVE_OPEN,
+                Outcome::Blocked { .. } => CATA_CURVE_BLOCKED,
+                Outcome::CloseBlocked => CATA_CURVE_CLOSE_BLOCKED,
+                Outcome::Disconnected { .. } => CATA_CURVE_DISCONNECTED,
+                _ => unreachable!("an outcome without a value of its own: {:?}", found.outcome),
+            };
+        }
+        for (place, number) in numbers.into_iter().zip([found.curves.len(), found.left_out.len()]) {
+            if let Some(place) = place {
+                *place = number;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Gets the numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
+/// where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_size(
+    curves: *const cata_curves,
+    curve: usize,
+    n_samples: *mut usize,
+    n_vertices: *mut usize,
+    n_points: *mut usize,
+    length: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (curve, numbers, length) = unsafe {
+            (
+                one(known("curves", curves)?, curve)?,
+                [
+                    optional_output("n_samples", n_samples)?,
+                    optional_output("n_vertices", n_vertices)?,
+                    optional_output("n_points", n_points)?,
+                ],
+                optional_output("length", length)?,
+            )
+        };
+        let found = [curve.order.len(), curve.path.len(), curve.points.len()];
+        for (place, number) in numbers.into_iter().zip(found) {
+            if let Some(place) = place {
+                *place = number;
+            }
+        }
+        if let Some(length) = length {
+            *length = curve.length;
+        }
+        Ok(())
+    })
+}
+
+/// Gets a curve; NULL where not wanted.
+///
+/// - `order`: n_samples elements, written: numbers of samples in the order of the curve.
+/// - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from
+///   the number of vertices of the mesh on were added.
+/// - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is
+///   smooth.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_get(
+    curves: *const cata_curves,
+    curve: usize,
+    order: *mut u32,
+    path: *mut u32,
+    points: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (curve, order, path, points) = unsafe {
+            let curve = one(known("curves", curves)?, curve)?;
+            (
+                curve,
+                optional_slice_mut("order", order, curve.order.len())?,
+                optional_slice_mut("path", path, curve.path.len())?,
+                optional_slice_mut("points", points, 3 * curve.points.len())?,
+            )
+        };
+        if let Some(order) = order {
+            order.copy_from_slice(&curve.order);
+        }
+        if let Some(path) = path {
+            path.copy_from_slice(&curve.path);
+        }
+        if let Some(points) = points {
+            points.copy_from_slice(curve.points.as_flattened());
+        }
+        Ok(())
+    })
+}
+
+/// Gets the numbers of the samples that no curve is through; cata_curves_outcome counts them.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_left_out(
+    curves: *const cata_curves,
+    samples: *mut u32,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (own, samples) = unsafe {
+            let own = &known("curves", curves)?.found.left_out;
+            (own, slice_mut("samples", samples, own.len())?)
+        };
+        samples.copy_from_slice(own);
+        Ok(())
+    })
+}
+
+fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {
+    let all = &curves.found.curves;
+    all.get(curve).ok_or_else(|| {
+        let why = format!("curve: must be less than {} (curves), is {curve}", all.len());
+        Failure::new(CATA_ERR_ARGUMENT, why)
+    })
+}

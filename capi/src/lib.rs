@@ -1,0 +1,165 @@
+//! The C ABI: `include/catamaran.h` is generated from this module by `cargo xtask header`.
+//!
+//! One file per area; every export that can fail passes through `boundary`, and only `pointer`
+//! makes views of memory of C. Nothing here is meant to be called from Rust.
+//!
+//! The products need the feature `capi-ata`, all chapters `capi`, and the functions of MPI also
+//! `mpi`. `absent` has functions of the same names for absent features.
+
+#![allow(non_camel_case_types)] // the names are those of the C header
+
+#[cfg(not(feature = "mpi"))]
+mod absent;
+mod aha;
+mod ata;
+mod ata_params;
+mod atb;
+mod backend;
+mod boundary;
+#[cfg(any(debug_assertions, test))]
+mod internal;
+mod layout;
+mod memory;
+mod message;
+mod params;
+mod pointer;
+mod progress;
+mod regions;
+mod rows;
+mod status;
+mod verify;
+mod version;
+
+#[cfg(feature = "chapters")]
+mod accumulator;
+#[cfg(feature = "chapters")]
+mod ata_sparse;
+#[cfg(feature = "chapters")]
+mod basis;
+#[cfg(feature = "chapters")]
+mod curve;
+#[cfg(feature = "chapters")]
+mod decimation;
+#[cfg(all(feature = "chapters", test))]
+mod defaults;
+#[cfg(feature = "chapters")]
+mod device;
+#[cfg(feature = "chapters")]
+mod eigs;
+#[cfg(feature = "chapters")]
+mod gram;
+#[cfg(feature = "chapters")]
+mod lstsq;
+#[cfg(feature = "chapters")]
+mod map;
+#[cfg(feature = "chapters")]
+mod mesh;
+#[cfg(feature = "chapters")]
+mod newton;
+#[cfg(feature = "chapters")]
+mod ortho;
+#[cfg(feature = "chapters")]
+mod outputs;
+#[cfg(feature = "chapters")]
+mod pca;
+#[cfg(feature = "chapters")]
+mod plant;
+#[cfg(feature = "chapters")]
+mod rods;
+#[cfg(feature = "chapters")]
+mod shape_dna;
+#[cfg(feature = "chapters")]
+mod slime;
+#[cfg(feature = "chapters")]
+mod transfer;
+#[cfg(feature = "chapters")]
+mod unions;
+
+#[cfg(feature = "mpi")]
+mod entries;
+#[cfg(feature = "mpi")]
+mod mpi;
+#[cfg(feature = "mpi")]
+mod ranks;
+#[cfg(feature = "mpi")]
+mod world;
+
+#[cfg(not(feature = "mpi"))]
+pub use absent::*;
+pub use aha::*;
+pub use ata::*;
+pub use ata_params::*;
+pub use atb::*;
+pub use backend::*;
+#[cfg(any(debug_assertions, test))]
+pub use internal::*;
+pub use layout::*;
+pub use memory::*;
+pub use progress::*;
+pub use rows::*;
+pub use status::*;
+pub use verify::*;
+pub use version::*;
+
+#[cfg(feature = "chapters")]
+pub use accumulator::*;
+#[cfg(feature = "chapters")]
+pub use ata_sparse::*;
+#[cfg(feature = "chapters")]
+pub use basis::*;
+#[cfg(feature = "chapters")]
+pub use curve::*;
+#[cfg(feature = "chapters")]
+pub use decimation::*;
+#[cfg(feature = "chapters")]
+pub use device::*;
+#[cfg(feature = "chapters")]
+pub use eigs::*;
+#[cfg(feature = "chapters")]
+pub use gram::*;
+#[cfg(feature = "chapters")]
+pub use lstsq::*;
+#[cfg(feature = "chapters")]
+pub use map::*;
+#[cfg(feature = "chapters")]
+pub use mesh::*;
+#[cfg(feature = "chapters")]
+pub use newton::*;
+#[cfg(feature = "chapters")]
+pub use ortho::*;
+#[cfg(feature = "chapters")]
+pub use pca::*;
+#[cfg(feature = "chapters")]
+pub use plant::*;
+#[cfg(feature = "chapters")]
+pub use rods::*;
+#[cfg(feature = "chapters")]
+pub use shape_dna::*;
+#[cfg(feature = "chapters")]
+pub use slime::*;
+#[cfg(feature = "chapters")]
+pub use transfer::*;
+#[cfg(feature = "chapters")]
+pub use unions::*;
+
+#[cfg(feature = "mpi")]
+pub use mpi::*;
+#[cfg(feature = "mpi")]
+pub use world::*;
+
+#[cfg(all(test, not(feature = "chapters")))]
+mod tests {
+    use std::ffi::CStr;
+
+    #[test]
+    fn functions_of_absent_features_say_so() {
+        let null = std::ptr::null_mut();
+        // SAFETY: the function does not read its arguments.
+        let status = unsafe { super::cata_device_count(null) };
+        assert_eq!(status, super::CATA_ERR_UNSUPPORTED);
+        // SAFETY: NUL-terminated, and no call of this thread fails before it is read.
+        let message = unsafe { CStr::from_ptr(super::cata_last_error_message()) };
+        assert_eq!(message, c"built without the feature capi");
+        assert_eq!(super::cata_capabilities() & super::CATA_CAP_CHAPTERS, 0);
+    }
+}

@@ -1,0 +1,321 @@
+//! # Least squares, principal components, singular values
+//!
+//! Results from a Gram matrix in extended precision, computed in one or two passes over the rows,
+//! as accurate as by an orthogonal factorization.
+//!
+//! ```c
+//! double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
+//! cata_lstsq(CATA_ROW_MAJOR, 3, 2, 1, a, 2, b, 1, NULL, x, 1, NULL, NULL);
+//! printf("%g %g\n", x[0], x[1]); // 1 2
+//! ```
+
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use faer::{MatMut, MatRef};
+
+use super::boundary::boundary;
+use super::gram::{cata_gram_params, extended};
+use super::outputs::{fill, fill_slice};
+use super::params::{Versioned, flag, init, read_or_zeros};
+use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice, optional_slice_mut};
+use super::progress::{cata_progress, par};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use catamaran::ata::{Center, DenseRows, RowOptions};
+use catamaran::gram::{
+    JoinedRows, LeastSquares, LeastSquaresOptions, RankDeficiency, check_weights,
+};
+
+/// How a least-squares problem is solved.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_lstsq_params {
+    /// sizeof(cata_lstsq_params).
+    pub struct_size: usize,
+    /// Threads, at most; 0: all.
+    pub threads: usize,
+    /// Progress callback; NULL: none. Fractions are those of the passes that form the Gram matrix;
+    /// the work after them tells 1 again.
+    pub progress: cata_progress,
+    /// Passed to `progress`.
+    pub progress_user: *mut c_void,
+    /// Multiple of |X|^2 that is added to the minimized sum; finite, at least 0. The intercept is
+    /// not a part of X.
+    pub ridge: f64,
+    /// 1: a constant is fitted for each target too. 0: none.
+    pub intercept: i32,
+    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
+    /// them. 0: the solution of least norm is returned.
+    pub refuse_dependent: i32,
+}
+
+impl Versioned for cata_lstsq_params {
+    const NAME: &'static str = "cata_lstsq_params";
+    const FIRST_SIZE: usize = offset_of!(Self, refuse_dependent) + size_of::<i32>();
+}
+
+/// Fills a struct with the defaults.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_lstsq_params_init(
+    params: *mut cata_lstsq_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// Results of least squares beside X. The caller sets `struct_size` and the pointers, each to an
+/// array of its own or to NULL where it is not wanted; the call writes the arrays and the fields
+/// after them. `cata_lstsq_result result = {.struct_size = sizeof result};` requests those fields
+/// alone.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_lstsq_result {
+    /// sizeof(cata_lstsq_result).
+    pub struct_size: usize,
+    /// k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding
+    /// of the Gram matrix.
+    pub residual_norms: *mut f64,
+    /// k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where
+    /// there is an intercept; 1 for a residual of 0.
+    pub r_squared: *mut f64,
+    /// k elements, written: the constant of each target; zeros without `params.intercept`.
+    pub intercepts: *mut f64,
+    /// n x k, written, with the layout and the leading dimension of X: the standard error of
+    /// each coefficient; NaN without degrees of freedom.
+    pub standard_errors: *mut f64,
+    /// k elements, written: the standard error of each constant; untouched without
+    /// `params.intercept`.
+    pub intercept_errors: *mut f64,
+    /// n elements, of which the first n - `rank` are written: the columns of A, from 0, that
+    /// depend on others.
+    pub dependent: *mut usize,
+    /// Written: columns of A that do not depend on others, as far as the precision can tell.
+    pub rank: usize,
+    /// Written: m less the rank, and less one more with an intercept; at least 0.
+    pub degrees_of_freedom: usize,
+    /// Written: an estimate of the condition number of A, about the mean with an intercept, and
+    /// with sqrt(ridge) I below it.
+    pub condition: f64,
+    /// Written: decimal digits of X, relative to its largest entry when columns of A have norm
+    /// 1, that agree with the exact solution; from 0 to 15.95.
+    pub digits: f64,
+}
+
+impl Versioned for cata_lstsq_result {
+    const NAME: &'static str = "cata_lstsq_result";
+    const FIRST_SIZE: usize = offset_of!(Self, digits) + size_of::<f64>();
+}
+
+/// Computes the X (n x k) that minimizes |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
+/// and W = diag(weights), from the Gram matrix of [A B] in extended precision.
+///
+/// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
+/// factorization of A in double, up to condition numbers of about 2^48 of A with columns of norm
+/// 1; see `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
+///
+/// - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
+/// - `b`: B, m x k, read, with leading dimension `ldb`.
+/// - `weights`: m finite numbers, at least 0, read; NULL: all 1.
+/// - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
+///   used for `result.standard_errors` only.
+/// - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted.
+///   Standard errors take a few times as long as X, and no time when they are not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_lstsq(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    a: *const f64,
+    lda: usize,
+    b: *const f64,
+    ldb: usize,
+    weights: *const f64,
+    x: *mut f64,
+    ldx: usize,
+    result: *mut cata_lstsq_result,
+    params: *const cata_lstsq_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let call = unsafe {
+            LeastSquaresCall::new(layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params)
+        }?;
+        check_weights(call.weights)?;
+        let center = if call.options.intercept { Center::Mean } else { Center::No };
+        let row_options = RowOptions::new().weights(call.weights).center(center);
+        let (mut a, mut b) = (DenseRows(call.a), DenseRows(call.b));
+        let rows = &mut JoinedRows::new(&mut a, &mut b)?;
+        let name = |j: usize| if j < n { ("a", j) } else { ("b", j - n) };
+        let watched = call.params.watched();
+        let gram = extended(rows, &row_options, &watched, name)?;
+        let found = watched.watch(|| LeastSquares::from_gram(&gram, k, &call.options))?;
+        call.finish(&found);
+        Ok(())
+    })
+}
+
+/// The arguments of a call for least squares, checked.
+pub(super) struct LeastSquaresCall<'a> {
+    pub a: MatRef<'a, f64>,
+    pub b: MatRef<'a, f64>,
+    pub weights: Option<&'a [f64]>,
+    pub options: LeastSquaresOptions,
+    pub params: cata_lstsq_params,
+    outputs: LeastSquaresOutputs<'a>,
+}
+
+impl LeastSquaresCall<'_> {
+    /// Creates a call of least squares from its arguments.
+    ///
+    /// # Safety
+    /// The pointers are as cata_lstsq describes them, and live as long as this.
+    pub unsafe fn new(
+        layout: i32,
+        m: usize,
+        n: usize,
+        k: usize,
+        a: *const f64,
+        lda: usize,
+        b: *const f64,
+        ldb: usize,
+        weights: *const f64,
+        x: *mut f64,
+        ldx: usize,
+        result: *mut cata_lstsq_result,
+        params: *const cata_lstsq_params,
+    ) -> Result<Self, Failure> {
+        let layout = Layout::new(layout)?;
+        if k == 0 {
+            return Err(Failure::new(CATA_ERR_ARGUMENT, "k: must be at least 1, is 0"));
+        }
+        // SAFETY: the caller's promise.
+        unsafe {
+            let a = matrix("a", layout, m, n, a, lda)?;
+            let b = matrix("b", layout, m, k, b, ldb)?;
+            let weights = optional_slice("weights", weights, m)?;
+            let outputs = LeastSquaresOutputs::new(layout, n, k, x, ldx, result)?;
+            let params = read_or_zeros("params", params)?;
+            let options = outputs.options(&params)?;
+            Ok(Self { a, b, weights, options, params, outputs })
+        }
+    }
+
+    /// Writes the solution.
+    pub fn finish(self, found: &LeastSquares) {
+        self.outputs.write(found, self.options.intercept);
+    }
+}
+
+/// The places for a least-squares solution.
+pub(super) struct LeastSquaresOutputs<'a> {
+    x: Option<MatMut<'a, f64>>,
+    residual_norms: Option<&'a mut [f64]>,
+    r_squared: Option<&'a mut [f64]>,
+    intercepts: Option<&'a mut [f64]>,
+    standard_errors: Option<MatMut<'a, f64>>,
+    intercept_errors: Option<&'a mut [f64]>,
+    dependent: Option<&'a mut [usize]>,
+    /// NULL, or a struct that has the fields of its first version.
+    result: *mut cata_lstsq_result,
+}
+
+impl LeastSquaresOutputs<'_> {
+    /// Creates the outputs of least squares from pointers.
+    ///
+    /// # Safety
+    /// `x` and `result` are as cata_lstsq describes them, and live as long as this.
+    pub unsafe fn new(
+        layout: Layout,
+        n: usize,
+        k: usize,
+        x: *mut f64,
+        ldx: usize,
+        result: *mut cata_lstsq_result,
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let arrays = read_or_zeros("result", result.cast_const())?;
+            let errors = arrays.standard_errors;
+            // An error of the leading dimension names that of X, which is the same argument.
+            let standard_errors = optional_matrix_mut("x", layout, n, k, errors, ldx)?;
+            Ok(Self {
+                x: optional_matrix_mut("x", layout, n, k, x, ldx)?,
+                residual_norms: optional_slice_mut(
+                    "result.residual_norms",
+                    arrays.residual_norms,
+                    k,
+                )?,
+                r_squared: optional_slice_mut("result.r_squared", arrays.r_squared, k)?,
+                intercepts: optional_slice_mut("result.intercepts", arrays.intercepts, k)?,
+                standard_errors,
+                intercept_errors: optional_slice_mut(
+                    "result.intercept_errors",
+                    arrays.intercept_errors,
+                    k,
+                )?,
+                dependent: optional_slice_mut("result.dependent", arrays.dependent, n)?,
+                result,
+            })
+        }
+    }
+
+    /// Returns the options for these parameters.
+    pub fn options(&self, params: &cata_lstsq_params) -> Result<LeastSquaresOptions, Failure> {
+        let deficiency = match flag("params.refuse_dependent", params.refuse_dependent)? {
+            true => RankDeficiency::Refuse,
+            false => RankDeficiency::MinimumNorm,
+        };
+        Ok(LeastSquaresOptions::new()
+            .ridge(params.ridge)
+            .intercept(flag("params.intercept", params.intercept)?)
+            .rank_deficiency(deficiency)
+            .standard_errors(self.standard_errors.is_some() || self.intercept_errors.is_some())
+            .par(par(params.threads)))
+    }
+
+    /// Writes the solution and the results that are wanted.
+    pub fn write(self, found: &LeastSquares, intercept: bool) {
+        if let Some(x) = self.x {
+            fill(x, found.coefficients.as_ref());
+        }
+        fill_slice(self.residual_norms, &found.residual_norms);
+        fill_slice(self.r_squared, &found.r_squared);
+        fill_slice(self.intercepts, &found.intercepts);
+        if let Some(errors) = self.standard_errors {
+            fill(errors, found.standard_errors.as_ref());
+        }
+        if intercept {
+            fill_slice(self.intercept_errors, &found.intercept_errors);
+        }
+        if let Some(dependent) = self.dependent {
+            dependent[..found.dependent.len()].copy_from_slice(&found.dependent);
+        }
+        if self.result.is_null() {
+            return;
+        }
+        let result = self.result;
+        // SAFETY: `new` has checked the alignment and the size of the first version, whose fields
+        // these are; the caller promises that they can be written.
+        unsafe {
+            (&raw mut (*result).rank).write(found.rank);
+            (&raw mut (*result).degrees_of_freedom).write(found.degrees_of_freedom as usize);
+            (&raw mut (*result).condition).write(found.condition);
+            (&raw mut (*result).digits).write(found.digits);
+        }
+    }
+}
+
+impl cata_lstsq_params {
+    pub(super) fn watched(&self) -> cata_gram_params {
+        let &Self { struct_size, threads, progress, progress_user, .. } = self;
+        cata_gram_params { struct_size, threads, progress, progress_user }
+    }
+}

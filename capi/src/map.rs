@@ -1,0 +1,424 @@
+use std::sync::Arc;
+
+use faer::MatRef;
+
+use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
+use super::boundary::boundary;
+use super::pointer::{
+    Layout, check_size, free, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
+};
+use super::status::{Failure, cata_status};
+use catamaran::Par;
+use catamaran_geometry::spectral::Eigenbasis;
+use catamaran_geometry::spectral::functional_map::{
+    Correspondences, MapFit, Refined, icp, map_from_points, points_from_map, zoomout,
+};
+
+/// A functional map C between two bases of cata_basis_new that is being fitted: r_target x
+/// r_source, it takes coefficients of functions on the source to those of functions on the
+/// target.
+pub struct cata_map_fit {
+    source: Arc<Functions>,
+    target: Arc<Functions>,
+    par: Par,
+    known: Correspondences,
+}
+
+/// Creates an empty fit, with the threads of `source`.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_new(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    fit: *mut *mut cata_map_fit,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (source, target, place) =
+            unsafe { (known("source", source)?, known("target", target)?, output("fit", fit)?) };
+        source.eigen("source")?;
+        target.eigen("target")?;
+        let [from, to] = [source, target].map(|basis| Arc::clone(&basis.functions));
+        let known = Correspondences::default();
+        let fit = cata_map_fit { source: from, target: to, par: source.par, known };
+        *place = Box::into_raw(Box::new(fit));
+        Ok(())
+    })
+}
+
+/// Frees a fit.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_free(fit: *mut cata_map_fit) {
+    // SAFETY: the promises are the same.
+    unsafe { free(fit) };
+}
+
+/// Adds functions that correspond: columns of F (n_source x count) and G (n_target x count).
+/// Each pair counts the same.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_functions(
+    fit: *mut cata_map_fit,
+    layout: i32,
+    count: usize,
+    f: *const f64,
+    ldf: usize,
+    g: *const f64,
+    ldg: usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (fit, f, g) = unsafe { pair(fit, layout, count, f, ldf, g, ldg) }?;
+        fit.add(|fit| fit.functions(f, g))
+    })
+}
+
+/// Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual.
+/// A function says far more of the map that way.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_operators(
+    fit: *mut cata_map_fit,
+    layout: i32,
+    count: usize,
+    f: *const f64,
+    ldf: usize,
+    g: *const f64,
+    ldg: usize,
+    weight: f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (fit, f, g) = unsafe { pair(fit, layout, count, f, ldf, g, ldg) }?;
+        fit.add(|fit| fit.operators(f, g, weight))
+    })
+}
+
+/// Adds vertices that correspond, by heat kernels around them. `pairs`: 2 count elements, a
+/// vertex of the source and one of the target each.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_landmarks(
+    fit: *mut cata_map_fit,
+    count: usize,
+    pairs: *const u32,
+) -> cata_status {
+    boundary(|| {
+        check_size::<u32>("pairs", count, 2)?;
+        // SAFETY: the caller's promise.
+        let (fit, pairs) = unsafe { (known_mut("fit", fit)?, slice("pairs", pairs, 2 * count)?) };
+        let pairs: Vec<(u32, u32)> = pairs.as_chunks().0.iter().map(|&[x, y]| (x, y)).collect();
+        fit.add(|fit| fit.landmarks(&pairs))
+    })
+}
+
+/// Adds segments that correspond: a label for each vertex of the source and of the target. Every
+/// label, 0 too, must be on both.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_segments(
+    fit: *mut cata_map_fit,
+    source_labels: *const u32,
+    target_labels: *const u32,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let fit = unsafe { known_mut("fit", fit) }?;
+        let [n, m] = [fit.source("source")?, fit.target("target")?].map(|b| b.basis().vertices());
+        // SAFETY: the caller's promise.
+        let (source, target) = unsafe {
+            (slice("source_labels", source_labels, n)?, slice("target_labels", target_labels, m)?)
+        };
+        fit.add(|fit| fit.segments(source, target))
+    })
+}
+
+/// Computes the map C (r_target x r_source, written) that fits best what was added and commutes
+/// with the Laplacians; `commutativity` >= 0, usually 1e-3, weighs that. It keeps the constant.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_solve(
+    fit: *mut cata_map_fit,
+    commutativity: f64,
+    layout: i32,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let fit = unsafe { known_mut("fit", fit) }?;
+        let (source, target) = (Arc::clone(&fit.source), Arc::clone(&fit.target));
+        let (source, target) = (source.eigen("source")?, target.eigen("target")?);
+        let (rows, cols) = (target.len(), source.len());
+        // SAFETY: the caller's promise.
+        let mut c = unsafe { matrix_mut("c", layout, rows, cols, c, ldc) }?;
+        // SAFETY: the caller's promise.
+        let found = unsafe {
+            with_basis_options(params, |options| {
+                let known = std::mem::take(&mut fit.known);
+                let solver =
+                    MapFit::resumed(source, target, options.par, known).progress(options.progress);
+                let found = solver.solve(commutativity);
+                fit.known = solver.into_known();
+                Ok(found?)
+            })
+        }?;
+        c.copy_from(&found);
+        Ok(())
+    })
+}
+
+/// Iterates closest points: in turns the points of C (r_target x r_source, read and written) and
+/// the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
+///
+/// - `source`, `target`: of cata_basis_new.
+/// - `points`: n_target elements, written: the vertex of the source for each of the target; NULL
+///   where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_icp(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    iterations: usize,
+    layout: i32,
+    c: *mut f64,
+    ldc: usize,
+    points: *mut u32,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (source, target) = unsafe { eigenbases(source, target) }?;
+        // SAFETY: the caller's promise.
+        let (mut c, points) = unsafe {
+            let c = matrix_mut("c", layout, target.len(), source.len(), c, ldc)?;
+            (c, points_out(points, target)?)
+        };
+        // SAFETY: the caller's promise.
+        let Refined { map, points: found } = unsafe {
+            with_basis_options(params, |options| {
+                Ok(icp(
+                    c.as_ref(),
+                    source.basis(),
+                    target.basis(),
+                    iterations,
+                    options.par,
+                    options.progress,
+                )?)
+            })
+        }?;
+        c.copy_from(&map);
+        if let Some(points) = points {
+            points.copy_from_slice(&found);
+        }
+        Ok(())
+    })
+}
+
+/// Refines by ZoomOut: in turns the points of a map and the map along them between `step` >= 1
+/// functions more, from C (rows x cols, read), a map between the first functions, to the whole MAP
+/// (r_target x r_source, written). `source`, `target` and `points` are as in cata_map_icp.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_zoomout(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    step: usize,
+    layout: i32,
+    rows: usize,
+    cols: usize,
+    c: *const f64,
+    ldc: usize,
+    map: *mut f64,
+    ldmap: usize,
+    points: *mut u32,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (source, target) = unsafe { eigenbases(source, target) }?;
+        // SAFETY: the caller's promise.
+        let (c, mut map, points) = unsafe {
+            let c = matrix("c", layout, rows, cols, c, ldc)?;
+            let map = matrix_mut("map", layout, target.len(), source.len(), map, ldmap)?;
+            (c, map, points_out(points, target)?)
+        };
+        // SAFETY: the caller's promise.
+        let found = unsafe {
+            with_basis_options(params, |options| {
+                Ok(zoomout(c, source.basis(), target.basis(), step, options.par, options.progress)?)
+            })
+        }?;
+        map.copy_from(&found.map);
+        if let Some(points) = points {
+            points.copy_from_slice(&found.points);
+        }
+        Ok(())
+    })
+}
+
+/// Computes the points of the map C (r_target x r_source) between any bases: n_target elements,
+/// written: for each vertex of the target that of the source whose image is nearest.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_points(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    layout: i32,
+    c: *const f64,
+    ldc: usize,
+    points: *mut u32,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (source, target) =
+            unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
+        // SAFETY: the caller's promise.
+        let (c, points) = unsafe {
+            let c = matrix("c", layout, target.len(), source.len(), c, ldc)?;
+            (c, slice_mut("points", points, target.vertices())?)
+        };
+        // SAFETY: the caller's promise.
+        points.copy_from_slice(&unsafe {
+            with_basis_options(params, |options| {
+                Ok(points_from_map(c, source, target, options.par, options.progress)?)
+            })
+        }?);
+        Ok(())
+    })
+}
+
+/// Computes the map C (r_target x r_source, written) between any bases along points (read).
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_from_points(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    points: *const u32,
+    layout: i32,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (source, target) =
+            unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
+        // SAFETY: the caller's promise.
+        let (points, mut c) = unsafe {
+            let points = slice("points", points, target.vertices())?;
+            (points, matrix_mut("c", layout, target.len(), source.len(), c, ldc)?)
+        };
+        // SAFETY: the caller's promise.
+        c.copy_from(&unsafe {
+            with_basis_options(params, |options| {
+                options.progress.report(0.0)?;
+                let found = map_from_points(points, source, target, options.par)?;
+                options.progress.report(1.0)?;
+                Ok(found)
+            })
+        }?);
+        Ok(())
+    })
+}
+
+impl cata_map_fit {
+    fn source(&self, what: &str) -> Result<&Eigenbasis, Failure> {
+        self.source.eigen(what)
+    }
+
+    fn target(&self, what: &str) -> Result<&Eigenbasis, Failure> {
+        self.target.eigen(what)
+    }
+
+    /// Adds constraints to the fit.
+    fn add(
+        &mut self,
+        more: impl FnOnce(&mut MapFit<'_>) -> catamaran::Result<()>,
+    ) -> Result<(), Failure> {
+        let known = std::mem::take(&mut self.known);
+        let (source, target) = (self.source("source")?, self.target("target")?);
+        let mut fit = MapFit::resumed(source, target, self.par, known);
+        let outcome = more(&mut fit);
+        self.known = fit.into_known();
+        Ok(outcome?)
+    }
+}
+
+/// Returns the fit, and functions on both meshes.
+///
+/// # Safety
+/// The pointers are as the header describes them, during `'a`.
+unsafe fn pair<'a>(
+    fit: *mut cata_map_fit,
+    layout: i32,
+    count: usize,
+    f: *const f64,
+    ldf: usize,
+    g: *const f64,
+    ldg: usize,
+) -> Result<(&'a mut cata_map_fit, MatRef<'a, f64>, MatRef<'a, f64>), Failure> {
+    let layout = Layout::new(layout)?;
+    // SAFETY: the caller's promise.
+    unsafe {
+        let fit = known_mut("fit", fit)?;
+        let [n, m] = [fit.source("source")?, fit.target("target")?].map(|b| b.basis().vertices());
+        let f = matrix("f", layout, n, count, f, ldf)?;
+        Ok((fit, f, matrix("g", layout, m, count, g, ldg)?))
+    }
+}
+
+/// Returns the eigenfunctions of both shapes.
+///
+/// # Safety
+/// NULL or alive during `'a`.
+unsafe fn eigenbases<'a>(
+    source: *const cata_basis,
+    target: *const cata_basis,
+) -> Result<(&'a Eigenbasis, &'a Eigenbasis), Failure> {
+    // SAFETY: the caller's promise.
+    let (source, target) = unsafe { (known("source", source)?, known("target", target)?) };
+    Ok((source.eigen("source")?, target.eigen("target")?))
+}
+
+/// Returns the place for the points of a map.
+///
+/// # Safety
+/// NULL, or a place for each vertex of the target during `'a`.
+unsafe fn points_out<'a>(
+    points: *mut u32,
+    target: &Eigenbasis,
+) -> Result<Option<&'a mut [u32]>, Failure> {
+    // SAFETY: the caller's promise.
+    unsafe { super::pointer::optional_slice_mut("points", points, target.basis().vertices()) }
+}

@@ -1,0 +1,207 @@
+//! Parameter structs: any version of them is read and written.
+
+use std::mem::MaybeUninit;
+#[cfg(test)]
+use std::mem::offset_of;
+
+use super::boundary::boundary;
+use super::pointer;
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
+
+/// More than any version will ever have, to catch an uninitialized struct_size.
+const LARGEST_SIZE: usize = 4096;
+
+/// A parameter struct of the ABI: `repr(C)`, struct_size first, and all fields may be 0.
+pub(super) trait Versioned: Copy {
+    /// The name of the struct in the header.
+    const NAME: &'static str;
+    /// Size of the first published version, whose fields are always there.
+    const FIRST_SIZE: usize;
+}
+
+/// Implements `cata_*_params_init`.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+pub(super) unsafe fn init<T: Versioned>(params: *mut T, struct_size: usize) -> cata_status {
+    boundary(|| {
+        check_struct_size::<T>("params", struct_size)?;
+        let params = pointer::checked("params", params, 1)?.cast_mut();
+        // SAFETY: not NULL, aligned, and struct_size writable bytes by the caller's promise; the
+        // size itself comes first. All fields may be 0, also those that only the caller knows.
+        unsafe {
+            params.cast::<u8>().write_bytes(0, struct_size);
+            params.cast::<usize>().write(struct_size);
+        }
+        Ok(())
+    })
+}
+
+fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failure> {
+    if (T::FIRST_SIZE..=LARGEST_SIZE).contains(&size) {
+        return Ok(());
+    }
+    let why = format!(
+        "{what}.struct_size: must be sizeof({}), {} in this version, is {size}",
+        T::NAME,
+        size_of::<T>()
+    );
+    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+}
+
+/// Reads a struct of the caller's version: the fields that both versions have. Fields that only the
+/// library has become 0, and those that only the caller has must be 0.
+///
+/// # Safety
+/// `params` points to as many readable bytes as its `struct_size` says.
+pub(super) unsafe fn read<T: Versioned>(what: &str, params: *const T) -> Result<T, Failure> {
+    let params = pointer::checked(what, params, 1)?;
+    let mut known = MaybeUninit::<T>::zeroed();
+    // SAFETY: struct_size comes first in every version, and the bytes up to it are the caller's
+    // promise; no more of them are touched. All fields may be 0.
+    unsafe {
+        let size = params.cast::<usize>().read();
+        check_struct_size::<T>(what, size)?;
+        let shared = size.min(size_of::<T>());
+        let bytes = params.cast::<u8>();
+        if std::slice::from_raw_parts(bytes.add(shared), size - shared).iter().any(|&b| b != 0) {
+            let why =
+                format!("{what}: a field that this version of the library does not know is set");
+            return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
+        }
+        bytes.copy_to_nonoverlapping(known.as_mut_ptr().cast(), shared);
+        Ok(known.assume_init())
+    }
+}
+
+/// Returns a struct of the caller, or one of zeros for NULL.
+///
+/// # Safety
+/// `params` is NULL or as for [`read`].
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn read_or_zeros<T: Versioned>(
+    what: &str,
+    params: *const T,
+) -> Result<T, Failure> {
+    if params.is_null() {
+        // SAFETY: all fields of such a struct may be 0.
+        return Ok(unsafe { MaybeUninit::zeroed().assume_init() });
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { read(what, params) }
+}
+
+/// Writes a struct of the caller's version, but for its `struct_size`: the fields that both
+/// know, and 0 into those that only the caller knows.
+///
+/// # Safety
+/// `place` is NULL or points to as many writable bytes as its `struct_size` says.
+#[cfg(any(feature = "mpi", test))]
+pub(super) unsafe fn write<T: Versioned>(
+    what: &str,
+    place: *mut T,
+    value: &T,
+) -> Result<(), Failure> {
+    let place = pointer::checked(what, place, 1)?.cast_mut();
+    // SAFETY: as in `read`.
+    unsafe {
+        let size = place.cast::<usize>().read();
+        check_struct_size::<T>(what, size)?;
+        let (from, to) = ((&raw const *value).cast::<u8>(), place.cast::<u8>());
+        to.write_bytes(0, size);
+        from.copy_to_nonoverlapping(to, size.min(size_of::<T>()));
+        place.cast::<usize>().write(size);
+    }
+    Ok(())
+}
+
+/// Returns the value of a field or an argument that is 0 or 1.
+pub(super) fn flag(what: &str, value: i32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be 0 or 1, is {value}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::status::CATA_OK;
+    use super::*;
+
+    /// A struct in its second version; the first one ended with `threads`.
+    #[repr(C)]
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Second {
+        struct_size: usize,
+        threads: usize,
+        added: f64,
+    }
+
+    impl Versioned for Second {
+        const NAME: &'static str = "second";
+        const FIRST_SIZE: usize = offset_of!(Self, added);
+    }
+
+    /// Returns as many words as the caller's version has; Miri and AddressSanitizer find reads and
+    /// writes beyond them.
+    fn of_version(words: &[usize]) -> Box<[usize]> {
+        words.into()
+    }
+
+    fn read_words(words: &[usize]) -> Result<Second, Failure> {
+        let words = of_version(words);
+        // SAFETY: as many words as the first one says, or it is refused.
+        unsafe { read("params", words.as_ptr().cast::<Second>()) }
+    }
+
+    #[test]
+    fn an_older_struct_has_zeros_for_later_fields() {
+        let second = Second { struct_size: 16, threads: 3, added: 0.0 };
+        assert_eq!(read_words(&[16, 3]).unwrap(), second);
+    }
+
+    #[test]
+    fn a_newer_struct_is_read_unless_an_unknown_field_is_set() {
+        let added = 2.5_f64.to_bits() as usize;
+        let second = Second { struct_size: 40, threads: 3, added: 2.5 };
+        assert_eq!(read_words(&[40, 3, added, 0, 0]).unwrap(), second);
+        assert_eq!(read_words(&[40, 3, added, 0, 1]).unwrap_err().status, CATA_ERR_UNSUPPORTED);
+    }
+
+    #[test]
+    fn sizes_that_no_version_has_are_refused() {
+        for size in [0, 8, 15, LARGEST_SIZE + 1, usize::MAX] {
+            let failure = read_words(&[size]).unwrap_err();
+            assert_eq!(failure.status, CATA_ERR_ARGUMENT);
+            assert!(failure.message.contains("params.struct_size"), "{}", failure.message);
+        }
+    }
+
+    #[test]
+    fn results_are_written_as_far_as_the_caller_knows_them() {
+        let value = Second { struct_size: 0, threads: 7, added: 2.5 };
+        let added = 2.5_f64.to_bits() as usize;
+        let cases: [(&[usize], &[usize]); 3] = [
+            (&[16, 1], &[16, 7]),
+            (&[24, 1, 1], &[24, 7, added]),
+            (&[40, 1, 1, 1, 1], &[40, 7, added, 0, 0]),
+        ];
+        for (before, after) in cases {
+            let mut words = of_version(before);
+            // SAFETY: as many words as the first one says.
+            unsafe { write("second", words.as_mut_ptr().cast::<Second>(), &value) }.unwrap();
+            assert_eq!(*words, *after);
+        }
+    }
+
+    #[test]
+    fn defaults_fill_the_version_of_the_caller() {
+        for (words, size) in [(2, 16), (3, 24), (5, 40)] {
+            let mut place = of_version(&vec![9; words]);
+            // SAFETY: `size` bytes.
+            assert_eq!(unsafe { init(place.as_mut_ptr().cast::<Second>(), size) }, CATA_OK);
+            assert_eq!((place[0], place[1..].iter().sum::<usize>()), (size, 0));
+        }
+    }
+}

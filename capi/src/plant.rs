@@ -1,0 +1,641 @@
+//! # Plants
+//!
+//! Plants that lose water and wilt (thesis, chapter 4): the water in their nodes, the stiffness
+//! that follows from it, and the pose of rods with that stiffness and weight. SI units.
+//!
+//! ```c
+//! cata_plant *plant;
+//! if (cata_plant_grow(100, 1, NULL, &plant) == CATA_OK) {
+//!     double day = 86400, water[100];
+//!     if (cata_plant_water_curve(plant, 100, NULL, 1, &day, 0, NULL, water) == CATA_OK) {
+//!         printf("%g kg in node 0 after a day\n", water[0]);
+//!     }
+//!     cata_plant_free(plant);
+//! }
+//! ```
+
+use std::ffi::{c_char, c_void};
+use std::mem::offset_of;
+use std::sync::Arc;
+
+use super::boundary::{boundary, path};
+use super::params::{Versioned, flag, init, read};
+use super::pointer::{
+    check_size, copied, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
+    slice_mut,
+};
+use super::progress::{cata_progress, par, watcher};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
+use catamaran::Par;
+use catamaran::base::Progress;
+use catamaran_simulation::plant::families::{GrowthOptions, grow};
+use catamaran_simulation::plant::{
+    Bdf6, Conductivity, CurveOptions, Elasticity, Interval, Plant, Segment, SpectralSolution,
+    Start, WaterModel, WaterOptions, water_curve,
+};
+
+/// The parent of the root of a plant.
+pub const CATA_NO_PARENT: u32 = u32::MAX;
+/// A kind of segments: stem.
+pub const CATA_PLANT_STEM: i32 = 0;
+/// A kind of segments: a vein of a leaf, which loses water.
+pub const CATA_PLANT_LEAF: i32 = 1;
+/// Added to a kind: the segment is held where it is.
+pub const CATA_PLANT_PINNED: i32 = 2;
+
+/// The constants of the water and the stiffness of a plant.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_plant_params {
+    /// sizeof(cata_plant_params).
+    pub struct_size: usize,
+    /// Threads, at most; 0: all.
+    pub threads: usize,
+    /// Progress callback.
+    pub progress: cata_progress,
+    /// Passed to `progress`.
+    pub progress_user: *mut c_void,
+    /// Loss of leaves, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5.
+    pub loss: f64,
+    /// Water that the root takes from the soil, in kg / s.
+    pub intake: f64,
+    /// Conductance of a segment, as a part of that of a pipe as wide; 0: 1e-9.
+    pub conductance: f64,
+    /// Pressure in full cells, in Pa; 0: 1e6.
+    pub modulus: f64,
+    /// Viscosity of the sap, in Pa s; 0: 1e-3.
+    pub viscosity: f64,
+    /// Water in a cubic metre of full tissue, in kg; 0: 1000.
+    pub density: f64,
+    /// Modulus of elasticity of full cells, in Pa; 0: 5e7.
+    pub elasticity_full: f64,
+    /// Modulus of elasticity of dry cells, in Pa; 0: 3e5.
+    pub elasticity_dry: f64,
+    /// Steepness of the curve between these; 0: 10.
+    pub elasticity_steepness: f64,
+    /// The relative water content at which the curve is steepest; 0: 0.75.
+    pub elasticity_shift: f64,
+    /// 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9).
+    pub elasticity_literal: i32,
+}
+
+impl Versioned for cata_plant_params {
+    const NAME: &'static str = "cata_plant_params";
+    const FIRST_SIZE: usize = offset_of!(Self, elasticity_shift) + size_of::<f64>();
+}
+
+/// The water in a plant: its constants, the current state, and the data of the time steps.
+pub struct cata_plant {
+    pub(super) graph: Arc<Plant>,
+    pub(super) model: WaterModel,
+    pub(super) elasticity: Elasticity,
+    pub(super) par: Par,
+    pub(super) progress: cata_progress,
+    pub(super) user: *mut c_void,
+    stepper: Option<Bdf6>,
+    /// Whether the model has changed since the last step.
+    changed: bool,
+}
+
+/// Fills a struct with the defaults.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_params_init(
+    params: *mut cata_plant_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// Creates a plant of n >= 1 segments, each named after the node at its end.
+///
+/// - `tails`: 3 n elements: x, y, z of the end of each.
+/// - `radii`: n elements, positive.
+/// - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
+/// - `kinds`: n elements: CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
+/// - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and
+///   goes straight on into it.
+///
+/// Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one
+/// tree with one root.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_new(
+    n: usize,
+    tails: *const f64,
+    radii: *const f64,
+    parents: *const u32,
+    kinds: *const i32,
+    base: *const f64,
+    params: *const cata_plant_params,
+    plant: *mut *mut cata_plant,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("tails", n, 3)?;
+        // SAFETY: the caller's promise.
+        let (tails, radii, parents, kinds, base, place) = unsafe {
+            (
+                slice("tails", tails, 3 * n)?,
+                slice("radii", radii, n)?,
+                slice("parents", parents, n)?,
+                slice("kinds", kinds, n)?,
+                optional_slice("base", base, 3)?,
+                output("plant", plant)?,
+            )
+        };
+        let known = CATA_PLANT_LEAF | CATA_PLANT_PINNED;
+        if let Some(v) = kinds.iter().position(|kind| kind & !known != 0) {
+            let why = format!("kinds: {} of node {v} is no CATA_PLANT_* value", kinds[v]);
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+        let segment = |v: usize| Segment {
+            leaf: kinds[v] & CATA_PLANT_LEAF != 0,
+            pinned: kinds[v] & CATA_PLANT_PINNED != 0,
+            ..Segment::stem([0, 1, 2].map(|i| tails[3 * v + i]), radii[v])
+        };
+        let segments = (0..n).map(segment).collect();
+        let parents: Vec<Option<u32>> =
+            parents.iter().map(|&p| (p != CATA_NO_PARENT).then_some(p)).collect();
+        let graph = Plant::new(segments, &parents, base.map(|b| [b[0], b[1], b[2]]))?;
+        // SAFETY: the caller's promise.
+        *place = unsafe { model(graph, params) }?;
+        Ok(())
+    })
+}
+
+/// Reads the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
+/// (polylines), each also as .gz or .xz. `path` is in UTF-8.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_read(
+    path: *const c_char,
+    params: *const cata_plant_params,
+    plant: *mut *mut cata_plant,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (path, place) = unsafe { (self::path("path", path)?, output("plant", plant)?) };
+        let graph = catamaran_simulation::plant::read(&path)?;
+        // SAFETY: the caller's promise.
+        *place = unsafe { model(graph, params) }?;
+        Ok(())
+    })
+}
+
+/// Grows a random plant of n >= 1 nodes, the same for the same seed.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_grow(
+    n: usize,
+    seed: u64,
+    params: *const cata_plant_params,
+    plant: *mut *mut cata_plant,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let place = unsafe { output("plant", plant) }?;
+        let graph = grow(&GrowthOptions::new().nodes(n).seed(seed))?;
+        // SAFETY: the caller's promise.
+        *place = unsafe { model(graph, params) }?;
+        Ok(())
+    })
+}
+
+/// Frees a plant.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
+    // SAFETY: the promises are the same.
+    unsafe { free(plant) };
+}
+
+/// Returns the number of nodes of a plant, n in all calls below; 0 for NULL.
+///
+/// # Safety
+/// The pointer is NULL or a live plant.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_size(plant: *const cata_plant) -> usize {
+    // SAFETY: the caller's promise.
+    unsafe { plant.as_ref() }.map_or(0, |plant| plant.model.len())
+}
+
+/// Gets the segments of a plant, as cata_plant_new takes them; NULL for what is not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_segments(
+    plant: *const cata_plant,
+    n: usize,
+    tails: *mut f64,
+    radii: *mut f64,
+    parents: *mut u32,
+    kinds: *mut i32,
+    base: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let graph = unsafe { live_of(plant, n)? }.graph.as_ref();
+        // SAFETY: the caller's promise.
+        let (tails, radii, parents, kinds, base) = unsafe {
+            (
+                optional_slice_mut("tails", tails, 3 * n)?,
+                optional_slice_mut("radii", radii, n)?,
+                optional_slice_mut("parents", parents, n)?,
+                optional_slice_mut("kinds", kinds, n)?,
+                optional_slice_mut("base", base, 3)?,
+            )
+        };
+        let segments = graph.segments();
+        let parent = |v| graph.parent(v).map_or(CATA_NO_PARENT, |p| p as u32);
+        let kind = |v: usize| {
+            i32::from(segments[v].leaf) * CATA_PLANT_LEAF
+                + i32::from(segments[v].pinned) * CATA_PLANT_PINNED
+        };
+        fill(tails.map(|tails| tails.as_chunks_mut().0), |v| segments[v].tail);
+        fill(radii, |v| segments[v].radius);
+        fill(parents, parent);
+        fill(kinds, kind);
+        fill(base, |i| graph.base()[i]);
+        Ok(())
+    })
+}
+
+/// Gets the water of every node when its cells are full, in kg: the state of a healthy plant.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_full_water(
+    plant: *const cata_plant,
+    n: usize,
+    water: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (plant, water) = unsafe { (live_of(plant, n)?, slice_mut("water", water, n)?) };
+        water.copy_from_slice(&plant.model.full());
+        Ok(())
+    })
+}
+
+/// Sets the loss of all leaves, in kg / (s m^2), from now on.
+///
+/// # Safety
+/// `plant` is a live plant.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_set_loss(plant: *mut cata_plant, loss: f64) -> cata_status {
+    // SAFETY: the caller's promise.
+    unsafe { change(plant, |model| model.set_loss(loss)) }
+}
+
+/// Sets the water that the root takes from the soil, in kg / s, from now on.
+///
+/// # Safety
+/// `plant` is a live plant.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_set_intake(plant: *mut cata_plant, intake: f64) -> cata_status {
+    // SAFETY: the caller's promise.
+    unsafe { change(plant, |model| model.set_intake(intake)) }
+}
+
+/// Multiplies the conductance between a node, not the root, and its parent by `factor`, from
+/// now on; 0 cuts the connection.
+///
+/// # Safety
+/// `plant` is a live plant.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_weaken(
+    plant: *mut cata_plant,
+    node: usize,
+    factor: f64,
+) -> cata_status {
+    // SAFETY: the caller's promise.
+    unsafe { change(plant, |model| model.weaken(node, factor)) }
+}
+
+/// Computes the rates at which the modes of the water decay, n elements, ascending, in 1 / s.
+/// Dense, of order n^3: for small plants.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_rates(
+    plant: *const cata_plant,
+    n: usize,
+    rates: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (plant, rates) = unsafe { (live_of(plant, n)?, slice_mut("rates", rates, n)?) };
+        rates.copy_from_slice(SpectralSolution::new(&plant.model)?.rates());
+        Ok(())
+    })
+}
+
+/// Computes the water of every node `seconds` after it was `water`, without time steps. `water`,
+/// `result` (written): n elements in kg each, which may be the same.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_water_after(
+    plant: *const cata_plant,
+    n: usize,
+    water: *const f64,
+    seconds: f64,
+    result: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (plant, water) = unsafe { (live_of(plant, n)?, copied("water", water, n)?) };
+        // SAFETY: the caller's promise.
+        let result = unsafe { slice_mut("result", result, n) }?;
+        let watch = watcher(plant.progress, plant.user);
+        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+        let after = plant.model.water_after_with(&water, seconds, plant.par, progress)?;
+        result.copy_from_slice(&after);
+        Ok(())
+    })
+}
+
+/// Computes the water of every node at many times.
+///
+/// - `water`: n elements: in kg, at time 0; NULL: full cells.
+/// - `times`: n_times elements: seconds from 0, ascending.
+/// - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
+///   again from time 0 on. Without any the loss is that of the plant.
+/// - `result`: n_times x n elements, written: in kg.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_water_curve(
+    plant: *const cata_plant,
+    n: usize,
+    water: *const f64,
+    n_times: usize,
+    times: *const f64,
+    n_intervals: usize,
+    intervals: *const f64,
+    result: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("result", n_times, n)?;
+        // SAFETY: the caller's promise.
+        let (plant, times, cycle, result) = unsafe {
+            (
+                live_of(plant, n)?,
+                slice("times", times, n_times)?,
+                cycle(n_intervals, intervals)?,
+                slice_mut("result", result, n_times * n)?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        let water = unsafe { water_or_full(plant, water) }?;
+        let watch = watcher(plant.progress, plant.user);
+        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+        let options = CurveOptions::new().cycle(cycle).par(plant.par).progress(progress);
+        copy_rows(&water_curve(&plant.model, &water, times, &options)?, result);
+        Ok(())
+    })
+}
+
+/// Makes `water`, n elements in kg, the current state, from which cata_plant_step continues in
+/// steps of `step` seconds; NULL: full cells.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_start(
+    plant: *mut cata_plant,
+    n: usize,
+    water: *const f64,
+    step: f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let plant = unsafe { known_mut("plant", plant) }?;
+        check_count(plant, n)?;
+        // SAFETY: the caller's promise.
+        let water = unsafe { water_or_full(plant, water) }?;
+        plant.stepper = Some(Bdf6::new(&plant.model, &water, step, Start::Radau, plant.par)?);
+        plant.changed = false;
+        Ok(())
+    })
+}
+
+/// Computes `count` steps; changes since the last step apply from now on. `water`: n elements,
+/// written: in kg; NULL: not wanted. Steps before a cancelled one are done.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_step(
+    plant: *mut cata_plant,
+    count: usize,
+    n: usize,
+    water: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (plant, water) =
+            unsafe { (known_mut("plant", plant)?, optional_slice_mut("water", water, n)?) };
+        if water.is_some() {
+            check_count(plant, n)?;
+        }
+        let cata_plant { model, stepper, changed, progress, user, .. } = plant;
+        let Some(stepper) = stepper else {
+            let why = "plant: cata_plant_start has not been called";
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        };
+        if *changed {
+            stepper.restart(model, stepper.step_length())?;
+            *changed = false;
+        }
+        let watch = watcher(*progress, *user);
+        stepper.run(count, watch.as_ref().map_or(Progress::none(), Progress::from))?;
+        if let Some(water) = water {
+            water.copy_from_slice(&stepper.water());
+        }
+        Ok(())
+    })
+}
+
+/// Computes the modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic
+/// curve from `elasticity_dry` to `elasticity_full`.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_stiffness(
+    plant: *const cata_plant,
+    n: usize,
+    water: *const f64,
+    moduli: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (plant, water, moduli) = unsafe {
+            (live_of(plant, n)?, slice("water", water, n)?, slice_mut("moduli", moduli, n)?)
+        };
+        moduli.copy_from_slice(&plant.elasticity.moduli(water, &plant.model.full())?);
+        Ok(())
+    })
+}
+
+/// Creates a plant on the heap.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+unsafe fn model(
+    graph: Plant,
+    params: *const cata_plant_params,
+) -> Result<*mut cata_plant, Failure> {
+    let mut options = WaterOptions::new().loss(0.0);
+    let mut elasticity = Elasticity::default();
+    let (mut threads, mut progress, mut user) = (0, None, std::ptr::null_mut());
+    if !params.is_null() {
+        // SAFETY: the caller's promise.
+        let params = unsafe { read("params", params) }?;
+        (threads, progress, user) = (params.threads, params.progress, params.progress_user);
+        options.loss = params.loss;
+        options.intake = params.intake;
+        if params.conductance != 0.0 {
+            options.conductivity = Conductivity::Pipe { scale: params.conductance };
+        }
+        let set = |option: &mut f64, value: f64| {
+            if value != 0.0 {
+                *option = value;
+            }
+        };
+        set(&mut options.modulus, params.modulus);
+        set(&mut options.viscosity, params.viscosity);
+        set(&mut options.density, params.density);
+        if flag("params.elasticity_literal", params.elasticity_literal)? {
+            elasticity = Elasticity::Literal { full: 5e7, steepness: 10.0, shift: 0.0 };
+        }
+        match &mut elasticity {
+            Elasticity::Relative { dry, full, steepness, shift } => {
+                set(full, params.elasticity_full);
+                set(dry, params.elasticity_dry);
+                set(steepness, params.elasticity_steepness);
+                set(shift, params.elasticity_shift);
+            }
+            Elasticity::Literal { full, steepness, shift } => {
+                set(full, params.elasticity_full);
+                set(steepness, params.elasticity_steepness);
+                set(shift, params.elasticity_shift);
+            }
+        }
+        // The constants are checked even without water to use them on.
+        elasticity.moduli(&[1.0], &[1.0])?;
+    }
+    let model = WaterModel::new(&graph, &options)?;
+    let plant = cata_plant {
+        graph: Arc::new(graph),
+        model,
+        elasticity,
+        par: par(threads),
+        progress,
+        user,
+        stepper: None,
+        changed: false,
+    };
+    Ok(Box::into_raw(Box::new(plant)))
+}
+
+/// Changes a model.
+///
+/// # Safety
+/// `plant` is NULL or a live plant that no other thread uses.
+unsafe fn change(
+    plant: *mut cata_plant,
+    work: impl FnOnce(&mut WaterModel) -> catamaran::Result<()>,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let plant = unsafe { known_mut("plant", plant) }?;
+        work(&mut plant.model)?;
+        plant.changed = true;
+        Ok(())
+    })
+}
+
+/// Returns a live plant of n nodes.
+///
+/// # Safety
+/// As [`known`].
+pub(super) unsafe fn live_of<'a>(
+    plant: *const cata_plant,
+    n: usize,
+) -> Result<&'a cata_plant, Failure> {
+    // SAFETY: the caller's promise.
+    let plant = unsafe { known("plant", plant) }?;
+    check_count(plant, n)?;
+    Ok(plant)
+}
+
+fn check_count(plant: &cata_plant, n: usize) -> Result<(), Failure> {
+    count_is(plant.model.len(), n)
+}
+
+/// Checks that the caller has room for as many numbers as there are nodes.
+pub(super) fn count_is(nodes: usize, n: usize) -> Result<(), Failure> {
+    if n == nodes {
+        return Ok(());
+    }
+    let why = format!("n: must be {nodes} (nodes of the plant), is {n}");
+    Err(Failure::new(CATA_ERR_SHAPE, why))
+}
+
+/// Returns the water of all nodes, or that of full cells.
+///
+/// # Safety
+/// `water` is NULL or has as many elements as the plant has nodes.
+unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64>, Failure> {
+    if water.is_null() {
+        return Ok(plant.model.full());
+    }
+    // SAFETY: the caller's promise.
+    Ok(unsafe { slice("water", water, plant.model.len()) }?.to_vec())
+}
+
+/// Returns losses that follow each other.
+///
+/// # Safety
+/// `intervals` has 2 `count` elements.
+pub(super) unsafe fn cycle(count: usize, intervals: *const f64) -> Result<Vec<Interval>, Failure> {
+    check_size::<f64>("intervals", count, 2)?;
+    // SAFETY: the caller's promise.
+    let numbers = unsafe { slice("intervals", intervals, 2 * count) }?;
+    let interval = |&[seconds, loss]: &[f64; 2]| Interval { seconds, loss };
+    Ok(numbers.as_chunks().0.iter().map(interval).collect())
+}
+
+/// Copies rows, one after the other.
+pub(super) fn copy_rows(rows: &[Vec<f64>], place: &mut [f64]) {
+    let mut rest = place;
+    for row in rows {
+        let (place, after) = rest.split_at_mut(row.len());
+        place.copy_from_slice(row);
+        rest = after;
+    }
+}
+
+fn fill<T>(place: Option<&mut [T]>, value: impl Fn(usize) -> T) {
+    for (i, x) in place.into_iter().flatten().enumerate() {
+        *x = value(i);
+    }
+}

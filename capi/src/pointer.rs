@@ -1,0 +1,428 @@
+//! Views of memory of C: all checks of pointers, and all raw casts.
+
+use faer::{MatMut, MatRef};
+#[cfg(feature = "chapters")]
+use sprs::CsMatView;
+
+use super::boundary::boundary;
+use super::layout::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
+use super::regions::{self, Region};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
+#[cfg(feature = "chapters")]
+use catamaran::Real;
+use catamaran::Uplo;
+#[cfg(feature = "chapters")]
+use catamaran_geometry::mesh::TriMesh;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Layout {
+    RowMajor,
+    ColMajor,
+}
+
+impl Layout {
+    pub(super) fn new(layout: i32) -> Result<Self, Failure> {
+        Self::named("layout", layout)
+    }
+
+    /// Returns the layout that the argument `what` has.
+    pub(super) fn named(what: &str, layout: i32) -> Result<Self, Failure> {
+        match layout {
+            CATA_ROW_MAJOR => Ok(Self::RowMajor),
+            CATA_COL_MAJOR => Ok(Self::ColMajor),
+            other => Err(Failure::new(
+                CATA_ERR_ARGUMENT,
+                format!("{what}: must be CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102), is {other}"),
+            )),
+        }
+    }
+}
+
+pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
+    match uplo {
+        CATA_UPPER => Ok(Uplo::Upper),
+        CATA_LOWER => Ok(Uplo::Lower),
+        CATA_BOTH => Ok(Uplo::Both),
+        other => Err(Failure::new(
+            CATA_ERR_ARGUMENT,
+            format!(
+                "uplo: must be CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123), is {other}"
+            ),
+        )),
+    }
+}
+
+/// Returns a sparse m x n matrix by rows (CSR), read only: its entries are checked.
+///
+/// # Safety
+/// `row_starts` has rows + 1 elements (or may be NULL without rows), `columns` and `entries` as
+/// many as its last one; they can be read, and no thread writes them, during `'a`.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn sparse<'a, T: Real>(
+    rows: usize,
+    cols: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const T,
+) -> Result<CsMatView<'a, T>, Failure> {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let row_starts = match rows {
+            0 => &[0],
+            _ => slice("row_starts", row_starts, rows.saturating_add(1))?,
+        };
+        let count = row_starts[rows];
+        let columns = slice("columns", columns, count)?;
+        let entries = slice("entries", entries, count)?;
+        CsMatView::try_new((rows, cols), row_starts, columns, entries).map_err(|(_, _, _, why)| {
+            Failure::new(CATA_ERR_ARGUMENT, format!("row_starts, columns: {why}"))
+        })
+    }
+}
+
+/// Returns an m x n matrix to read. `what` names the pointer, `ld` + `what` its leading dimension.
+///
+/// # Safety
+/// The elements that the arguments describe can be read, and no thread writes them, during `'a`.
+pub(super) unsafe fn matrix<'a, T: Copy>(
+    what: &'static str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *const T,
+    ld: usize,
+) -> Result<MatRef<'a, T>, Failure> {
+    let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
+    let pointer = checked(what, pointer, len)?;
+    regions::add(region(what, layout, rows, cols, pointer, ld, false))?;
+    // SAFETY: not NULL, aligned, and its extent is within an allocation's limit; the rest is the
+    // caller's promise.
+    Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, row_stride, col_stride) })
+}
+
+/// Returns an m x n matrix.
+///
+/// # Safety
+/// The elements that the arguments describe can be read and written, and no other thread does
+/// either, during `'a`.
+pub(super) unsafe fn matrix_mut<'a, T: Copy>(
+    what: &'static str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *mut T,
+    ld: usize,
+) -> Result<MatMut<'a, T>, Failure> {
+    let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
+    let pointer = checked(what, pointer, len)?.cast_mut();
+    regions::add(region(what, layout, rows, cols, pointer, ld, true))?;
+    // SAFETY: as in `matrix`; strides of distinct entries differ as ld >= the length of a line.
+    Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
+}
+
+/// Returns `len` elements, read only.
+///
+/// # Safety
+/// They can be read, and no thread writes them, during `'a`.
+pub(super) unsafe fn slice<'a, T: Copy>(
+    what: &'static str,
+    pointer: *const T,
+    len: usize,
+) -> Result<&'a [T], Failure> {
+    check_size::<T>(what, len, 1)?;
+    let pointer = checked(what, pointer, len)?;
+    regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, false))?;
+    // SAFETY: not NULL, aligned, within an allocation's limit; the rest is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
+}
+
+/// Returns a copy of `len` elements, where an output may be.
+///
+/// # Safety
+/// They can be read, and no thread writes them.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn copied<T: Copy>(
+    what: &str,
+    pointer: *const T,
+    len: usize,
+) -> Result<Vec<T>, Failure> {
+    check_size::<T>(what, len, 1)?;
+    let pointer = checked(what, pointer, len)?;
+    // SAFETY: as in `slice`.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, len) }.to_vec())
+}
+
+/// Returns elements, or `None` for NULL.
+///
+/// # Safety
+/// As [`slice()`], or the pointer is NULL.
+pub(super) unsafe fn optional_slice<'a, T: Copy>(
+    what: &'static str,
+    pointer: *const T,
+    len: usize,
+) -> Result<Option<&'a [T]>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { slice(what, pointer, len) }.map(Some)
+}
+
+/// Returns `len` elements.
+///
+/// # Safety
+/// They can be read and written, and no other thread does either, during `'a`.
+pub(super) unsafe fn slice_mut<'a, T: Copy>(
+    what: &'static str,
+    pointer: *mut T,
+    len: usize,
+) -> Result<&'a mut [T], Failure> {
+    check_size::<T>(what, len, 1)?;
+    let pointer = checked(what, pointer, len)?.cast_mut();
+    regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, true))?;
+    // SAFETY: as in `slice`.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
+}
+
+/// Returns the contents of a handle.
+///
+/// # Safety
+/// `handle` is NULL or alive, and no thread changes its contents, during `'a`.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T, Failure> {
+    // SAFETY: passed on to the caller.
+    unsafe { handle.as_ref() }.ok_or_else(|| Failure::null(what))
+}
+
+/// Returns the contents of a handle, to be changed.
+///
+/// # Safety
+/// `handle` is NULL or alive, and no other thread uses it, during `'a`.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn known_mut<'a, T>(what: &str, handle: *mut T) -> Result<&'a mut T, Failure> {
+    // SAFETY: passed on to the caller.
+    unsafe { handle.as_mut() }.ok_or_else(|| Failure::null(what))
+}
+
+/// Frees a handle; NULL does nothing.
+///
+/// # Safety
+/// `handle` is NULL, or came from `Box::into_raw` and is freed once.
+pub(super) unsafe fn free<T>(handle: *mut T) {
+    boundary(|| {
+        if !handle.is_null() {
+            // SAFETY: the caller's promise.
+            drop(unsafe { Box::from_raw(handle) });
+        }
+        Ok(())
+    });
+}
+
+/// Returns a place for one result.
+///
+/// # Safety
+/// It is NULL or can be written, and no other thread uses it, during `'a`.
+pub(super) unsafe fn output<'a, T>(
+    what: &'static str,
+    pointer: *mut T,
+) -> Result<&'a mut T, Failure> {
+    let pointer = checked(what, pointer, 1)?.cast_mut();
+    regions::add(region(what, Layout::RowMajor, 1, 1, pointer, 1, true))?;
+    // SAFETY: the caller's promise; `checked` has excluded NULL and checked the alignment.
+    Ok(unsafe { &mut *pointer })
+}
+
+/// Returns a place for one result, or `None` for NULL.
+///
+/// # Safety
+/// As [`output`].
+pub(super) unsafe fn optional_output<'a, T>(
+    what: &'static str,
+    pointer: *mut T,
+) -> Result<Option<&'a mut T>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { output(what, pointer) }.map(Some)
+}
+
+/// Returns a mesh of x, y, z of each vertex and three vertices of each face, which are copied.
+///
+/// # Safety
+/// They can be read, and no thread writes them.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn mesh(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+) -> Result<TriMesh, Failure> {
+    check_size::<f64>("vertices", n_vertices, 3)?;
+    check_size::<u32>("faces", n_faces, 3)?;
+    // SAFETY: the caller's promise.
+    let (vertices, faces) = unsafe {
+        (slice("vertices", vertices, 3 * n_vertices)?, slice("faces", faces, 3 * n_faces)?)
+    };
+    Ok(TriMesh::new(vertices.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
+}
+
+/// Returns elements to write, or `None` for NULL.
+///
+/// # Safety
+/// As [`slice_mut`], or the pointer is NULL.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
+    what: &'static str,
+    pointer: *mut T,
+    len: usize,
+) -> Result<Option<&'a mut [T]>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { slice_mut(what, pointer, len) }.map(Some)
+}
+
+/// Returns a matrix to write, or `None` for NULL.
+///
+/// # Safety
+/// NULL, or as [`matrix_mut`].
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn optional_matrix_mut<'a>(
+    what: &'static str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *mut f64,
+    ld: usize,
+) -> Result<Option<MatMut<'a, f64>>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { matrix_mut(what, layout, rows, cols, pointer, ld) }.map(Some)
+}
+
+/// Returns an error for a rows x cols matrix that no memory can hold.
+pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
+    strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
+}
+
+/// Returns the number of elements from the first to the last of a matrix with both included, and
+/// its row and column strides.
+fn strides<T>(
+    what: &str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    ld: usize,
+) -> Result<(usize, isize, isize), Failure> {
+    let (lines, line, unit) = match layout {
+        Layout::RowMajor => (rows, cols, "columns"),
+        Layout::ColMajor => (cols, rows, "rows"),
+    };
+    if ld < line.max(1) {
+        let message =
+            format!("ld{what}: must be at least {} ({unit} of {what}), is {ld}", line.max(1));
+        return Err(Failure::new(CATA_ERR_SHAPE, message));
+    }
+    let len = if rows == 0 || cols == 0 {
+        Some(0)
+    } else {
+        (lines - 1).checked_mul(ld).and_then(|len| len.checked_add(line))
+    };
+    let most = isize::MAX as usize / size_of::<T>();
+    // A dimension alone can exceed the address space when the other one is 0.
+    match len.filter(|&len| len <= most && rows <= most && cols <= most) {
+        Some(len) => {
+            // A single line has no stride; ld may then be anything.
+            let stride = if lines > 1 { ld as isize } else { line.max(1) as isize };
+            Ok(match layout {
+                Layout::RowMajor => (len, stride, 1),
+                Layout::ColMajor => (len, 1, stride),
+            })
+        }
+        None => Err(Failure::new(
+            CATA_ERR_SHAPE,
+            format!(
+                "{what}: {rows} x {cols} with leading dimension {ld} exceeds the address space"
+            ),
+        )),
+    }
+}
+
+/// Returns the memory of a matrix whose size and leading dimension have been checked.
+fn region<T>(
+    what: &'static str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *const T,
+    ld: usize,
+    written: bool,
+) -> Region {
+    let (lines, line) = match layout {
+        Layout::RowMajor => (rows, cols),
+        Layout::ColMajor => (cols, rows),
+    };
+    let (line, start) = (line * size_of::<T>(), pointer.addr());
+    // A single line has no stride; ld may then be anything.
+    let stride = if lines > 1 { ld * size_of::<T>() } else { line };
+    Region { what, start, line, stride, lines, written }
+}
+
+/// Returns `pointer`, or any aligned pointer when `len` is 0.
+pub(super) fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*const T, Failure> {
+    if len == 0 {
+        return Ok(std::ptr::NonNull::dangling().as_ptr());
+    }
+    if pointer.is_null() {
+        return Err(Failure::null(what));
+    }
+    if !pointer.is_aligned() {
+        let message = format!("{what}: not aligned to {} bytes", align_of::<T>());
+        return Err(Failure::new(CATA_ERR_ARGUMENT, message));
+    }
+    Ok(pointer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::status::CATA_ERR_NULL;
+    use super::*;
+
+    #[test]
+    fn strides_follow_layout() {
+        let of = |layout, ld| strides::<f64>("a", layout, 3, 5, ld).unwrap();
+        assert_eq!(of(Layout::RowMajor, 7), (19, 7, 1));
+        assert_eq!(of(Layout::ColMajor, 7), (31, 1, 7));
+    }
+
+    #[test]
+    fn short_leading_dimension_is_named() {
+        let failure = strides::<f64>("a", Layout::RowMajor, 3, 5, 4).unwrap_err();
+        assert_eq!(failure.status, CATA_ERR_SHAPE);
+        assert_eq!(failure.message, "lda: must be at least 5 (columns of a), is 4");
+        assert!(strides::<f64>("a", Layout::ColMajor, 0, 0, 0).is_err());
+    }
+
+    #[test]
+    fn overflow_is_refused() {
+        let refused =
+            |rows, cols, ld| strides::<f64>("a", Layout::RowMajor, rows, cols, ld).is_err();
+        assert!(refused(1 << 33, 1 << 33, 1 << 33));
+        assert!(refused(3, 1, usize::MAX));
+        assert!(refused(usize::MAX, 0, 1));
+        assert!(refused(0, usize::MAX, usize::MAX));
+        assert!(!refused(1, 3, usize::MAX), "one line has no stride");
+    }
+
+    #[test]
+    fn pointers_are_checked() {
+        assert_eq!(checked::<f64>("a", std::ptr::null(), 1).unwrap_err().status, CATA_ERR_NULL);
+        assert!(checked::<f64>("a", std::ptr::null(), 0).is_ok());
+        let odd = std::ptr::without_provenance::<f64>(9);
+        assert_eq!(checked("a", odd, 1).unwrap_err().status, CATA_ERR_ARGUMENT);
+    }
+}

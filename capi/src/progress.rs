@@ -1,0 +1,64 @@
+//! # Threads and progress
+//!
+//! ```c
+//! static int32_t tell(double fraction, void *wanted)
+//! {
+//!     fprintf(stderr, "\r%3.0f %%", 100 * fraction);
+//!     return *(int *)wanted == 0; // 1: stop
+//! }
+//! ```
+
+use std::ffi::c_void;
+use std::ops::ControlFlow;
+
+use catamaran::base::Par;
+use catamaran::base::Progress;
+
+/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to continue; anything
+/// else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+///
+/// It is called from any thread that works for the call, one call at a time: each begins after
+/// the one before it has returned, and sees what that has written. No thread waits for it, so it
+/// may be slow, and it may call this library. It must not leave by longjmp or a C++ exception.
+pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
+
+/// The `user` pointer of a progress callback.
+struct User(*mut c_void);
+
+// SAFETY: the pointer is only passed to the callback, which the header allows on any thread; calls
+// never overlap and are ordered, as `Progress` promises.
+unsafe impl Sync for User {}
+
+impl User {
+    fn get(&self) -> *mut c_void {
+        self.0
+    }
+}
+
+/// Returns a callback of the ABI as a progress callback of the library.
+pub(super) fn watcher(
+    progress: cata_progress,
+    user: *mut c_void,
+) -> Option<impl Fn(f64) -> ControlFlow<()> + Sync> {
+    let (callback, user) = (progress?, User(user));
+    Some(move |fraction| match callback(fraction, user.get()) {
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    })
+}
+
+/// Calls `work`, which asks a callback of the ABI whether to stop, after it was told that all is
+/// done.
+pub(super) fn watched<R>(
+    progress: cata_progress,
+    user: *mut c_void,
+    work: impl FnOnce() -> R,
+) -> R {
+    let watch = watcher(progress, user);
+    watch.as_ref().map_or(Progress::none(), Progress::from).part(1.0..1.0).watch(work)
+}
+
+/// Returns the threads of a field of that name: 0 stands for all.
+pub(super) fn par(threads: usize) -> Par {
+    if threads == 0 { Par::all() } else { Par::Threads(threads) }
+}

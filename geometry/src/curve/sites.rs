@@ -1,0 +1,191 @@
+use std::borrow::Cow;
+
+use super::refinement::Refinement;
+use super::result::Steiner;
+use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, norm, sub};
+use crate::mesh::{Refined, TriMesh};
+use catamaran::base::{Error, Result};
+
+/// Barycentric coordinates below this count as 0: the point is on an edge, or at a vertex.
+const NOTHING: f64 = 1e-9;
+
+/// The position of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Site {
+    /// At a vertex.
+    Vertex(u32),
+    /// On a face, by barycentric coordinates of at least 0 with sum 1 (to 1e-6).
+    Face {
+        /// The face.
+        face: u32,
+        /// Barycentric coordinates.
+        weights: [f64; 3],
+    },
+    /// At the vertex nearest to a point in space.
+    Near([f64; 3]),
+}
+
+/// The treatment of a point that is not at a vertex.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Placement {
+    /// The corner with the largest weight replaces it.
+    Snap,
+    /// It becomes a vertex, which cuts its face, or both faces of its edge.
+    Insert,
+}
+
+/// Samples as vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// The mesh with inserted vertices after its own; `None` when there are none.
+    pub mesh: Option<Refined>,
+    /// The vertex of each site; several sites can have the same vertex.
+    pub vertices: Vec<u32>,
+}
+
+/// Finds the vertices of these sites.
+///
+/// ```
+/// use catamaran_geometry::curve::{Placement, Site, place};
+/// use catamaran_geometry::mesh::families;
+///
+/// let mesh = families::grid(2, 2)?;
+/// let sites = [Site::Near([0.9, 0.1, 0.0]), Site::Face { face: 0, weights: [0.2, 0.3, 0.5] }];
+/// let placed = place(&mesh, &sites, Placement::Insert)?;
+/// assert_eq!(placed.vertices, [6, 9]); // a corner of the square, and a new vertex
+/// assert_eq!(placed.mesh.map(|refined| refined.mesh.vertices().len()), Some(10));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Argument`] names a site whose vertex or face does not exist, whose weights are not
+/// barycentric coordinates, or whose point is not finite; also for a point in space when the mesh
+/// has no faces.
+pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Placed> {
+    let mut refinement = Refinement::new(Cow::Borrowed(mesh));
+    let mut vertices = Vec::with_capacity(sites.len());
+    let used = mesh.referenced();
+    for (i, site) in sites.iter().enumerate() {
+        check(mesh, i, site)?;
+        vertices.push(match *site {
+            Site::Vertex(vertex) => vertex,
+            Site::Near(point) => nearest(mesh, &used, point, i)?,
+            Site::Face { face, weights } => match placement {
+                Placement::Snap => mesh.faces()[face as usize][largest(weights)],
+                Placement::Insert => insert(&mut refinement, face, weights)?,
+            },
+        });
+    }
+    let inserted = !refinement.positions().is_empty();
+    Ok(Placed { mesh: if inserted { Some(refinement.to_mesh()?) } else { None }, vertices })
+}
+
+/// Returns the mesh with the Steiner points of a reconstruction as vertices after its own, so that
+/// the curves run along its edges.
+///
+/// ```
+/// use catamaran_geometry::curve::{Steiner, refined};
+/// use catamaran_geometry::mesh::families;
+///
+/// let mesh = families::grid(1, 1)?;
+/// let point = Steiner { ends: [0, 1], position: [0.0, 0.5, 0.0] };
+/// let found = refined(&mesh, &[point])?;
+/// assert_eq!((found.vertices().len(), found.faces().len()), (5, 3));
+/// assert_eq!(found.area(), mesh.area());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Argument`] for an end that is neither a vertex nor an earlier point.
+pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
+    Ok(with_steiner(mesh, steiner)?.mesh)
+}
+
+/// Returns the mesh of [`refined`], with the origins of its vertices and faces.
+pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[Steiner]) -> Result<Refined> {
+    let mut refinement = Refinement::new(Cow::Borrowed(mesh));
+    for (i, point) in steiner.iter().enumerate() {
+        let known = mesh.vertices().len() + i;
+        if let Some(end) = point.ends.iter().find(|&&end| end as usize >= known) {
+            let why = format!("end {end} of point {i} is out of range: {known} vertices");
+            return Err(Error::Argument { what: "steiner", why });
+        }
+        refinement.cut_edge(point.ends, point.position)?;
+    }
+    refinement.to_mesh()
+}
+
+fn check(mesh: &TriMesh, i: usize, site: &Site) -> Result<()> {
+    let refused = |why| Err(Error::Argument { what: "sites", why });
+    match *site {
+        Site::Vertex(v) if v as usize >= mesh.vertices().len() => {
+            let n = mesh.vertices().len();
+            refused(format!("site {i} is vertex {v}, out of range: {n} vertices"))
+        }
+        Site::Face { face, .. } if face as usize >= mesh.faces().len() => {
+            let n = mesh.faces().len();
+            refused(format!("site {i} is on face {face}, out of range: {n} faces"))
+        }
+        Site::Face { weights, .. } => {
+            let sum: f64 = weights.iter().sum();
+            match weights.iter().all(|&w| w >= 0.0) && (sum - 1.0).abs() <= 1e-6 {
+                true => Ok(()),
+                false => refused(format!("site {i} has wrong barycentric coordinates {weights:?}")),
+            }
+        }
+        Site::Near(point) if !point.iter().all(|x| x.is_finite()) => {
+            refused(format!("site {i} must be at a finite point, is at {point:?}"))
+        }
+        Site::Vertex(_) | Site::Near(_) => Ok(()),
+    }
+}
+
+fn largest(weights: [f64; 3]) -> usize {
+    (0..3).rev().max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or_default()
+}
+
+/// Returns the nearest vertex with a face, the lowest of equally near ones.
+fn nearest(mesh: &TriMesh, used: &[bool], point: Vector, site: usize) -> Result<u32> {
+    let all = (0..).zip(mesh.vertices()).filter(|&(v, _): &(u32, _)| used[v as usize]);
+    let near = all.map(|(v, &p)| (distance(p, point), v)).min_by(|x, y| x.0.total_cmp(&y.0));
+    near.map(|(_, v)| v).ok_or_else(|| Error::Argument {
+        what: "sites",
+        why: format!("site {site} needs a mesh with faces"),
+    })
+}
+
+/// Returns the vertex of a point on a face, which earlier points may have cut.
+fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Result<u32> {
+    let corners = refinement.face(face).map(|v| refinement.position(v));
+    let point: Vector = std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
+    let mut best = (f64::NEG_INFINITY, face, weights);
+    let pieces: Vec<u32> = refinement.pieces(face).collect();
+    for piece in pieces {
+        let own = match piece == face {
+            true => weights,
+            false => shares(refinement.face(piece).map(|v| refinement.position(v)), point),
+        };
+        let least = own.into_iter().fold(f64::INFINITY, f64::min);
+        if least > best.0 {
+            best = (least, piece, own);
+        }
+    }
+    let (_, piece, own) = best;
+    let corners = refinement.face(piece);
+    let there: Vec<usize> = (0..3).filter(|&i| own[i] > NOTHING).collect();
+    match there[..] {
+        [i] => Ok(corners[i]),
+        [i, j] => Ok(refinement.cut_edge([corners[i], corners[j]], point)?.0),
+        _ => refinement.cut_face(piece, point, own),
+    }
+}
+
+/// Returns the barycentric coordinates of a point in the plane of a triangle; NaN for a triangle
+/// without area.
+fn shares(corners: [Vector; 3], point: Vector) -> [f64; 3] {
+    let [a, b, c] = corners;
+    let normal = doubled_normal(corners);
+    let unit = normal.map(|x| x / dot(normal, normal));
+    let area = |p, q| dot(cross(sub(p, point), sub(q, point)), unit);
+    if norm(normal) > 0.0 { [area(b, c), area(c, a), area(a, b)] } else { [f64::NAN; 3] }
+}

@@ -1,0 +1,233 @@
+//! Relaxation passes over the new mesh, which make its triangles similar.
+
+use super::closest::{Found, on_boundary, on_surface};
+use super::collapse::exchange;
+use super::fit::fit;
+use super::guard::{allows_flip, move_all};
+use super::handles::cut_narrow_handles;
+use super::loss::{gap_of_move, loss_of_flip};
+use super::patch::Patch;
+use super::quadric::Quadrics;
+use super::surface::Surface;
+use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
+use catamaran::base::{Par, Progress, Result, spend};
+
+/// Number of vertices that one thread moves at a time.
+const BLOCK: usize = 512;
+
+/// Largest number of sweeps of flips over all edges: on a surface in space, flips need not end.
+const SWEEPS: usize = 4;
+
+/// Runs passes over the mesh: edges flipped towards six at each vertex, in the last passes to be
+/// Delaunay; short edges exchanged for long ones, except in the last passes; vertices moved to the
+/// centroids of their faces and back onto the surface, or to its creases and tips; at the end they
+/// are raised off it by half its height above the faces. Handles that are too narrow for edges of
+/// length `narrow` are cut.
+pub(super) fn relax(
+    surface: &Surface<'_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &mut Patch,
+    passes: usize,
+    narrow: f64,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<()> {
+    // The last fifth of the passes has no exchanges, so that the mesh settles.
+    let lively = 4 * passes / 5;
+    for pass in 0..passes {
+        progress.report(pass as f64 / passes as f64)?;
+        if pass < lively {
+            if narrow > 0.0 && pass % 3 == 1 {
+                cut_narrow_handles(patch, narrow)?;
+            }
+            if pass > 0 {
+                exchange(patch)?;
+            }
+            make_regular(patch)?;
+        } else {
+            make_delaunay(patch)?;
+        }
+        move_vertices(surface, quadrics, patch, par)?;
+    }
+    if passes > 0 {
+        make_delaunay(patch)?;
+        fit(surface, patch, par)?;
+    }
+    Ok(())
+}
+
+/// Operations that deciding about a flip is equal to.
+const TRIED: f64 = 500.0;
+
+/// Operations that finding the new position of a vertex is equal to.
+const MOVED: f64 = 5000.0;
+
+/// Flips edges whose opposite angles have a sum above pi.
+fn make_delaunay(patch: &mut Patch) -> Result<()> {
+    let mut edges = patch.edges();
+    for _ in 0..SWEEPS {
+        let mut changed = Vec::new();
+        for &[a, b] in &edges {
+            spend(TRIED)?;
+            let Some(flip) = patch.flipped(a, b) else { continue };
+            let [c, d, _] = flip.new[0];
+            if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) >= -1e-9 {
+                continue;
+            }
+            if folds(patch, a, b, &flip.new) || !allows_flip(patch, &flip) {
+                continue;
+            }
+            patch.flip(&flip);
+            for v in [a, b] {
+                for w in [c, d] {
+                    changed.push([v.min(w), v.max(w)]);
+                }
+            }
+        }
+        if changed.is_empty() {
+            break;
+        }
+        edges = changed;
+    }
+    Ok(())
+}
+
+/// Flips edges where that brings the numbers of edges at the four vertices nearer to 6, or 4 on the
+/// boundary (Botsch and Kobbelt, A Remeshing Approach to Multiresolution Modeling, 2004), unless
+/// the sum of the opposite angles is far below pi.
+fn make_regular(patch: &mut Patch) -> Result<()> {
+    for [a, b] in patch.edges() {
+        spend(TRIED)?;
+        let Some(flip) = patch.flipped(a, b) else { continue };
+        let [c, d, _] = flip.new[0];
+        if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) > FAR_FROM_DELAUNAY {
+            continue;
+        }
+        // The number of faces at a vertex is that of its edges, or one less on the boundary.
+        let excess = |v: u32, change: i32| {
+            let wanted = if patch.on_boundary[v as usize] { 3 } else { 6 };
+            (patch.around(v).len() as i32 + change - wanted).pow(2)
+        };
+        let before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
+        let after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
+        if after < before && !folds(patch, a, b, &flip.new) && allows_flip(patch, &flip) {
+            patch.flip(&flip);
+        }
+    }
+    Ok(())
+}
+
+/// Sum of the cotangents of the angles opposite to an edge above which a flip would make slivers.
+const FAR_FROM_DELAUNAY: f64 = 2.0;
+
+/// Returns the cotangent of the angle at v opposite to the edge from a to b.
+fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {
+    let [a, b, v] = [a, b, v].map(|v| patch.position(v));
+    let (p, q) = (sub(a, v), sub(b, v));
+    dot(p, q) / norm(cross(p, q)).max(f64::MIN_POSITIVE)
+}
+
+/// Largest distance of a flipped edge from the old one, relative to its length.
+const FLIP_LOSS: f64 = 0.25;
+
+/// Returns whether the new faces have another direction than the old ones, bend more, or miss the
+/// old edge.
+fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
+    let Some(sides) = patch.sides(a, b) else { return true };
+    let Some(second) = sides.second else { return true };
+    let [c, d, _] = new[0];
+    if loss_of_flip(patch, [a, b], [c, d]) > FLIP_LOSS * patch.length(a, b) {
+        return true;
+    }
+    let old = [sides.first, second].map(|f| unit(patch.normal(patch.faces[f as usize])));
+    let new = new.map(|face| unit(patch.normal(face)));
+    let bend = dot(old[0], old[1]);
+    let mean: Vector = std::array::from_fn(|k| old[0][k] + old[1][k]);
+    new.iter().any(|&normal| dot(normal, mean) <= 0.0) || dot(new[0], new[1]) < bend.min(0.5)
+}
+
+fn move_vertices(
+    surface: &Surface<'_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &mut Patch,
+    par: Par,
+) -> Result<()> {
+    let vertices = patch.positions().len();
+    let operations = MOVED * BLOCK as f64;
+    let moves = par.map_blocks_asking(vertices, BLOCK, operations, |range| {
+        let found = range.map(|v| target(surface, quadrics, patch, v as u32));
+        found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
+    })?;
+    move_all(patch, &moves.concat(), par);
+    Ok(())
+}
+
+/// Returns the new position of a vertex; `None` if it stays.
+fn target(
+    surface: &Surface<'_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &Patch,
+    v: u32,
+) -> Option<Found> {
+    let here = patch.position(v);
+    let anchor = patch.anchors[v as usize];
+    if patch.around(v).is_empty() {
+        return None;
+    }
+    if patch.on_boundary[v as usize] {
+        return on_boundary(surface, anchor, boundary_target(patch, v, here)?);
+    }
+    let mut sum = [0.0; 3];
+    let mut normals = [0.0; 3];
+    let mut weight = 0.0;
+    for &f in patch.around(v) {
+        let face = patch.faces[f as usize];
+        let [a, b, c] = face.map(|v| patch.position(v));
+        let doubled = patch.normal(face);
+        let area = norm(doubled);
+        for k in 0..3 {
+            sum[k] += area * (a[k] + b[k] + c[k]) / 3.0;
+            normals[k] += doubled[k];
+        }
+        weight += area;
+    }
+    if weight <= 0.0 {
+        return on_surface(surface, anchor, here);
+    }
+    let normal = unit(normals);
+    let step = sub(scale(sum, 1.0 / weight), here);
+    let out = dot(step, normal);
+    let p = std::array::from_fn(|k| here[k] + step[k] - out * normal[k]);
+    if norm(normals) >= FLAT * weight {
+        return on_surface(surface, anchor, p);
+    }
+    // Six equilateral triangles of side l have the area 3 sqrt(3) l^2 / 2, and `weight` is twice
+    // that.
+    let length = (weight / 27f64.sqrt()).sqrt();
+    let found = on_surface(surface, anchor, quadrics.sharpest(patch, v, p, length))?;
+    let lost = norm(gap_of_move(patch, v, found.point, here));
+    (lost <= MOVE_LOSS * length).then_some(found)
+}
+
+/// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.
+const FLAT: f64 = 0.95;
+
+/// Largest distance of the faces from the old position of a moved vertex, relative to the length of
+/// its edges.
+const MOVE_LOSS: f64 = 0.2;
+
+/// Cosine of the turn of the boundary (60 degrees) above which a vertex is a corner, which stays.
+const CORNER: f64 = 0.5;
+
+/// Returns the target between the neighbours along the boundary.
+fn boundary_target(patch: &Patch, v: u32, here: Vector) -> Option<Vector> {
+    let mut ends = patch
+        .neighbours(v)
+        .into_iter()
+        .filter(|&w| patch.sides(v, w).is_some_and(|sides| sides.second.is_none()));
+    let [a, b] = [ends.next()?, ends.next()?].map(|w| patch.position(w));
+    if dot(unit(sub(here, a)), unit(sub(b, here))) < CORNER {
+        return None;
+    }
+    Some(std::array::from_fn(|k| 0.5 * here[k] + 0.25 * (a[k] + b[k])))
+}

@@ -1,0 +1,370 @@
+//! The whole decimation, from a mesh and a number of vertices to the new mesh.
+
+use std::borrow::Cow;
+
+use super::batches::add_samples;
+use super::cells::{Cells, Growth, Seed};
+use super::closest::{nearest, on_face};
+use super::collapse::reduce;
+use super::farthest::{Sampler, first_sample};
+use super::gaps::Gaps;
+use super::mend::mend;
+use super::options::{DecimateOptions, Method};
+use super::patch::Patch;
+use super::prepare::{Prepared, prepare};
+use super::quadric::Quadrics;
+use super::refine::refine;
+use super::relax::relax;
+use super::resolve::resolve;
+use super::result::{Decimation, Place};
+use super::size::edge_length_for;
+use super::surface::Surface;
+use super::topology::{Component, components, topology};
+use super::{dual, lloyd};
+use crate::mesh::vector::distance;
+use crate::mesh::{TriMesh, vertex_areas};
+use catamaran::base::{Error, Progress, Result, check_request};
+
+/// Decimates `mesh` to `n` vertices: a mesh of the same shape and topology, as uniform as possible.
+///
+/// ```
+/// use catamaran_geometry::{decimate::{DecimateOptions, decimate}, mesh::families};
+///
+/// let sphere = families::icosphere(3)?;
+/// let found = decimate(&sphere, 100, &DecimateOptions::new().relaxation(4))?;
+/// assert_eq!(found.mesh.vertices().len(), 100);
+/// found.mesh.require_closed()?;
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`Decimator::new`] and [`Decimator::decimate`].
+pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Result<Decimation> {
+    options.progress.watch(|| Decimator::new(mesh, options)?.decimate(n))
+}
+
+/// Longest edge before sampling, relative to the edges of the result, so that a cell has vertices
+/// on all sides.
+const FINE: f64 = 0.7;
+
+/// Bytes for a vertex of the result where the mesh is refined for it: two vertices and four faces
+/// of the refined mesh with what is adjacent to them (150 each), and the vertex itself.
+const BYTES_OF_A_VERTEX: f64 = 400.0;
+
+/// Decimates one mesh to several sizes.
+///
+/// Samples are kept between calls: a larger mesh has the samples of a smaller one and more, and a
+/// smaller mesh has the first of them, so that levels of detail start from nested samples.
+///
+/// ```
+/// use catamaran_geometry::{decimate::{DecimateOptions, Decimator}, mesh::families};
+///
+/// let sphere = families::icosphere(3)?;
+/// let mut decimator = Decimator::new(&sphere, &DecimateOptions::new())?;
+/// for n in [40, 80] {
+///     assert_eq!(decimator.decimate(n)?.mesh.vertices().len(), n);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+pub struct Decimator<'m, 'o> {
+    input: &'m TriMesh,
+    options: DecimateOptions<'o>,
+    source: Source<'m>,
+}
+
+/// The surface from which samples are taken.
+struct Source<'m> {
+    prepared: Prepared<'m>,
+    /// Area of the surface.
+    area: f64,
+    components: Vec<Component>,
+    sampler: Sampler,
+}
+
+impl<'m> Source<'m> {
+    fn new(mesh: Cow<'m, TriMesh>, options: &DecimateOptions<'_>) -> Result<Self> {
+        let prepared = prepare(mesh, options.par)?;
+        let first = match (options.first, &prepared.vertices) {
+            // The first part of a vertex that was split.
+            (Some(v), Some(vertices)) => Some(
+                vertices.iter().position(|&w| w == v).map_or(u32::MAX, |position| position as u32),
+            ),
+            (first, _) => first,
+        };
+        let first = first_sample(&prepared.surface, first)?;
+        let mut components = components(&prepared.surface);
+        // The samples of components come first, and the vertex that the caller selected is the
+        // first of all.
+        let at = component_of(&prepared.surface, &components, first);
+        components[at].first = first;
+        components.swap(0, at);
+        let sampler = Sampler::empty(&prepared.surface, options.par)?;
+        let area = prepared.surface.mesh.area();
+        Ok(Self { prepared, area, components, sampler })
+    }
+}
+
+/// Returns the index of the component of vertex v.
+fn component_of(surface: &Surface<'_>, components: &[Component], v: u32) -> usize {
+    if components.len() == 1 {
+        return 0;
+    }
+    let mut seen = vec![false; surface.len()];
+    let mut open = vec![v];
+    let mut lowest = v;
+    while let Some(v) = open.pop() {
+        lowest = lowest.min(v);
+        for link in surface.links(v) {
+            if !std::mem::replace(&mut seen[link.to as usize], true) {
+                open.push(link.to);
+            }
+        }
+    }
+    components.iter().position(|component| component.first == lowest).unwrap_or(0)
+}
+
+impl<'m, 'o> Decimator<'m, 'o> {
+    /// Prepares the mesh: checks it, and repairs it where it is not a manifold.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex that
+    /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first`;
+    /// [`Error::OutOfMemory`].
+    pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
+        let source = Source::new(Cow::Borrowed(mesh), options)?;
+        Ok(Self { input: mesh, options: *options, source })
+    }
+
+    /// Decimates the mesh to `n` vertices.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when n is more than indices can number, or less than the topology needs:
+    /// 4 for every closed component, 3 for every other one, and more for handles and loops.
+    /// [`Error::OutOfMemory`], [`Error::Cancelled`].
+    pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
+        let progress = self.options.progress;
+        progress.watch(|| self.decimate_watched(n, progress))
+    }
+
+    fn decimate_watched(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
+        progress.report(0.0)?;
+        self.check(n)?;
+        if self.resamples() {
+            self.resample_for(n, progress.part(0.0..0.2))?;
+        }
+        let decimation = match self.options.method {
+            Method::Uniform => self.uniform(n, progress.part(0.2..1.0))?,
+            Method::Thesis => self.thesis(n, progress.part(0.2..1.0))?,
+        };
+        progress.report(1.0)?;
+        Ok(decimation)
+    }
+
+    fn resamples(&self) -> bool {
+        self.options.resample && self.options.method == Method::Uniform
+    }
+
+    /// Splits edges longer than those of the result, because samples could not be spread over them.
+    fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
+        let Source { prepared, area, sampler, .. } = &mut self.source;
+        let par = self.options.par;
+        let Ok(length) = edge_length_for(*area, n) else { return Ok(()) };
+        if prepared.surface.longest_edge(par) > length {
+            *prepared = prepared.refined(FINE * length, par, progress)?;
+            sampler.move_to(&prepared.surface, par)?;
+        }
+        Ok(())
+    }
+
+    fn check(&self, n: usize) -> Result<()> {
+        let refused = |why| Err(Error::Argument { what: "n", why });
+        let surface = &self.source.prepared.surface;
+        let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
+        if n > there && !self.resamples() {
+            return refused(format!(
+                "{n}, but the mesh has {there} vertices, and is not resampled"
+            ));
+        }
+        if n > there {
+            check_request("n", format_args!("{n} vertices"), n as f64 * BYTES_OF_A_VERTEX)?;
+        }
+        let components = &self.source.components;
+        if self.options.method == Method::Thesis && n < components.len() {
+            return refused(format!("{n}, but the mesh has {} components", components.len()));
+        }
+        let least: usize = components.iter().map(Component::least_vertices).sum();
+        if self.options.method == Method::Uniform && n < least {
+            return refused(format!(
+                "{n}, but {} components need {least} vertices: 4 each, 3 with boundary",
+                components.len()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Decimates by algorithm 5.1 with algorithm 5.2, and every three-cycle as a face.
+    fn thesis(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
+        let Source { prepared, sampler, components, .. } = &mut self.source;
+        let surface = &prepared.surface;
+        if sampler.samples().is_empty() || sampler.samples().len() > n {
+            sampler.start(surface, components[0].first)?;
+        }
+        sampler.extend_to(surface, n, progress)?;
+        let positions = sampler.samples().iter().map(|&v| surface.position(v)).collect();
+        let mesh = TriMesh::new(
+            positions,
+            dual::three_cycles(surface, sampler.growth(), self.options.par),
+        )?;
+        let places = sampler.samples().iter().map(|&v| at_vertex(surface, v)).collect();
+        let cells = sampler.growth().cells(surface.scale);
+        self.finish(mesh, cells, places)
+    }
+
+    fn uniform(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
+        let par = self.options.par;
+        let Source { prepared, area, components, sampler } = &mut self.source;
+        let (surface, area) = (&prepared.surface, *area);
+        let (growth, taken) = sampler.in_batches();
+        let mut samples: Vec<u32> = components.iter().map(|component| component.first).collect();
+        let more = taken.iter().skip(samples.len()).take(n.saturating_sub(samples.len()));
+        samples.extend(more);
+        growth.clear();
+        add_samples(surface, area, growth, &mut samples, n, par, progress.part(0.0..0.4))?;
+        if samples.len() > taken.len() {
+            taken.clone_from(&samples);
+        }
+
+        // Cells are about as large as the area that belongs to a sample.
+        let radius = (area / n as f64).sqrt() / surface.scale;
+        let cutoff = radius as f32;
+        let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
+        for pass in 0..self.options.lloyd {
+            progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
+            lloyd::pass(surface, growth, &mut samples, &areas, cutoff)?;
+        }
+        refine(surface, growth, &mut samples, par, progress.part(0.6..0.7))?;
+
+        let mut patch = dual_patch(surface, growth, &samples, self.options);
+        let reach = |patch: &mut Patch| match reduce(patch, n)? {
+            left if left == n => Ok(()),
+            left => {
+                let topology = topology(surface, components.len());
+                let why = format!(
+                    "{n}, but the topology ({topology}) could not be kept with fewer than {left} \
+                     vertices"
+                );
+                Err(Error::Argument { what: "n", why })
+            }
+        };
+        reach(&mut patch)?;
+        let narrow = match self.options.cut_narrow_handles {
+            true => edge_length_for(area, n).unwrap_or(0.0),
+            false => 0.0,
+        };
+        let passes = self.options.relaxation;
+        if passes > 0 {
+            let quadrics = Quadrics::new(surface, par);
+            relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
+            reach(&mut patch)?;
+            resolve(surface, self.input, &mut patch, par)?;
+            growth.clear();
+            growth.grow(surface, &anchor_seeds(&patch), cutoff)?;
+            growth.grow_on(surface)?;
+            let cells = (0..surface.len() as u32).map(|v| growth.cell(v));
+            let gaps = Gaps::new(surface, cells, patch.positions().len());
+            mend(&gaps, &quadrics, &mut patch, par, progress.part(0.9..0.98))?;
+            reach(&mut patch)?;
+        }
+        let (positions, anchors, on_rim, faces) = patch.compact();
+        let mesh = TriMesh::new(positions, faces)?;
+        let places: Vec<Place> = (0..n)
+            .map(|v| {
+                let p = mesh.vertices()[v];
+                let found = nearest(surface, anchors[v], on_rim[v], p);
+                found.map_or_else(|| at_vertex(surface, anchors[v]), |found| found.place)
+            })
+            .collect();
+        growth.clear();
+        growth.grow(surface, &place_seeds(surface, &mesh, &places), cutoff)?;
+        growth.grow_on(surface)?;
+        let cells = growth.cells(surface.scale);
+        self.finish(mesh, cells, places)
+    }
+
+    /// Returns the result in terms of the input.
+    fn finish(&self, mesh: TriMesh, cells: Cells, mut places: Vec<Place>) -> Result<Decimation> {
+        let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
+        for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
+            let mut face = place.face;
+            if let Some(faces) = faces {
+                face = faces[face as usize];
+            }
+            *place = Place { face, weights: on_face(self.input, face, p).1 };
+        }
+        let count = self.input.vertices().len();
+        let mut seen_from = vec![u32::MAX; count];
+        for v in (0..surface.len() as u32).rev() {
+            let old = vertices.as_ref().map_or(v, |vertices| vertices[v as usize]);
+            if (old as usize) < count && !surface.links(v).is_empty() {
+                seen_from[old as usize] = v;
+            }
+        }
+        let cells = cells.seen_from(&seen_from);
+        let before = topology(surface, self.source.components.len());
+        let after = Surface::new(Cow::Borrowed(&mesh), self.options.par)
+            .map(|surface| topology(&surface, components(&surface).len()));
+        let after = match (self.options.method, after) {
+            (_, Ok(after)) => Some(after),
+            (Method::Thesis, Err(Error::Mesh { .. })) => None,
+            (_, Err(error)) => return Err(error),
+        };
+        Ok(Decimation { mesh, cells, places, repairs: *repairs, before, after })
+    }
+}
+
+/// Returns the dual triangulation, with a vertex at each sample, or on the boundary if its cell
+/// touches the boundary.
+fn dual_patch(
+    surface: &Surface<'_>,
+    growth: &Growth,
+    samples: &[u32],
+    options: DecimateOptions<'_>,
+) -> Patch {
+    let faces = dual::faces(surface, growth, options.par);
+    let positions = samples.iter().map(|&v| surface.position(v)).collect();
+    let mut patch = Patch::new(positions, samples.to_vec(), faces);
+    let mut nearest = vec![f32::INFINITY; samples.len()];
+    for v in (0..surface.len() as u32).filter(|&v| surface.on_boundary[v as usize]) {
+        let (cell, distance) = (growth.cell(v) as usize, growth.distance(v));
+        if cell < samples.len() && distance < nearest[cell] && patch.on_boundary[cell] {
+            nearest[cell] = distance;
+            patch.anchors[cell] = v;
+            patch.place(cell as u32, surface.position(v));
+        }
+    }
+    patch
+}
+
+/// Returns seeds of cells at the vertices near those of the patch.
+fn anchor_seeds(patch: &Patch) -> Vec<Seed> {
+    let there = (0..).zip(&patch.anchors).filter(|&(v, _)| !patch.around(v).is_empty());
+    there.map(|(cell, &vertex)| Seed { vertex, distance: 0.0, cell }).collect()
+}
+
+/// Returns seeds of cells at the corners of the faces in which the vertices lie.
+fn place_seeds(surface: &Surface<'_>, mesh: &TriMesh, places: &[Place]) -> Vec<Seed> {
+    let starts = (0..).zip(places).zip(mesh.vertices());
+    let corners = starts.flat_map(|((cell, place), &p)| {
+        surface.mesh.faces()[place.face as usize].map(|vertex| {
+            let length = distance(p, surface.position(vertex)) / surface.scale;
+            Seed { vertex, distance: length as f32, cell }
+        })
+    });
+    corners.collect()
+}
+
+fn at_vertex(surface: &Surface<'_>, v: u32) -> Place {
+    let face = surface.faces_of.row(v as usize).first().copied().unwrap_or(0);
+    let corners = surface.mesh.faces()[face as usize];
+    Place { face, weights: corners.map(|w| if w == v { 1.0 } else { 0.0 }) }
+}

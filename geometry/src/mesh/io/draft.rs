@@ -1,0 +1,178 @@
+use super::super::TriMesh;
+use super::attributes::MeshFile;
+use super::notes::Notes;
+use super::polygon::{corners_of, fan, not_a_fan};
+use catamaran::base::{Error, Result, push};
+use catamaran::io::Source;
+
+/// An error of a reader in a line or an element. [`Fault::at`] and [`Fault::of`] add the position.
+pub(super) enum Fault {
+    What(String),
+    Error(Error),
+}
+
+impl From<String> for Fault {
+    fn from(what: String) -> Self {
+        Self::What(what)
+    }
+}
+
+impl From<&str> for Fault {
+    fn from(what: &str) -> Self {
+        Self::What(what.into())
+    }
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        Self::Error(error)
+    }
+}
+
+/// The result of reading a line or an element.
+pub(super) type Checked<T> = std::result::Result<T, Fault>;
+
+impl Fault {
+    /// Returns the error, with the last line of the source as its position unless it has one.
+    pub fn at(self, source: &Source<'_>) -> Error {
+        match self {
+            Self::What(what) => source.fail(what),
+            Self::Error(error) => error,
+        }
+    }
+
+    /// Returns the same fault with the name of an element in front.
+    pub fn of(self, element: impl FnOnce() -> String) -> Self {
+        match self {
+            Self::What(what) => Self::What(format!("{}: {what}", element())),
+            error => error,
+        }
+    }
+}
+
+/// Returns a list with room for `count` items, or for fewer if the count can't be trusted yet.
+pub(super) fn roomy<T>(count: usize) -> Vec<T> {
+    Vec::with_capacity(count.min(1 << 16))
+}
+
+/// The note about triangles that have a vertex twice.
+const COLLAPSED: &str = "left out triangles that have a vertex twice";
+
+/// A mesh that is being read.
+#[derive(Default)]
+pub(super) struct Draft {
+    pub vertices: Vec<[f64; 3]>,
+    /// The faces, polygons as fans; `finish` replaces fans of polygons that are not convex.
+    pub faces: Vec<[u32; 3]>,
+    /// First face and number of faces of each polygon of more than three corners.
+    polygons: Vec<[u32; 2]>,
+    /// Position of the first triangle that has a vertex twice.
+    collapsed_at: Option<String>,
+    pub notes: Notes,
+}
+
+impl Draft {
+    /// Adds a vertex.
+    pub fn push_vertex(&mut self, position: [f64; 3]) -> Checked<()> {
+        if position.iter().any(|x| !x.is_finite()) {
+            return Err(format!("position {position:?} is not finite").into());
+        }
+        Ok(push(&mut self.vertices, position)?)
+    }
+
+    /// Adds a face of any number of corners, which is at `place` in the file. Returns whether a
+    /// face was added: a face of fewer than three corners is not.
+    pub fn push_polygon(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<bool> {
+        if corners.len() < 3 {
+            self.notes.add("left out faces of fewer than three corners", place);
+            return Ok(false);
+        }
+        let first = self.faces.len();
+        for face in fan(corners) {
+            let [a, b, c] = face;
+            if a == b || b == c || c == a {
+                self.collapse(&place);
+            }
+            push(&mut self.faces, face)?;
+        }
+        if let (4.., Ok(first)) = (corners.len(), u32::try_from(first)) {
+            push(&mut self.polygons, [first, (corners.len() - 2) as u32])?;
+        }
+        Ok(true)
+    }
+
+    /// Records that a triangle at `place` has a vertex twice.
+    pub fn collapse(&mut self, place: impl FnOnce() -> String) {
+        self.collapsed_at.get_or_insert_with(place);
+    }
+
+    /// Returns the numbers, with 0 in place of those that are not finite, and notes how many were
+    /// replaced.
+    pub fn finite<const N: usize>(
+        &mut self,
+        values: [f64; N],
+        place: impl FnOnce() -> String,
+    ) -> [f64; N] {
+        let wrong = values.iter().filter(|x| !x.is_finite()).count();
+        let what =
+            "took 0 for numbers of colours, normals and texture coordinates that are not finite";
+        self.notes.add_many(what, wrong, place);
+        values.map(|x| if x.is_finite() { x } else { 0.0 })
+    }
+
+    /// Returns the mesh. Polygons that are not convex are cut into triangles that cover them, and
+    /// triangles that have a vertex twice are left out. The entries of the other lists, each of
+    /// which is empty or has an entry for each face, follow their faces.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when the vertices and faces make no mesh.
+    pub fn finish(
+        mut self,
+        corners: &mut [&mut Vec<[u32; 3]>],
+        labels: &mut [&mut Vec<u32>],
+    ) -> Result<MeshFile> {
+        self.cut_polygons(corners);
+        let mut collapsed_faces = 0;
+        if let Some(place) = self.collapsed_at.take() {
+            let kept = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+            let kept: Vec<bool> = self.faces.iter().map(kept).collect();
+            collapsed_faces = kept.iter().filter(|&&kept| !kept).count();
+            self.notes.add_many(COLLAPSED, collapsed_faces, || place);
+            keep(&mut self.faces, &kept);
+            corners.iter_mut().for_each(|list| keep(list, &kept));
+            labels.iter_mut().for_each(|list| keep(list, &kept));
+        }
+        let mesh = TriMesh::new(self.vertices, self.faces)?;
+        let notes = self.notes.lines();
+        Ok(MeshFile { collapsed_faces, notes, ..MeshFile::from(mesh) })
+    }
+
+    fn cut_polygons(&mut self, corners: &mut [&mut Vec<[u32; 3]>]) {
+        for &[first, count] in &self.polygons {
+            let range = first as usize..first as usize + count as usize;
+            let Some(fan) = self.faces.get(range.clone()) else { continue };
+            let vertices = corners_of(fan);
+            let position = |&v: &u32| self.vertices.get(v as usize).copied();
+            let Some(positions) = vertices.iter().map(position).collect::<Option<Vec<_>>>() else {
+                continue;
+            };
+            let Some(triangles) = not_a_fan(&positions) else { continue };
+            let mut recut = |list: &mut [[u32; 3]]| {
+                let corners = corners_of(list);
+                for (triangle, numbers) in list.iter_mut().zip(&triangles) {
+                    *triangle = numbers.map(|i| corners[i]);
+                }
+            };
+            self.faces.get_mut(range.clone()).map(&mut recut);
+            for list in corners.iter_mut() {
+                list.get_mut(range.clone()).map(&mut recut);
+            }
+        }
+    }
+}
+
+/// Drops the items that are not kept.
+fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    list.retain(|_| kept.next().copied().unwrap_or_default());
+}

@@ -1,0 +1,155 @@
+//! Reads numbers from buffers.
+
+use super::super::draft::{Checked, roomy};
+use super::container::Content;
+use super::document::{Accessor, View, code};
+use catamaran::base::push;
+
+impl Content {
+    /// Returns the accessor with this index.
+    pub fn accessor(&self, index: usize) -> Checked<&Accessor> {
+        let found = self.document.accessors.get(index);
+        let count = self.document.accessors.len();
+        Ok(found.ok_or_else(|| format!("accessor {index} is out of range: {count} accessors"))?)
+    }
+
+    /// Returns whether the file has numbers of an accessor; other accessors are all zeros, unless
+    /// an extension says where their numbers are.
+    pub fn is_stored(&self, index: usize) -> Checked<bool> {
+        let accessor = self.accessor(index)?;
+        Ok(accessor.buffer_view.is_some() || accessor.sparse.is_some())
+    }
+
+    /// Returns the elements of an accessor, of `N` numbers each.
+    pub fn values<const N: usize>(&self, number: usize) -> Checked<Vec<[f64; N]>> {
+        let accessor = self.accessor(number)?;
+        let read = || -> Checked<Vec<[f64; N]>> {
+            let width = width(&accessor.kind);
+            if width != Some(N) {
+                return Err(format!("type {:?} does not have {N} numbers", accessor.kind).into());
+            }
+            let layout = Layout {
+                component: accessor.component_type,
+                normalized: accessor.normalized,
+                count: accessor.count,
+            };
+            let mut values = match accessor.buffer_view {
+                Some(view) => self.elements(view, accessor.byte_offset, &layout)?,
+                None => {
+                    let mut zeros = Vec::new();
+                    for _ in 0..accessor.count {
+                        push(&mut zeros, [0.0; N])?;
+                    }
+                    zeros
+                }
+            };
+            let Some(sparse) = &accessor.sparse else { return Ok(values) };
+            let indices = Layout {
+                component: sparse.indices.component_type,
+                normalized: false,
+                count: sparse.count,
+            };
+            let places: Vec<[f64; 1]> =
+                self.elements(sparse.indices.buffer_view, sparse.indices.byte_offset, &indices)?;
+            let layout = Layout { count: sparse.count, ..layout };
+            let replaced: Vec<[f64; N]> =
+                self.elements(sparse.values.buffer_view, sparse.values.byte_offset, &layout)?;
+            for ([place], value) in places.into_iter().zip(replaced) {
+                let count = values.len();
+                let slot = index(place).and_then(|place| values.get_mut(place));
+                *slot.ok_or_else(|| format!("sparse element {place} exceeds {count}"))? = value;
+            }
+            Ok(values)
+        };
+        read().map_err(|fault| fault.of(|| format!("accessor {number}")))
+    }
+
+    /// Returns the elements that lie in a buffer view from byte `start` on.
+    fn elements<const N: usize>(
+        &self,
+        view: usize,
+        start: usize,
+        layout: &Layout,
+    ) -> Checked<Vec<[f64; N]>> {
+        let views = &self.document.buffer_views;
+        let (index, view) = (view, views.get(view));
+        let view =
+            view.ok_or_else(|| format!("view {index} is out of range: {} views", views.len()))?;
+        let bytes = self.bytes(view).ok_or_else(|| format!("view {index} is beyond its buffer"))?;
+        let size = component_size(layout.component)
+            .ok_or_else(|| format!("unknown component type {}", layout.component))?;
+        let stride = view.byte_stride.unwrap_or(N * size);
+        if stride < N * size {
+            return Err(format!("stride {stride} is less than {} bytes", N * size).into());
+        }
+        let mut values = roomy(layout.count);
+        for i in 0..layout.count {
+            let at = i.checked_mul(stride).and_then(|at| at.checked_add(start));
+            let element = at.and_then(|at| bytes.get(at..)?.get(..N * size));
+            let element = element
+                .ok_or_else(|| format!("element {i} of {} is beyond view {index}", layout.count))?;
+            let mut value = [0.0; N];
+            for (x, bytes) in value.iter_mut().zip(element.chunks_exact(size)) {
+                *x = layout.number(bytes);
+            }
+            push(&mut values, value)?;
+        }
+        Ok(values)
+    }
+
+    fn bytes(&self, view: &View) -> Option<&[u8]> {
+        self.buffers.get(view.buffer)?.get(view.byte_offset..)?.get(..view.byte_length)
+    }
+}
+
+/// Returns a number as an index; `None` if it is negative or not whole.
+pub(super) fn index(number: f64) -> Option<usize> {
+    (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)
+}
+
+/// Returns the number of components of an element of this type; `None` for matrices, which meshes
+/// do not use.
+pub(super) fn width(kind: &str) -> Option<usize> {
+    Some(match kind {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        _ => return None,
+    })
+}
+
+fn component_size(code: u32) -> Option<usize> {
+    Some(match code {
+        code::I8 | code::U8 => 1,
+        code::I16 | code::U16 => 2,
+        code::U32 | code::F32 => 4,
+        _ => return None,
+    })
+}
+
+/// The storage of elements.
+struct Layout {
+    component: u32,
+    /// Whether integers represent fractions of their maximum.
+    normalized: bool,
+    count: usize,
+}
+
+impl Layout {
+    /// Returns the number in these bytes, as many as the component type has.
+    fn number(&self, bytes: &[u8]) -> f64 {
+        let mut wide = [0; 4];
+        wide.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        let bits = u32::from_le_bytes(wide);
+        let (value, one) = match self.component {
+            code::I8 => (f64::from(bits as i8), f64::from(i8::MAX)),
+            code::U8 => (f64::from(bits as u8), f64::from(u8::MAX)),
+            code::I16 => (f64::from(bits as i16), f64::from(i16::MAX)),
+            code::U16 => (f64::from(bits as u16), f64::from(u16::MAX)),
+            code::F32 => return f64::from(f32::from_bits(bits)),
+            _ => return f64::from(bits),
+        };
+        if self.normalized { (value / one).max(-1.0) } else { value }
+    }
+}

@@ -1,0 +1,158 @@
+//! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or in
+//! separate files.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path};
+
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
+use super::super::draft::{Checked, Fault};
+use super::document::{Buffer, Document};
+use super::extensions::{check_required, is_unsupported, unsupported};
+use catamaran::io::Source;
+
+/// The first bytes of a binary file, and the types of its chunks.
+const MAGIC: &[u8] = b"glTF";
+const JSON: &[u8] = b"JSON";
+const BIN: &[u8] = b"BIN\0";
+
+/// A document and its buffers.
+pub(super) struct Content {
+    pub document: Document,
+    pub buffers: Vec<Vec<u8>>,
+}
+
+impl Content {
+    /// Reads the container and its document.
+    pub fn read(source: &mut Source<'_>) -> Checked<Self> {
+        let bytes = source.read_all()?;
+        let (json, binary, is_text) = if bytes.starts_with(MAGIC) {
+            let (json, binary) = chunks(&bytes)?;
+            (json, binary, false)
+        } else {
+            (&bytes[..], None, true)
+        };
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let document: Document = serde_json::from_slice(json).map_err(|e| {
+            let line = is_text.then_some(e.line());
+            source.fail_at(line, format!("not the JSON of a glTF file: {e}"))
+        })?;
+        if !document.asset.version.starts_with("2.") {
+            let version = document.asset.version;
+            return Err(format!("version {version:?} of glTF, must be 2.0").into());
+        }
+        let least = document.asset.min_version.as_deref().unwrap_or("2.0");
+        if least != "2.0" {
+            return Err(format!("needs version {least:?} of glTF, and 2.0 is supported").into());
+        }
+        check_required(&document)?;
+        let mut buffers = Vec::new();
+        let mut total = 0usize;
+        for (i, buffer) in document.buffers.iter().enumerate() {
+            total = total.saturating_add(buffer.byte_length);
+            source.check_memory::<u8>("the buffers", total)?;
+            let content = load(buffer, binary.filter(|_| i == 0), source.path());
+            buffers.push(content.map_err(|fault| fault.of(|| format!("buffer {i}")))?);
+        }
+        Ok(Self { document, buffers })
+    }
+}
+
+/// Returns the JSON and the buffer of a binary file.
+fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
+    let truncated = || Fault::from("truncated: the file ends too early");
+    let word = |bytes: &[u8]| -> Checked<usize> {
+        let bytes = bytes.first_chunk::<4>().ok_or_else(truncated)?;
+        Ok(u32::from_le_bytes(*bytes) as usize)
+    };
+    let (head, _) = bytes.split_at_checked(12).ok_or_else(truncated)?;
+    let (version, length) = (word(&head[4..])?, word(&head[8..])?);
+    if version != 2 {
+        return Err(format!("version {version} of binary glTF, must be 2").into());
+    }
+    let mut rest = bytes.get(12..length).ok_or_else(truncated)?;
+    let mut json = None;
+    let mut binary = None;
+    while !rest.is_empty() {
+        let (head, after) = rest.split_at_checked(8).ok_or_else(truncated)?;
+        let (content, after) = after.split_at_checked(word(head)?).ok_or_else(truncated)?;
+        match &head[4..] {
+            JSON if json.is_none() => json = Some(content),
+            BIN if binary.is_none() => binary = Some(content),
+            _ => {}
+        }
+        rest = after;
+    }
+    Ok((json.ok_or("a binary glTF file without a chunk of JSON")?, binary))
+}
+
+/// Returns the bytes of a buffer: `binary` where the buffer has no URI, otherwise those of the URI
+/// or of the file beside `path` that it names.
+fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>> {
+    let length = buffer.byte_length;
+    let mut bytes = match buffer.uri.as_deref() {
+        None => match (binary, buffer.extensions.keys().find(|name| is_unsupported(name))) {
+            (Some(binary), _) => binary.to_vec(),
+            (None, Some(name)) => return Err(unsupported(name)),
+            (None, None) => return Err("has no URI, and is not in the file".into()),
+        },
+        Some(uri) => match uri.strip_prefix("data:") {
+            Some(data) => embedded(data)?,
+            None => beside(uri, path, length)?,
+        },
+    };
+    if bytes.len() < length {
+        return Err(format!("has {} of {length} bytes", bytes.len()).into());
+    }
+    bytes.truncate(length);
+    Ok(bytes)
+}
+
+/// Returns the bytes of a data URI; `data` is what follows `data:`.
+fn embedded(data: &str) -> Checked<Vec<u8>> {
+    let (_, text) = data.split_once(";base64,").ok_or("a data URI that is not in base64")?;
+    let padding = DecodePaddingMode::Indifferent;
+    let config = GeneralPurposeConfig::new().with_decode_padding_mode(padding);
+    let decoded = GeneralPurpose::new(&STANDARD, config).decode(text.trim_end());
+    decoded.map_err(|e| format!("broken base64: {e}").into())
+}
+
+/// Returns up to `length` bytes of the file that a URI names.
+fn beside(uri: &str, path: &Path, length: usize) -> Checked<Vec<u8>> {
+    let name = unescaped(uri).ok_or_else(|| format!("broken URI {uri:?}"))?;
+    let relative = Path::new(&name);
+    let inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
+    if name.contains(':') || !relative.components().all(inside) {
+        return Err(format!("{uri:?} is not the name of a file beside this one").into());
+    }
+    let full = path.parent().unwrap_or(Path::new("")).join(relative);
+    let failed = |e: std::io::Error| Fault::from(format!("{}: {e}", full.display()));
+    let file = File::open(&full).map_err(failed)?;
+    if !file.metadata().map_err(failed)?.is_file() {
+        return Err(format!("{}: not a file", full.display()).into());
+    }
+    let mut bytes = Vec::new();
+    file.take(length as u64).read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}
+
+/// Returns a URI with its escapes, such as %20, replaced.
+fn unescaped(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        rest = after;
+        if byte != b'%' {
+            bytes.push(byte);
+            continue;
+        }
+        let (digits, after) = rest.split_at_checked(2)?;
+        let digits = std::str::from_utf8(digits).ok()?;
+        bytes.push(u8::from_str_radix(digits, 16).ok()?);
+        rest = after;
+    }
+    String::from_utf8(bytes).ok()
+}

@@ -1,0 +1,344 @@
+//! Mesh files: reads and writes OBJ, PLY, OFF, STL and glTF, also gzipped (`.gz`), and reads `.xz`.
+//!
+//! A reader does not trust the file: counts in a header reserve no memory before the bytes are
+//! read, an error names the file and the line or the element, and a file that needs more memory
+//! than the limit is refused ([`SourceOptions::max_memory`]). The reader notes what it leaves out
+//! or replaces ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, except in binary
+//! STL and glTF, which have single precision: there it returns a note with the largest distance by
+//! which a vertex moves, and an error if a face would vanish. In glTF, coordinates count from the
+//! middle of the mesh where that is more accurate, and a node moves them back. The file appears
+//! when it is complete, or not at all ([`Output`]).
+
+mod attributes;
+mod colors;
+mod detect;
+mod draft;
+mod format;
+mod gltf;
+mod labels;
+mod notes;
+mod obj;
+mod off;
+mod ply;
+mod polygon;
+mod refined;
+mod rounding;
+mod stl;
+mod text;
+
+use std::io::Write;
+use std::path::Path;
+
+pub use attributes::{Attribute, MeshFile};
+pub use format::MeshFormat;
+pub use gltf::{GltfEncoding, Material, Picture};
+pub use labels::Labels;
+pub use ply::PlyEncoding;
+pub use stl::StlEncoding;
+
+use self::rounding::Rounding;
+use catamaran::base::{Error, Result};
+use catamaran::io::{Output, Packing, Source, SourceOptions};
+
+/// Reads the mesh in the file at `path`, in the format that its name implies; where the content has
+/// another format, the content decides.
+///
+/// - A polygon becomes a fan of triangles around its first corner where the fan covers it, as for a
+///   convex polygon, and is cut into ears otherwise. Triangles that have a vertex twice are left
+///   out ([`MeshFile::collapsed_faces`]).
+/// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position
+///   that is not finite is an error.
+/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too,
+///   names of materials, groups and objects; other statements are skipped.
+/// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and
+///   triangle strips. Elements of other names are skipped.
+/// - `.off`: with the prefixes ST, C and N; comments; lines may end anywhere.
+/// - `.stl`: binary and text. Vertices with equal coordinates become one.
+/// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
+///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
+///   mesh with equal positions and colours become one. An extension that a file requires is
+///   supported or an error.
+///
+/// What is left out or replaced is in [`MeshFile::notes`].
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran_geometry::mesh::{families, io};
+///
+/// let path = std::env::temp_dir().join(format!("catamaran-{}.ply", std::process::id()));
+/// let sphere = families::icosphere(1)?;
+/// io::write(Output::create(&path, Overwrite::Replace)?, &sphere.clone().into())?;
+/// assert_eq!(io::read(&path)?.mesh.faces(), sphere.faces());
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`] with the file and the line or element; [`Error::Mesh`], with the file, for
+/// positions or faces that make no mesh; [`Error::OutOfMemory`].
+pub fn read(path: &Path) -> Result<MeshFile> {
+    read_with(path, &SourceOptions::new())
+}
+
+/// Reads as [`read()`] does, within a limit of memory, and with a callback that receives the
+/// fraction of the file read and may cancel.
+///
+/// ```
+/// use catamaran::Error;
+/// use catamaran_geometry::mesh::{families, io};
+/// use catamaran::io::{Output, Overwrite, SourceOptions};
+/// use std::ops::ControlFlow;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sphere.obj");
+/// io::write(Output::create(path, Overwrite::Never)?, &families::icosphere(1)?.into())?;
+/// let cancel = |_| ControlFlow::Break(());
+/// let stopped = io::read_with(path, &SourceOptions::new().progress(&cancel));
+/// assert_eq!(stopped, Err(Error::Cancelled));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`read()`], and [`Error::Cancelled`].
+pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
+    let (named, named_packing) = MeshFormat::named(path);
+    let packing = |head: &[u8]| detect::packing(head, named_packing);
+    let mut source = Source::open_packed(path, packing, options)?;
+    let found = detect::format(&source.peek(detect::LOOK)?, source.size());
+    let mut notes = Vec::new();
+    if source.packing() != named_packing {
+        notes.push(format!("{}, although its name says otherwise", packed(source.packing())));
+    }
+    let format = match (named, found) {
+        (Some(named), Some(detected)) if named.title() != detected.title() => {
+            let (named, found) = (named.title(), detected.title());
+            notes.push(format!("read as {found}, the format of its content, and not as {named}"));
+            detected
+        }
+        (Some(named), _) => named,
+        (None, Some(found)) => {
+            notes.push(format!("read as {}, the format of its content", found.title()));
+            found
+        }
+        (None, None) => {
+            let what = "unknown kind of mesh: name and content are not OBJ, PLY, OFF, STL or glTF";
+            return Err(Error::file(path, what));
+        }
+    };
+    let mut file = read_source(&mut source, format, path)?;
+    notes.append(&mut file.notes);
+    Ok(MeshFile { notes, ..file })
+}
+
+fn packed(packing: Packing) -> &'static str {
+    match packing {
+        Packing::None => "not packed",
+        Packing::Gzip => "packed by gzip",
+        Packing::Xz => "packed by xz",
+    }
+}
+
+/// Reads the mesh in `bytes`, which are not packed, like a file.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::{MeshFormat, read_bytes};
+///
+/// let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// assert_eq!(read_bytes(text, MeshFormat::Obj)?.mesh.faces(), [[0, 1, 2]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`read()`]; the path is that of the format's usual name.
+pub fn read_bytes(bytes: &[u8], format: MeshFormat) -> Result<MeshFile> {
+    let path = Path::new(match format {
+        MeshFormat::Obj => "mesh.obj",
+        MeshFormat::Ply(_) => "mesh.ply",
+        MeshFormat::Off => "mesh.off",
+        MeshFormat::Stl(_) => "mesh.stl",
+        MeshFormat::Gltf(_) => "mesh.gltf",
+    });
+    read_source(&mut Source::of_bytes(path, bytes), format, path)
+}
+
+fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
+    let read = match format {
+        MeshFormat::Obj => obj::read(source),
+        MeshFormat::Ply(_) => ply::read(source),
+        MeshFormat::Off => off::read(source),
+        MeshFormat::Stl(_) => stl::read(source),
+        MeshFormat::Gltf(_) => gltf::read(source),
+    };
+    read.map_err(|error| match error {
+        Error::Mesh { what, element } => {
+            Error::Mesh { what, element: format!("{}: {element}", path.display()) }
+        }
+        other => other,
+    })
+}
+
+/// Writes `file` into `output` in the format that its name implies; the file appears when it is
+/// complete. Returns notes, one line each, about what the file does not hold as it is here:
+/// attributes that the format can't store ([`MeshFormat::left_out`]), and numbers that it rounds.
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran_geometry::mesh::{families, io};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("grid.off");
+/// let notes = io::write(Output::create(path, Overwrite::Never)?, &families::grid(2, 1)?.into())?;
+/// assert!(std::fs::read_to_string(path).unwrap().starts_with("OFF\n6 4 "));
+/// assert!(notes.is_empty());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`], also for a coordinate that the format can't store and for faces that would vanish
+/// when their corners are rounded, [`Error::Shape`] when attributes do not fit the mesh, and
+/// [`Error::NonFinite`] for their numbers; no file is left behind then.
+pub fn write(output: Output, file: &MeshFile) -> Result<Vec<String>> {
+    let format = MeshFormat::of(output.path())?;
+    write_as(output, file, format)
+}
+
+/// Writes as [`write()`] does, in the format or encoding `format`, whatever the name; a file whose
+/// name ends in `.gz` is packed.
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran_geometry::mesh::{families, io::{MeshFormat, PlyEncoding, read, write_as}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sphere.ply");
+/// let sphere = families::icosphere(1)?;
+/// let output = Output::create(path, Overwrite::Never)?;
+/// write_as(output, &sphere.clone().into(), MeshFormat::Ply(PlyEncoding::Ascii))?;
+/// assert!(std::fs::read(path).unwrap().starts_with(b"ply\nformat ascii"));
+/// assert_eq!(read(path)?.mesh.faces(), sphere.faces());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`write()`].
+pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<Vec<String>> {
+    write_file(output, file, format, |sink, rounding| match format {
+        MeshFormat::Obj => obj::write(sink, file),
+        MeshFormat::Ply(encoding) => ply::write(sink, file, encoding),
+        MeshFormat::Off => off::write(sink, file),
+        MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
+        MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding, rounding),
+    })
+}
+
+/// Writes a file by `body`, which is told how the format rounds coordinates. Returns the notes.
+fn write_file(
+    output: Output,
+    file: &MeshFile,
+    format: MeshFormat,
+    body: impl FnOnce(&mut dyn Write, &Rounding) -> std::io::Result<()>,
+) -> Result<Vec<String>> {
+    file.check()?;
+    file.check_finite()?;
+    let rounding = match format {
+        MeshFormat::Stl(StlEncoding::Binary) => Rounding::from_zero(&file.mesh, output.path())?,
+        MeshFormat::Gltf(_) => Rounding::from_middle(&file.mesh, output.path())?,
+        _ => Rounding::default(),
+    };
+    write_packed(output, |sink| body(sink, &rounding))?;
+    let mut notes = Vec::new();
+    let left_out = format.left_out(file);
+    if !left_out.is_empty() {
+        notes.push(format!("this format can't store {}", left_out.join(", ")));
+    }
+    rounding.note(&file.mesh, &mut notes);
+    format.note_rounded(file, &mut notes);
+    Ok(notes)
+}
+
+/// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces,
+/// its pictures as PNG in the same file. The names of the materials of `file` are left out. Returns
+/// notes as [`write()`] does.
+///
+/// Viewers that light a mesh smoothly use its normals from [`MeshFile::normals`]. Tangents are not
+/// written; glTF recommends that viewers compute them from normals and texture coordinates
+/// (MikkTSpace).
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran_geometry::mesh::families;
+/// use catamaran_geometry::mesh::io::{Attribute, Material, MeshFile, Picture, write_with_material};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("chequered.glb");
+/// let mut file = MeshFile::from(families::grid(2, 2)?);
+/// let values = file.mesh.vertices().iter().map(|p| [p[0], p[1]]).collect();
+/// file.uv = Some(Attribute { values, corners: None });
+/// let chequers = Picture::rgb(2, &[[250; 3], [20; 3], [20; 3], [250; 3]])?;
+/// let material = Material::new().name("chequers").base_color(chequers).roughness(0.3);
+/// write_with_material(Output::create(path, Overwrite::Never)?, &file, &material)?;
+/// assert!(std::fs::read(path).unwrap().starts_with(b"glTF"));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`] when the name does not end in `.glb` or `.gltf`, and as [`write()`];
+/// [`Error::Argument`] for a material with pictures when a face of the mesh has no texture
+/// coordinates, and for numbers of the material out of their range.
+pub fn write_with_material(
+    output: Output,
+    file: &MeshFile,
+    material: &Material,
+) -> Result<Vec<String>> {
+    let format = MeshFormat::of(output.path())?;
+    let MeshFormat::Gltf(encoding) = format else {
+        return Err(Error::file(output.path(), "only .glb and .gltf store a material"));
+    };
+    file.check()?;
+    material.check(file)?;
+    let mut notes = write_file(output, file, format, |sink, rounding| {
+        gltf::write_with_material(sink, file, encoding, rounding, material)
+    })?;
+    if file.materials.is_some() {
+        notes.push("left out the names of materials, in place of which is the given one".into());
+    }
+    Ok(notes)
+}
+
+fn write_packed(
+    mut output: Output,
+    body: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<()> {
+    let name = output.path().to_string_lossy().to_ascii_lowercase();
+    let (_, packing) = Packing::of(&name);
+    let written = match packing {
+        Packing::None => body(&mut output),
+        Packing::Gzip => {
+            let mut encoder =
+                flate2::write::GzEncoder::new(&mut output, flate2::Compression::default());
+            body(&mut encoder).and_then(|()| encoder.finish().map(|_| ()))
+        }
+        Packing::Xz => Err(std::io::Error::other(".xz files can only be read; write .gz instead")),
+    };
+    written.map_err(|e| output.error(e))?;
+    output.commit()
+}
+
+/// Returns an error unless [`write()`] knows the format that the name of the file implies.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::check_name;
+///
+/// assert!(check_name("a.stl".as_ref()).is_ok());
+/// assert!(check_name("a.doc".as_ref()).is_err());
+/// ```
+///
+/// # Errors
+/// [`Error::Io`] when it does not.
+pub fn check_name(path: &Path) -> Result<()> {
+    MeshFormat::of(path)?;
+    match MeshFormat::named(path) {
+        (_, Packing::Xz) => Err(Error::file(path, ".xz files can only be read; write .gz instead")),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,193 @@
+use std::io::Read;
+
+use super::super::draft::{Checked, Fault};
+use super::super::text;
+use super::element::{Element, Property, Type};
+use super::encoding::PlyEncoding;
+use catamaran::base::push;
+use catamaran::io::Source;
+
+/// One row of an element.
+#[derive(Default)]
+pub(super) struct Row {
+    pub index: usize,
+    pub scalars: Vec<f64>,
+    pub lists: Vec<Vec<f64>>,
+}
+
+/// Reads the rows of an element one by one.
+pub(super) struct Rows<'s, 'a> {
+    source: &'s mut Source<'a>,
+    encoding: PlyEncoding,
+    element: &'s Element,
+    /// Size of a row in bytes, if all rows have the same.
+    fixed: Option<usize>,
+    done: usize,
+    row: Row,
+    bytes: Vec<u8>,
+}
+
+impl<'s, 'a> Rows<'s, 'a> {
+    /// Creates a reader of the rows of an element.
+    pub fn new(source: &'s mut Source<'a>, encoding: PlyEncoding, element: &'s Element) -> Self {
+        let (mut scalars, mut lists, mut bytes) = (0, 0, 0);
+        for property in &element.properties {
+            match property.counted_by {
+                Some(_) => lists += 1,
+                None => {
+                    scalars += 1;
+                    bytes += property.item.size();
+                }
+            }
+        }
+        let row = Row { index: 0, scalars: vec![0.0; scalars], lists: vec![Vec::new(); lists] };
+        let fixed = (lists == 0).then_some(bytes);
+        Self { source, encoding, element, fixed, done: 0, row, bytes: Vec::new() }
+    }
+
+    /// Reads the next row; `None` after the last one.
+    pub fn next(&mut self) -> Checked<Option<&Row>> {
+        // A row without properties takes no bytes, so any count of them would be accepted.
+        if self.done == self.element.count || self.element.properties.is_empty() {
+            return Ok(None);
+        }
+        self.row.index = self.done;
+        match self.encoding {
+            PlyEncoding::Ascii => self.text_row()?,
+            PlyEncoding::LittleEndian | PlyEncoding::BigEndian => {
+                let read = self.binary_row();
+                let (name, index) = (&self.element.name, self.done);
+                read.map_err(|fault| fault.of(|| format!("{name} {index}")))?;
+            }
+        }
+        self.done += 1;
+        Ok(Some(&self.row))
+    }
+
+    /// Skips all rows, for elements that are no part of a mesh.
+    pub fn skip(&mut self) -> Checked<()> {
+        while self.next()?.is_some() {}
+        Ok(())
+    }
+
+    fn text_row(&mut self) -> Checked<()> {
+        let Self { source, element, done, row, .. } = self;
+        loop {
+            let Some(line) = source.next_bytes()? else {
+                let (name, count) = (&element.name, element.count);
+                return Err(format!("truncated: {done} of {count} rows of element {name}").into());
+            };
+            let mut words = text::words(line).peekable();
+            if words.peek().is_none() {
+                continue;
+            }
+            let mut next = || words.next().ok_or_else(|| Fault::from("too few numbers"));
+            let (mut scalars, mut lists) = (row.scalars.iter_mut(), row.lists.iter_mut());
+            for property in &element.properties {
+                if property.counted_by.is_none() {
+                    if let Some(scalar) = scalars.next() {
+                        *scalar = text::number(next()?)?;
+                    }
+                } else if let Some(list) = lists.next() {
+                    list.clear();
+                    for _ in 0..list_length(text::number(next()?)?)? {
+                        push(list, text::number(next()?)?)?;
+                    }
+                }
+            }
+            return match words.next() {
+                None => Ok(()),
+                Some(word) => Err(format!("{} after the last number", text::quoted(word)).into()),
+            };
+        }
+    }
+
+    fn binary_row(&mut self) -> Checked<()> {
+        let Self { source, element, row, bytes, .. } = self;
+        let decode = if self.encoding == PlyEncoding::LittleEndian { little } else { big };
+        if let Some(size) = self.fixed {
+            fill(source, bytes, size)?;
+            let mut rest = &bytes[..];
+            for (scalar, property) in row.scalars.iter_mut().zip(&element.properties) {
+                let (own, after) = rest.split_at(property.item.size());
+                *scalar = decode(property.item, own);
+                rest = after;
+            }
+            return Ok(());
+        }
+        let (mut scalars, mut lists) = (row.scalars.iter_mut(), row.lists.iter_mut());
+        for &Property { item, counted_by, .. } in &element.properties {
+            let Some(counted_by) = counted_by else {
+                fill(source, bytes, item.size())?;
+                if let Some(scalar) = scalars.next() {
+                    *scalar = decode(item, bytes);
+                }
+                continue;
+            };
+            fill(source, bytes, counted_by.size())?;
+            let count = decode(counted_by, bytes);
+            let count = list_length(count)?;
+            let Some(list) = lists.next() else { continue };
+            list.clear();
+            // In pieces, because the count may exceed the data that follows.
+            let mut left = count;
+            while left > 0 {
+                let piece = left.min(1 << 12);
+                fill(source, bytes, piece * item.size())?;
+                for own in bytes.chunks_exact(item.size()) {
+                    push(list, decode(item, own))?;
+                }
+                left -= piece;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the length of a list, which may be stored in any type.
+fn list_length(count: f64) -> Checked<usize> {
+    // Integer types have at most 32 bits.
+    if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
+        Ok(count as usize)
+    } else {
+        Err(format!("{count} is not the length of a list").into())
+    }
+}
+
+/// Reads the next `size` bytes of the file.
+fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()> {
+    bytes.resize(size, 0);
+    source.read_exact(bytes).map_err(|e| match e.kind() {
+        std::io::ErrorKind::UnexpectedEof => Fault::from("truncated: the file ends too early"),
+        _ => Fault::Error(source.io_error(e)),
+    })
+}
+
+/// Returns the little-endian number of that type in these bytes.
+fn little(kind: Type, bytes: &[u8]) -> f64 {
+    let mut wide = [0; 8];
+    let size = kind.size().min(bytes.len());
+    wide[..size].copy_from_slice(&bytes[..size]);
+    number(kind, u64::from_le_bytes(wide))
+}
+
+/// Returns the big-endian number of that type in these bytes.
+fn big(kind: Type, bytes: &[u8]) -> f64 {
+    let mut wide = [0; 8];
+    let size = kind.size().min(bytes.len());
+    wide[8 - size..].copy_from_slice(&bytes[..size]);
+    number(kind, u64::from_be_bytes(wide))
+}
+
+fn number(kind: Type, bits: u64) -> f64 {
+    match kind {
+        Type::I8 => f64::from(bits as i8),
+        Type::U8 => f64::from(bits as u8),
+        Type::I16 => f64::from(bits as i16),
+        Type::U16 => f64::from(bits as u16),
+        Type::I32 => f64::from(bits as i32),
+        Type::U32 => f64::from(bits as u32),
+        Type::F32 => f64::from(f32::from_bits(bits as u32)),
+        Type::F64 => f64::from_bits(bits),
+    }
+}

@@ -1,0 +1,87 @@
+//! The options of a Laplacian.
+
+use catamaran::base::{Par, builder};
+
+/// The triangulation on which the functions are linear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LaplacianKind {
+    /// The triangles of the mesh: the cotangent Laplacian. Allows any set of triangles that have an
+    /// area.
+    #[default]
+    Cotangent,
+    /// The intrinsic Delaunay triangulation of the same surface and vertices, in which no interior
+    /// edge has a negative weight. Allows surfaces whose edges have at most two faces, which agree
+    /// about which side is outside. Lengths are mollified first.
+    IntrinsicDelaunay,
+    /// The intrinsic Delaunay triangulation of the tufted cover, which has each face twice, front
+    /// and back; both matrices are halved. No edge has a negative weight. Allows any mesh; lengths
+    /// are mollified first.
+    Tufted,
+}
+
+/// How the mass of a triangle is distributed to its vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MassKind {
+    /// A third of the area for each corner; diagonal.
+    #[default]
+    Barycentric,
+    /// The area nearest to each corner; diagonal. In an obtuse triangle, half the area for the
+    /// obtuse corner and a quarter for the others (Meyer et al. 2003, section 3.3).
+    MixedVoronoi,
+    /// The inner product of linear functions, a full matrix: a sixth of the area on the diagonal, a
+    /// twelfth for each pair of corners.
+    Consistent,
+}
+
+/// The condition at the boundary: the edges with one face.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Boundary {
+    /// The normal derivative is zero, the natural condition.
+    #[default]
+    Neumann,
+    /// Functions are zero at the vertices of the boundary; these are left out of the matrices.
+    Dirichlet,
+    /// Functions are zero at these vertices, on the boundary or not; Neumann elsewhere.
+    Mixed(Vec<u32>),
+}
+
+/// Options of [`laplacian()`](super::laplacian()).
+///
+/// ```
+/// use catamaran_geometry::mesh::{LaplacianKind, LaplacianOptions, MassKind, families, laplacian};
+///
+/// let options = LaplacianOptions::new().kind(LaplacianKind::Tufted).mass(MassKind::MixedVoronoi);
+/// let matrices = laplacian(&families::icosphere(1)?, &options)?;
+/// assert_eq!(matrices.kept.len(), 42);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct LaplacianOptions {
+    /// Triangulation; default [`LaplacianKind::Cotangent`].
+    pub kind: LaplacianKind,
+    /// Mass; default [`MassKind::Barycentric`].
+    pub mass: MassKind,
+    /// Boundary; default [`Boundary::Neumann`].
+    pub boundary: Boundary,
+    /// Threads; default [`Par::all`]. Does not change the result.
+    pub par: Par,
+}
+
+impl Default for LaplacianOptions {
+    fn default() -> Self {
+        Self {
+            kind: LaplacianKind::default(),
+            mass: MassKind::default(),
+            boundary: Boundary::default(),
+            par: Par::all(),
+        }
+    }
+}
+
+builder! { LaplacianOptions {
+    kind: LaplacianKind,
+    mass: MassKind,
+    boundary: Boundary,
+    par: Par,
+}}

@@ -1,0 +1,699 @@
+//! Decimation: farthest points against brute force, invariants of cells, duals, weights and
+//! resampling, and the promise of exactly n vertices on a manifold of the same topology, or a
+//! refusal that says why.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use catamaran::base::Progress;
+use catamaran::{Error, Par};
+use catamaran_geometry::decimate::{
+    Cells, DecimateOptions, Decimation, Decimator, Difference, FarthestPoints, Method, Quality,
+    decimate, edge_length_for, resample, vertices_for_edge_length, vertices_for_faces,
+};
+use catamaran_geometry::mesh::io::{self, Attribute, MeshFile};
+use catamaran_geometry::mesh::{
+    Comparison, Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, families,
+};
+
+fn options() -> DecimateOptions<'static> {
+    DecimateOptions::new().par(Par::Seq)
+}
+
+/// Everything that a decimation promises.
+pub fn check(name: &str, input: &TriMesh, n: usize, found: &Decimation) {
+    let mesh = &found.mesh;
+    assert_eq!(mesh.vertices().len(), n, "{name}");
+    assert!(mesh.unreferenced_vertices().is_empty(), "{name}");
+    mesh.require_manifold().unwrap_or_else(|e| panic!("{name}: {e}"));
+    let after = found.after.unwrap_or_else(|| panic!("{name}: no topology"));
+    assert_eq!(found.before, after, "{name}");
+    let validation = mesh.validate();
+    assert_eq!(validation.genus, Some(after.genus), "{name}");
+    assert_eq!(validation.components, after.components, "{name}");
+    assert_eq!(validation.boundary_loops, Some(after.boundary_loops), "{name}");
+    let vertices = input.vertices();
+    assert_eq!(found.cells.of_vertices().len(), vertices.len(), "{name}");
+    let unreferenced = input.unreferenced_vertices();
+    for (v, &cell) in found.cells.of_vertices().iter().enumerate() {
+        let lonely = unreferenced.contains(&(v as u32));
+        assert_eq!(cell == Cells::NONE, lonely, "{name}: vertex {v}");
+        assert!(lonely || (cell as usize) < n, "{name}: vertex {v}");
+    }
+    let size = found.mesh.bounding_box().map_or(0.0, |[low, high]| high[0] - low[0]).abs() + 1.0;
+    for (v, place) in found.places.iter().enumerate() {
+        let corners = input.faces()[place.face as usize].map(|w| vertices[w as usize]);
+        assert!(place.weights.iter().all(|w| (0.0..=1.0).contains(w)), "{name}: {place:?}");
+        assert!((place.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {place:?}");
+        for k in 0..3 {
+            let there: f64 = (0..3).map(|i| place.weights[i] * corners[i][k]).sum();
+            let off = (there - mesh.vertices()[v][k]).abs();
+            // Vertices that have not moved since edges were collapsed are beside the surface.
+            assert!(off < 0.2 * size, "{name}: vertex {v} is {off} off the surface");
+        }
+    }
+}
+
+/// Farthest points by the definition.
+fn naive_farthest(mesh: &TriMesh, n: usize) -> Vec<u32> {
+    let graph = Graph::of_mesh(mesh);
+    let mut search = Dijkstra::new(&graph);
+    let mut samples = vec![0];
+    while samples.len() < n {
+        let sources: Vec<_> = samples.iter().map(|&v| (v, 0.0)).collect();
+        search.search(&sources, &SearchLimits::default()).unwrap();
+        let farthest = (0..mesh.vertices().len() as u32)
+            .max_by(|&a, &b| search.distance(a).total_cmp(&search.distance(b)).then(b.cmp(&a)));
+        samples.push(farthest.unwrap());
+    }
+    samples
+}
+
+/// A surface on which no two distances are equal, but for rounding.
+fn generic(subdivisions: u32) -> TriMesh {
+    let (mut vertices, faces) = families::icosphere(subdivisions).unwrap().into_parts();
+    let mut rng = catamaran::base::Rng::new(5);
+    for p in &mut vertices {
+        *p = p.map(|x| x * (1.0 + 0.05 * rng.uniform()));
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn farthest_points_are_those_of_brute_force() {
+    for mesh in [generic(2), generic(3)] {
+        let mut points = FarthestPoints::new(&mesh, None).unwrap();
+        points.extend_to(40, Progress::none()).unwrap();
+        assert_eq!(points.samples(), naive_farthest(&mesh, 40));
+    }
+}
+
+#[test]
+fn farthest_points_are_nested_and_cells_are_those_of_the_nearest_sample() {
+    let mesh = generic(3);
+    let mut points = FarthestPoints::new(&mesh, Some(17)).unwrap();
+    points.extend_to(10, Progress::none()).unwrap();
+    let ten = points.samples().to_vec();
+    points.extend_to(30, Progress::none()).unwrap();
+    assert_eq!(points.samples()[..10], ten);
+    assert_eq!(ten[0], 17);
+    let graph = Graph::of_mesh(&mesh);
+    let mut search = Dijkstra::new(&graph);
+    let sources: Vec<_> = points.samples().iter().map(|&v| (v, 0.0)).collect();
+    search.search(&sources, &SearchLimits::default()).unwrap();
+    let cells = points.cells();
+    for v in 0..mesh.vertices().len() {
+        let distance = search.distance(v as u32);
+        assert!((f64::from(cells.distances()[v]) - distance).abs() < 1e-5);
+        let sample = points.samples()[cells.of_vertices()[v] as usize];
+        assert_eq!(search.origin(v as u32), Some(sample), "vertex {v}");
+    }
+    assert!(cells.radius() > 0.0);
+}
+
+#[test]
+fn farthest_points_go_to_every_component_first_and_to_every_vertex_at_last() {
+    let mesh = families::spheres(5, 1).unwrap();
+    let mut points = FarthestPoints::new(&mesh, None).unwrap();
+    points.extend_to(5, Progress::none()).unwrap();
+    let mut spheres: Vec<u32> = points.samples().iter().map(|v| v / 42).collect();
+    spheres.sort_unstable();
+    assert_eq!(spheres, [0, 1, 2, 3, 4]);
+    points.extend_to(210, Progress::none()).unwrap();
+    let mut all = points.samples().to_vec();
+    all.sort_unstable();
+    assert_eq!(all, (0..210).collect::<Vec<_>>());
+    let refused = points.extend_to(211, Progress::none()).unwrap_err();
+    assert!(refused.to_string().contains("only 210 vertices"), "{refused}");
+}
+
+#[test]
+fn every_family_is_decimated_with_its_topology() {
+    let cases = [
+        ("icosphere", families::icosphere(4), vec![4, 5, 17, 100, 500, 2562]),
+        ("spheres", families::spheres(3, 3), vec![12, 31, 200]),
+        ("torus", families::torus(61, 29, 2.0, 0.7), vec![13, 50, 300]),
+        ("trefoil", families::knot(2, 3, 301, 9, 0.2), vec![200, 701]),
+        ("genus 3", families::genus(3, 6), vec![60, 200, 997]),
+        ("figure", families::figure(5, 0.5), vec![60, 400]),
+        ("grid", families::grid(40, 30), vec![4, 10, 97, 500, 1271]),
+        ("terrain", families::terrain(60, 50, 3), vec![3, 101, 600]),
+        ("disk", families::disk(20, 60), vec![7, 100, 400]),
+        ("cylinder", families::cylinder(60, 20, 1.0, 1.0), vec![20, 100, 500]),
+        ("Moebius", families::moebius(100, 12), vec![20, 100, 500]),
+        ("slivers", families::slivers(40, 40, 0.01), vec![10, 100]),
+    ];
+    for (name, mesh, sizes) in cases {
+        let mesh = mesh.unwrap();
+        for n in sizes {
+            let name = format!("{name} to {n}");
+            let found = decimate(&mesh, n, &options()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            check(&name, &mesh, n, &found);
+        }
+    }
+}
+
+#[test]
+fn narrow_handles_are_cut_and_told_unless_they_are_to_be_kept() {
+    // A slab whose holes are one tenth of the whole, and a triangle of the result as large as a
+    // hole.
+    let mesh = families::genus(5, 4).unwrap();
+    let keep = decimate(&mesh, 70, &options()).unwrap();
+    check("slab", &mesh, 70, &keep);
+    let cut = options().cut_narrow_handles(true);
+    // A tube around a torus that is as thin as a hair: its loops are all narrow.
+    let ring = families::torus(400, 5, 1.0, 0.002).unwrap();
+    let found = decimate(&ring, 60, &cut).unwrap();
+    assert_eq!(found.mesh.vertices().len(), 60);
+    found.mesh.require_manifold().unwrap();
+    assert_eq!(found.before.genus, Genus::Orientable(1));
+    assert_eq!(found.after.unwrap().genus, found.mesh.genus(&Edges::new(&found.mesh)).unwrap());
+}
+
+#[test]
+fn results_are_uniform() {
+    for (mesh, n) in [
+        (families::terrain(200, 200, 1).unwrap(), 800),
+        (families::icosphere(5).unwrap(), 600),
+        (families::figure(12, 0.3).unwrap(), 1500),
+    ] {
+        let found = decimate(&mesh, n, &options()).unwrap();
+        let quality = Quality::of(&found.mesh);
+        assert!(quality.mean_quality > 0.85, "{quality}");
+        assert!(quality.area_variation < 0.25, "{quality}");
+        let literal = options().method(Method::Thesis);
+        let thesis = Quality::of(&decimate(&mesh, n, &literal).unwrap().mesh);
+        assert!(thesis.mean_quality < quality.mean_quality, "{thesis}");
+    }
+}
+
+/// A ball with thin parts: a needle along each axis, and a blade around it.
+fn thin_parts() -> [(&'static str, TriMesh); 2] {
+    let ball = families::icosphere(5).unwrap();
+    let stretched = |by: fn([f64; 3]) -> f64| {
+        let vertices = ball.vertices().iter().map(|&p| p.map(|x| x * by(p))).collect();
+        TriMesh::new(vertices, ball.faces().to_vec()).unwrap()
+    };
+    let needles = stretched(|p| {
+        let nearest = p.iter().fold(0.0, |most: f64, x| most.max(x.abs())).min(1.0);
+        1.0 + 0.8 * (-(nearest.acos() / 0.15).powi(2)).exp()
+    });
+    let blade = stretched(|p| 1.0 + 0.6 * (-(p[0] / 0.05).powi(2)).exp());
+    [("needles", needles), ("blade", blade)]
+}
+
+#[test]
+fn thin_parts_are_not_cut_short() {
+    for (name, mesh) in thin_parts() {
+        for n in [300, 600] {
+            let found = decimate(&mesh, n, &options()).unwrap();
+            check(name, &mesh, n, &found);
+            // Without care for them, relaxation takes two edges of the blade.
+            let edge = edge_length_for(mesh.area(), n).unwrap();
+            let difference = Difference::between(&mesh, &found.mesh, Par::Seq).unwrap();
+            assert!(difference.hausdorff < edge, "{name} to {n}: {difference:?}, edges {edge}");
+            assert!(found.mesh.area() > 0.92 * mesh.area(), "{name} to {n}");
+        }
+    }
+}
+
+#[test]
+fn vertices_are_beside_the_surface_so_that_faces_are_on_both_sides_of_it() {
+    let ball = families::icosphere(5).unwrap();
+    let made = decimate(&ball, 200, &options()).unwrap().mesh;
+    let radius = |p: [f64; 3]| p.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(made.vertices().iter().all(|&p| radius(p) > 1.0));
+    // On the sphere itself, the volume would be less by three times the mean depth of faces, some
+    // 0.045.
+    assert!((made.volume() / ball.volume() - 1.0).abs() < 0.03, "{}", made.volume());
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let [_, (_, blade)] = thin_parts();
+    for mesh in [families::genus(2, 14).unwrap(), blade] {
+        same_for_all_threads(&mesh);
+    }
+}
+
+fn same_for_all_threads(mesh: &TriMesh) {
+    let of = |threads| {
+        let options = options().threads(threads).lloyd(2);
+        let found = decimate(mesh, 333, &options).unwrap();
+        let weights = found.weights(mesh, Par::Threads(threads)).unwrap();
+        (found, weights)
+    };
+    let one = of(1);
+    for threads in [2, 3, 5] {
+        assert!(one == of(threads), "{threads} threads");
+    }
+}
+
+#[test]
+fn weights_take_linear_functions_over() {
+    let mesh = families::grid(50, 40).unwrap();
+    let found = decimate(&mesh, 200, &options()).unwrap();
+    let weights = found.weights(&mesh, Par::Seq).unwrap();
+    assert_eq!(weights.shape(), (51 * 41, 200));
+    let mut exact = 0;
+    for (row, p) in weights.outer_iterator().zip(mesh.vertices()) {
+        assert!(row.nnz() <= 3 && row.iter().all(|(_, &w)| w > 0.0));
+        assert!((row.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
+        let at = |k: usize| row.iter().map(|(j, w)| w * found.mesh.vertices()[j][k]).sum::<f64>();
+        exact += usize::from((at(0) - p[0]).abs() + (at(1) - p[1]).abs() < 1e-9);
+    }
+    // All but what was cut off at the corners.
+    assert!(exact > 9 * mesh.vertices().len() / 10, "{exact}");
+}
+
+#[test]
+fn resampled_edges_are_short_and_the_surface_is_the_same() {
+    for (mesh, longest) in [
+        (families::slivers(5, 5, 0.05).unwrap(), 0.02),
+        (families::genus(1, 1).unwrap(), 0.2),
+        (families::moebius(5, 1).unwrap(), 0.17),
+        (families::pages(3).unwrap(), 0.3),
+    ] {
+        let found = resample(&mesh, longest).unwrap();
+        assert_eq!(found.mesh.vertices()[..mesh.vertices().len()], *mesh.vertices());
+        assert_eq!(found.parents.len(), found.mesh.faces().len());
+        for &[a, b] in Edges::new(&found.mesh).ends() {
+            let [p, q] = [a, b].map(|v| found.mesh.vertices()[v as usize]);
+            let square: f64 = (0..3).map(|k| (p[k] - q[k]).powi(2)).sum();
+            assert!(square.sqrt() <= longest);
+        }
+        assert!((found.mesh.area() / mesh.area() - 1.0).abs() < 1e-9);
+        let areas = mesh.face_areas();
+        let mut sums = vec![0.0; areas.len()];
+        for (area, &parent) in found.mesh.face_areas().iter().zip(&found.parents) {
+            sums[parent as usize] += area;
+        }
+        for (sum, area) in sums.iter().zip(&areas) {
+            assert!((sum / area - 1.0).abs() < 1e-9);
+        }
+        let (before, after) = (mesh.validate(), found.mesh.validate());
+        assert_eq!(before.euler_characteristic, after.euler_characteristic);
+        assert_eq!(before.boundary_loops, after.boundary_loops);
+        assert_eq!(before.genus, after.genus);
+    }
+    // At once: an hour of work would not find vertices for them.
+    for longest in [1e-9, 1e-200] {
+        let refused = resample(&families::grid(1, 1).unwrap(), longest).unwrap_err();
+        assert!(refused.to_string().contains("more than a mesh can have"), "{refused}");
+    }
+    let refused = resample(&families::grid(1, 1).unwrap(), 0.0).unwrap_err();
+    assert_eq!(refused.to_string(), "longest: must be positive, is 0");
+}
+
+#[test]
+fn resampling_makes_vertices_where_there_are_none() {
+    let mesh = families::grid(2, 2).unwrap();
+    let without = decimate(&mesh, 50, &options().resample(false)).unwrap_err();
+    assert!(without.to_string().contains("has 9 vertices, and is not resampled"), "{without}");
+    let found = decimate(&mesh, 50, &options()).unwrap();
+    check("resampled grid", &mesh, 50, &found);
+    let length = edge_length_for(1.0, 50).unwrap();
+    // 100 equilateral triangles of that side cover the area.
+    assert!((100.0 * 3f64.sqrt() / 4.0 * length * length - 1.0).abs() < 1e-12);
+    assert!(edge_length_for(1.0, 0).is_err() && edge_length_for(f64::NAN, 1).is_err());
+}
+
+/// A cylinder as CAD programs write it: sides of two long triangles, ends that are fans.
+pub fn cad_cylinder(sides: u32) -> TriMesh {
+    let mut vertices = vec![[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]];
+    for i in 0..sides {
+        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(sides);
+        vertices.extend([0.0, 10.0].map(|z| [angle.cos(), angle.sin(), z]));
+    }
+    let faces = (0..sides).flat_map(|i| {
+        let [a, c] = [i, (i + 1) % sides].map(|i| 2 + 2 * i);
+        let [b, d] = [a + 1, c + 1];
+        [[a, c, b], [c, d, b], [0, c, a], [1, b, d]]
+    });
+    TriMesh::new(vertices, faces.collect()).unwrap()
+}
+
+/// A sphere so flat, and bent, that its sheets are nearer to each other than vertices of the
+/// result.
+pub fn blade() -> TriMesh {
+    bent_sphere(0.06)
+}
+
+/// A bent sphere of this thickness.
+fn bent_sphere(thickness: f64) -> TriMesh {
+    let (mut vertices, faces) = families::icosphere(5).unwrap().into_parts();
+    for p in &mut vertices {
+        let [x, y, z] = *p;
+        *p = [x, 3.0 * y, thickness * z + 0.3 * x * x];
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn no_faces_intersect_after_decimation_that_did_not_before() {
+    let [ears, fingers] = thin_parts();
+    let meshes = [
+        ("cylinder of CAD", cad_cylinder(64)),
+        ("blade", blade()),
+        ("thinner blade", bent_sphere(0.02)),
+        ("figure", families::figure(5, 0.5).unwrap()),
+        ears,
+        fingers,
+    ];
+    for (name, mesh) in meshes {
+        assert!(mesh.intersecting_faces(Par::all()).is_empty(), "{name}");
+        for n in [150, 600] {
+            let found = decimate(&mesh, n, &options()).unwrap();
+            assert!(found.mesh.intersecting_faces(Par::all()).is_empty(), "{name}, {n}");
+            check(name, &mesh, n, &found);
+        }
+    }
+}
+
+/// A cube of twelve faces.
+fn cube() -> TriMesh {
+    let vertices = (0..8).map(|i| [i >> 2, i >> 1 & 1, i & 1].map(f64::from)).collect();
+    let sides =
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let faces = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    TriMesh::new(vertices, faces.collect()).unwrap()
+}
+
+/// A cone of 64 sides.
+fn cone() -> TriMesh {
+    let (mut vertices, faces) = cad_cylinder(64).into_parts();
+    for p in &mut vertices {
+        let part = 0.01 + 0.99 * (1.0 - p[2] / 10.0);
+        *p = [part * p[0], part * p[1], 0.3 * p[2]];
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn creases_corners_and_tips_are_met() {
+    for (name, mesh) in [("cube", cube()), ("cylinder", cad_cylinder(64)), ("cone", cone())] {
+        for n in [150, 500] {
+            let found = decimate(&mesh, n, &options()).unwrap();
+            check(name, &mesh, n, &found);
+            let edge = edge_length_for(mesh.area(), n).unwrap();
+            let Comparison { out, back, .. } =
+                Comparison::between(&mesh, &found.mesh, Par::all()).unwrap();
+            let farthest = out.largest.max(back.largest);
+            assert!(farthest < 0.25 * edge, "{name}, {n}: {farthest} of {edge}");
+        }
+    }
+}
+
+#[test]
+fn numbers_of_faces_and_lengths_of_edges_are_met() {
+    for mesh in [families::icosphere(3).unwrap(), families::torus(30, 20, 1.0, 0.4).unwrap()] {
+        for faces in [200, 700] {
+            let n = vertices_for_faces(&mesh, faces).unwrap();
+            assert_eq!(decimate(&mesh, n, &options()).unwrap().mesh.faces().len(), faces);
+        }
+        let n = vertices_for_edge_length(mesh.area(), 0.2).unwrap();
+        assert!((edge_length_for(mesh.area(), n).unwrap() - 0.2).abs() < 1e-3);
+    }
+    // With a boundary, about.
+    let sheet = families::grid(20, 20).unwrap();
+    let n = vertices_for_faces(&sheet, 400).unwrap();
+    let faces = decimate(&sheet, n, &options()).unwrap().mesh.faces().len();
+    assert!((380..420).contains(&faces), "{faces}");
+    assert!(vertices_for_faces(&sheet, 0).is_err());
+    for length in [0.0, -1.0, f64::NAN, 1e-9] {
+        assert!(vertices_for_edge_length(1.0, length).is_err(), "{length}");
+    }
+}
+
+#[test]
+fn large_faces_of_the_input_do_not_harm_the_result() {
+    let cylinder = cad_cylinder(64);
+    let found = decimate(&cylinder, 500, &options()).unwrap();
+    assert!(Quality::of(&found.mesh).mean_quality > 0.85);
+    // An edge of the result is about .53 long.
+    let difference = Difference::between(&cylinder, &found.mesh, Par::Seq).unwrap();
+    assert!(difference.hausdorff < 0.3, "{difference:?}");
+    assert!(found.cells.of_vertices().iter().all(|&cell| (cell as usize) < 500));
+}
+
+#[test]
+fn levels_of_detail_come_from_one_decimator() {
+    let mesh = families::figure(6, 0.2).unwrap();
+    let mut decimator = Decimator::new(&mesh, &options()).unwrap();
+    for n in [50, 500, 100, 200] {
+        check("figure", &mesh, n, &decimator.decimate(n).unwrap());
+    }
+    let literal = options().method(Method::Thesis).relaxation(0);
+    let mut decimator = Decimator::new(&mesh, &literal).unwrap();
+    let few = decimator.decimate(50).unwrap().mesh;
+    let many = decimator.decimate(90).unwrap().mesh;
+    assert_eq!(few.vertices(), &many.vertices()[..50]);
+    assert_eq!(decimator.decimate(50).unwrap().mesh, few);
+}
+
+#[test]
+fn the_thesis_literally_takes_vertices_of_the_input_and_all_three_cycles() {
+    // Cells of single vertices: the graph of cells is that of the mesh, and its three-cycles are
+    // the faces and more.
+    let mesh = families::icosphere(0).unwrap();
+    let literal = options().method(Method::Thesis);
+    let found = decimate(&mesh, 12, &literal).unwrap();
+    assert_eq!(found.mesh.faces().len(), 20);
+    let back: Vec<u32> = found
+        .mesh
+        .vertices()
+        .iter()
+        .map(|p| mesh.vertices().iter().position(|q| p == q).unwrap() as u32)
+        .collect();
+    let sorted = |mut face: [u32; 3]| {
+        face.sort_unstable();
+        face
+    };
+    let mut new: Vec<_> =
+        found.mesh.faces().iter().map(|f| sorted(f.map(|v| back[v as usize]))).collect();
+    let mut old: Vec<_> = mesh.faces().iter().copied().map(sorted).collect();
+    new.sort_unstable();
+    old.sort_unstable();
+    assert_eq!(new, old);
+    assert!(found.mesh.volume() > 0.0);
+}
+
+#[test]
+fn refusals_say_why() {
+    let refused = |mesh: &TriMesh, n| decimate(mesh, n, &options()).unwrap_err().to_string();
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    assert_eq!(refused(&empty, 0), "mesh: has no face");
+    let lonely = TriMesh::new(vec![[1.0; 3]], vec![]).unwrap();
+    assert_eq!(refused(&lonely, 1), "mesh: has no face");
+    let spheres = families::spheres(3, 2).unwrap();
+    assert!(refused(&spheres, 0).contains("3 components need 12 vertices"));
+    assert!(refused(&spheres, 11).contains("3 components need 12 vertices"));
+    let given = decimate(&spheres, 10_000, &options().resample(false)).unwrap_err().to_string();
+    assert!(given.contains("has 486 vertices, and is not resampled"), "{given}");
+    let torus = families::torus(20, 20, 2.0, 1.0).unwrap();
+    // A torus needs seven.
+    assert!(refused(&torus, 6).contains("genus 1) could not be kept with fewer than"));
+    let first = options().first(Some(400));
+    assert!(matches!(decimate(&torus, 20, &first), Err(Error::Argument { what: "first", .. })));
+    let huge = TriMesh::new(
+        vec![[1e308, 0.0, 0.0], [-1e308, 0.0, 0.0], [0.0, 1e308, 0.0]],
+        vec![[0, 1, 2]],
+    );
+    assert!(refused(&huge.unwrap(), 3).contains("out of range"));
+}
+
+#[test]
+fn what_is_no_manifold_is_cut_and_told() {
+    let pages = resample(&families::pages(3).unwrap(), 0.05).unwrap().mesh;
+    let found = decimate(&pages, 60, &options()).unwrap();
+    check("pages", &pages, 60, &found);
+    assert!(found.repairs.cut_edges > 0 && found.before.components == 3, "{}", found.repairs);
+    let tie = resample(&families::bow_tie().unwrap(), 0.1).unwrap().mesh;
+    let found = decimate(&tie, 60, &options()).unwrap();
+    check("bow tie", &tie, 60, &found);
+    assert_eq!((found.repairs.split_vertices, found.before.components), (1, 2));
+
+    // Twice the same face, a face the wrong way round, and a vertex of no face.
+    let (mut vertices, mut faces) = families::icosphere(3).unwrap().into_parts();
+    vertices.push([5.0; 3]);
+    faces.push(faces[7]);
+    faces[30].swap(0, 1);
+    let broken = TriMesh::new(vertices, faces).unwrap();
+    let found = decimate(&broken, 100, &options()).unwrap();
+    check("broken sphere", &broken, 100, &found);
+    let repairs = found.repairs;
+    assert_eq!((repairs.repeated_faces, repairs.unreferenced_vertices), (1, 1));
+    assert!(repairs.oriented && repairs.to_string().contains("1 repeated faces"), "{repairs}");
+}
+
+#[test]
+fn scale_and_coinciding_vertices_do_no_harm() {
+    for scale in [1e-200, 1e-30, 1e30, 1e150] {
+        let (vertices, faces) = families::icosphere(3).unwrap().into_parts();
+        let vertices = vertices.into_iter().map(|p| p.map(|x| x * scale)).collect();
+        let mesh = TriMesh::new(vertices, faces).unwrap();
+        let found = decimate(&mesh, 60, &options());
+        match found {
+            Ok(found) => assert_eq!(found.mesh.vertices().len(), 60),
+            Err(refused) => assert!(refused.to_string().contains("out of range"), "{refused}"),
+        }
+    }
+    // All in one point: faces without area, edges without length.
+    let (vertices, faces) = families::icosphere(2).unwrap().into_parts();
+    let point = TriMesh::new(vec![[1.0; 3]; vertices.len()], faces).unwrap();
+    let found = decimate(&point, 20, &options()).unwrap();
+    assert_eq!(found.mesh.vertices().len(), 20);
+    found.mesh.require_manifold().unwrap();
+}
+
+#[test]
+fn progress_rises_to_one_and_can_cancel() {
+    let mesh = families::icosphere(4).unwrap();
+    let last = AtomicUsize::new(0);
+    let calls = AtomicUsize::new(0);
+    let watch = |fraction: f64| {
+        let now = (fraction * 1e6) as usize;
+        assert!(now >= last.swap(now, Ordering::Relaxed), "{fraction}");
+        calls.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    decimate(&mesh, 300, &options().progress(&watch)).unwrap();
+    assert_eq!(last.load(Ordering::Relaxed), 1_000_000);
+    for stop in 0..calls.load(Ordering::Relaxed) {
+        let left = AtomicUsize::new(stop);
+        let cancel = |_: f64| match left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1))
+        {
+            Ok(_) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        };
+        let options = options().progress(&cancel);
+        assert_eq!(decimate(&mesh, 300, &options).unwrap_err(), Error::Cancelled);
+    }
+    let mut points = FarthestPoints::new(&mesh, None).unwrap();
+    let cancel = |_: f64| ControlFlow::Break(());
+    assert_eq!(points.extend_to(9, (&cancel).into()), Err(Error::Cancelled));
+    points.extend_to(9, Progress::none()).unwrap();
+    assert_eq!(points.samples().len(), 9);
+}
+
+#[test]
+fn quality_of_equal_triangles_is_one_and_their_variation_zero() {
+    let quality = Quality::of(&families::icosphere(0).unwrap());
+    assert!((quality.mean_quality - 1.0).abs() < 1e-12 && quality.area_variation < 1e-12);
+    assert_eq!((quality.mean_valence, quality.regular_vertices), (5.0, 0.0));
+    let nothing = Quality::of(&TriMesh::new(vec![], vec![]).unwrap());
+    assert_eq!((nothing.mean_area, nothing.mean_quality, nothing.mean_valence), (0.0, 0.0, 0.0));
+    assert_eq!(Quality::of(&families::pages(4).unwrap()).non_manifold_edges, 1);
+}
+
+#[test]
+fn differences_have_exact_values() {
+    let square = families::grid(1, 1).unwrap();
+    let (vertices, faces) = families::grid(2, 2).unwrap().into_parts();
+    let raised: Vec<_> = vertices.iter().map(|p| [p[0], p[1], 0.25]).collect();
+    let raised = TriMesh::new(raised, faces).unwrap();
+    let found = Difference::between(&square, &raised, Par::Seq).unwrap();
+    assert!((found.hausdorff - 0.25).abs() < 1e-15);
+    assert!((found.chamfer - 2.0 * 0.0625).abs() < 1e-15);
+    assert!((found.printed_hausdorff - 0.25).abs() < 1e-15);
+    // Four corners at 1/16, four middles of sides at 1/4 more, the centre at 1/2 more.
+    assert!((found.printed_chamfer - (9.0 / 16.0 + 1.0 + 0.5) / 9.0).abs() < 1e-15);
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    assert!(Difference::between(&square, &empty, Par::Seq).is_err());
+    let found = Difference::between(&square, &square, Par::Threads(2)).unwrap();
+    assert_eq!((found.hausdorff, found.printed_chamfer), (0.0, 0.0));
+}
+
+#[test]
+fn colours_and_texture_coordinates_are_carried() {
+    let mesh = families::terrain(40, 40, 2).unwrap();
+    let mut file = MeshFile::from(mesh.clone());
+    file.colors = Some(mesh.vertices().iter().map(|p| [p[0], p[1], p[2] + 0.5, 1.0]).collect());
+    let plane = |p: &[f64; 3]| [2.0 * p[0], p[1] - 1.0];
+    file.uv =
+        Some(Attribute { values: mesh.vertices().iter().map(plane).collect(), corners: None });
+    let found = decimate(&mesh, 200, &options()).unwrap();
+    let carried = found.carry(&file).unwrap();
+    let (colors, uv) = (carried.colors.unwrap(), carried.uv.unwrap());
+    for (v, place) in found.places.iter().enumerate() {
+        // Where the vertex is on the input; itself it is beside that.
+        let corners = mesh.faces()[place.face as usize].map(|w| mesh.vertices()[w as usize]);
+        let on_input = |k: usize| (0..3).map(|i| place.weights[i] * corners[i][k]).sum();
+        let p = &[0, 1, 2].map(on_input);
+        for (is, should_be) in colors[v].iter().zip([p[0], p[1], p[2] + 0.5, 1.0]) {
+            assert!((is - should_be).abs() < 1e-9);
+        }
+        for (is, should_be) in uv.values[v].iter().zip(plane(p)) {
+            assert!((is - should_be).abs() < 1e-9);
+        }
+    }
+
+    // The square in two charts, cut where x is 1/2: the right half is moved by 10.
+    let chart = |f: usize| {
+        let x: f64 = mesh.faces()[f].iter().map(|&v| mesh.vertices()[v as usize][0]).sum();
+        x > 1.5
+    };
+    let n = mesh.vertices().len() as u32;
+    let mut values: Vec<_> = mesh.vertices().iter().map(plane).collect();
+    values.extend(mesh.vertices().iter().map(plane).map(|[u, v]| [u + 10.0, v]));
+    let corners = (0..mesh.faces().len())
+        .map(|f| mesh.faces()[f].map(|v| if chart(f) { v + n } else { v }))
+        .collect();
+    file.uv = Some(Attribute { values, corners: Some(corners) });
+    let uv = found.carry(&file).unwrap().uv.unwrap();
+    for (f, face) in found.mesh.faces().iter().enumerate() {
+        let corners = uv.of_face(&found.mesh, f).unwrap();
+        let right = corners[0][0] > 5.0;
+        for k in 0..3 {
+            let [u, _] = plane(&found.mesh.vertices()[face[k] as usize]);
+            let expected = if right { u + 10.0 } else { u };
+            // The terrain is not flat: beyond a cut, the plane of one of its faces is followed.
+            assert!((corners[k][0] - expected).abs() < 0.3, "{corners:?} {expected}");
+        }
+    }
+    let other = MeshFile::from(families::grid(3, 3).unwrap());
+    assert!(matches!(found.carry(&other), Err(Error::Shape { what: "input", .. })));
+    assert!(found.weights(&other.mesh, Par::Seq).is_err());
+}
+
+/// Meshes of ../shared that have no mesh of so many vertices, and why.
+const REFUSED: [(&str, usize, &str); 6] = [
+    ("cheese_genus133.off.gz", 100, "genus 133) could not be kept with fewer than"),
+    ("counter42k.stl.gz", 100, "genus 25) could not be kept with fewer than"),
+    ("cycloidal_nonmanifold.ply.gz", 100, "119 components need 464 vertices"),
+    ("office_chair_degenerate.obj.gz", 100, "93 components need 291 vertices"),
+    ("suzanne_499components.ply.gz", 100, "499 components need 1497 vertices"),
+    ("suzanne_499components.ply.gz", 1000, "499 components need 1497 vertices"),
+];
+
+/// All meshes of ../shared that are quick to read: exact, or refused for the reason that is known.
+#[test]
+fn shared_meshes_are_decimated_or_refused_for_known_reasons() {
+    let Some(folder) = crate::common::data("meshes") else { return };
+    let mut entries: Vec<_> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap()).collect();
+    entries.sort_by_key(|entry| entry.file_name());
+    for entry in entries {
+        let name = entry.file_name().into_string().unwrap();
+        if name.ends_with(".tsv") || entry.metadata().unwrap().len() > 2_000_000 {
+            continue;
+        }
+        let mesh = io::read(&entry.path()).unwrap_or_else(|refused| panic!("{refused}")).mesh;
+        for n in [100, 1000] {
+            let known = REFUSED.iter().find(|(file, count, _)| (*file, *count) == (&name, n));
+            match (decimate(&mesh, n, &options()), known) {
+                (Ok(found), None) => {
+                    assert_eq!(found.mesh.vertices().len(), n, "{name}");
+                    found.mesh.require_manifold().unwrap_or_else(|e| panic!("{name}: {e}"));
+                    assert_eq!(Some(found.before), found.after, "{name}");
+                }
+                (Err(refused), Some((_, _, why))) => {
+                    assert!(refused.to_string().contains(why), "{name} to {n}: {refused}");
+                }
+                (Err(refused), None) => panic!("{name} to {n}: {refused}"),
+                (Ok(_), Some(_)) => panic!("{name} to {n} was not refused"),
+            }
+        }
+    }
+}

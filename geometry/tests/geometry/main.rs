@@ -1,0 +1,15 @@
+//! Meshes, spectra and decimation.
+
+#[path = "../../../tests/common/inputs.rs"]
+mod common;
+mod decimate;
+mod decimate_families;
+mod gltf_scenes;
+mod laplacian;
+mod mesh;
+mod mesh_files;
+mod mesh_files_written;
+mod repair;
+mod spectral;
+mod surface;
+mod triangles;

@@ -1,0 +1,96 @@
+use catamaran::base::{Error, Result, at_least_zero, builder};
+
+/// Stomata that close as the leaf dries. A leaf of relative water content w loses `delta A f(w) w`
+/// instead of `delta A w`, with the logistic function
+///
+/// `f(w) = (1 + exp(s (x - 1))) / (1 + exp(s (x - w)))`,
+///
+/// which is 1 for full cells. One factor for each stimulus of stomata goes back to Jarvis (1976).
+/// This factor is that of Tuzet, Perrier and Leuning (2003) for the water potential, which is
+/// linear in w here. The thesis leaves stomata for future work (section 4.6).
+///
+/// ```
+/// use catamaran_simulation::plant::Stomata;
+///
+/// let stomata = Stomata::new().half(0.8).steepness(25.0);
+/// assert_eq!(stomata.openness(1.0), 1.0);
+/// assert!((stomata.openness(0.8) - 0.5).abs() < 0.01 && stomata.openness(0.5) < 1e-3);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Stomata {
+    /// x, the relative water content at which stomata are about half closed. Default 0.8.
+    pub half: f64,
+    /// s, the steepness of the closing, at least 0; with 0 they stay open. Default 25.
+    pub steepness: f64,
+}
+
+impl Default for Stomata {
+    fn default() -> Self {
+        Self { half: 0.8, steepness: 25.0 }
+    }
+}
+
+builder! { Stomata {
+    half: f64,
+    steepness: f64,
+}}
+
+impl Stomata {
+    /// Returns f: the loss of a leaf of this relative water content relative to its loss with open
+    /// stomata.
+    pub fn openness(&self, relative: f64) -> f64 {
+        self.scale() * logistic(self.steepness * (relative - self.half))
+    }
+
+    /// Returns the derivative of [`Stomata::openness`].
+    pub(super) fn slope(&self, relative: f64) -> f64 {
+        let x = self.steepness * (relative - self.half);
+        self.scale() * self.steepness * logistic(x) * logistic(-x)
+    }
+
+    fn scale(&self) -> f64 {
+        1.0 + (self.steepness * (self.half - 1.0)).exp()
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        at_least_zero("steepness of stomata", self.steepness)?;
+        if self.half.is_finite() && self.scale().is_finite() {
+            return Ok(());
+        }
+        let why = format!("half {} and steepness {} are out of range", self.half, self.steepness);
+        Err(Error::Argument { what: "stomata", why })
+    }
+}
+
+fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slope_is_the_derivative_and_open_stomata_have_none() {
+        for (half, steepness) in [(0.8, 25.0), (0.5, 4.0), (0.9, 400.0)] {
+            let stomata = Stomata { half, steepness };
+            for w in [0.1, 0.5, 0.79, 0.9, 1.0] {
+                let h = 1e-6;
+                let slope = (stomata.openness(w + h) - stomata.openness(w - h)) / (2.0 * h);
+                let size = slope.abs().max(1.0);
+                assert!((slope - stomata.slope(w)).abs() < 1e-5 * size, "{slope}");
+            }
+        }
+        let open = Stomata::new().steepness(0.0);
+        assert_eq!([0.0, 0.4, 1.0].map(|w| open.openness(w)), [1.0; 3]);
+        assert_eq!(open.slope(0.4), 0.0);
+    }
+
+    #[test]
+    fn constants_out_of_range_are_named() {
+        assert!(Stomata::new().steepness(-1.0).check().is_err());
+        assert!(Stomata::new().half(f64::NAN).check().is_err());
+        assert!(Stomata::new().half(100.0).steepness(1e3).check().is_err());
+    }
+}

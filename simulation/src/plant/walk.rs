@@ -1,0 +1,293 @@
+//! A solution that advances through times, changes of the loss, and rewatering.
+
+use super::bdf::{Bdf6, Start};
+use super::curve::{CurveOptions, Interval, Method};
+use super::rational::{EXPONENTIAL, Workspace};
+use super::sdirk::{Responses, Sdirk};
+use super::soil::{Balance, Rewatering};
+use super::spectral::SpectralSolution;
+use super::water::WaterModel;
+use catamaran::base::{Error, Par, Result, at_least_zero, positive};
+
+/// Returns the method that [`Method::Auto`] stands for.
+fn choose(model: &WaterModel, times: &[f64], cycle: &[Interval]) -> Method {
+    /// Least number of steps per time constant of the fastest rate; their error is 0.14 / 64^6 =
+    /// 2e-12.
+    const RESOLUTION: f64 = 64.0;
+    /// Largest time relative to the fastest rate: the error of eigenvalues is the rounding error of
+    /// the largest one, and the result multiplies it by the time.
+    const LARGEST_EXPONENT: f64 = 1e3;
+    /// Largest plant for a decomposition, which costs about n^3 / 10^9 s; an evaluation of the
+    /// rational approximation costs n / 10^6 s.
+    const LARGEST_MATRIX: usize = 256;
+    let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
+        return Method::Rational;
+    };
+    let rate = model.fastest_rate_bound();
+    if !cycle.is_empty() {
+        return Method::Rational;
+    }
+    if model.len() <= LARGEST_MATRIX
+        && times.len() >= model.len()
+        && rate * last <= LARGEST_EXPONENT
+    {
+        return Method::Spectral;
+    }
+    let step = times.get(1).map_or(last, |second| second - first);
+    let equal = times.windows(2).all(|t| ((t[1] - t[0]) - step).abs() <= 1e-9 * step);
+    if equal && times.len() >= 32 && rate * step * RESOLUTION <= 1.0 {
+        return Method::Bdf6 { step };
+    }
+    Method::Rational
+}
+
+enum Solver {
+    Rational(Box<Workspace>),
+    Spectral(Box<SpectralSolution>),
+    Bdf6(Box<Bdf6>),
+    Sdirk(Box<Sdirk>),
+}
+
+/// A solution that has reached some time.
+pub(super) struct Walk<'a> {
+    model: WaterModel,
+    cycle: &'a [Interval],
+    /// The current interval, and its end.
+    interval: usize,
+    end: f64,
+    solver: Option<Solver>,
+    method: Method,
+    /// Relative water content by positions.
+    present: Vec<f64>,
+    /// Water in plant and soil at time 0, in kg.
+    initial: f64,
+    /// The capacity of the soil, in kg.
+    capacity: f64,
+    /// Rewaterings that are still to come, the next one last.
+    rewatering: Vec<Rewatering>,
+    /// Water poured on the soil: the part that it held, and the part that drained, in kg.
+    held: f64,
+    drained: f64,
+    time: f64,
+    par: Par,
+}
+
+impl<'a> Walk<'a> {
+    /// Starts from `water` at time 0; [`Method::Auto`] is resolved for these times.
+    pub fn new(
+        model: &WaterModel,
+        water: &[f64],
+        times: &[f64],
+        options: &'a CurveOptions<'_>,
+    ) -> Result<Self> {
+        for interval in &options.cycle {
+            positive("seconds of an interval", interval.seconds)?;
+            at_least_zero("loss of an interval", interval.loss)?;
+        }
+        let rewatering = rewatering(options)?;
+        let mut model = model.clone();
+        let present = model.relative_by_positions(water)?;
+        let mut end = f64::INFINITY;
+        if let Some(first) = options.cycle.first() {
+            model.set_loss(first.loss)?;
+            end = first.seconds;
+        }
+        let responses = Responses { stomata: options.stomata, soil: options.soil };
+        responses.check()?;
+        let (mut solver, mut method) = (None, options.method);
+        if responses.are_none() {
+            if method == Method::Auto {
+                method = choose(&model, times, &options.cycle);
+            }
+        } else if method == Method::Auto {
+            let sdirk = Sdirk::new(&model, responses, present.clone(), options.par)?;
+            solver = Some(Solver::Sdirk(Box::new(sdirk)));
+        } else {
+            let why = format!("{method:?} is for linear problems, not for stomata or soil");
+            return Err(Error::Argument { what: "method", why });
+        }
+        let soil = options.soil;
+        Ok(Self {
+            model,
+            cycle: &options.cycle,
+            interval: 0,
+            end,
+            solver,
+            method,
+            present,
+            initial: water.iter().sum::<f64>() + soil.map_or(0.0, |s| s.content),
+            capacity: soil.map_or(0.0, |s| s.capacity),
+            rewatering,
+            held: 0.0,
+            drained: 0.0,
+            time: 0.0,
+            par: options.par,
+        })
+    }
+
+    /// Computes the water at a later time, after the rewatering at that time.
+    pub fn to(&mut self, time: f64) -> Result<Vec<f64>> {
+        loop {
+            match self.rewatering.last().copied() {
+                Some(next) if next.seconds <= time && next.seconds <= self.end => {
+                    self.advance(next.seconds)?;
+                    self.rewatering.pop();
+                    self.pour(next.amount);
+                }
+                _ if self.end < time => {
+                    self.advance(self.end)?;
+                    self.next_interval()?;
+                }
+                _ => break,
+            }
+        }
+        self.advance(time)?;
+        Ok(self.model.water_by_nodes(&self.present))
+    }
+
+    /// Returns the balance of the water.
+    pub fn balance(&self) -> Balance {
+        let plant = self.present.iter().zip(&self.model.full).map(|(w, m)| w * m).sum();
+        let supplied = self.held + self.model.intake * self.time;
+        let (soil, transpired) = match &self.solver {
+            Some(Solver::Sdirk(sdirk)) => (sdirk.content(), sdirk.transpired()),
+            _ => (0.0, self.initial + supplied - plant),
+        };
+        Balance { plant, soil, transpired, supplied, drained: self.drained }
+    }
+
+    fn next_interval(&mut self) -> Result<()> {
+        self.interval = (self.interval + 1) % self.cycle.len();
+        self.end += self.cycle[self.interval].seconds;
+        self.model.set_loss(self.cycle[self.interval].loss)?;
+        match &mut self.solver {
+            Some(Solver::Sdirk(sdirk)) => sdirk.set_model(&self.model),
+            solver => *solver = None,
+        }
+        Ok(())
+    }
+
+    fn pour(&mut self, amount: Option<f64>) {
+        let Some(Solver::Sdirk(sdirk)) = &mut self.solver else { return };
+        let room = (self.capacity - sdirk.content()).max(0.0);
+        let held = amount.map_or(room, |amount| amount.min(room));
+        sdirk.pour(held);
+        self.held += held;
+        self.drained += amount.map_or(0.0, |amount| amount - held);
+    }
+
+    fn advance(&mut self, time: f64) -> Result<()> {
+        let seconds = time - self.time;
+        self.time = time;
+        if seconds <= 0.0 {
+            return Ok(());
+        }
+        let solver = match self.solver.take() {
+            Some(solver) => solver,
+            None => self.start(seconds)?,
+        };
+        let mut solver = solver;
+        match &mut solver {
+            Solver::Rational(workspace) => {
+                let steps = self.model.substeps(seconds);
+                for _ in 0..steps {
+                    let step = seconds / steps as f64;
+                    EXPONENTIAL.apply(&self.model, &mut self.present, step, workspace, self.par);
+                }
+            }
+            Solver::Spectral(solution) => {
+                let water = self.model.water_by_nodes(&self.present);
+                let water = solution.water_after(&water, seconds)?;
+                self.present = self.model.relative_by_positions(&water)?;
+            }
+            Solver::Sdirk(sdirk) => {
+                sdirk.advance(seconds)?;
+                self.present.copy_from_slice(sdirk.present());
+            }
+            Solver::Bdf6(bdf) => {
+                let Method::Bdf6 { step } = self.method else { return Ok(()) };
+                let (count, step) = equal_steps(seconds, step);
+                if (step - bdf.step_length()).abs() > 1e-9 * step {
+                    bdf.restart(&self.model, step)?;
+                }
+                for _ in 0..count {
+                    bdf.step();
+                }
+                self.present.copy_from_slice(bdf.present());
+            }
+        }
+        self.solver = Some(solver);
+        Ok(())
+    }
+
+    fn start(&self, seconds: f64) -> Result<Solver> {
+        Ok(match self.method {
+            Method::Auto | Method::Rational => {
+                Solver::Rational(Box::new(Workspace::new(&self.model.order)?))
+            }
+            Method::Spectral => Solver::Spectral(Box::new(SpectralSolution::new(&self.model)?)),
+            Method::Bdf6 { step } => {
+                positive("step", step)?;
+                let water = self.model.water_by_nodes(&self.present);
+                let (_, step) = equal_steps(seconds, step);
+                Solver::Bdf6(Box::new(Bdf6::new(
+                    &self.model,
+                    &water,
+                    step,
+                    Start::Radau,
+                    self.par,
+                )?))
+            }
+        })
+    }
+}
+
+/// Returns the least number of equal steps of at most `longest`, and their length.
+fn equal_steps(seconds: f64, longest: f64) -> (usize, f64) {
+    // A step that exceeds the limit by rounding only counts as fitting.
+    let count = (seconds / longest - 1e-9).ceil().max(1.0);
+    (count as usize, seconds / count)
+}
+
+/// Returns the rewaterings, the last one first.
+fn rewatering(options: &CurveOptions<'_>) -> Result<Vec<Rewatering>> {
+    for pour in &options.rewatering {
+        at_least_zero("time of rewatering", pour.seconds)?;
+        at_least_zero("amount of rewatering", pour.amount.unwrap_or(0.0))?;
+    }
+    if options.soil.is_none() && !options.rewatering.is_empty() {
+        let why = "requires a soil".into();
+        return Err(Error::Argument { what: "rewatering", why });
+    }
+    let mut rewatering = options.rewatering.clone();
+    // Rewaterings at the same time keep their order.
+    rewatering.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    rewatering.reverse();
+    Ok(rewatering)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::families::{GrowthOptions, chain, grow};
+    use crate::plant::{Conductivity, WaterOptions};
+
+    #[test]
+    fn the_method_follows_from_rates_and_times() {
+        let slow = WaterOptions {
+            conductivity: Conductivity::Pipe { scale: 1e-12 },
+            ..Default::default()
+        };
+        let times: Vec<f64> = (1..=100).map(f64::from).collect();
+        let small = WaterModel::new(&chain(50, 0.5, 1e-3).unwrap(), &slow).unwrap();
+        assert_eq!(choose(&small, &times, &[]), Method::Spectral);
+        let plant = grow(&GrowthOptions { nodes: 300, ..Default::default() }).unwrap();
+        let slow = WaterModel::new(&plant, &slow).unwrap();
+        assert_eq!(choose(&slow, &times, &[]), Method::Bdf6 { step: 1.0 });
+        assert_eq!(choose(&slow, &times[..20], &[]), Method::Rational);
+        let stiff = WaterModel::new(&plant, &WaterOptions::default()).unwrap();
+        assert_eq!(choose(&stiff, &times, &[]), Method::Rational);
+        let day = Interval { seconds: 10.0, loss: 0.0 };
+        assert_eq!(choose(&small, &times, &[day]), Method::Rational);
+    }
+}

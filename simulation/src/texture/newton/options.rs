@@ -1,0 +1,141 @@
+//! The options of a fractal, and the parameters that the loops derive from them.
+
+use super::polynomial::Polynomial;
+use catamaran::base::{Error, Result, builder};
+
+/// The measure t of the speed of convergence. With d_k the length of step k, P iterations and
+/// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a step of length 0 and near 0 for a
+/// long step:
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Gradient {
+    /// Equation 7.3: t = P - (f(d_0) + ... + f(d_P)), P + 1 terms: from -1 (at a root) to P. P + 1
+    /// steps are taken.
+    #[default]
+    Thesis,
+    /// The formula of the authors' shader: t = (P - (f(e_0) + ... + f(e_{P-1}))) / P, from 0 to 1,
+    /// with e_k = d_k^2, without the square root.
+    Shader,
+}
+
+/// Options of a fractal.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct NewtonOptions {
+    /// The polynomial; z^3 - 1 by default.
+    pub polynomial: Polynomial,
+    /// Iterations P, from 1 to 1,000; 32 by default.
+    pub iterations: u32,
+    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger theta, the shorter the
+    /// steps that count as not converged.
+    pub theta: f64,
+    /// The formula of t.
+    pub gradient: Gradient,
+    /// Factor by which points are multiplied, after `offset` and `w` have been added; 1 by default.
+    pub scale: f64,
+    /// Vector that is added to x, y and z of each point; 0 by default.
+    pub offset: [f64; 3],
+    /// The fourth coordinate of each point, a constant or a time; 0 by default.
+    pub w: f64,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            polynomial: Polynomial::Power(3),
+            iterations: 32,
+            theta: 3.5,
+            gradient: Gradient::default(),
+            scale: 1.0,
+            offset: [0.0; 3],
+            w: 0.0,
+        }
+    }
+}
+
+builder! { NewtonOptions {
+    polynomial: Polynomial,
+    iterations: u32,
+    theta: f64,
+    gradient: Gradient,
+    scale: f64,
+    offset: [f64; 3],
+    w: f64,
+}}
+
+/// The parameters of the loops, on the CPU and on devices.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Parameters {
+    /// The roots, for [`Polynomial::Roots`]; empty for powers.
+    pub roots: Vec<[f32; 2]>,
+    /// Number of roots in C.
+    pub degree: u32,
+    /// Number of steps.
+    pub steps: u32,
+    /// Whether the squares of step lengths are measured.
+    pub squared: bool,
+    /// exp(theta).
+    pub gain: f32,
+    /// t is `factor` times the sum of the 1 - f(d_k), plus `shift`.
+    pub factor: f32,
+    pub shift: f32,
+    pub scale: f32,
+    /// Added before scaling: x, y, z, w.
+    pub offset: [f32; 4],
+    /// The square of the distance from the null cone below which z^(1 - n) would overflow.
+    pub nearest: f32,
+}
+
+/// Bound of scaled coordinates, within which their squares and quotients are finite.
+pub(super) const FARTHEST: f64 = 1e9;
+/// Bound of |z^(1 - n)|, within which its square is finite.
+const LARGEST: f64 = 1e18;
+
+impl NewtonOptions {
+    /// Returns the parameters of the loops, or an error that names an option out of its range.
+    pub(super) fn parameters(&self) -> Result<Parameters> {
+        let out = |what: &'static str, why: String| Err(Error::Argument { what, why });
+        let n = self.polynomial.roots();
+        let (least, most) = match self.polynomial {
+            Polynomial::Power(_) => (2, Polynomial::MOST_ROOTS),
+            Polynomial::Roots(_) => (1, Polynomial::MOST_ROOTS),
+        };
+        if !(least..=most).contains(&n) {
+            return out("polynomial", format!("must have {least} to {most} roots, has {n}"));
+        }
+        let roots = match &self.polynomial {
+            Polynomial::Power(_) => Vec::new(),
+            Polynomial::Roots(roots) => {
+                if let Some(i) = roots.iter().position(|r| !r.iter().all(|x| x.abs() <= 1e4)) {
+                    return out("polynomial", format!("root {i}, {:?}, exceeds 1e4", roots[i]));
+                }
+                roots.iter().map(|root| root.map(|x| x as f32)).collect()
+            }
+        };
+        let iterations = self.iterations;
+        if !(1..=1000).contains(&iterations) {
+            return out("iterations", format!("must be from 1 to 1,000, is {iterations}"));
+        }
+        let theta = self.theta;
+        if !(-10.0..=20.0).contains(&theta) {
+            return out("theta", format!("must be from -10 to 20, is {theta}"));
+        }
+        let numbers = [self.scale, self.w, self.offset[0], self.offset[1]];
+        if !numbers.iter().chain(&self.offset[2..]).all(|x| x.abs() <= FARTHEST) {
+            return out("scale, offset or w", format!("must be within +-{FARTHEST:e}"));
+        }
+        let squared = self.gradient == Gradient::Shader;
+        let [x, y, z] = self.offset;
+        Ok(Parameters {
+            roots,
+            degree: n as u32,
+            steps: if squared { iterations } else { iterations + 1 },
+            squared,
+            gain: theta.exp() as f32,
+            factor: if squared { 1.0 / iterations as f32 } else { 1.0 },
+            shift: if squared { 0.0 } else { -1.0 },
+            scale: self.scale as f32,
+            offset: [x, y, z, self.w].map(|x| x as f32),
+            nearest: LARGEST.powf(-2.0 / (n as f64 - 1.0).max(1.0)) as f32,
+        })
+    }
+}

@@ -1,0 +1,173 @@
+use faer::{Mat, c64};
+
+use catamaran::base::{Error, Result};
+
+/// The polynomial of a fractal.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Polynomial {
+    /// z^n - 1, n from 2 to [`Polynomial::MOST_ROOTS`]. Root a is exp(2 pi i a / n).
+    Power(u32),
+    /// The product of all (z - root). A root is a real and an imaginary part within 1e4 of zero;
+    /// there are 1 to [`Polynomial::MOST_ROOTS`] roots. Root a is the a-th one. Convergence to a
+    /// multiple root is slow, and among equal roots the first one is reported.
+    Roots(Vec<[f64; 2]>),
+}
+
+impl Polynomial {
+    /// The greatest number of roots in C.
+    pub const MOST_ROOTS: usize = 64;
+
+    /// Returns the number n of roots in C; there are n^2 bicomplex roots.
+    pub fn roots(&self) -> usize {
+        match self {
+            Self::Power(n) => *n as usize,
+            Self::Roots(roots) => roots.len(),
+        }
+    }
+
+    /// Creates the polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, where each c is a real and
+    /// an imaginary part, in the order of numpy. Its roots are ordered by real, then by imaginary
+    /// part. They are the eigenvalues of the companion matrix, improved by Newton's method. Simple
+    /// roots have about the precision of f64; an m-fold root has about 1/m of its digits.
+    ///
+    /// ```
+    /// use catamaran_simulation::texture::newton::Polynomial;
+    ///
+    /// // z^2 - 3 z + 2
+    /// let found = Polynomial::from_coefficients(&[[1.0, 0.0], [-3.0, 0.0], [2.0, 0.0]])?;
+    /// let Polynomial::Roots(roots) = found else { unreachable!() };
+    /// assert!((roots[0][0] - 1.0).abs() < 1e-15 && (roots[1][0] - 2.0).abs() < 1e-15);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names "polynomial" when the polynomial is constant, has a degree above
+    /// [`Polynomial::MOST_ROOTS`], or has no finite roots; [`Error::NonFinite`] names a
+    /// coefficient.
+    pub fn from_coefficients(coefficients: &[[f64; 2]]) -> Result<Self> {
+        if let Some(i) = coefficients.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
+            return Err(Error::NonFinite { what: "polynomial", index: (i, 0) });
+        }
+        let refuse = |why: String| Err(Error::Argument { what: "polynomial", why });
+        let mut coefficients: Vec<c64> =
+            coefficients.iter().map(|&[re, im]| c64::new(re, im)).collect();
+        let zero = c64::new(0.0, 0.0);
+        let leading = coefficients.iter().position(|c| *c != zero).unwrap_or(coefficients.len());
+        coefficients.drain(..leading);
+        if coefficients.len() < 2 {
+            return refuse("must not be constant".into());
+        }
+        let degree = coefficients.len() - 1;
+        if degree > Self::MOST_ROOTS {
+            return refuse(format!("degree must be at most {}, is {degree}", Self::MOST_ROOTS));
+        }
+        let companion = Mat::from_fn(degree, degree, |i, j| match (i, j) {
+            (0, j) => -coefficients[j + 1] / coefficients[0],
+            (i, j) if i == j + 1 => c64::new(1.0, 0.0),
+            _ => zero,
+        });
+        let eigenvalues = companion.is_all_finite().then(|| companion.eigenvalues().ok());
+        let Some(found) = eigenvalues.flatten() else {
+            return refuse("the coefficients are too far apart to find the roots".into());
+        };
+        let mut roots: Vec<[f64; 2]> = found
+            .into_iter()
+            .map(|root| improved(&coefficients, root))
+            .map(|root| [root.re, root.im])
+            .collect();
+        roots.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        Ok(Self::Roots(roots))
+    }
+}
+
+/// Returns the root after steps of Newton's method that reduce the value of the polynomial.
+fn improved(coefficients: &[c64], mut root: c64) -> c64 {
+    const STEPS: usize = 8;
+    for _ in 0..STEPS {
+        let (value, slope) = evaluate(coefficients, root);
+        let next = root - value / slope;
+        // The step is not finite where the slope is zero.
+        let better = evaluate(coefficients, next).0.norm() < value.norm();
+        if !better {
+            break;
+        }
+        root = next;
+    }
+    root
+}
+
+/// Returns the polynomial and its derivative at z, by Horner's rule.
+fn evaluate(coefficients: &[c64], z: c64) -> (c64, c64) {
+    let zero = c64::new(0.0, 0.0);
+    coefficients.iter().fold((zero, zero), |(value, slope), c| (value * z + c, slope * z + value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use catamaran::base::Rng;
+
+    fn roots(coefficients: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        match Polynomial::from_coefficients(coefficients).unwrap() {
+            Polynomial::Roots(roots) => roots,
+            Polynomial::Power(_) => unreachable!(),
+        }
+    }
+
+    /// Returns the coefficients of the product of all (z - root), times a factor.
+    fn product(roots: &[[f64; 2]], factor: c64) -> Vec<[f64; 2]> {
+        let mut coefficients = vec![factor];
+        for &[re, im] in roots {
+            let root = c64::new(re, im);
+            coefficients.push(c64::new(0.0, 0.0));
+            for i in (1..coefficients.len()).rev() {
+                let before = coefficients[i - 1];
+                coefficients[i] -= root * before;
+            }
+        }
+        coefficients.into_iter().map(|c| [c.re, c.im]).collect()
+    }
+
+    #[test]
+    fn roots_of_a_product_are_found_again() {
+        let mut rng = Rng::new(4);
+        for degree in [1, 2, 3, 7, 13] {
+            let mut wanted: Vec<[f64; 2]> = (0..degree)
+                .map(|_| [2.0 * rng.uniform() - 1.0, 2.0 * rng.uniform() - 1.0])
+                .collect();
+            wanted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let mut coefficients = vec![[0.0, 0.0]; 2];
+            coefficients.extend(product(&wanted, c64::new(3.0, -2.0)));
+            let found = roots(&coefficients);
+            assert_eq!(found.len(), degree);
+            for (found, wanted) in found.iter().zip(&wanted) {
+                assert!((0..2).all(|k| (found[k] - wanted[k]).abs() < 1e-9), "{degree}");
+            }
+        }
+    }
+
+    #[test]
+    fn roots_of_unity_and_equal_roots_are_found() {
+        let mut coefficients = vec![[0.0, 0.0]; 65];
+        (coefficients[0], coefficients[64]) = ([1.0, 0.0], [-1.0, 0.0]);
+        assert!(roots(&coefficients).iter().all(|[re, im]| (re.hypot(*im) - 1.0).abs() < 1e-14));
+        let triple = product(&[[0.5, 0.0]; 3], c64::new(1.0, 0.0));
+        assert!(roots(&triple).iter().all(|[re, im]| (re - 0.5).hypot(*im) < 1e-4));
+        assert_eq!(roots(&[[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]), [[0.0, 0.0]; 2]);
+    }
+
+    #[test]
+    fn what_has_no_roots_is_refused_by_name() {
+        let number = |x: f64| [x, 0.0];
+        for (coefficients, why) in [
+            (vec![], "constant"),
+            (vec![number(0.0), number(7.0)], "constant"),
+            (vec![number(1.0); 66], "is 65"),
+            (vec![number(1e-300), number(1e300)], "too far apart"),
+            (vec![number(1.0), number(f64::NAN)], "polynomial"),
+        ] {
+            let refused = Polynomial::from_coefficients(&coefficients).unwrap_err().to_string();
+            assert!(refused.contains(why) && refused.contains("polynomial"), "{refused}");
+        }
+    }
+}

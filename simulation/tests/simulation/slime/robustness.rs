@@ -1,0 +1,158 @@
+//! No agent is ever lost, and nothing depends on threads or interruptions.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use catamaran::base::Progress;
+use catamaran::{Error, Par};
+use catamaran_geometry::mesh::{TriMesh, families};
+use catamaran_simulation::texture::slime::{Blur, Options, TangentStep};
+
+use super::support::{options, simulation, square, with_atlas};
+
+#[test]
+fn no_agent_is_lost() {
+    let meshes: [(&str, TriMesh); 4] = [
+        ("torus", families::torus(24, 12, 2.0, 0.7).unwrap()),
+        ("closed", families::icosphere(2).unwrap()),
+        ("boundary", families::terrain(10, 10, 1).unwrap()),
+        ("Moebius strip", families::moebius(40, 4).unwrap()),
+    ];
+    for (name, mesh) in meshes {
+        for tangent_step in [TangentStep::Unfold, TangentStep::Project { substeps: 4 }] {
+            let options = options(1500, 256).tangent_step(tangent_step);
+            let mut all = simulation(with_atlas(&mesh, 256), &options);
+            for _ in 0..5 {
+                all.run(50, Par::all(), Progress::none()).unwrap();
+                let state = all.state().check(all.surface());
+                assert_eq!(state, Ok(()), "{name}, {tangent_step:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_agent_is_beyond_a_sharp_corner() {
+    // Steps as long as the faces, on faces of which some are slivers.
+    let steps = TangentStep::Project { substeps: 2 };
+    let quick = options(2000, 128).movement_speed(2000.0).length_rescaling(false);
+    for (name, mesh) in [
+        ("flat", families::grid(12, 12).unwrap()),
+        ("slivers", families::torus(36, 3, 2.0, 0.1).unwrap()),
+    ] {
+        let options = quick.tangent_step(steps);
+        let mut all = simulation(with_atlas(&mesh, 128), &options);
+        all.run(60, Par::all(), Progress::none()).unwrap();
+        assert_eq!(all.state().check(all.surface()), Ok(()), "{name}");
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    for blur in [Blur::SeamAware, Blur::Gaussian] {
+        let run = |par: Par| {
+            let mesh = families::torus(16, 8, 2.0, 0.7).unwrap();
+            let options = options(9001, 128).blur(blur).species(2);
+            let mut all = simulation(with_atlas(&mesh, 128), &options);
+            all.run(40, par, Progress::none()).unwrap();
+            (all.state().clone(), all.coverage(par))
+        };
+        let alone = run(Par::Seq);
+        for threads in [2, 3, 7] {
+            assert!(run(Par::Threads(threads)) == alone, "{threads} threads");
+        }
+    }
+}
+
+#[test]
+fn a_run_that_stopped_goes_on_as_if_it_had_not() {
+    let options = options(700, 64).species(3);
+    let begin = || simulation(square(5), &options);
+    let mut whole = begin();
+    whole.run(37, Par::Seq, Progress::none()).unwrap();
+    let mut first = begin();
+    first.run(20, Par::Seq, Progress::none()).unwrap();
+    let mut file = Vec::new();
+    first.save(&mut file).unwrap();
+    let mut second = begin();
+    second.resume(&mut &file[..], Path::new("state")).unwrap();
+    second.run(17, Par::Seq, Progress::none()).unwrap();
+    assert!(second.state() == whole.state());
+}
+
+#[test]
+fn files_that_are_no_state_are_refused() {
+    let options = options(40, 32);
+    let mut all = simulation(square(2), &options);
+    let mut file = Vec::new();
+    all.save(&mut file).unwrap();
+    let before = all.state().clone();
+    let mut refuse = |bytes: &[u8], why: &str| {
+        let error = all.resume(&mut &bytes[..], Path::new("some.state")).unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+        assert!(*all.state() == before);
+    };
+    refuse(b"", "some.state");
+    refuse(&file[..file.len() - 1], "some.state");
+    refuse(&[&file[..], &[0]].concat(), "after its end");
+    let changed = |at: usize, value: u8| {
+        let mut bytes = file.clone();
+        bytes[at] = value;
+        bytes
+    };
+    refuse(&changed(0, b'x'), "not a state");
+    refuse(&changed(16, file[16] ^ 1), "another surface");
+    refuse(&changed(24, 99), "another seed: 99, not 7");
+    // Numbers begin behind 16 + 28 bytes; a triangle that is not there.
+    refuse(&changed(44, 200), "ids");
+    refuse(&changed(44 + 4 * 40 + 1, 77), "not on the surface");
+    let last = file.len() - 1;
+    refuse(&changed(last, 0x7f), "texture");
+}
+
+#[test]
+fn progress_is_told_and_can_cancel() {
+    let mut all = simulation(square(2), &options(10, 32));
+    let calls = std::sync::atomic::AtomicU32::new(0);
+    let stop = |fraction: f64| {
+        calls.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        if fraction >= 0.3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    assert_eq!(all.run(10, Par::Seq, (&stop).into()), Err(Error::Cancelled));
+    assert_eq!((calls.into_inner(), all.state().step), (3, 3));
+    all.run(0, Par::Seq, Progress::new(&|_| ControlFlow::Break(()))).unwrap();
+}
+
+#[test]
+fn no_agents_and_one_are_fine() {
+    for agents in [0, 1, 4097] {
+        let mut all = simulation(square(1), &options(agents, 32));
+        all.run(20, Par::Threads(2), Progress::none()).unwrap();
+        assert_eq!(all.coverage(Par::Seq)[0].coverage > 0.0, agents > 0);
+        assert_eq!(all.state().check(all.surface()), Ok(()));
+    }
+}
+
+/// Makes one option wrong.
+type Change = fn(&mut Options);
+
+#[test]
+fn options_out_of_range_are_named() {
+    let bad: [(&str, Change); 7] = [
+        ("size", |o| o.size = 100),
+        ("species", |o| o.species = 0),
+        ("time_step", |o| o.time_step = 0.0),
+        ("vision_angle", |o| o.vision_angle = 181.0),
+        ("turn_noise", |o| o.turn_noise = f64::NAN),
+        ("movement_speed", |o| o.movement_speed = -1.0),
+        ("substeps", |o| o.tangent_step = TangentStep::Project { substeps: 0 }),
+    ];
+    for (name, change) in bad {
+        let mut options = Options::default();
+        change(&mut options);
+        assert!(
+            matches!(options.check(), Err(Error::Argument { what, .. }) if what == name),
+            "{name}"
+        );
+    }
+}
