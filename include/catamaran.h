@@ -1,6 +1,6 @@
 /* Catamaran: A^T A and what stands on it, at scale. The C interface.
  *
- * Generated from src/capi by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
+ * Generated from capi/src by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
  *
  * Conventions
  * - Names: cata_<chapter>_<what>; _f64 and _f32 (_c64 and _c32: complex) where there are several

@@ -1,5 +1,5 @@
 //! **Catamaran** computes symmetric products `C := alpha A^T A + beta C` of any matrix, at scale,
-//! and builds spectra and geometry on them.
+//! and builds solves, eigenpairs and bases on them.
 //!
 //! ```
 //! use catamaran::prelude::*;
@@ -17,45 +17,33 @@
 //!
 //! # Modules
 //!
-//! A module imports only modules above it in this table; a test checks that.
+//! Imports between modules run one way; a test checks that.
 //!
-//! | Module | Content | Feature |
-//! |---|---|---|
-//! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers | |
-//! | [`kernel`] | kernels for each instruction set | |
-//! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time | |
-//! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of results | |
-//! | `dense` | small dense factorizations | `geometry` |
-//! | `gram` | least squares, principal components, singular values from a Gram matrix in extended precision | `geometry` |
-//! | `sparse` | eigenpairs of sparse pencils | `geometry` |
-//! | `ortho` | Gram-Schmidt, Cholesky QR, rank-revealing bases | `geometry` |
-//! | `io` | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 | `geometry` |
-//! | `mesh` | triangle meshes: files, topology, distances, Laplacians | `geometry` |
-//! | `spectral` | eigenproducts, filters, functional maps, descriptors | `geometry` |
-//! | `decimate` | uniform decimation, farthest points | `geometry` |
-//! | `curve` | curves through unordered samples | `geometry` |
-//! | `plant` | water in plants, and wilting | `geometry` |
-//! | `texture` | slime moulds and Newton fractals on surfaces | `geometry` |
-//! | `unions` | spectra of unions of parts | `unions` |
-//! | `mpi` | the same products and decompositions over many machines | `mpi` |
-//! | `opencl` | kernels on OpenCL devices | `opencl` |
-//! | `capi` | the C ABI | `capi` |
+//! | Module | Content |
+//! |---|---|
+//! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers |
+//! | [`kernel`] | kernels for each instruction set |
+//! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time |
+//! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of results |
+//! | [`dense`] | small dense factorizations |
+//! | [`gram`] | least squares, principal components, singular values from a Gram matrix in extended precision |
+//! | [`sparse`] | eigenpairs of sparse pencils |
+//! | [`ortho`] | Gram-Schmidt, Cholesky QR, rank-revealing bases |
+//! | [`io`] | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 |
+//! | `mpi` | the same products and decompositions over many machines (feature `mpi`) |
+//!
+//! Meshes, spectra of surfaces, decimation and curves are in the crate `catamaran-geometry`, plants
+//! and textures in `catamaran-simulation`, the C interface in `catamaran-capi`.
 //!
 //! # Features
 //!
-//! Without features (`default-features = false`) the crate is A^T A, with half of the packages.
-//! Rows of a matrix that is larger than memory then come through [`ata::RowBlocks`]; readers of
-//! files are part of `geometry`.
+//! None is on by default; each needs a library of the system.
 //!
-//! | Feature | Default | Adds | Implies |
-//! |---|---|---|---|
-//! | `geometry` | yes | everything from `dense` to `texture` in the table above; A^T A of sparse matrices | |
-//! | `unions` | | `unions`, with 1.8 MB of weights | `geometry` |
-//! | `capi` | | the C ABI, which has functions of all modules | `unions` |
-//! | `openblas` | | OpenBLAS, linked at build time (`blas::openblas`) | |
-//! | `mpi` | | `mpi`, over the MPI of the system | `geometry` |
-//! | `hdf5` | | rows and arrays in HDF5 files | `geometry` |
-//! | `opencl` | | `opencl`; the loader is opened at run time | `geometry` |
+//! | Feature | Adds |
+//! |---|---|
+//! | `openblas` | OpenBLAS, linked at build time (`blas::openblas`) |
+//! | `mpi` | `mpi`, over the MPI of the system |
+//! | `hdf5` | rows and arrays in HDF5 files |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

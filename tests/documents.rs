@@ -133,6 +133,9 @@ fn sources(folders: &[&str], extensions: &[&str]) -> String {
 fn files_that_documents_name_exist() {
     let folders = [
         "src/",
+        "geometry/",
+        "simulation/",
+        "capi/",
         "cli/",
         "bench/",
         "charts/",
@@ -165,7 +168,19 @@ fn files_that_documents_name_exist() {
 fn functions_that_documents_name_exist() {
     let header = sources(&["include"], &["h", "hpp"]);
     let of_c: HashSet<&str> = words(&header).collect();
-    let code = ["src", "cli", "bench", "charts", "training", "preload", "python", "tests"];
+    let code = [
+        "src",
+        "geometry",
+        "simulation",
+        "capi",
+        "cli",
+        "bench",
+        "charts",
+        "training",
+        "preload",
+        "python",
+        "tests",
+    ];
     let rust = sources(&code, &["rs"]);
     let of_rust: HashSet<&str> = words(&rust).collect();
     let public = fs::read_to_string(root().join("python/python/catamaran/__init__.py")).unwrap();
@@ -248,8 +263,20 @@ fn prose_and_comments_end_at_100_columns() {
             }
         }
     }
-    let rooms =
-        ["src", "cli", "bench", "training", "preload", "python", "tests", "fuzz", "scripts"];
+    let rooms = [
+        "src",
+        "geometry",
+        "simulation",
+        "capi",
+        "cli",
+        "bench",
+        "training",
+        "preload",
+        "python",
+        "tests",
+        "fuzz",
+        "scripts",
+    ];
     for source in rooms.iter().flat_map(|room| files(room, "rs")) {
         let text = fs::read_to_string(&source).unwrap();
         let mut is_code = false;

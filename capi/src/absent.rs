@@ -46,7 +46,7 @@ macro_rules! absent {
 }
 
 #[cfg(not(feature = "chapters"))]
-absent! { "capi":
+absent! { "chapters":
     fn cata_ata_sparse_f64(layout: i32, uplo: i32, m: usize, n: usize, alpha: f64, row_starts: *const usize, columns: *const usize, entries: *const f64, weights: *const f64, beta: f64, c: *mut f64, ldc: usize, params: *const cata_ata_params) -> cata_status;
     fn cata_ata_sparse_f32(layout: i32, uplo: i32, m: usize, n: usize, alpha: f32, row_starts: *const usize, columns: *const usize, entries: *const f32, weights: *const f64, beta: f32, c: *mut f32, ldc: usize, params: *const cata_ata_params) -> cata_status;
     fn cata_lstsq_params_init(params: *mut c_void, struct_size: usize) -> cata_status;

@@ -1,10 +1,10 @@
-//! The C ABI: `include/catamaran.h` is generated from this module by `cargo xtask header`.
+//! The C ABI: `include/catamaran.h` is generated from this crate by `cargo xtask header`.
 //!
 //! One file per area; every export that can fail passes through `boundary`, and only `pointer`
 //! makes views of memory of C. Nothing here is meant to be called from Rust.
 //!
-//! The products need the feature `capi-ata`, all chapters `capi`, and the functions of MPI also
-//! `mpi`. `absent` has functions of the same names for absent features.
+//! All but the products need the feature `chapters` (default), the functions of MPI also `mpi`;
+//! `absent` has functions of the same names for absent features.
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 

@@ -49,6 +49,7 @@ pub(super) fn watcher(
 
 /// Calls `work`, which asks a callback of the ABI whether to stop, after it was told that all is
 /// done.
+#[cfg(feature = "chapters")]
 pub(super) fn watched<R>(
     progress: cata_progress,
     user: *mut c_void,

@@ -2,7 +2,7 @@
 //! their bounds of plain loops, or an error that names the argument, and no byte written beside.
 #![no_main]
 
-#[path = "../../tests/c_functions/calls/mod.rs"]
+#[path = "../../capi/tests/c_functions/calls/mod.rs"]
 mod calls;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| calls::call(bytes));

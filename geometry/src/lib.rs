@@ -1,4 +1,24 @@
-//! Geometry of **Catamaran**: meshes, spectra, decimation, curves, spectra of unions of parts.
+//! Geometry of **Catamaran**: triangle meshes and their spectra, decimation, and curves.
+//!
+//! ```
+//! use catamaran::sparse::{EigenOptions, eigs};
+//! use catamaran_geometry::mesh::{LaplacianOptions, families, laplacian};
+//!
+//! let operator = laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+//! let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+//! assert!((pairs.values[3] - 2.0).abs() < 0.02);
+//! # Ok::<(), catamaran::Error>(())
+//! ```
+//!
+//! | Module | Content | Feature |
+//! |---|---|---|
+//! | [`mesh`] | files, topology, repair, distances, Laplacians | |
+//! | [`spectral`] | eigenproducts, filters, functional maps, descriptors | |
+//! | [`decimate`] | uniform decimation, farthest points | |
+//! | [`curve`] | curves through unordered samples, regions | |
+//! | `unions` | spectra of unions of parts, by a network with 1.8 MB of weights | `unions` |
+//!
+//! Errors, threads, progress and sparse matrices are those of the crate [`catamaran`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

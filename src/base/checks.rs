@@ -2,7 +2,10 @@
 
 use super::error::{Error, Result};
 
-/// Returns [`Error::Argument`] unless `value` is finite and above 0.
+/// Checks that `value` is finite and above 0.
+///
+/// # Errors
+/// [`Error::Argument`] of `what` otherwise.
 pub fn positive(what: &'static str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
@@ -10,7 +13,10 @@ pub fn positive(what: &'static str, value: f64) -> Result<()> {
     Err(Error::Argument { what, why: format!("must be positive and finite, is {value}") })
 }
 
-/// Returns [`Error::Argument`] unless `value` is finite and at least 0.
+/// Checks that `value` is finite and at least 0.
+///
+/// # Errors
+/// [`Error::Argument`] of `what` otherwise.
 pub fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     if value >= 0.0 && value.is_finite() {
         return Ok(());
@@ -18,7 +24,10 @@ pub fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     Err(Error::Argument { what, why: format!("must be finite and at least 0, is {value}") })
 }
 
-/// Returns [`Error::Argument`] unless `value` is at least `least`.
+/// Checks that `value` is at least `least`.
+///
+/// # Errors
+/// [`Error::Argument`] of `what` otherwise.
 pub fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
     if value >= least {
         return Ok(());

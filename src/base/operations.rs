@@ -34,6 +34,9 @@ pub fn ask() -> Result<()> {
 }
 
 /// Counts operations, and asks as [`ask`] does.
+///
+/// # Errors
+/// [`Error::Cancelled`] when the callback asks to stop.
 pub fn spend(operations: f64) -> Result<()> {
     count(operations);
     ask()
@@ -49,6 +52,9 @@ fn ask_now() -> Result<()> {
 /// Returns what `work` returns, which takes about so many operations and can't ask. If that is long
 /// and the calling thread is watched, another thread does the work. That thread is left to itself
 /// when the callback asks to stop: it owns all that it uses.
+///
+/// # Errors
+/// [`Error::Cancelled`] when the callback asks to stop.
 pub fn apart<R: Send + 'static>(
     operations: f64,
     work: impl FnOnce() -> R + Send + 'static,

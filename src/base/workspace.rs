@@ -86,6 +86,9 @@ impl<T: Real> Workspace<T> {
 }
 
 /// Returns an empty vector with room for `len` entries.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
@@ -95,7 +98,10 @@ pub fn reserved<T>(len: usize) -> Result<Vec<T>> {
     Ok(values)
 }
 
-/// Makes room for `more` further items, or returns an error when memory is refused.
+/// Makes room for `more` further items.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
     if more <= values.capacity() - values.len() {
         return Ok(());
@@ -105,14 +111,20 @@ pub fn room<T>(values: &mut Vec<T>, more: usize) -> Result<()> {
     values.try_reserve(more).map_err(|_| Error::OutOfMemory { bytes })
 }
 
-/// Returns `len` copies of a value, or an error when memory is refused.
+/// Returns `len` copies of a value.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn repeated<T: Copy>(value: T, len: usize) -> Result<Vec<T>> {
     let mut values = reserved(len)?;
     values.resize(len, value);
     Ok(values)
 }
 
-/// Adds a value to a vector, or returns an error when memory is refused.
+/// Adds a value to a vector.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
     if values.len() == values.capacity() {
         let bytes = values.capacity().max(4).saturating_mul(2 * size_of::<T>());
@@ -123,7 +135,10 @@ pub fn push<T>(values: &mut Vec<T>, value: T) -> Result<()> {
     Ok(())
 }
 
-/// Returns a vector of `len` zeros, or an error when memory is refused.
+/// Returns a vector of `len` zeros.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
     let bytes = len.saturating_mul(size_of::<T>());
     check_allocation(bytes)?;
@@ -181,6 +196,9 @@ const KEPT: std::ops::RangeInclusive<usize> = 4 << 20..=5 << 28;
 
 impl Scratch {
     /// Creates a block of at least `len` elements of T.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] when memory is refused.
     pub fn new<T: Real>(len: usize) -> Result<Self> {
         let mut scratch = Self::default();
         scratch.reserve::<T>(len)?;
@@ -188,6 +206,9 @@ impl Scratch {
     }
 
     /// Grows the block to at least `len` elements of T; its contents are lost.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] when memory is refused.
     pub fn reserve<T: Real>(&mut self, len: usize) -> Result<()> {
         let len = len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>());
         if self.0.as_slice().len() < len {

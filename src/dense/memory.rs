@@ -5,13 +5,19 @@ use faer::dyn_stack::{MemBuffer, StackReq};
 
 use crate::base::{Error, Result, check_allocation};
 
-/// Returns a zero matrix, or an error when memory is refused.
+/// Returns a zero matrix.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
     // faer's own zeros abort when memory is refused.
     filled(rows, cols, |_, _| 0.0)
 }
 
-/// Returns the matrix of `entry(i, j)`, or an error when memory is refused.
+/// Returns the matrix of `entry(i, j)`.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn filled(
     rows: usize,
     cols: usize,
@@ -26,6 +32,9 @@ pub fn filled(
 }
 
 /// Allocates the memory that a function of faer asks for.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
 pub fn buffer(requirement: StackReq) -> Result<MemBuffer> {
     let bytes = requirement.unaligned_bytes_required();
     check_allocation(bytes)?;

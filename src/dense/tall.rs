@@ -45,6 +45,9 @@ pub fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> R
 
 /// Computes `X := X - A B` for A (n x p) and a narrow X (n x q). The result is the same for every
 /// `par`, bit for bit.
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) when the callback asks to stop.
 pub fn subtract_product(
     x: MatMut<'_, f64>,
     a: MatRef<'_, f64>,
@@ -61,6 +64,9 @@ pub fn subtract_product(
 
 /// Computes `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold
 /// the result. The result is the same for every `par`, bit for bit.
+///
+/// # Errors
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory) when memory is refused, and `Cancelled`.
 pub fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) -> Result<()> {
     let operations = 2 * s.nrows() * s.ncols();
     let block = block(operations, BLOCK);

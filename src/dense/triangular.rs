@@ -16,6 +16,9 @@ const WHOLE: f64 = 1e7;
 
 /// Computes L of `A = L L^T` in the lower triangle of A, the only part that is read or written.
 /// Returns `Ok(Err(i))` when the i-th pivot is not positive.
+///
+/// # Errors
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory) when memory is refused, and `Cancelled`.
 pub fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
     let operations = (a.nrows() as f64).powi(3) / 3.0;
     if operations < WHOLE {

@@ -38,6 +38,9 @@ pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>
 
 /// Computes [`cholesky_qr`] of the rows that this process holds; the mass has been checked. Reports
 /// progress before each pass.
+///
+/// # Errors
+/// Those of [`cholesky_qr`], and [`Error::Cancelled`].
 pub fn cholesky_qr_of(
     mut a: MatMut<'_, f64>,
     space: &dyn InnerSpace,

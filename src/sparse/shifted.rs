@@ -50,7 +50,7 @@ impl<'a> Shifted<'a> {
     }
 
     /// Returns the number of rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.stiffness.rows()
     }
 

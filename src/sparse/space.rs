@@ -21,12 +21,21 @@ pub trait InnerSpace {
     fn masses(&self) -> Option<&[f64]>;
 
     /// Computes `Y := M X`, of the rows of this process.
+    ///
+    /// # Errors
+    /// Those of the communication, and `Error::Cancelled`.
     fn apply_mass(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
 
     /// Adds the partial sums of the other processes; all processes get the same sum.
+    ///
+    /// # Errors
+    /// Those of the communication, and `Error::Cancelled`.
     fn sum(&self, partial: MatMut<'_, f64>) -> Result<()>;
 
     /// Computes [`InnerSpace::sum`] of a symmetric matrix; only its lower triangle must be right.
+    ///
+    /// # Errors
+    /// Those of the communication, and `Error::Cancelled`.
     fn sum_symmetric(&self, partial: MatMut<'_, f64>) -> Result<()> {
         self.sum(partial)
     }
@@ -64,6 +73,9 @@ pub(crate) trait Shifts {
 /// A symmetric matrix A that is factorized.
 pub trait Inverse {
     /// Computes `X := A^-1 X`, of the rows of this process; the same for every `par`, bit for bit.
+    ///
+    /// # Errors
+    /// Those of the communication, and `Error::Cancelled`.
     fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()>;
 
     /// Returns the number of negative eigenvalues of A, by Sylvester's law of inertia.

@@ -6,9 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::base::Rng;
 use catamaran::faer::Mat;
-use catamaran::sparse::{
-    CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced, multiply,
-};
+use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced, multiply};
 use catamaran::{Error, Par};
 
 /// A sparse matrix of these entries; those of the same place are summed.

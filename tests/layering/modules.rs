@@ -9,7 +9,7 @@ use super::source::Source;
 /// The names from the root of the crate to a module.
 type Name = Vec<String>;
 
-/// An import of one file in another one of the same room.
+/// An import of one file in another one, or of one room in another.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Arrow {
     pub from: PathBuf,
@@ -66,14 +66,12 @@ impl Modules {
         self.modules.insert(name, (file, source));
     }
 
-    /// Every import of a file of the same room. A module that only hands a name on is passed by.
+    /// Every import of a file. A module that only hands a name on is passed by.
     pub fn arrows(&self) -> Vec<Arrow> {
         let mut arrows = Vec::new();
         for (name, (from, source)) in &self.modules {
             let mut add = |path: &[String], to: Option<Name>, line| {
-                let Some(to) = to.filter(|to| to != name && to.first() == name.first()) else {
-                    return;
-                };
+                let Some(to) = to.filter(|to| to != name) else { return };
                 let to = self.modules[&to].0.clone();
                 arrows.push(Arrow { from: from.clone(), to, line, path: path.join("::") });
             };

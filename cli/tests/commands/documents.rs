@@ -108,7 +108,7 @@ fn unknown(help: &Help, words: &[&str]) -> Option<String> {
 /// `max_rows`), scripts, and programs of other people that documents mention.
 fn others() -> String {
     let mut paths = vec![];
-    for room in ["bench/src", "training/src", "scripts", "tests", "python"] {
+    for room in ["bench/src", "training/src", "scripts", "tests", "capi", "python"] {
         files(&root().join(room), &["rs", "py", "sh", ""], &mut paths);
     }
     let text = |path: &PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();

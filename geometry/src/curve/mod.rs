@@ -51,5 +51,5 @@ pub use solver::{Count, CurveOptions, CurveSolver, Mode};
 
 /// Compiles the code of the guide as documentation tests.
 #[cfg(doctest)]
-#[doc = include_str!("../../docs/guide/curves.md")]
+#[doc = include_str!("../../../docs/guide/curves.md")]
 struct Guide;

@@ -178,7 +178,7 @@ fn free_components_are_counted_and_have_eigenvalues_that_are_exactly_zero() {
         for boundary in [Boundary::Neumann, Boundary::Dirichlet, Boundary::Mixed(vec![0])] {
             for kind in [LaplacianKind::Cotangent, LaplacianKind::Tufted] {
                 let how = LaplacianOptions::new().kind(kind).boundary(boundary.clone());
-                let found = mesh::laplacian(&mesh, &how).unwrap();
+                let found = laplacian(&mesh, &how).unwrap();
                 let count = free_components(found.stiffness.view(), &found.mass).unwrap();
                 assert_eq!(count, mesh::free_components(&mesh, &boundary).unwrap());
                 let k = (count + 2).min(found.kept.len());

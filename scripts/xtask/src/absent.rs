@@ -1,4 +1,4 @@
-//! `src/capi/absent.rs`, generated from the files of src/capi whose feature may be absent.
+//! `capi/src/absent.rs`, generated from the files of capi/src whose feature may be absent.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -6,15 +6,15 @@ use std::path::Path;
 use crate::generated::Generated;
 use crate::header::SECTIONS;
 
-/// `src/capi/absent.rs`.
+/// `capi/src/absent.rs`.
 pub const ABSENT: Generated = Generated {
-    name: "src/capi/absent.rs",
-    source: "src/capi",
+    name: "capi/src/absent.rs",
+    source: "capi/src",
     command: "cargo xtask header",
     generate,
 };
 
-/// The files of src/capi that are there whatever the features are.
+/// The files of capi/src that are there whatever the features are.
 const ALWAYS: [&str; 12] = [
     "status",
     "version",
@@ -35,7 +35,7 @@ fn feature_of(file: &str) -> Option<&'static str> {
     match file {
         "mpi" => Some("mpi"),
         file if ALWAYS.contains(&file) => None,
-        _ => Some("capi"),
+        _ => Some("chapters"),
     }
 }
 
@@ -44,19 +44,18 @@ const TYPES: [&str; 4] = ["cata_status", "cata_progress", "cata_ata_params", "ca
 
 fn generate(root: &Path) -> Result<String, String> {
     let mut text = OPENING.to_owned();
-    let all = ["feature = \"capi\"", "all(feature = \"capi\", feature = \"mpi\")"];
-    for (feature, needs) in ["capi", "mpi"].into_iter().zip(all) {
+    for feature in ["chapters", "mpi"] {
         write!(
             text,
             "
-#[cfg(not({needs}))]
+#[cfg(not(feature = \"{feature}\"))]
 absent! {{ \"{feature}\":
 "
         )
         .unwrap();
         let files = SECTIONS.iter().flat_map(|section| section.files);
         for file in files.filter(|file| feature_of(file) == Some(feature)) {
-            let source = super::read(&root.join("src/capi").join(file).with_extension("rs"))?;
+            let source = super::read(&root.join("capi/src").join(file).with_extension("rs"))?;
             for function in functions(&source) {
                 writeln!(text, "    {function};").unwrap();
             }

@@ -1,4 +1,4 @@
-//! `include/catamaran.h`, generated from src/capi.
+//! `include/catamaran.h`, generated from capi/src.
 
 use std::path::Path;
 
@@ -7,13 +7,13 @@ use crate::generated::Generated;
 /// `include/catamaran.h`.
 pub const HEADER: Generated = Generated {
     name: "include/catamaran.h",
-    source: "src/capi",
+    source: "capi/src",
     command: "cargo xtask header",
     generate,
 };
 
 /// A section of the header: its name among the groups of the documentation, and the files of
-/// src/capi that it is made of, one of which has its title, text and example in its `//!`.
+/// capi/src that it is made of, one of which has its title, text and example in its `//!`.
 pub struct Section {
     /// Of its group.
     pub name: &'static str,
@@ -64,14 +64,14 @@ pub const SECTIONS: &[Section] = &[
     section("mpi", &["world", "symmetric", "cyclic", "traffic"], &["world", "mpi"]),
 ];
 
-/// Files of src/capi without exports, or with those of tests alone.
+/// Files of capi/src without exports, or with those of tests alone.
 const WITHOUT_EXPORTS: &[&str] = &[
-    "mod", "absent", "boundary", "defaults", "entries", "internal", "message", "outputs", "params",
+    "lib", "absent", "boundary", "defaults", "entries", "internal", "message", "outputs", "params",
     "pointer", "ranks", "regions",
 ];
 
 fn generate(root: &Path) -> Result<String, String> {
-    let capi = root.join("src/capi");
+    let capi = root.join("capi/src");
     every_file_is_known(&capi)?;
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml"))?;
     let mut header = preamble();
@@ -107,7 +107,7 @@ fn opening(section: &Section, capi: &Path) -> Result<String, String> {
             source = Some(text);
         }
     }
-    let source = source.ok_or_else(|| format!("src/capi: no title for the section {name}"))?;
+    let source = source.ok_or_else(|| format!("capi/src: no title for the section {name}"))?;
     let lines = source.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim_end);
     let mut lines = lines.map(|line| line.strip_prefix(' ').unwrap_or(line));
     let title = lines.next().unwrap_or_default().trim_start_matches("# ");
@@ -127,7 +127,7 @@ fn opening(section: &Section, capi: &Path) -> Result<String, String> {
     Ok(text + " * @{\n */\n\n")
 }
 
-/// A new file of src/capi must be entered above, or its exports would be missing silently.
+/// A new file of capi/src must be entered above, or its exports would be missing silently.
 fn every_file_is_known(capi: &Path) -> Result<(), String> {
     let known = |name: &str| SECTIONS.iter().any(|section| section.files.contains(&name));
     let entries = std::fs::read_dir(capi).map_err(|e| format!("{}: {e}", capi.display()))?;
@@ -259,7 +259,7 @@ fn preamble() -> String {
 const CONVENTIONS: &str = "\
 /* Catamaran: A^T A and what stands on it, at scale. The C interface.
  *
- * Generated from src/capi by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
+ * Generated from capi/src by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
  *
  * Conventions
  * - Names: cata_<chapter>_<what>; _f64 and _f32 (_c64 and _c32: complex) where there are several

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const HELP: &str = "\
-cargo xtask header            write include/catamaran.h and src/capi/absent.rs from src/capi
+cargo xtask header            write include/catamaran.h and capi/src/absent.rs from capi/src
 cargo xtask header --check    fail if they are not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written

@@ -40,6 +40,9 @@ pub struct Symbolic {
 impl Symbolic {
     /// Analyses matrices with this pattern in the lower triangle; entries above the diagonal are
     /// ignored.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
         let refused = Error::OutOfMemory { bytes: size_of_val(places.row_idx()) };
         let owned = places.to_owned().map_err(|_| refused.clone())?;
@@ -76,6 +79,9 @@ impl Symbolic {
 
     /// Factorizes `A = L L^T` on the calling thread; returns `Ok(None)` when A is not positive
     /// definite.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
         let Some(values) = numeric::positive(&self.pattern, &self.entries, a.val())? else {
             return Ok(None);
@@ -87,6 +93,9 @@ impl Symbolic {
 
     /// Factorizes `A = L B L^T` on the calling thread, where B has blocks of one or two rows and
     /// pivots are chosen inside supernodes.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
         let (values, pivots) = numeric::indefinite(&self.pattern, &self.entries, a.val())?;
         let Pivots { subdiagonal, forward, inverse } = pivots;

@@ -138,7 +138,9 @@ pub fn structs() -> Vec<&'static str> {
 /// The structs of the library that the macro `builder!` makes.
 pub fn builders() -> Vec<String> {
     let mut found = Vec::new();
-    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../src"), &mut found);
+    for folder in ["../src", "../geometry/src", "../simulation/src"] {
+        collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
+    }
     assert!(found.len() > 25, "{found:?}");
     found
 }

@@ -1,5 +1,5 @@
 // Newton's fractals (thesis, chapter 7): the same operations in the same order as
-// src/texture/newton/iterate.rs; change both.
+// simulation/src/texture/newton/iterate.rs; change both.
 //
 // A work-item computes LANES points at a time: the width of a register on processors, 1 on graphics
 // cards.
@@ -176,7 +176,7 @@ inline real root_of(number z, uint degree, __global const float2 *roots, int has
     return SELECT(k < 0.0f, k + n, k);
 }
 
-// The arguments that all points have in common; see Parameters in src/texture/newton/options.rs.
+// The arguments that all points have in common; see Parameters in simulation/src/texture/newton/options.rs.
 #define COMMON                                                                                     \
     __global const float2 *roots, int has_roots, uint degree, uint steps, int squared, float gain,  \
         float factor, float shift, float scale, float4 offset, float nearest

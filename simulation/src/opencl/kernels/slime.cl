@@ -1,5 +1,5 @@
 // Slime moulds (thesis, chapter 3): the same operations in the same order as
-// src/texture/slime/{agents,walk,random,diffuse}.rs; change both. src/texture/slime/mod.rs
+// simulation/src/texture/slime/{agents,walk,random,diffuse}.rs; change both. simulation/src/texture/slime/mod.rs
 // describes the contents of the buffers.
 
 #pragma OPENCL FP_CONTRACT OFF

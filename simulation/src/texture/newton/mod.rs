@@ -40,7 +40,7 @@ use points::Cursor;
 
 /// Compiles the code of the guide.
 #[cfg(doctest)]
-#[doc = include_str!("../../../docs/guide/newton.md")]
+#[doc = include_str!("../../../../docs/guide/newton.md")]
 struct Guide;
 
 /// The values of a fractal at points: the root that each point converges to, and how fast.
