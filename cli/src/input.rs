@@ -91,21 +91,28 @@ pub fn source<'a>() -> SourceOptions<'a> {
     SourceOptions::new().max_memory(max_memory())
 }
 
-/// Reads a mesh with a progress bar, and prints the notes of the reader.
-pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
+/// Reads a mesh with a progress bar, and accepts it.
+///
+/// # Errors
+/// The file can't be read; those of [`accept`].
+pub fn mesh(path: &Path) -> Result<MeshFile> {
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
     let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
     drop(bar);
-    pass_on(&file, path);
+    accept(&file, path)?;
     Ok(file)
 }
 
 /// Prints the notes of the reader of a file from `path`.
-pub fn pass_on(file: &MeshFile, path: &Path) {
+///
+/// # Errors
+/// Areas of the mesh would overflow or vanish.
+pub fn accept(file: &MeshFile, path: &Path) -> Result<()> {
     for line in &file.notes {
         note(format_args!("{}: {line}", path.display()));
     }
+    file.mesh.check_size().with_context(|| path.display().to_string())
 }
 
 impl MeshArgs {

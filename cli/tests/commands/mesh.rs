@@ -322,6 +322,44 @@ fn every_command_joins_a_split_surface_and_says_so() {
 }
 
 #[test]
+fn sizes_at_which_areas_overflow_or_vanish_are_refused_by_every_command() {
+    let folder = Folder::new();
+    let (points, faces) = families::icosphere(2).unwrap().into_parts();
+    let write = |name: &str, points: Vec<[f64; 3]>| {
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        io::write(output, &TriMesh::new(points, faces.clone()).unwrap().into()).unwrap();
+    };
+    let scaled = |by: f64| points.iter().map(|p| p.map(|x| x * by)).collect::<Vec<_>>();
+    let mut one = points.clone();
+    one[5][0] = 1e308;
+    write("one.ply", one);
+    write("huge.ply", scaled(1e160));
+    write("tiny.ply", scaled(1e-160));
+    for (name, why) in [
+        ("one", "one.ply: vertex 5: position [1e308, "),
+        ("huge", "huge.ply: vertex 0: position ["),
+        ("tiny", "tiny.ply: mesh: the longest side of its bounding box, "),
+    ] {
+        for arguments in [
+            "mesh NAME.ply --check",
+            "mesh NAME.ply --repair -o x.ply",
+            "spectrum NAME.ply -k 4",
+            "fps NAME.ply -n 5 -o x.csv",
+            "decimate NAME.ply -n 60 -o x.ply --strict",
+            "shapedna NAME.ply NAME.ply -k 4",
+        ] {
+            let refused = folder.fail(&arguments.replace("NAME", name));
+            assert!(refused.contains(why) && refused.contains("out of range"), "{refused}");
+        }
+    }
+    // Coordinates that are nearly zero are no size.
+    let mut near = points.clone();
+    near.iter_mut().find(|p| p[0].abs() < 1e-9).unwrap()[0] = 1e-160;
+    write("near.ply", near);
+    folder.succeed("mesh near.ply --check");
+}
+
+#[test]
 fn a_soup_is_resampled_after_it_is_repaired() {
     let soup = families::soup(&families::torus(24, 12, 2.0, 0.7).unwrap()).unwrap();
     let folder = with("soup.ply", &soup.into());
