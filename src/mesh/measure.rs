@@ -47,7 +47,8 @@ impl TriMesh {
 
     /// Returns the total area.
     pub fn area(&self) -> f64 {
-        self.faces().iter().map(|&f| norm(self.doubled_normal(f)) / 2.0).sum()
+        // `sum` of nothing is -0.
+        self.faces().iter().fold(0.0, |sum, &f| sum + norm(self.doubled_normal(f)) / 2.0)
     }
 
     /// Returns the unit normal of each face; zero for faces without area.

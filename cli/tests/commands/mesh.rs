@@ -54,6 +54,35 @@ fn problems_are_named_and_fail_only_on_demand() {
 }
 
 #[test]
+fn a_mesh_without_faces_is_a_problem() {
+    let folder = Folder::new();
+    for (name, text, vertices, problems) in [
+        ("empty.obj", "", 0, 1),
+        ("empty.off", "OFF\n0 0 0\n", 0, 1),
+        ("points.obj", "v 0 0 0\nv 1 0 0\n", 2, 3),
+    ] {
+        folder.write(name, text);
+        let report = folder.succeed(&format!("mesh {name}"));
+        let problem = format!("problem     no faces: 1 (a mesh of {vertices} vertices)\n");
+        assert!(report.contains(&problem) && report.contains("\narea        0\n"), "{report}");
+        let refused = folder.fail(&format!("mesh {name} --check"));
+        assert_eq!(refused, format!("catamaran: {name}: problems found: {problems}\n"));
+    }
+}
+
+#[test]
+fn a_surface_that_is_not_orientable_is_not_told_to_be_oriented() {
+    let mut sphere = families::icosphere(1).unwrap().into_parts();
+    sphere.1[3].swap(0, 1);
+    let folder = with("sphere.ply", &TriMesh::new(sphere.0, sphere.1).unwrap().into());
+    assert!(folder.succeed("mesh sphere.ply").contains("\noption      --orient flips"));
+    folder.succeed("mesh sphere.ply --orient --check");
+    let folder = with("strip.ply", &families::moebius(9, 2).unwrap().into());
+    let report = folder.succeed("mesh strip.ply");
+    assert!(report.contains("not orientable") && !report.contains("--orient"), "{report}");
+}
+
+#[test]
 fn a_mesh_is_cleaned_and_converted() {
     let folder = Folder::new();
     folder.write("two.off", TWO);
