@@ -175,6 +175,21 @@ fn hdf5_that_is_not_built_in_is_refused_before_any_work() {
 }
 
 #[test]
+fn numbers_that_are_none_are_refused_with_what_is_expected() {
+    let folder = Folder::new();
+    for value in ["-1", "1.5", "many"] {
+        let run = folder.run(&format!("spectrum a.obj -k {value}"));
+        assert_eq!(run.code, Some(2));
+        let why =
+            format!("error: invalid value '{value}' for '-k <NUMBER>': expected a whole number");
+        assert!(run.stderr.starts_with(&why), "{}", run.stderr);
+        assert!(run.stderr.ends_with("try '--help'.\n"), "{}", run.stderr);
+    }
+    let run = folder.run("spectrum a.obj --memory -1");
+    assert!(run.stderr.contains("expected a number of GiB above 0"), "{}", run.stderr);
+}
+
+#[test]
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
     folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
