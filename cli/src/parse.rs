@@ -1,5 +1,7 @@
 //! Parsers of the values of options.
 
+use std::error::Error as _;
+use std::num::{IntErrorKind, ParseIntError};
 use std::ops::Range;
 use std::time::Duration;
 
@@ -7,6 +9,35 @@ use catamaran::mesh::Weld;
 use catamaran::{Accuracy, SchemeChoice, Uplo};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
+use clap::error::{ContextKind, ErrorKind};
+use clap::{Arg, Command};
+
+/// Returns the command with options that take negative numbers as values, so that each says which
+/// numbers it accepts. Otherwise clap would take `-1` for an option.
+pub fn with_negative_numbers(command: Command) -> Command {
+    let change = |arg: Arg| match arg.is_positional() || !arg.get_action().takes_values() {
+        true => arg,
+        false => arg.allow_negative_numbers(true),
+    };
+    command.mut_args(change).mut_subcommands(with_negative_numbers)
+}
+
+/// Returns the error with a reason that says what is expected, where the reason of the standard
+/// library says only that a digit is not one.
+pub fn explained(error: clap::Error, command: &Command) -> clap::Error {
+    let reason = error.source().and_then(|source| source.downcast_ref::<ParseIntError>());
+    let is_no_number = reason.is_some_and(|reason| *reason.kind() == IntErrorKind::InvalidDigit);
+    match (error.get(ContextKind::InvalidArg), error.get(ContextKind::InvalidValue)) {
+        (Some(option), Some(value)) if is_no_number => {
+            let why = format!(
+                "invalid value '{value}' for '{option}': expected a whole number, not negative\n\n\
+                 For more information, try '--help'.\n"
+            );
+            clap::Error::raw(ErrorKind::ValueValidation, why).with_cmd(command)
+        }
+        _ => error,
+    }
+}
 
 /// Parses `lower`, `upper` or `both`.
 pub fn uplo() -> impl clap::builder::TypedValueParser<Value = Uplo> {
