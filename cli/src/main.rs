@@ -13,6 +13,7 @@ mod descriptors;
 mod device;
 mod distance;
 mod filter;
+mod folder;
 mod fps;
 mod gram;
 #[cfg(test)]

@@ -104,12 +104,33 @@ pub fn gibibytes(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Parses a finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    number(text, |_| true, "a finite number")
+}
+
+/// Parses a finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(text, |x| x > 0.0, "a finite number above 0")
+}
+
+/// Parses a finite number of at least 0.
+pub fn at_least_zero(text: &str) -> Result<f64, String> {
+    number(text, |x| x >= 0.0, "a finite number of at least 0")
+}
+
+/// Parses a finite number that fits what is expected.
+fn number(text: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && fits(*x));
+    number.ok_or_else(|| format!("expected {expected}"))
+}
+
 /// Parses a number of frames: each may be a file, of which a folder should not hold more.
 pub fn frame_count(text: &str) -> Result<usize, String> {
     const MOST: usize = 100_000;
     match text.parse() {
         Ok(count) if count <= MOST => Ok(count),
-        _ => Err(format!("expected a whole number of at most {MOST}")),
+        _ => Err(format!("expected a whole number from 0 to {MOST}")),
     }
 }
 

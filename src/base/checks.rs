@@ -18,6 +18,22 @@ pub(crate) fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     Err(Error::Argument { what, why: format!("must be finite and at least 0, is {value}") })
 }
 
+/// Returns [`Error::Argument`] unless `value` is finite.
+pub(crate) fn finite(what: &'static str, value: f64) -> Result<()> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be finite, is {value}") })
+}
+
+/// Returns [`Error::Argument`] unless `value` is from `low` to `high`.
+pub(crate) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be from {low} to {high}, is {value}") })
+}
+
 /// Returns [`Error::Argument`] unless `value` is at least `least`.
 pub(crate) fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
     if value >= least {

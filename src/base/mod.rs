@@ -28,7 +28,7 @@ mod workspace;
 
 pub(crate) use builder::builder;
 #[cfg(feature = "geometry")]
-pub(crate) use checks::{at_least, at_least_zero, positive};
+pub(crate) use checks::{at_least, at_least_zero, finite, positive, within};
 pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
