@@ -3,9 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use anyhow::{Result, bail};
-use catamaran::Par;
+use anyhow::{Result, anyhow, bail};
 use catamaran::io::{Output, Overwrite};
+use catamaran::{Error, Par};
 
 use crate::claims::{Purpose, claim};
 
@@ -55,8 +55,11 @@ impl Force {
     /// Refuses a file that exists and may not be replaced.
     ///
     /// # Errors
-    /// The file exists, and `--force` is not given.
+    /// The file exists, and `--force` is not given; there is a directory in its place.
     pub fn check(self, path: &Path) -> Result<()> {
+        if path.is_dir() {
+            bail!("{}: is a directory", path.display());
+        }
         if !self.force && path.symlink_metadata().is_ok() {
             bail!("{}: exists already (--force replaces it)", path.display());
         }
@@ -71,5 +74,14 @@ impl Force {
         self.check(path)?;
         claim(path, Purpose::Result)?;
         Ok(Output::create(path, self.overwrite())?)
+    }
+}
+
+/// Turns an error of the library that names an argument into one that names the option of the same
+/// name.
+pub fn as_option(error: Error) -> anyhow::Error {
+    match error {
+        Error::Argument { what, why } => anyhow!("--{what}: {why}"),
+        error => error.into(),
     }
 }

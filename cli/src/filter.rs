@@ -69,7 +69,7 @@ pub struct Args {
     coefficient: Option<usize>,
     /// Size of the change by --coefficient, as a fraction of the root mean square of the
     /// coordinates (or of the functions) about their means [default: 0.1].
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE")]
     share: Option<f64>,
     /// Number of eigenfunctions, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 100)]

@@ -93,21 +93,28 @@ pub fn source<'a>() -> SourceOptions<'a> {
     SourceOptions::new().max_memory(max_memory())
 }
 
-/// Reads a mesh with a progress bar, and prints the notes of the reader.
-pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
+/// Reads a mesh with a progress bar, and accepts it.
+///
+/// # Errors
+/// The file can't be read; those of [`accept`].
+pub fn mesh(path: &Path) -> Result<MeshFile> {
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
     let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
     drop(bar);
-    pass_on(&file, path);
+    accept(&file, path)?;
     Ok(file)
 }
 
 /// Prints the notes of the reader of a file from `path`.
-pub fn pass_on(file: &MeshFile, path: &Path) {
+///
+/// # Errors
+/// Areas of the mesh would overflow or vanish.
+pub fn accept(file: &MeshFile, path: &Path) -> Result<()> {
     for line in &file.notes {
         note(format_args!("{}: {line}", path.display()));
     }
+    file.mesh.check_size().with_context(|| path.display().to_string())
 }
 
 impl MeshArgs {
@@ -124,8 +131,15 @@ impl MeshArgs {
         self.strict
     }
 
+    /// Returns the command, for a note, that takes these steps of `catamaran mesh` after it has
+    /// joined the vertices of the file at `path` that these options join.
+    pub fn mesh_command(&self, path: &Path, steps: &str) -> String {
+        let (path, weld) = (shell_word(path), self.weld_flag());
+        format!("`catamaran mesh {path}{weld} {steps} -o FILE`")
+    }
+
     /// Returns the option of `catamaran mesh` that joins the vertices that these options join.
-    pub fn weld_flag(&self) -> String {
+    fn weld_flag(&self) -> String {
         match self.weld {
             Some(Weld::Within(tolerance)) if tolerance > 0.0 => format!(" --weld={tolerance}"),
             Some(Weld::Within(_) | Weld::Exact) => " --weld".into(),
@@ -160,14 +174,21 @@ impl MeshArgs {
         }
         if found.vertices.is_some() {
             let count = found.file.mesh.vertices().len();
-            let flags = flags(&found.report);
+            let (word, flags) = (shell_word(path), flags(&found.report));
             note(format_args!(
                 "{name}: vertex numbers refer to the repaired mesh, which has {count} vertices; \
-                 `catamaran mesh {name}{flags} -o FILE` writes it"
+                 `catamaran mesh {word}{flags} -o FILE` writes it"
             ));
         }
         Ok(found.file)
     }
+}
+
+/// Returns a path as a word of a shell command.
+fn shell_word(path: &Path) -> String {
+    let name = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+,:@%".contains(c);
+    if name.chars().all(is_plain) { name } else { format!("'{}'", name.replace('\'', r"'\''")) }
 }
 
 /// Returns a line for each repair that changed something or was ambiguous.
@@ -199,4 +220,21 @@ fn flags(report: &RepairReport) -> String {
         _ => String::new(),
     };
     report.steps.iter().filter(|step| step.changed()).map(flag).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_a_shell_would_split_or_expand_are_quoted() {
+        for (name, word) in [
+            ("scans/a-1.ply.gz", "scans/a-1.ply.gz"),
+            ("my scan.ply", "'my scan.ply'"),
+            ("a$b*.ply", "'a$b*.ply'"),
+            ("it's.ply", r"'it'\''s.ply'"),
+        ] {
+            assert_eq!(shell_word(Path::new(name)), word);
+        }
+    }
 }

@@ -13,10 +13,13 @@ mod descriptors;
 mod device;
 mod distance;
 mod filter;
+mod folder;
 mod fps;
 mod gram;
 #[cfg(test)]
 mod help;
+#[cfg(test)]
+mod hints;
 mod info;
 mod input;
 mod lstsq;
@@ -156,8 +159,10 @@ fn main() -> ExitCode {
 
 /// Parses the command line; exits with status 2 if it is wrong.
 fn parse_command_line() -> Cli {
-    let mut command = Cli::command();
-    let mut matches = command.get_matches_mut();
+    let mut command = parse::with_negative_numbers(Cli::command());
+    let mut matches = command
+        .try_get_matches_from_mut(std::env::args_os())
+        .unwrap_or_else(|error| parse::explained(error, &command).exit());
     if let Some(option) = stdio::dash(&command, &matches) {
         let what =
             format!("{option}: `-` is not accepted; the name of a file must select its format");

@@ -3,12 +3,13 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::{Command, CommandFactory as _};
 use clap_mangen::Man;
 
 use crate::Cli;
 use crate::common::Force;
+use crate::folder::Folder;
 use crate::report::status;
 
 /// Write man pages, one for each command.
@@ -31,8 +32,7 @@ pub fn run(args: &Args) -> Result<()> {
     collect(command, &mut pages);
     let path = |page: &Man| args.output.join(page.get_filename());
     pages.iter().try_for_each(|page| args.force.check(&path(page)))?;
-    let folder = args.output.display().to_string();
-    std::fs::create_dir_all(&args.output).with_context(|| folder.clone())?;
+    let _folder = Folder::create(&args.output, "catamaran.1")?;
     for page in &pages {
         let mut text = Vec::new();
         page.render(&mut text)?;
@@ -40,7 +40,7 @@ pub fn run(args: &Args) -> Result<()> {
         output.write_all(&text).map_err(|e| output.error(e))?;
         output.commit()?;
     }
-    let count = pages.len();
+    let (folder, count) = (args.output.display().to_string(), pages.len());
     status!("written", path = folder, files = count; "{folder}: {count} files")
 }
 

@@ -9,11 +9,11 @@ use catamaran::blas::BlasReal;
 use catamaran::io::{self as files};
 use clap::ArgGroup;
 
-use crate::ata::write_matrix;
+use crate::ata::{Unbounded, write_matrix};
 use crate::common::Force;
 use crate::parse;
 use crate::progress::Bar;
-use crate::report::status;
+use crate::report::{note, status};
 
 /// Compute C = A^T A of the rows of several files or machines from the sums that `ata
 /// --accumulator` writes.
@@ -104,10 +104,13 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
         files::write_accumulator(output, &sum)?;
         status!("kept", path = path; "{path}")?;
     }
-    match output {
-        Some(output) => write_matrix(output, sum.finish(alpha, args.uplo)?.as_ref()),
-        None => Ok(()),
+    let Some(output) = output else { return Ok(()) };
+    let c = sum.finish(alpha, args.uplo)?;
+    let unbounded = Unbounded::of(c.as_ref(), args.uplo);
+    if !unbounded.is_none() {
+        note(format_args!("{}", unbounded.text()));
     }
+    write_matrix(output, c.as_ref())
 }
 
 /// Reads the sums in a file, and refuses sums that are not complete.

@@ -3,11 +3,16 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use catamaran::io::{Output, check_arrays_name};
+use catamaran::io::{Output, Overwrite, check_arrays_name};
 use catamaran_geometry::mesh::io::{self as meshes, Material, MeshFile, MeshFormat};
 
 use crate::common::Force;
 use crate::report;
+
+/// Refuses a file that can't be written, before the long work whose result it will be.
+pub fn probe(path: &Path) -> catamaran::Result<()> {
+    Output::create(path, Overwrite::Replace).map(drop)
+}
 
 /// Writes a mesh, and prints notes about what the format can't store or rounds.
 pub fn mesh(output: Output, file: &MeshFile) -> catamaran::Result<()> {

@@ -1,5 +1,7 @@
 //! Parsers of the values of options.
 
+use std::error::Error as _;
+use std::num::{IntErrorKind, ParseIntError};
 use std::ops::Range;
 use std::time::Duration;
 
@@ -7,6 +9,35 @@ use catamaran::{Accuracy, SchemeChoice, Uplo};
 use catamaran_geometry::mesh::Weld;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
+use clap::error::{ContextKind, ErrorKind};
+use clap::{Arg, Command};
+
+/// Returns the command with options that take negative numbers as values, so that each says which
+/// numbers it accepts. Otherwise clap would take `-1` for an option.
+pub fn with_negative_numbers(command: Command) -> Command {
+    let change = |arg: Arg| match arg.is_positional() || !arg.get_action().takes_values() {
+        true => arg,
+        false => arg.allow_negative_numbers(true),
+    };
+    command.mut_args(change).mut_subcommands(with_negative_numbers)
+}
+
+/// Returns the error with a reason that says what is expected, where the reason of the standard
+/// library says only that a digit is not one.
+pub fn explained(error: clap::Error, command: &Command) -> clap::Error {
+    let reason = error.source().and_then(|source| source.downcast_ref::<ParseIntError>());
+    let is_no_number = reason.is_some_and(|reason| *reason.kind() == IntErrorKind::InvalidDigit);
+    match (error.get(ContextKind::InvalidArg), error.get(ContextKind::InvalidValue)) {
+        (Some(option), Some(value)) if is_no_number => {
+            let why = format!(
+                "invalid value '{value}' for '{option}': expected a whole number, not negative\n\n\
+                 For more information, try '--help'.\n"
+            );
+            clap::Error::raw(ErrorKind::ValueValidation, why).with_cmd(command)
+        }
+        _ => error,
+    }
+}
 
 /// Parses `lower`, `upper` or `both`.
 pub fn uplo() -> impl clap::builder::TypedValueParser<Value = Uplo> {
@@ -73,12 +104,33 @@ pub fn gibibytes(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Parses a finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    number(text, |_| true, "a finite number")
+}
+
+/// Parses a finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(text, |x| x > 0.0, "a finite number above 0")
+}
+
+/// Parses a finite number of at least 0.
+pub fn at_least_zero(text: &str) -> Result<f64, String> {
+    number(text, |x| x >= 0.0, "a finite number of at least 0")
+}
+
+/// Parses a finite number that fits what is expected.
+fn number(text: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && fits(*x));
+    number.ok_or_else(|| format!("expected {expected}"))
+}
+
 /// Parses a number of frames: each may be a file, of which a folder should not hold more.
 pub fn frame_count(text: &str) -> Result<usize, String> {
     const MOST: usize = 100_000;
     match text.parse() {
         Ok(count) if count <= MOST => Ok(count),
-        _ => Err(format!("expected a whole number of at most {MOST}")),
+        _ => Err(format!("expected a whole number from 0 to {MOST}")),
     }
 }
 

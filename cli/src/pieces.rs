@@ -11,6 +11,10 @@ use catamaran_geometry::mesh::{
 use crate::input::MeshArgs;
 use crate::report::note;
 
+/// Steps of `catamaran mesh` that drop vertices in no face, also those whose faces have no area,
+/// which repairs drop.
+pub const COMPACT: &str = "--drop-degenerate --compact";
+
 /// The components of a mesh that a spectrum is taken of.
 pub struct Pieces<'a> {
     mesh: &'a TriMesh,
@@ -71,9 +75,10 @@ impl<'a> Pieces<'a> {
         }
         let alone = self.mesh.unreferenced_vertices().len();
         if alone > 0 {
+            let command = self.repair.mesh_command(self.path, COMPACT);
             note(format_args!(
-                "{path}: vertices in no face: {alone}; eigenfunctions are zero there (`catamaran \
-                 mesh {path} --compact -o FILE` drops these vertices)"
+                "{path}: vertices in no face: {alone}; eigenfunctions are zero there ({command} \
+                 drops these vertices)"
             ));
         }
     }
@@ -117,9 +122,8 @@ impl<'a> Pieces<'a> {
         if self.count < 2 {
             return String::new();
         }
-        let path = self.path.display();
-        let flag = self.repair.weld_flag();
-        let one = format!("`catamaran mesh {path}{flag} --component largest -o FILE` extracts one");
+        let command = self.repair.mesh_command(self.path, "--component largest");
+        let one = format!("{command} extracts one");
         let options = RepairOptions::new().weld(Weld::Exact);
         let welded = repair(self.mesh.clone().into(), &options).ok();
         match welded.map(|found| Components::new(&found.file.mesh).len()) {

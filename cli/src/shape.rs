@@ -15,7 +15,7 @@ use clap::ValueEnum;
 
 use crate::common::Threads;
 use crate::input::{self, MeshArgs};
-use crate::pieces::{Need, Pieces};
+use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
 use crate::report::status;
 
@@ -111,11 +111,8 @@ impl LaplacianArgs {
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
         let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
         if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
-            let path = path.display();
-            bail!(
-                "{path}: vertex {vertex} is in no face (`catamaran mesh {path} --compact -o FILE` \
-                 drops such vertices)"
-            );
+            let (path, command) = (path.display(), self.repair.mesh_command(path, COMPACT));
+            bail!("{path}: vertex {vertex} is in no face ({command} drops such vertices)");
         }
         pieces.note();
         let bar = Bar::new("spectrum");

@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut found = Vec::with_capacity(names.len());
     for (i, name) in names.iter().enumerate() {
         let file = read_with(name, &input::source())?;
-        input::pass_on(&file, name);
+        input::accept(&file, name)?;
         let mesh = args.laplacian.repair.apply(file, name)?.mesh;
         let pieces = Pieces::new(&mesh, name, &args.laplacian.repair, &options.laplacian.boundary)?;
         pieces.check_signature(args.k)?;

@@ -42,7 +42,7 @@ pub struct Args {
     #[arg(short, default_value_t = 100, value_name = "NUMBER")]
     k: usize,
     /// Compute the eigenvalues nearest to this number instead of the smallest ones.
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    #[arg(long, value_name = "NUMBER")]
     shift: Option<f64>,
     #[command(flatten)]
     laplacian: LaplacianArgs,

@@ -24,6 +24,28 @@ pub fn at_least_zero(what: &'static str, value: f64) -> Result<()> {
     Err(Error::Argument { what, why: format!("must be finite and at least 0, is {value}") })
 }
 
+/// Checks that `value` is finite.
+///
+/// # Errors
+/// [`Error::Argument`] of `what` otherwise.
+pub fn finite(what: &'static str, value: f64) -> Result<()> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be finite, is {value}") })
+}
+
+/// Checks that `value` is from `low` to `high`.
+///
+/// # Errors
+/// [`Error::Argument`] of `what` otherwise.
+pub fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("must be from {low} to {high}, is {value}") })
+}
+
 /// Checks that `value` is at least `least`.
 ///
 /// # Errors

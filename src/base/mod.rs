@@ -26,7 +26,7 @@ mod workspace;
 #[doc(hidden)]
 pub use crate::builder;
 #[doc(hidden)]
-pub use checks::{at_least, at_least_zero, positive};
+pub use checks::{at_least, at_least_zero, finite, positive, within};
 pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};

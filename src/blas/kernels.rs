@@ -35,30 +35,44 @@ pub trait Kernels<T: Real>: Send + Sync {
         alpha: T,
         a: MatRef<'_, T>,
         b: Option<MatRef<'_, T>>,
-        mut beta: T,
-        mut c: MatMut<'_, T>,
+        beta: T,
+        c: MatMut<'_, T>,
         progress: Progress<'_>,
     ) -> ControlFlow<()> {
-        const MOST: f64 = 1e8;
-        const LEAST: usize = 192;
-        let m = a.nrows();
-        let row = 2.0 * c.nrows() as f64 * c.ncols() as f64;
-        let rows = ((MOST / row) as usize).max(LEAST);
-        for first in (0..m.max(1)).step_by(rows) {
-            let count = rows.min(m - first);
-            let a = a.subrows(first, count);
-            let (b, c) = (b.map(|b| b.subrows(first, count)), c.rb_mut());
-            match (b, triangle) {
-                (None, true) => self.syrk(alpha, a, beta, c),
-                (Some(b), true) => self.gemmt(alpha, a, b, beta, c),
-                (b, false) => self.gemm(alpha, a, b.unwrap_or(a), beta, c),
-            }
-            beta = T::ONE;
-            let done = first + count;
-            progress.tell(if done == m { 1.0 } else { done as f64 / m as f64 })?;
-        }
-        ControlFlow::Continue(())
+        by_rows(self, triangle, alpha, a, b, beta, c, progress)
     }
+}
+
+/// Computes [`Kernels::compute`] with some rows at a time.
+fn by_rows<T: Real, K: Kernels<T> + ?Sized>(
+    kernels: &K,
+    triangle: bool,
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: Option<MatRef<'_, T>>,
+    mut beta: T,
+    mut c: MatMut<'_, T>,
+    progress: Progress<'_>,
+) -> ControlFlow<()> {
+    const MOST: f64 = 1e8;
+    const LEAST: usize = 192;
+    let m = a.nrows();
+    let row = 2.0 * c.nrows() as f64 * c.ncols() as f64;
+    let rows = ((MOST / row) as usize).max(LEAST);
+    for first in (0..m.max(1)).step_by(rows) {
+        let count = rows.min(m - first);
+        let a = a.subrows(first, count);
+        let (b, c) = (b.map(|b| b.subrows(first, count)), c.rb_mut());
+        match (b, triangle) {
+            (None, true) => kernels.syrk(alpha, a, beta, c),
+            (Some(b), true) => kernels.gemmt(alpha, a, b, beta, c),
+            (b, false) => kernels.gemm(alpha, a, b.unwrap_or(a), beta, c),
+        }
+        beta = T::ONE;
+        let done = first + count;
+        progress.tell(if done == m { 1.0 } else { done as f64 / m as f64 })?;
+    }
+    ControlFlow::Continue(())
 }
 
 #[cfg(test)]
@@ -70,37 +84,6 @@ mod tests {
 
     use super::*;
     use crate::blas::{BlasReal, native};
-
-    /// A back end that does not ask for itself.
-    struct Others<'a>(&'a dyn Kernels<f64>);
-
-    impl Kernels<f64> for Others<'_> {
-        fn gemm(
-            &self,
-            alpha: f64,
-            a: MatRef<'_, f64>,
-            b: MatRef<'_, f64>,
-            beta: f64,
-            c: MatMut<'_, f64>,
-        ) {
-            self.0.gemm(alpha, a, b, beta, c);
-        }
-
-        fn syrk(&self, alpha: f64, a: MatRef<'_, f64>, beta: f64, c: MatMut<'_, f64>) {
-            self.0.syrk(alpha, a, beta, c);
-        }
-
-        fn gemmt(
-            &self,
-            alpha: f64,
-            a: MatRef<'_, f64>,
-            b: MatRef<'_, f64>,
-            beta: f64,
-            c: MatMut<'_, f64>,
-        ) {
-            self.0.gemmt(alpha, a, b, beta, c);
-        }
-    }
 
     #[test]
     fn a_product_in_pieces_is_the_whole_and_stops_when_asked() {
@@ -118,29 +101,27 @@ mod tests {
                     (Some(b), true) => kernels.gemmt(2.0, a, b, 3.0, whole.as_mut()),
                     (Some(b), false) => kernels.gemm(2.0, a, b, 3.0, whole.as_mut()),
                 }
-                let others = Others(kernels);
-                let back_ends: [&dyn Kernels<f64>; 2] = [kernels, &others];
-                for (kernels, c) in back_ends.into_iter().zip(&mut pieces) {
-                    let told = Mutex::new(Vec::new());
-                    let note = |fraction| {
-                        told.lock().unwrap().push(fraction);
-                        ControlFlow::Continue(())
+                for (pieces, by_itself) in pieces.iter_mut().zip([true, false]) {
+                    let compute = |c: MatMut<'_, f64>, progress: Progress<'_>| match by_itself {
+                        true => kernels.compute(triangle, 2.0, a, right, 3.0, c, progress),
+                        false => by_rows(kernels, triangle, 2.0, a, right, 3.0, c, progress),
                     };
-                    let progress = Progress::new(&note);
-                    let done = kernels.compute(triangle, 2.0, a, right, 3.0, c.as_mut(), progress);
-                    let told = told.into_inner().unwrap();
-                    assert!(done.is_continue() && told.is_sorted() && told.last() == Some(&1.0));
-                    assert!(told.len() >= m / 192, "{told:?}");
                     let asked = AtomicBool::new(false);
                     let once = |_: f64| match asked.swap(true, Ordering::Relaxed) {
                         false => ControlFlow::Break(()),
                         true => ControlFlow::Continue(()),
                     };
-                    let stop = Progress::new(&once);
-                    let mut unfinished = c.clone();
-                    let stopped =
-                        kernels.compute(triangle, 2.0, a, right, 3.0, unfinished.as_mut(), stop);
+                    let stopped = compute(pieces.clone().as_mut(), Progress::new(&once));
                     assert!(stopped.is_break());
+                    let told = Mutex::new(Vec::new());
+                    let note = |fraction| {
+                        told.lock().unwrap().push(fraction);
+                        ControlFlow::Continue(())
+                    };
+                    let done = compute(pieces.as_mut(), Progress::new(&note));
+                    let told = told.into_inner().unwrap();
+                    assert!(done.is_continue() && told.is_sorted() && told.last() == Some(&1.0));
+                    assert!(told.len() >= m / 192, "{told:?}");
                 }
                 assert!(pieces.iter().all(|c| *c == whole), "{m} rows, triangle: {triangle}");
             }

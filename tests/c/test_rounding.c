@@ -1,5 +1,6 @@
 /* Floating-point environments of the caller: every function computes as under the default one,
- * whichever call of a process is the first, and gives the caller's environment back. */
+ * whichever call of a process is the first, and gives the caller's environment back. Products of
+ * finite matrices raise no exception but FE_INEXACT and FE_UNDERFLOW. */
 
 #include <catamaran.h>
 
@@ -229,6 +230,43 @@ static void check_reference(const struct results *expected)
     CHECK(corner > 0.0 && fpclassify(corner) == FP_SUBNORMAL);
 }
 
+/* Products with a column of zeros by every scheme, small and large leaves, on 1 and 2 threads. */
+static void check_exceptions(void)
+{
+    static const size_t shapes[][3] = {{13, 8, 5}, {8, 13, 7}, {1, 1, 1}, {64, 64, 64},
+                                       {0, 5, 3},  {5, 0, 4},  {70, 33, 9}};
+    static const size_t leaves[] = {0, 1, 2, 8};
+    static double left[70 * 70], right[70 * 70], c[70 * 70];
+    enum { RAISED = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW };
+    for (size_t i = 0; i < 70 * 70; i++) {
+        left[i] = i % 70 == 0 ? 0.0 : a[i];
+        right[i] = b[i];
+    }
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        const size_t m = shapes[i][0], n = shapes[i][1], k = shapes[i][2];
+        for (int32_t scheme = CATA_SCHEME_AUTO; scheme <= CATA_SCHEME_FLOAT; scheme++) {
+            for (size_t j = 0; j < sizeof leaves / sizeof *leaves; j++) {
+                for (size_t threads = 1; threads <= 2; threads++) {
+                    cata_ata_params params = {.struct_size = sizeof params, .scheme = scheme};
+                    params.leaf = leaves[j];
+                    params.threads = threads;
+                    params.error_factor = INFINITY;
+                    feclearexcept(FE_ALL_EXCEPT);
+                    CHECK(cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, m, n, 0.7, left, 70, 0.0, c, 70,
+                                       &params) == CATA_OK);
+                    CHECK(cata_atb_f64(CATA_ROW_MAJOR, m, n, k, 0.7, left, 70, right, 70, 0.5, c,
+                                       70, &params) == CATA_OK);
+                    if (fetestexcept(RAISED)) {
+                        fprintf(stderr, "scheme %d, leaf %zu, %zu x %zu x %zu\n", (int)scheme,
+                                leaves[j], m, n, k);
+                        CHECK(!"exceptions");
+                    }
+                }
+            }
+        }
+    }
+}
+
 int main(void)
 {
     static struct results expected, found;
@@ -249,6 +287,7 @@ int main(void)
     }
     compute(&expected, 1);
     check_reference(&expected);
+    check_exceptions();
     for (int number = 0; number < ENVIRONMENTS; number++) {
         for (int i = 0; i < 2; i++) {
             int before = failures;

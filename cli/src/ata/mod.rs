@@ -2,6 +2,7 @@
 
 mod memory;
 mod shown;
+mod unbounded;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -24,9 +25,10 @@ use crate::common::{Force, Threads};
 use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
-use crate::report::{report, seconds, status};
+use crate::report::{note, report, seconds, status};
 use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, open, read_weights};
 use crate::{backend, picture};
+pub use unbounded::Unbounded;
 
 /// Compute C = A^T A of a matrix in a file.
 ///
@@ -277,6 +279,7 @@ impl Work<'_> {
         let c = sum.finish(self.alpha(), args.uplo)?;
         self.report_time::<T>(self.a.shape().0 - done, start.elapsed())?;
         self.check(&mean, c.as_ref())?;
+        self.note_unbounded::<T>(&Unbounded::of(c.as_ref(), args.uplo))?;
         progress::check()?;
         if let Some(output) = outputs.accumulator {
             let path = output.path().display().to_string();
@@ -320,10 +323,9 @@ impl Work<'_> {
     ) -> Result<()> {
         let n = a.cols();
         if self.args.strict
-            && let Some((value, (row, column))) = a.iter().find(|(x, _)| !x.is_finite())
+            && let Some(what) = self.a.not_finite()?
         {
-            let name = self.args.input.display();
-            bail!("{name}: {value} at row {row}, column {column} (counted from 0)");
+            bail!("{}: {what}", self.args.input.display());
         }
         let mut memory = Workspace::<T>::new(n.saturating_mul(n))
             .with_context(|| format!("C of {n} x {n} entries"))?;
@@ -351,6 +353,7 @@ impl Work<'_> {
         self.report_time::<T>(a.rows(), start.elapsed())?;
         let c = MatRef::from_row_major_slice(&memory.as_slice()[..n * n], n, n);
         self.check(&[], c)?;
+        self.note_unbounded::<T>(&Unbounded::of(c, self.args.uplo))?;
         progress::check()?;
         self.write(c, outputs.c, outputs.picture)
     }
@@ -449,14 +452,17 @@ impl Work<'_> {
         let start = Instant::now();
         let bounds = self.bounds::<T>(plan, options)?;
         let bar = Bar::new("computing");
+        let mut unbounded = Unbounded::default();
         for (read, strip) in plan.strips().iter().enumerate() {
             let sum = self.empty(bounds.as_ref(), strip.clone())?;
             let sum = self.add(sum, plan, options, read, &bar)?;
             let c: Strip<T> = sum.finish(self.alpha(), Uplo::Lower)?;
+            unbounded.add(c.as_ref(), strip.start, args.uplo);
             output.write(&c)?;
         }
         drop(bar);
         self.report_time::<T>(m, start.elapsed())?;
+        self.note_unbounded::<T>(&unbounded)?;
         progress::check()?;
         output.commit()?;
         status!("written", path = path; "{path}")
@@ -550,6 +556,23 @@ impl Work<'_> {
             "passed: {numbers}, false-accept probability {:.1e}",
             found.false_accept_probability
         )
+    }
+
+    /// Notes entries of C that are not finite, and whether A is the cause, for which A is read once
+    /// more.
+    fn note_unbounded<T: BlasReal>(&self, unbounded: &Unbounded) -> Result<()> {
+        if unbounded.is_none() {
+            return Ok(());
+        }
+        let (name, counted) = (self.args.input.display(), unbounded.text());
+        match self.a.not_finite()? {
+            Some(what) => note(format_args!("{name}: {what}; {counted}")),
+            None => note(format_args!(
+                "{name}: all entries are finite, but {counted}: sums are out of the range of {}",
+                T::NAME
+            )),
+        }
+        Ok(())
     }
 
     fn write<T: BlasReal>(

@@ -99,6 +99,7 @@ pub fn run(args: &Args) -> Result<()> {
     let outputs = args.surface.create(args.force)?;
     let picture = args.picture.create(args.force)?;
     let file = args.repair.read(&args.mesh)?;
+    args.surface.check_pieces(&file, args.force)?;
     let given = samples::read(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed = place(&file.mesh, &given.sites, placement).with_context(|| args.samples.name())?;

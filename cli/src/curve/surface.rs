@@ -1,6 +1,5 @@
 //! Cuts a surface open along curves, and selects the regions that they enclose.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -13,8 +12,12 @@ use clap::ValueEnum;
 
 use super::samples::Group;
 use crate::common::Force;
+use crate::folder::{Folder, note_older};
 use crate::output;
 use crate::report::{note, report, status};
+
+/// The beginning of the names of pieces, before their number.
+const PIECE: &str = "piece-";
 
 /// The colours of a region and of its surroundings, from 0 to 1.
 pub const INSIDE: [f64; 3] = [0.96, 0.68, 0.25];
@@ -81,6 +84,8 @@ pub struct Outputs {
     region: Vec<Output>,
     rest: Vec<Output>,
     paint: Option<Output>,
+    /// The folder of pieces. Dropped after the files.
+    _pieces: Option<Folder>,
 }
 
 impl SurfaceArgs {
@@ -111,13 +116,25 @@ impl SurfaceArgs {
             }
         }
         let create = |path: &PathBuf| force.create(path);
-        let whole = self.cut.as_ref().filter(|path| !is_folder(path));
+        let (folder, whole) = match &self.cut {
+            Some(path) if is_folder(path) => (Some(path), None),
+            path => (None, path.as_ref()),
+        };
         Ok(Outputs {
             cut: whole.map(create).transpose()?,
             region: self.region.iter().map(create).collect::<Result<_>>()?,
             rest: self.rest.iter().map(create).collect::<Result<_>>()?,
             paint: self.paint.as_ref().map(create).transpose()?,
+            _pieces: folder.map(|path| Folder::create(path, "piece-1.ply")).transpose()?,
         })
+    }
+
+    /// Refuses to replace the first piece of the mesh in `source`, unless `force` allows that.
+    pub fn check_pieces(&self, source: &MeshFile, force: Force) -> Result<()> {
+        match &self.cut {
+            Some(folder) if is_folder(folder) => force.check(&folder.join(piece(1, source))),
+            _ => Ok(()),
+        }
     }
 
     /// Cuts the mesh, writes all files, and returns the region if there is one.
@@ -229,9 +246,15 @@ fn is_folder(path: &Path) -> bool {
     path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\'])
 }
 
+/// Returns the name of a piece of a mesh.
+fn piece(number: usize, source: &MeshFile) -> String {
+    // Texture coordinates and materials need .obj.
+    let rich = source.uv.is_some() || source.materials.is_some();
+    format!("{PIECE}{number}.{}", if rich { "obj" } else { "ply" })
+}
+
 /// Writes a file for each component, the largest first.
 fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: Force) -> Result<()> {
-    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let components = Components::new(&open.mesh);
     let mut pieces = Vec::new();
     for i in 0..components.len() {
@@ -239,11 +262,11 @@ fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: Force)
         pieces.push((piece.mesh.area(), piece));
     }
     pieces.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Texture coordinates and materials need .obj.
-    let rich = source.uv.is_some() || source.materials.is_some();
-    let extension = if rich { "obj" } else { "ply" };
-    let name = |i: usize| folder.join(format!("piece-{}.{extension}", i + 1));
-    let outputs: Result<Vec<Output>> = (0..pieces.len()).map(|i| force.create(&name(i))).collect();
+    let names: Vec<String> = (1..=pieces.len()).map(|i| piece(i, source)).collect();
+    let is_mesh = |end: &str| [".obj", ".ply"].contains(&end);
+    note_older(folder, "pieces", PIECE, is_mesh, &names);
+    let create = |name: &String| force.create(&folder.join(name));
+    let outputs: Result<Vec<Output>> = names.iter().map(create).collect();
     for (output, (area, piece)) in outputs?.into_iter().zip(&pieces) {
         let (path, faces) = (output.path().display().to_string(), piece.mesh.faces().len());
         report!(

@@ -25,6 +25,7 @@ use catamaran::io::{Output, Overwrite};
 use catamaran_charts::Rgb;
 use page::Station;
 
+use crate::folder::Folder;
 use crate::progress::Bar;
 use crate::report::status;
 
@@ -41,6 +42,9 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 }
+
+/// The page.
+const INDEX: &str = "index.html";
 
 /// Colours of bars: of what a station is about, and of what it is compared with.
 const OWN: Rgb = [0xb2, 0x40, 0x2b];
@@ -84,7 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
             named()
         );
     }
-    fs::create_dir_all(folder).with_context(named)?;
+    let _folder = Folder::create(folder, INDEX)?;
     let start = Instant::now();
     let site = Site { folder, small: args.small };
     let mut stations = Vec::new();
@@ -94,11 +98,11 @@ pub fn run(args: &Args) -> Result<()> {
         bar.step((i + 1) as f64 / STATIONS.len() as f64)?;
     }
     drop(bar);
-    let mut index = site.file("index.html")?;
+    let mut index = site.file(INDEX)?;
     let html = page::render(&stations, start.elapsed())?;
     index.write_all(html.as_bytes()).map_err(|e| index.error(e))?;
     index.commit()?;
-    let path = folder.join("index.html").display().to_string();
+    let path = folder.join(INDEX).display().to_string();
     status!("written", path = path; "{path}")
 }
 
@@ -112,7 +116,7 @@ fn may_write(folder: &Path) -> io::Result<bool> {
     if entries.next().is_none() {
         return Ok(true);
     }
-    match fs::read(folder.join("index.html")) {
+    match fs::read(folder.join(INDEX)) {
         Ok(html) => Ok(String::from_utf8_lossy(&html).contains(page::MARKER)),
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(e) => Err(e),

@@ -81,13 +81,18 @@ fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
         matches!(p, Problem::NonManifoldEdge { .. } | Problem::NonManifoldVertex { .. })
     };
     add(is_cut, "--repair", "cuts the mesh into manifolds");
-    add(|p| matches!(p, Problem::Inconsistent { .. }), "--orient", "flips faces until they agree");
+    // A surface like a Moebius strip stays inconsistent.
+    if !has(|p| matches!(p, Problem::NotOrientable { .. })) {
+        let disagree = |p: &Problem| matches!(p, Problem::Inconsistent { .. });
+        add(disagree, "--orient", "flips faces until they agree");
+    }
     options
 }
 
 /// Returns a problem as JSON: its kind, and the elements that have it.
 fn problem(problem: &Problem) -> Value {
     match problem {
+        Problem::NoFace { vertices } => json!({"kind": "no_face", "vertices": vertices}),
         Problem::UnreferencedVertex(vertex) => {
             json!({"kind": "unreferenced_vertex", "vertex": vertex})
         }

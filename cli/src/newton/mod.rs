@@ -7,9 +7,9 @@ mod voxels;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
-use catamaran::Par;
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::base::Progress;
+use catamaran::{Error, Par};
 use catamaran_geometry::mesh::{Normalization, TriMesh};
 use catamaran_simulation::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
@@ -17,7 +17,7 @@ use catamaran_simulation::texture::newton::{
 use catamaran_simulation::texture::slime;
 use clap::ValueEnum;
 
-use crate::common::{Force, Threads};
+use crate::common::{Force, Threads, as_option};
 use crate::device::{self, Device, DeviceArgs};
 use crate::input::MeshArgs;
 use crate::parse;
@@ -179,8 +179,11 @@ enum Stuff {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let options = options(args)?;
-    let newton = Newton::new(&options)?;
+    let options = options(args).map_err(|e| refused(e, args))?;
+    let newton = Newton::new(&options).map_err(|e| refused(e, args))?;
+    if let Some(w) = args.w_to {
+        Newton::new(&options.clone().w(w)).context("--w-to")?;
+    }
     let device = args.device.open()?;
     output::check_names(args)?;
     if let Some(basins) = &args.basins {
@@ -199,7 +202,8 @@ pub fn run(args: &Args) -> Result<()> {
         let progress = Progress::new(&update).part(share(i)..share(i + 1));
         let start = Instant::now();
         let evaluated = progress.part(0.0..0.5);
-        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, evaluated)?;
+        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, evaluated)
+            .map_err(|e| refused(e, args))?;
         time += start.elapsed();
         points += fractal.roots.len();
         unreached += fractal.unreached;
@@ -240,13 +244,13 @@ fn evaluate(
     points: Points<'_>,
     par: Par,
     progress: Progress<'_>,
-) -> Result<Fractal> {
-    Ok(match device {
+) -> catamaran::Result<Fractal> {
+    match device {
         Some(device) => {
-            catamaran_simulation::opencl::evaluate_newton(device, newton, points, progress)?
+            catamaran_simulation::opencl::evaluate_newton(device, newton, points, progress)
         }
-        None => newton.evaluate(points, par, progress)?,
-    })
+        None => newton.evaluate(points, par, progress),
+    }
 }
 
 #[cfg(not(feature = "opencl"))]
@@ -256,10 +260,27 @@ fn evaluate(
     points: Points<'_>,
     par: Par,
     progress: Progress<'_>,
-) -> Result<Fractal> {
+) -> catamaran::Result<Fractal> {
     match device {
         Some(device) => match *device {},
-        None => Ok(newton.evaluate(points, par, progress)?),
+        None => newton.evaluate(points, par, progress),
+    }
+}
+
+/// Names the options that an error of the library is about.
+fn refused(error: Error, args: &Args) -> anyhow::Error {
+    match error {
+        Error::Argument { what: "polynomial", why } if !args.roots.is_empty() => {
+            anyhow!("--roots: {why}")
+        }
+        Error::Argument { what: "polynomial", why } if args.polynomial.is_none() => {
+            anyhow!("--power: {why}")
+        }
+        Error::Argument { what: "grid" | "points", why } => anyhow!("--size: {why}"),
+        Error::NonFinite { what: "grid" | "points", .. } => {
+            anyhow!("--extent, --offset, --w, --scale: coordinates must be within 1e9 of 0")
+        }
+        error => as_option(error),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Writes sequences of pictures: as numbered files, or as an animation in one file.
 
 use std::cell::RefCell;
+use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -10,6 +11,7 @@ use catamaran::io::Output;
 
 use super::image::Image;
 use crate::common::Force;
+use crate::folder::note_older;
 
 /// Frames per second of an animation, by default.
 pub const RATE: f64 = 12.0;
@@ -57,8 +59,8 @@ pub enum Frames {
 
 impl Frames {
     /// Starts the files for the frames: an animation if the name of `path` is that of one, else a
-    /// file for each frame, `NAME-000`, `NAME-001` and so on. Without a `count` there is one frame,
-    /// in `path`.
+    /// file for each frame, `NAME-000`, `NAME-001` and so on, with a note about further such files
+    /// that stay. Without a `count` there is one frame, in `path`.
     pub fn create(path: &Path, count: Option<usize>, rate: f64, force: Force) -> Result<Self> {
         if let Some(format) = Format::of(path) {
             let name = path.display();
@@ -69,8 +71,13 @@ impl Frames {
             let output = force.create(path)?;
             return Ok(Self::Animation(Animation::new(output, format, count, rate)));
         }
-        let files = names(path, count).into_iter().map(|path| force.create(&path));
-        Ok(Self::Files(files.collect::<Result<Vec<_>>>()?.into_iter()))
+        let files = names(path, count);
+        let outputs: Vec<Output> =
+            files.iter().map(|path| force.create(path)).collect::<Result<_>>()?;
+        if count.is_some() {
+            note_others(path, &files);
+        }
+        Ok(Self::Files(outputs.into_iter()))
     }
 
     /// Returns the file of the next frame.
@@ -113,6 +120,17 @@ fn numbered(path: &Path, i: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-{i:03}.{extension}"))
+}
+
+/// Notes frames of earlier runs that stay beside these of `path`.
+fn note_others(path: &Path, frames: &[PathBuf]) {
+    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let (stem, extension) = (text(path.file_stem()), text(path.extension()));
+    let written: Vec<String> = frames.iter().map(|frame| text(frame.file_name())).collect();
+    let is_end = |end: &str| end.strip_prefix('.') == Some(&*extension);
+    let folder = folder.unwrap_or(Path::new("."));
+    note_older(folder, "frames", &format!("{stem}-"), is_end, &written);
 }
 
 /// A file that is shared with an encoder, and taken back at the end.

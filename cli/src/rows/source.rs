@@ -11,7 +11,7 @@ use catamaran::ata::{DenseRows, RowBlocks};
 use catamaran::base::Real;
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
-use catamaran::faer::{Mat, MatMut};
+use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
 
 use crate::claims::{Purpose, claim};
@@ -159,7 +159,34 @@ impl Source {
         };
         Ok(if strict { Box::new(Finite { rows, name: &self.name }) } else { rows })
     }
+
+    /// Returns the first entry that is NaN or infinite, with its place; reads all entries if there
+    /// is none.
+    pub fn not_finite(&self) -> Result<Option<String>> {
+        if let Some(sparse) = self.sparse() {
+            let found = sparse.iter().find(|(x, _)| !x.is_finite());
+            return Ok(found.map(|(x, (row, column))| at(*x, row, column)));
+        }
+        let (m, n) = self.shape();
+        let bar = Bar::new("checking");
+        let mut rows = Watched { rows: self.rows::<f64>(false)?, bar: &bar };
+        let height = (BLOCK / n.max(1)).clamp(1, m.max(1));
+        let mut entries = vec![0.0; height * n];
+        for first in (0..m).step_by(height) {
+            let count = height.min(m - first);
+            let entries = &mut entries[..count * n];
+            let mut block = MatMut::from_row_major_slice_mut(entries, count, n);
+            rows.read(first, block.rb_mut())?;
+            if let Some((i, j)) = first_not_finite(block.as_ref()) {
+                return Ok(Some(at(block[(i, j)], first + i, j)));
+            }
+        }
+        Ok(None)
+    }
 }
+
+/// Entries that are read at a time to be checked.
+const BLOCK: usize = 1 << 20;
 
 /// Returns whether the name is that of a file that is read by rows. A file that is not regular,
 /// such as a pipe, is read as a whole.
@@ -189,16 +216,26 @@ impl<T: Real> RowBlocks<T> for Finite<'_, T> {
 
     fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
         self.rows.read(first, out.rb_mut())?;
-        for i in 0..out.nrows() {
-            if let Some(j) = (0..out.ncols()).find(|&j| !out[(i, j)].is_finite()) {
-                let value = out[(i, j)].to_f64();
-                let row = first + i;
-                let what = format!("{value} at row {row}, column {j} (counted from 0)");
-                return Err(catamaran::Error::file(self.name, what));
+        match first_not_finite(out.as_ref()) {
+            Some((i, j)) => {
+                let what = at(out[(i, j)].to_f64(), first + i, j);
+                Err(catamaran::Error::file(self.name, what))
             }
+            None => Ok(()),
         }
-        Ok(())
     }
+}
+
+/// Returns the first row of a block with an entry that is NaN or infinite, and the column of that
+/// entry.
+fn first_not_finite<T: Real>(block: MatRef<'_, T>) -> Option<(usize, usize)> {
+    let column = |i: usize| (0..block.ncols()).find(|&j| !block[(i, j)].is_finite());
+    (0..block.nrows()).find_map(|i| Some((i, column(i)?)))
+}
+
+/// Says what an entry is and where.
+fn at(value: f64, row: usize, column: usize) -> String {
+    format!("{value} at row {row}, column {column} (counted from 0)")
 }
 
 /// Rows that report to a bar how far they were read, and stop after a signal.

@@ -142,8 +142,8 @@ fn reference(text: &str) -> Result<Loaded> {
             }
             _ => bail!("line {number}: unknown name {key:?}"),
         }
+        options.check().with_context(|| format!("line {number}: {key}={value}"))?;
     }
-    options.check()?;
     Ok(Loaded { options, look: None, without_effect })
 }
 
@@ -206,5 +206,8 @@ mod tests {
         assert_eq!((o.evaporation_rate, o.diffusion_rate), (0.3, 4.0));
         let error = reference("NumAgent=3").unwrap_err().to_string();
         assert!(error.contains("line 1") && error.contains("NumAgent"), "{error}");
+        let error = format!("{:#}", reference("NumSpecies=3\nMoveSpeed=-1").unwrap_err());
+        let why = "line 2: MoveSpeed=-1: movement_speed: must be from 0 to 1000000, is -100";
+        assert_eq!(error, why);
     }
 }

@@ -8,7 +8,7 @@ mod material;
 mod on_device;
 mod view;
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{BufReader, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,9 @@ use catamaran_simulation::texture::slime::{
 };
 use catamaran_simulation::texture::{Look, MaterialMaps, Preset};
 
-use crate::common::{Force, Threads};
+use crate::common::{Force, Threads, as_option};
 use crate::device::DeviceArgs;
+use crate::folder::{Folder, note_older};
 use crate::input::{self, MeshArgs};
 use crate::output;
 use crate::picture::{self, Image, Projection, Up, View, guess_up, write_chart};
@@ -135,6 +136,8 @@ pub fn run(args: &Args) -> Result<()> {
     if args.resume.is_none() {
         args.check_names(&frames, options.species, look.as_ref())?;
     }
+    let _folder = Folder::create(&args.output, TABLE)?;
+    let outputs = Outputs::create(args)?;
     let file = match &args.mesh {
         Some(path) => args.repair.read(path)?,
         None => MeshFile::from(Surface::tile_mesh()?),
@@ -142,12 +145,14 @@ pub fn run(args: &Args) -> Result<()> {
     let mut simulation = args.simulation(&file, &options)?;
     args.resume(&mut simulation)?;
     let first = simulation.state().step;
+    let all = args.frame_files(&frames, options.species);
     // The interrupted run has written the frames before.
     frames.retain(|&step| step > first || step == args.steps);
     let files = args.check_names(&frames, options.species, look.as_ref())?;
+    let is_end = |end: &str| end == ".png" || end.starts_with("-species");
+    note_older(&args.output, "frames", FRAME, is_end, &all);
     let device = args.device.open()?;
     let on_device = device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
-    let outputs = Outputs::create(args)?;
     // Ctrl-C keeps the state, which is whole after a step only.
     let whole_steps = outputs.state.as_ref().map(|_| signals::finish_first());
     let mut growth = Growth { simulation, on_device };
@@ -262,7 +267,6 @@ impl Outputs {
         };
         let (coverage, render) = (picture(&args.coverage)?, picture(&args.render)?);
         let state = args.state.as_deref().map(|path| args.force.create(path)).transpose()?;
-        fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
         let table = args.force.create(&args.output.join(TABLE))?;
         let mesh = args.force.create(&args.output.join(MESH))?;
         let material = args.force.create(&args.output.join(MATERIAL))?;
@@ -270,6 +274,8 @@ impl Outputs {
     }
 }
 
+/// The beginning of the names of frames, before the number of the step.
+const FRAME: &str = "frame-";
 /// The mesh with the texture coordinates of the frames.
 const MESH: &str = "mesh.obj";
 /// The material of the mesh, which shows the last frame.
@@ -280,7 +286,7 @@ const TABLE: &str = "coverage.csv";
 
 fn frame_names(step: u32, last: u32, species: usize) -> Vec<String> {
     let digits = last.to_string().len().max(4);
-    images::names(&format!("frame-{step:0digits$}"), species)
+    images::names(&format!("{FRAME}{step:0digits$}"), species)
 }
 
 impl Args {
@@ -304,7 +310,7 @@ impl Args {
         options.agents = self.agents.unwrap_or(options.agents);
         options.species = self.species.unwrap_or(options.species);
         options.seed = self.seed.unwrap_or(options.seed);
-        options.check()?;
+        options.check().map_err(as_option)?;
         let look = self.material.map(|preset| look.look(preset)).transpose()?;
         Ok((options, look))
     }
@@ -322,11 +328,15 @@ impl Args {
         Ok(frames)
     }
 
+    /// Returns the names of the pictures of frames.
+    fn frame_files(&self, frames: &[u32], species: usize) -> Vec<String> {
+        frames.iter().flat_map(|&step| frame_names(step, self.steps, species)).collect()
+    }
+
     /// Returns the number of files that the folder receives, after a check that none of them exists
     /// yet, unless --force allows that.
     fn check_names(&self, frames: &[u32], species: usize, look: Option<&Look>) -> Result<usize> {
-        let of = |&step: &u32| frame_names(step, self.steps, species);
-        let mut files: Vec<String> = frames.iter().flat_map(of).collect();
+        let mut files = self.frame_files(frames, species);
         files.extend([TABLE.into(), MESH.into(), MATERIAL.into()]);
         files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
         files.iter().try_for_each(|name| self.force.check(&self.output.join(name)))?;

@@ -11,6 +11,7 @@ use catamaran_training::dataset::{
 use clap::ValueEnum;
 
 use crate::common::{Force, Threads};
+use crate::output;
 use crate::progress::Bar;
 use crate::report::{report, seconds, status};
 
@@ -75,6 +76,7 @@ enum Size {
 pub fn run(args: &Args) -> Result<()> {
     check_arrays_name(&args.output)?;
     args.force.check(&args.output)?;
+    output::probe(&args.output)?;
     let options = options(args);
     let folder = parts(&args.output);
     let par = args.threads.par();

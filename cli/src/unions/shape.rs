@@ -5,6 +5,7 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use catamaran::Error;
 use catamaran::base::Progress;
 use catamaran_geometry::mesh::io::{MeshFile, check_name};
 use catamaran_geometry::mesh::{Boundary, Edges};
@@ -13,6 +14,7 @@ use catamaran_geometry::spectral::{ShapeOptions, shape_from_spectrum};
 use crate::common::{Force, Threads};
 use crate::input::MeshArgs;
 use crate::output;
+use crate::parse;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::pieces::Pieces;
 use crate::progress::Bar;
@@ -34,7 +36,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     spectrum: PathBuf,
     /// Number of eigenvalues to use, the first ones of the table [default: all].
-    #[arg(short, value_name = "K")]
+    #[arg(short, value_name = "K", value_parser = parse::at_least_one)]
     k: Option<usize>,
     /// Largest number of steps.
     #[arg(long, value_name = "N", default_value_t = ShapeOptions::default().steps)]
@@ -84,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
         .par(args.threads.par())
         .progress(Progress::new(&update));
     let found = shape_from_spectrum(&template, &wanted, &options)
-        .with_context(|| args.template.display().to_string())?;
+        .map_err(|error| with_culprit(error, args, last))?;
     drop(bar);
     let (steps, error) = (found.steps, 100.0 * found.error);
     report!("steps", count = steps; "{steps}")?;
@@ -113,6 +115,18 @@ pub fn run(args: &Args) -> Result<()> {
     output::mesh(output, &MeshFile::from(found.mesh))?;
     let path = args.output.display().to_string();
     status!("written", path = path; "{path}")
+}
+
+/// Names the file that an error is about: the template, or the spectrum with its column.
+fn with_culprit(error: Error, args: &Args, column: usize) -> anyhow::Error {
+    let (file, error) = match error {
+        Error::NonFinite { what: what @ "eigenvalues", index: (row, _) } => {
+            (&args.spectrum, Error::NonFinite { what, index: (row, column) })
+        }
+        Error::Argument { what: "eigenvalues", .. } => (&args.spectrum, error),
+        _ => (&args.template, error),
+    };
+    anyhow::Error::from(error).context(file.display().to_string())
 }
 
 /// Returns whether a table is one that `unions predict` writes.

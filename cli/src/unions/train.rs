@@ -16,6 +16,7 @@ use clap::ValueEnum;
 
 use super::curve;
 use crate::common::{Force, Threads};
+use crate::output;
 use crate::picture::write_chart;
 use crate::progress;
 use crate::report::{report, status};
@@ -104,6 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = there.filter(|_| !args.force.is_given() && !args.resume) {
         bail!("{}: exists already (--force replaces it, --resume continues)", path.display());
     }
+    files.into_iter().try_for_each(|path| output::probe(path))?;
     let par = args.threads.par();
     let examples = examples(args, par)?;
     let (options, state) = if args.resume {

@@ -20,7 +20,7 @@ use crate::report::{report, status};
 ///
 /// Cuts parts out of each mesh by balls and planes, and continues the training on their spectra.
 /// One mesh in ten is held out, and the error on its pairs is printed before and after. The family
-/// has no template, so that --localize has no meaning with the new weights.
+/// has no template, so that `unions predict --localize` has no meaning with the new weights.
 #[derive(clap::Args)]
 pub struct Args {
     /// Complete shapes of the family: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
@@ -10,10 +10,10 @@ use catamaran_simulation::plant::{
 };
 use clap::{ValueEnum, ValueHint};
 
-use super::fit;
 use super::simulation::{Film, Weather};
-use super::stiffness::{ByRadius, Kappa, tissue};
+use super::stiffness::{ByRadius, Kappa, tissue, used};
 use super::watering::{self, Pour};
+use super::{FRAME, fit};
 use crate::common::{Force, Threads};
 use crate::input::{self, TextFile};
 use crate::parse;
@@ -31,16 +31,21 @@ pub struct Args {
     #[arg(value_name = "PLANT", required_unless_present = "grow")]
     plant: Option<PathBuf>,
     /// Generate a plant with this number of nodes instead of reading one.
-    #[arg(long, value_name = "NODES", conflicts_with = "plant")]
+    #[arg(
+        long,
+        value_name = "NODES",
+        conflicts_with = "plant",
+        value_parser = parse::at_least_one
+    )]
     grow: Option<usize>,
     /// Seed of the generated plant, and of the gusts of --wind.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     seed: u64,
     /// Simulated time, in hours.
-    #[arg(long, value_name = "HOURS", default_value_t = 48.0)]
+    #[arg(long, value_name = "HOURS", default_value_t = 48.0, value_parser = parse::positive)]
     hours: f64,
     /// Water loss of leaves, in g/(h m^2).
-    #[arg(long, value_name = "LOSS", default_value_t = 60.0)]
+    #[arg(long, value_name = "LOSS", default_value_t = 60.0, value_parser = parse::at_least_zero)]
     delta: f64,
     /// Steepness of the elasticity as a function of the relative water content. Parts (leaf,
     /// petiole and stem) may have separate values: `leaf=8,stem=20`, or `12,leaf=8` with a first
@@ -54,7 +59,7 @@ pub struct Args {
     kappa_by_radius: Option<ByRadius>,
     /// Relative water content at which the elasticity is steepest; with --literal the grams of
     /// water [default: 0.75; with --literal 0].
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", value_parser = parse::finite)]
     shift: Option<f64>,
     /// Use equation 4.9 of the thesis as printed: the elasticity is the first number of
     /// --elasticity times a logistic function of the grams of water in a node. Cutting a segment in
@@ -66,7 +71,7 @@ pub struct Args {
     elasticity: [f64; 2],
     /// Conductance, as a fraction of that of a pipe as wide as the segment: determines how unevenly
     /// a plant dries.
-    #[arg(long, value_name = "CHI", default_value_t = 1e-9)]
+    #[arg(long, value_name = "CHI", default_value_t = 1e-9, value_parser = parse::positive)]
     conductance: f64,
     /// Alternate days (16 hours), in which leaves lose --delta, and nights (8 hours), in which they
     /// lose a twelfth of it.
@@ -89,28 +94,46 @@ pub struct Args {
     #[arg(long, value_name = "NODE")]
     cut: Vec<usize>,
     /// Multiply the conductance between a node and its parent. May be given several times.
-    #[arg(long, value_name = "NODE,FACTOR", value_parser = pair)]
-    weaken: Vec<[f64; 2]>,
+    #[arg(long, value_name = "NODE,FACTOR", value_parser = weakening)]
+    weaken: Vec<(usize, f64)>,
     /// Hold this node in place, as well as those that the file pins. May be given several times.
     #[arg(long, value_name = "NODE")]
     pin: Vec<usize>,
     /// Simulate the motion of the plant, and show all --hours in a film of this length, in seconds.
     /// In every step the water advances, and then the rods with the stiffness and the weight of
     /// that moment.
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = parse::positive)]
     motion: Option<f64>,
     /// Least number of steps per second of --motion.
-    #[arg(long, value_name = "NUMBER", default_value_t = 60.0, requires = "motion")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 60.0,
+        requires = "motion",
+        value_parser = parse::positive
+    )]
     fps: f64,
     /// Decay rate of velocities in --motion, in 1/s.
-    #[arg(long, value_name = "RATE", default_value_t = 1.0, requires = "motion")]
+    #[arg(
+        long,
+        value_name = "RATE",
+        default_value_t = 1.0,
+        requires = "motion",
+        value_parser = parse::at_least_zero
+    )]
     damping: f64,
     /// Wind in --motion, in m/s, with z upwards; 0,0,0 is still air, which slows down moving parts
     /// [default: no air].
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "motion")]
     wind: Option<[f64; 3]>,
     /// Standard deviation of the --wind in each direction, as a fraction of its speed.
-    #[arg(long, value_name = "PART", default_value_t = 0.2, requires = "wind")]
+    #[arg(
+        long,
+        value_name = "PART",
+        default_value_t = 0.2,
+        requires = "wind",
+        value_parser = parse::at_least_zero
+    )]
     turbulence: f64,
     /// Number of frames after the first one, at equal times.
     #[arg(long, value_name = "NUMBER", default_value_t = 24, value_parser = parse::frame_count)]
@@ -155,27 +178,45 @@ enum Kind {
 
 /// Parses three numbers separated by commas.
 fn triple(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| parse::finite(x).ok()).collect();
     let three = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
     three.ok_or_else(|| "expected three numbers separated by commas".into())
 }
 
 /// Parses two numbers separated by a comma.
 fn pair(text: &str) -> Result<[f64; 2], String> {
-    let numbers = text.split_once(',').map(|(a, b)| (a.trim().parse(), b.trim().parse()));
+    let numbers = text.split_once(',').map(|(a, b)| (parse::finite(a), parse::finite(b)));
     match numbers {
         Some((Ok(a), Ok(b))) => Ok([a, b]),
         _ => Err("expected two numbers separated by a comma".into()),
     }
 }
 
+/// Parses a node and a factor.
+fn weakening(text: &str) -> Result<(usize, f64), String> {
+    let parts = text.split_once(',').map(|(a, b)| (a.trim().parse(), parse::at_least_zero(b)));
+    match parts {
+        Some((Ok(node), Ok(factor))) => Ok((node, factor)),
+        _ => Err("expected a node and a factor of at least 0, such as 12,0.1".into()),
+    }
+}
+
 impl Args {
+    /// Returns what errors call the plant: its file, or the option that generates it.
+    pub fn name(&self) -> String {
+        match &self.plant {
+            Some(path) => path.display().to_string(),
+            None => format!("--grow {}", self.grow.unwrap_or_default()),
+        }
+    }
+
     /// Reads or generates the plant, and pins nodes.
     pub fn plant(&self) -> Result<Plant> {
-        let plant = match (&self.plant, self.grow) {
-            (Some(path), _) => read_with(path, &input::source())?,
-            (None, nodes) => {
-                grow(&GrowthOptions::new().nodes(nodes.unwrap_or_default()).seed(self.seed))?
+        let plant = match &self.plant {
+            Some(path) => read_with(path, &input::source())?,
+            None => {
+                let options = GrowthOptions::new().nodes(self.grow.unwrap_or_default());
+                grow(&options.seed(self.seed)).with_context(|| self.name())?
             }
         };
         if self.pin.is_empty() {
@@ -183,34 +224,41 @@ impl Args {
         }
         let mut segments: Vec<Segment> = plant.segments().to_vec();
         for &node in &self.pin {
-            match segments.get_mut(node) {
-                Some(segment) => segment.pinned = true,
-                None => bail!(
-                    "--pin: no node {node}: the plant has {} nodes, numbered from 0",
-                    plant.len()
-                ),
-            }
+            self.check_node("--pin", node, &plant)?;
+            segments[node].pinned = true;
         }
         let parents: Vec<Option<u32>> =
             (0..plant.len()).map(|v| plant.parent(v).map(|p| p as u32)).collect();
         Ok(Plant::new(segments, &parents, Some(plant.base()))?)
     }
 
+    /// Refuses a node of an option that the plant does not have.
+    fn check_node(&self, option: &str, node: usize, plant: &Plant) -> Result<()> {
+        if node >= plant.len() {
+            let (name, count) = (self.name(), plant.len());
+            bail!("{option} {node}: {name} has {count} nodes, numbered from 0");
+        }
+        Ok(())
+    }
+
+    /// Returns the nodes of --cut and --weaken, and the factors of the conductance to their
+    /// parents.
+    fn damage(&self, plant: &Plant) -> Result<Vec<(usize, f64)>> {
+        let cut = self.cut.iter().map(|&node| ("--cut", node, 0.0));
+        let weakened = self.weaken.iter().map(|&(node, factor)| ("--weaken", node, factor));
+        let mut damage = Vec::new();
+        for (option, node, factor) in cut.chain(weakened) {
+            self.check_node(option, node, plant)?;
+            if plant.parent(node).is_none() {
+                bail!("{option} {node}: the root of {} has no parent", self.name());
+            }
+            damage.push((node, factor));
+        }
+        Ok(damage)
+    }
+
     /// Returns the conditions of the simulation.
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
-        if !(self.hours > 0.0 && self.hours.is_finite()) {
-            bail!("--hours {}: a finite number above 0 is needed", self.hours);
-        }
-        let mut damage: Vec<(usize, f64)> = self.cut.iter().map(|&node| (node, 0.0)).collect();
-        for &[node, factor] in &self.weaken {
-            if node.fract() != 0.0 || node < 0.0 || node >= plant.len() as f64 {
-                bail!(
-                    "--weaken: no node {node}: the plant has {} nodes, numbered from 0",
-                    plant.len()
-                );
-            }
-            damage.push((node as usize, factor));
-        }
         if self.motion.is_some() && self.frames == 0 {
             bail!("--frames 0: --motion needs at least 1");
         }
@@ -224,7 +272,7 @@ impl Args {
             stomata: self.stomata,
             soil: self.soil,
             rewatering: self.rewater.iter().map(|pour| pour.0).collect(),
-            damage,
+            damage: self.damage(plant)?,
             film: self.film()?,
             par: self.par(),
         })
@@ -234,22 +282,30 @@ impl Args {
     pub fn tissue(&self, plant: &Plant) -> Result<(Tissue, Vec<String>)> {
         const STEEPNESS: f64 = 10.0;
         let [full, dry] = self.elasticity;
+        let (is_right, needed) = match self.literal {
+            true => (full > 0.0, "FULL must be above 0"),
+            false => (dry > 0.0 && full > dry, "DRY must be above 0, and FULL above DRY"),
+        };
+        if !is_right {
+            bail!("--elasticity {full},{dry}: {needed}");
+        }
         let of = |steepness| match self.literal {
             true => Elasticity::Literal { full, steepness, shift: self.shift.unwrap_or(0.0) },
             false => {
                 Elasticity::Relative { dry, full, steepness, shift: self.shift.unwrap_or(0.75) }
             }
         };
-        tissue(plant, self.kappa.as_ref(), self.kappa_by_radius.as_ref(), STEEPNESS, of)
+        let (kappa, by_radius) = (self.kappa.as_ref(), self.kappa_by_radius.as_ref());
+        let (tissue, classes) = tissue(plant, kappa, by_radius, STEEPNESS, of)?;
+        for elasticity in tissue.classes() {
+            // Of no segment: the constants are checked.
+            elasticity.moduli(&[], &[]).context("--kappa, --shift")?;
+        }
+        used(plant, &tissue, classes).with_context(|| self.name())
     }
 
     fn film(&self) -> Result<Option<Film>> {
         let Some(seconds) = self.motion else { return Ok(None) };
-        for (name, value) in [("--motion", seconds), ("--fps", self.fps)] {
-            if !(value > 0.0 && value.is_finite()) {
-                bail!("{name} {value}: a finite number above 0 is needed");
-            }
-        }
         let most = 1e7;
         if seconds * self.fps > most {
             bail!("--motion, --fps: more than {most} steps");
@@ -297,7 +353,7 @@ impl Args {
             Kind::None => return names,
         };
         let digits = self.frames.to_string().len().max(3);
-        names.extend((0..=self.frames).map(|i| format!("plant-{i:0digits$}.{ending}")));
+        names.extend((0..=self.frames).map(|i| format!("{FRAME}{i:0digits$}.{ending}")));
         names
     }
 }

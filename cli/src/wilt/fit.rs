@@ -10,6 +10,7 @@ use catamaran_charts::{Axis, Chart, Line, Series};
 use catamaran_simulation::plant::{Estimate, Fit, FitOptions, Mark, Measurements, Plant, fit};
 
 use crate::input::TextFile;
+use crate::parse;
 use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::{head, report};
@@ -34,7 +35,7 @@ enum Column {
 pub fn read(table: &TextFile) -> Result<Measurements> {
     let (text, name) = (table.read()?, table.name());
     let mut measured = Measurements::default();
-    let mut columns = Vec::new();
+    let (mut columns, mut hours) = (Vec::new(), 0.0);
     for (i, line) in text.lines().enumerate() {
         let cells: Vec<&str> = line.trim().split(',').map(str::trim).collect();
         if i == 0 {
@@ -44,10 +45,16 @@ pub fn read(table: &TextFile) -> Result<Measurements> {
         if cells == [""] {
             continue;
         }
-        let numbers: Option<Vec<f64>> = cells.iter().map(|cell| cell.parse().ok()).collect();
+        let numbers: Option<Vec<f64>> = cells.iter().map(|cell| parse::finite(cell).ok()).collect();
         let Some(numbers) = numbers.filter(|numbers| numbers.len() == columns.len()) else {
-            bail!("{name}: line {}: expected {} numbers, not {line:?}", i + 1, columns.len());
+            let count = columns.len();
+            bail!("{name}: line {}: expected {count} finite numbers, not {line:?}", i + 1);
         };
+        let before = std::mem::replace(&mut hours, numbers[0]);
+        if hours < before {
+            let why = format!("time_h must ascend from 0, not from {before} to {hours}");
+            bail!("{name}: line {}: {why}", i + 1);
+        }
         for (column, number) in columns.iter().zip(numbers) {
             match column {
                 Column::Hours => measured.seconds.push(3600.0 * number),
@@ -91,16 +98,19 @@ pub struct Fitted<'a> {
     classes: Vec<String>,
 }
 
-/// Fits the constants and reports them. `classes` are the names of the steepnesses.
+/// Fits the constants and reports them. `classes` are the names of the steepnesses; errors begin
+/// with `what`.
 pub fn run<'a>(
     plant: &Plant,
     measured: &'a Measurements,
     options: FitOptions<'_>,
     classes: Vec<String>,
+    what: &str,
 ) -> Result<Fitted<'a>> {
     let bar = Bar::new("fitting");
     let update = |done| bar.update(done);
-    let found = fit(plant, measured, &options.progress(Progress::new(&update)))?;
+    let found = fit(plant, measured, &options.progress(Progress::new(&update)))
+        .with_context(|| what.to_owned())?;
     drop(bar);
     for (name, Estimate { value, error }, unit) in constants(&found, &classes) {
         let spread = match error {

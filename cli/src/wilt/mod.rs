@@ -17,6 +17,7 @@ use catamaran_simulation::plant::{Balance, tubes};
 
 use self::animation::write_animation;
 use self::watering::write_balance;
+use crate::folder::{Folder, note_older};
 use crate::output;
 use crate::picture::write_chart;
 use crate::progress::Bar;
@@ -30,11 +31,15 @@ pub use strip::draw_strip;
 /// Number of sides of a tube.
 const SIDES: usize = 6;
 
+/// The beginning of the names of meshes, before the number of the frame.
+const FRAME: &str = "plant-";
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let plant = args.plant()?;
     let names = args.names();
     names.iter().try_for_each(|name| args.force.check(&args.output.join(name)))?;
+    let _folder = Folder::create(&args.output, &names[0])?;
+    let plant = args.plant()?;
     let leaves = plant.segments().iter().filter(|s| s.leaf).count();
     let nodes = plant.len();
     status!(
@@ -44,26 +49,26 @@ pub fn run(args: &Args) -> Result<()> {
         "{nodes} nodes, {leaves} of them on leaves"
     )?;
     let file = |name: &str| args.force.create(&args.output.join(name));
-    let create_folder =
-        || std::fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string());
     if let Some(table) = &args.fit {
         let measured = fit::read(table)?;
         let (tissue, classes) = args.tissue(&plant)?;
-        let fitted = fit::run(&plant, &measured, args.fit_options(tissue), classes)?;
-        create_folder()?;
+        let what = format!("{}, fitted to {}", args.name(), table.name());
+        let fitted = fit::run(&plant, &measured, args.fit_options(tissue), classes, &what)?;
         fitted.write(file)?;
         return report_written(args, names.len());
     }
+    let weather = args.weather(&plant)?;
+    let is_mesh = |end: &str| [".obj", ".ply"].contains(&end);
+    note_older(&args.output, "frames", FRAME, is_mesh, &names);
     let bar = Bar::new("wilting");
-    let simulation =
-        simulate(&plant, &args.weather(&plant)?, Progress::new(&|done| bar.update(done)))?;
+    let simulation = simulate(&plant, &weather, Progress::new(&|done| bar.update(done)))
+        .with_context(|| args.name())?;
     drop(bar);
     let poses = &simulation.poses;
     report_frames(&simulation)?;
     report_water(&simulation)?;
 
     // All results are computed before the first file appears.
-    create_folder()?;
     tables::write(file("water.csv")?, &simulation.hours, "total_kg", &simulation.water, |row| {
         row.iter().sum()
     })?;
@@ -82,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
     if names.iter().any(|name| name == "balance.csv") {
         write_balance(file("balance.csv")?, &simulation.hours, &simulation.balance)?;
     }
-    for (name, pose) in names.iter().filter(|name| name.starts_with("plant-")).zip(poses) {
+    for (name, pose) in names.iter().filter(|name| name.starts_with(FRAME)).zip(poses) {
         output::mesh(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
     }
     report_written(args, names.len())

@@ -7,26 +7,35 @@ use catamaran::io::Output;
 use catamaran_simulation::plant::{Balance, Rewatering, Soil, Stomata};
 
 use super::tables::write_rows;
+use crate::parse;
 
 /// Grams in a kilogram.
 const GRAMS: f64 = 1e3;
 
 /// Parses `W,STEEPNESS`.
 pub fn stomata(text: &str) -> Result<Stomata, String> {
-    let numbers = text.split_once(',').map(|(w, s)| (w.trim().parse(), s.trim().parse()));
-    match numbers {
-        Some((Ok(half), Ok(steepness))) => Ok(Stomata::new().half(half).steepness(steepness)),
-        _ => Err("expected a relative water content and a steepness, such as 0.8,25".into()),
-    }
+    let numbers = text.split_once(',').map(|(w, s)| (parse::finite(w), parse::at_least_zero(s)));
+    let stomata = match numbers {
+        Some((Ok(half), Ok(steepness))) => Some(Stomata::new().half(half).steepness(steepness)),
+        _ => None,
+    };
+    let expected =
+        "expected a relative water content and a steepness of at least 0, such as 0.8,25";
+    // A large product of both overflows.
+    stomata.filter(|stomata| stomata.openness(1.0).is_finite()).ok_or_else(|| expected.into())
 }
 
 /// Parses `CAPACITY` or `CAPACITY,CONTENT`, in grams.
 pub fn soil(text: &str) -> Result<Soil, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| parse::at_least_zero(x).ok()).collect();
     match numbers.as_deref() {
-        Some(&[capacity]) => Ok(Soil::new(capacity / GRAMS)),
-        Some(&[capacity, content]) => Ok(Soil::new(capacity / GRAMS).content(content / GRAMS)),
-        _ => Err("expected GRAMS or GRAMS,AT_FIRST, such as 200,50".into()),
+        Some(&[capacity]) if capacity > 0.0 => Ok(Soil::new(capacity / GRAMS)),
+        Some(&[capacity, content]) if capacity > 0.0 && content <= capacity => {
+            Ok(Soil::new(capacity / GRAMS).content(content / GRAMS))
+        }
+        _ => Err("expected GRAMS or GRAMS,AT_FIRST, such as 200,50: GRAMS above 0, and AT_FIRST \
+                  from 0 to GRAMS"
+            .into()),
     }
 }
 
@@ -42,14 +51,14 @@ impl FromStr for Pour {
             Some((hours, grams)) => (hours, Some(grams)),
             None => (text, None),
         };
-        let number = |text: &str| text.trim().parse::<f64>().ok();
+        let number = |text: &str| parse::at_least_zero(text).ok();
         let amount = grams.map(|grams| number(grams).map(|grams| grams / GRAMS));
         match (number(hours), amount) {
             (Some(hours), None) => Ok(Self(Rewatering { seconds: 3600.0 * hours, amount: None })),
             (Some(hours), Some(Some(amount))) => {
                 Ok(Self(Rewatering { seconds: 3600.0 * hours, amount: Some(amount) }))
             }
-            _ => Err("expected HOURS or HOURS:GRAMS, such as 120:50".into()),
+            _ => Err("expected HOURS or HOURS:GRAMS, such as 120:50, both at least 0".into()),
         }
     }
 }
@@ -69,12 +78,13 @@ mod tests {
     fn amounts_are_grams_and_times_hours() {
         assert_eq!(soil("200"), Ok(Soil::new(0.2)));
         assert_eq!(soil("200, 50"), Ok(Soil::new(0.2).content(0.05)));
-        assert!(soil("1,2,3").is_err() && soil("x").is_err());
+        assert!(["1,2,3", "x", "0", "-1", "1,2", "1,-1", "inf"].iter().all(|t| soil(t).is_err()));
         let pour = |text: &str| text.parse::<Pour>().map(|pour| (pour.0.seconds, pour.0.amount));
         assert_eq!(pour("2"), Ok((7200.0, None)));
         assert_eq!(pour("0.5:20"), Ok((1800.0, Some(0.02))));
-        assert!(["", "x", "1:", "1:x"].iter().all(|text| pour(text).is_err()));
+        assert!(["", "x", "1:", "1:x", "-1", "1:-1"].iter().all(|text| pour(text).is_err()));
         assert_eq!(stomata("0.7,20"), Ok(Stomata::new().half(0.7).steepness(20.0)));
-        assert!(stomata("0.7").is_err());
+        let wrong = ["0.7", "0.7,-1", "nan,1", "100,1000"];
+        assert!(wrong.iter().all(|text| stomata(text).is_err()));
     }
 }

@@ -369,6 +369,41 @@ fn strict_names_the_entry_that_is_not_finite() {
 }
 
 #[test]
+fn entries_of_c_that_are_not_finite_are_counted_in_a_note() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1e200,1,0\n2,3,4\n");
+    folder.write("nan.csv", "1,2,3\n4,5,NaN\n");
+    let header = "%%MatrixMarket matrix coordinate real general";
+    let few = "\n1 1 1e200\n2 2 1\n3 1 5\n";
+    folder.write("a.mtx", format!("{header}\n3 3 3{few}"));
+    folder.write("sparse.mtx", format!("{header}\n90 90 3{few}"));
+    let finite = "all entries are finite, but";
+    let range = "of C are not finite: sums are out of the range of";
+    for (arguments, note) in [
+        ("a.csv", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
+        ("a.csv --uplo lower", format!("a.csv: {finite} 1 of 6 entries {range} f64")),
+        ("a.csv --strict -o c.npy", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
+        ("a.csv --f32 --uplo upper", format!("a.csv: {finite} 3 of 6 entries {range} f32")),
+        ("a.csv --reproducible", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
+        ("a.mtx", format!("a.mtx: {finite} 1 of 9 entries {range} f64")),
+        ("sparse.mtx", format!("sparse.mtx: {finite} 1 of 8100 entries {range} f64")),
+        (
+            "nan.csv",
+            "nan.csv: NaN at row 1, column 2 (counted from 0); 5 of 9 entries of C are not finite"
+                .into(),
+        ),
+    ] {
+        let run = folder.run(&format!("ata {arguments}"));
+        assert_eq!((run.code, run.stderr), (Some(0), format!("note: {note}\n")), "{arguments}");
+    }
+    folder.succeed("ata a.csv --accumulator sums");
+    let run = folder.run("ata-merge sums -o merged.npy");
+    assert_eq!(run.stderr, "note: 1 of 9 entries of C are not finite\n");
+    folder.write("b.csv", "1e150,1\n");
+    assert_eq!(folder.run("ata b.csv").stderr, "");
+}
+
+#[test]
 fn failed_check_writes_nothing() {
     let folder = Folder::new();
     for (rows, why) in [

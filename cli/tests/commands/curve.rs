@@ -196,8 +196,12 @@ fn a_mesh_is_cut_into_pieces_or_slit() {
     let areas = ["parts/piece-1.ply", "parts/piece-2.ply"].map(|name| area(&folder, name));
     assert_eq!(areas, [0.75, 0.25]);
     // What is there stays.
-    assert!(folder.fail("curve mesh.obj --samples samples.txt --cut parts").contains("exists"));
+    assert!(folder.fail("curve mesh.obj --samples none.txt --cut parts").contains("exists"));
     folder.succeed("curve mesh.obj --samples samples.txt --cut parts --force");
+    folder.write("parts/piece-3.obj", "");
+    let run = folder.run("curve mesh.obj --samples samples.txt --cut parts --force");
+    let note = "note: parts: pieces that this run does not write stay: 1, piece-3.obj\n";
+    assert!(run.code == Some(0) && run.stderr.contains(note), "{}", run.stderr);
     // An open curve leaves a slit, of four edges here.
     folder.write("samples.txt", "curve slit open\n38\n42\n40\n");
     folder.succeed("curve mesh.obj --samples samples.txt --cut slit.ply");

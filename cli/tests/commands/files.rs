@@ -74,6 +74,39 @@ fn force_writes_what_a_symbolic_link_leads_to() {
     }
 }
 
+/// Each of these commands names an input that is not there: a command that had begun its work would
+/// complain of that.
+#[test]
+fn places_that_can_not_be_written_are_refused_before_the_work() {
+    let folder = folder();
+    folder.write("file", "");
+    for name in ["dir.npz", "out/water.csv", "out/plant-000.ply", "out/frame-0003.png"] {
+        fs::create_dir_all(folder.path(name)).unwrap();
+    }
+    for (command, says) in [
+        ("wilt none.txt -o file", "file: is not a folder"),
+        ("wilt none.txt -o file/in/it", "file: is not a folder"),
+        ("wilt none.txt --fit none.csv -o file", "file: is not a folder"),
+        ("wilt none.txt -o out --force", "out/water.csv: is a directory"),
+        ("wilt none.txt -o out", "out/water.csv: is a directory"),
+        ("slime none.obj -o file/in", "file: is not a folder"),
+        ("slime none.obj -o out --steps 3 --force", "out/frame-0003.png: is a directory"),
+        ("slime none.obj -o new --coverage none/c.svg", "none/c.svg: can't be written"),
+        ("curve none.obj --samples none.txt --cut file/", "file: is not a folder"),
+        ("demo --out file --force", "file: is not a folder"),
+        ("man -o file/man", "file: is not a folder"),
+        ("unions dataset -o dir.npz --force", "dir.npz: is a directory"),
+        ("unions train none.npz -o none/w.safetensors", "none/w.safetensors: can't be written"),
+    ] {
+        let message = folder.fail(command);
+        assert!(message.contains(says), "{command}: {message}");
+    }
+    // A folder that was made for a command that fails goes away again.
+    for command in ["wilt none.txt -o a/b", "slime none.obj -o a/b"] {
+        assert!(folder.fail(command).contains("none."), "{command}");
+    }
+}
+
 #[test]
 fn no_file_has_two_purposes_of_which_one_destroys_the_other() {
     let folder = folder();

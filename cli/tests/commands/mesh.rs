@@ -54,6 +54,35 @@ fn problems_are_named_and_fail_only_on_demand() {
 }
 
 #[test]
+fn a_mesh_without_faces_is_a_problem() {
+    let folder = Folder::new();
+    for (name, text, vertices, problems) in [
+        ("empty.obj", "", 0, 1),
+        ("empty.off", "OFF\n0 0 0\n", 0, 1),
+        ("points.obj", "v 0 0 0\nv 1 0 0\n", 2, 3),
+    ] {
+        folder.write(name, text);
+        let report = folder.succeed(&format!("mesh {name}"));
+        let problem = format!("problem     no faces: 1 (a mesh of {vertices} vertices)\n");
+        assert!(report.contains(&problem) && report.contains("\narea        0\n"), "{report}");
+        let refused = folder.fail(&format!("mesh {name} --check"));
+        assert_eq!(refused, format!("catamaran: {name}: problems found: {problems}\n"));
+    }
+}
+
+#[test]
+fn a_surface_that_is_not_orientable_is_not_told_to_be_oriented() {
+    let mut sphere = families::icosphere(1).unwrap().into_parts();
+    sphere.1[3].swap(0, 1);
+    let folder = with("sphere.ply", &TriMesh::new(sphere.0, sphere.1).unwrap().into());
+    assert!(folder.succeed("mesh sphere.ply").contains("\noption      --orient flips"));
+    folder.succeed("mesh sphere.ply --orient --check");
+    let folder = with("strip.ply", &families::moebius(9, 2).unwrap().into());
+    let report = folder.succeed("mesh strip.ply");
+    assert!(report.contains("not orientable") && !report.contains("--orient"), "{report}");
+}
+
+#[test]
 fn a_mesh_is_cleaned_and_converted() {
     let folder = Folder::new();
     folder.write("two.off", TWO);
@@ -319,6 +348,44 @@ fn every_command_joins_a_split_surface_and_says_so() {
     folder.succeed("fps joined.ply -n 5 -o f.csv --force --strict");
     let chosen = notes(&folder, "fps split.ply -n 5 -o f.csv --force --weld 1e-9");
     assert!(chosen.contains("37 vertices joined (at most 0.000000001 apart)"), "{chosen}");
+}
+
+#[test]
+fn sizes_at_which_areas_overflow_or_vanish_are_refused_by_every_command() {
+    let folder = Folder::new();
+    let (points, faces) = families::icosphere(2).unwrap().into_parts();
+    let write = |name: &str, points: Vec<[f64; 3]>| {
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        io::write(output, &TriMesh::new(points, faces.clone()).unwrap().into()).unwrap();
+    };
+    let scaled = |by: f64| points.iter().map(|p| p.map(|x| x * by)).collect::<Vec<_>>();
+    let mut one = points.clone();
+    one[5][0] = 1e308;
+    write("one.ply", one);
+    write("huge.ply", scaled(1e160));
+    write("tiny.ply", scaled(1e-160));
+    for (name, why) in [
+        ("one", "one.ply: vertex 5: position [1e308, "),
+        ("huge", "huge.ply: vertex 0: position ["),
+        ("tiny", "tiny.ply: mesh: the longest side of its bounding box, "),
+    ] {
+        for arguments in [
+            "mesh NAME.ply --check",
+            "mesh NAME.ply --repair -o x.ply",
+            "spectrum NAME.ply -k 4",
+            "fps NAME.ply -n 5 -o x.csv",
+            "decimate NAME.ply -n 60 -o x.ply --strict",
+            "shapedna NAME.ply NAME.ply -k 4",
+        ] {
+            let refused = folder.fail(&arguments.replace("NAME", name));
+            assert!(refused.contains(why) && refused.contains("out of range"), "{refused}");
+        }
+    }
+    // Coordinates that are nearly zero are no size.
+    let mut near = points.clone();
+    near.iter_mut().find(|p| p[0].abs() < 1e-9).unwrap()[0] = 1e-160;
+    write("near.ply", near);
+    folder.succeed("mesh near.ply --check");
 }
 
 #[test]

@@ -108,6 +108,16 @@ fn a_volume_is_an_array_and_frames_are_numbered() {
     for name in ["f-000.png", "f-001.png", "f-002.png"] {
         assert!(names.iter().any(|n| n == name), "{names:?}");
     }
+    // Frames of an earlier run stay, with a note; those of another output are not taken for them.
+    let noted = |options: &str| {
+        let run = folder.run(&format!("newton --size 8 --w-to 1 -o f.png {options}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        run.stderr
+    };
+    let older = "note: .: frames that this run does not write stay: 1, f-002.png\n";
+    assert!(noted("--frames 2 --force --heights f-7.png").contains(older));
+    assert!(folder.path("f-002.png").exists());
+    assert!(!noted("--frames 3 --force").contains("does not write"));
 }
 
 #[test]
@@ -345,7 +355,21 @@ fn the_commands_of_the_guide_run() {
 fn what_is_wrong_is_said() {
     let folder = Folder::new();
     for (command, part) in [
-        ("newton --power 1 -o a.png", "must have 2 to 64 roots, has 1"),
+        ("newton --power 1 -o a.png", "--power: must have 2 to 64 roots, has 1"),
+        ("newton --roots 1e5,0:1,0 -o a.png", "--roots: root 0 must be within +-1e4"),
+        ("newton --polynomial 3 -o a.png", "--polynomial: must not be constant"),
+        ("newton --iterations 0 -o a.png", "--iterations: must be from 1 to 1,000, is 0"),
+        ("newton --iterations 1001 -o a.png", "--iterations: must be from 1 to 1,000, is 1001"),
+        ("newton --scale 2e9 -o a.png", "--scale: must be from -1000000000 to 1000000000, is 2000"),
+        ("newton --offset 0,nan,0 -o a.png", "--offset: must be from -1000000000 to"),
+        ("newton --w 2e9 -o a.png", "--w: must be from -1000000000 to 1000000000, is 2000000000"),
+        // Before the first frame.
+        (
+            "newton --frames 2 --w-to 2e9 -o a.png --size 8",
+            "--w-to: w: must be from -1000000000 to",
+        ),
+        ("newton --extent 1e12 -o a.png --size 8", "--extent, --offset, --w, --scale: coordinates"),
+        ("newton --size 65536 -o a.png", "--size: must be fewer than 2^31, are 4294967296"),
         ("newton --extent 0 -o a.png", "--extent"),
         ("newton --volume --size 3x4 -o a.npy", "the same number along each side"),
         ("newton --theta 99 -o a.png", "theta"),
@@ -378,7 +402,7 @@ fn what_is_wrong_is_said() {
     }
     let run = folder.run("newton --frames 2000000000 --w-to 1 -o a.png");
     assert_eq!(run.code, Some(2));
-    assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("from 0 to 100000"));
     if cfg!(not(feature = "opencl")) {
         assert!(folder.fail("newton --device 0 -o a.png").contains("not in this build"));
     }

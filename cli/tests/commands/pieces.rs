@@ -175,16 +175,22 @@ fn boundary_conditions_count() {
 
 #[test]
 fn vertices_in_no_face_are_noted_or_named_with_the_command_that_drops_them() {
-    let folder = Folder::new();
-    folder.write("a.obj", "v 0 0 0\nv 9 9 9\nv 1 0 0\nv 0 1 0\nf 1 3 4\n");
-    let run = succeed(&folder, "spectrum a.obj -k 3");
-    assert!(run.stderr.contains("note: a.obj: vertices in no face: 1"), "{}", run.stderr);
-    let refused = folder.fail("basis a.obj -k 1 --order 1 -o b.npz");
-    assert!(refused.contains("a.obj: vertex 1 is in no face"), "{refused}");
-    for said in [run.stderr, refused] {
-        let compact = said.split('`').nth(1).unwrap().strip_prefix("catamaran ").unwrap();
-        folder.succeed(&format!("{} --force", compact.replace("FILE", "b.obj")));
-        assert_eq!(succeed(&folder, "spectrum b.obj -k 3").stderr, "");
-        folder.succeed("basis b.obj -k 1 --order 1 -o b.npz --force");
+    let alone = "v 0 0 0\nv 9 9 9\nv 1 0 0\nv 0 1 0\nf 1 3 4\n";
+    // The repair drops the face without area, and leaves its vertices.
+    let flat = format!("{alone}v 9 9 10\nv 9 9 12\nf 2 5 6\n");
+    for (text, count) in [(alone, 1), (flat.as_str(), 3)] {
+        let folder = Folder::new();
+        folder.write("a.obj", text);
+        let noted = succeed(&folder, "spectrum a.obj -k 3").stderr;
+        assert!(noted.contains(&format!("note: a.obj: vertices in no face: {count}")), "{noted}");
+        let refused = folder.run("basis a.obj -k 1 --order 1 -o b.npz");
+        assert_eq!(refused.code, Some(1));
+        assert!(refused.stderr.contains("a.obj: vertex 1 is in no face"), "{}", refused.stderr);
+        for said in [noted, refused.stderr] {
+            let compact = said.split('`').nth(1).unwrap().strip_prefix("catamaran ").unwrap();
+            folder.succeed(&format!("{} --force", compact.replace("FILE", "b.obj")));
+            assert_eq!(succeed(&folder, "spectrum b.obj -k 3").stderr, "");
+            folder.succeed("basis b.obj -k 1 --order 1 -o b.npz --force");
+        }
     }
 }

@@ -70,6 +70,27 @@ fn a_run_goes_on_where_it_ended() {
 }
 
 #[test]
+fn frames_of_an_earlier_run_stay_and_are_noted() {
+    let folder = folder();
+    let run = |rest: &str| {
+        let run = folder.run(&format!("slime square.obj --config c.toml {rest}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        run.stderr
+    };
+    let note = "note: out: frames that this run does not write stay: ";
+    assert_eq!(run("--steps 25 --every 10 -o out --state some.state"), "");
+    let said = run("--steps 15 --every 10 -o out --force");
+    assert_eq!(said, format!("{note}2, frame-0020.png to frame-0025.png\n"));
+    assert!(folder.path("out/frame-0025.png").exists());
+    let said = run("--steps 10 --every 10 --species 4 -o out --force");
+    assert_eq!(said, format!("{note}4, frame-0010.png to frame-0025.png\n"));
+    // The frames of the run that is resumed belong to this one, except that of its last step.
+    assert_eq!(run("--steps 25 --every 10 -o other"), "");
+    let said = run("--steps 40 --every 10 -o other --resume some.state --force");
+    assert_eq!(said, format!("{}1, frame-0025.png\n", note.replace("out", "other")));
+}
+
+#[test]
 fn species_have_channels_and_meshes_without_coordinates_an_atlas() {
     let folder = folder();
     let bare: String =
@@ -89,6 +110,21 @@ fn what_is_wrong_is_named() {
     folder.write("bad.toml", "vision_angel = 3\n");
     let said = folder.fail("slime square.obj --config bad.toml -o out");
     assert!(said.contains("bad.toml") && said.contains("vision_angel"), "{said}");
+    folder.write("far.toml", "movement_speed = 1e7\n");
+    folder.write("far.ini", "NumAgents=5\nMoveSpeed=-1\n");
+    for (arguments, why) in [
+        ("--config far.toml", "far.toml: movement_speed: must be from 0 to 1000000, is 10000000"),
+        (
+            "--config far.ini",
+            "far.ini: line 2: MoveSpeed=-1: movement_speed: must be from 0 to 1000000, is -100",
+        ),
+        ("--species 16", "--species: must be from 1 to 15, is 16"),
+        ("--size 20000", "--size: must be a multiple of 32 from 32 to 16384, is 20000"),
+        ("--agents 5000000000", "--agents: must be from 0 to 2^32 - 1, is 5000000000"),
+    ] {
+        let said = folder.fail(&format!("slime square.obj {arguments} -o out"));
+        assert!(said.contains(why), "{said}");
+    }
     folder.write("flat.obj", SQUARE.replace("vt 1 1", "vt 0.5 0"));
     let said = folder.fail("slime flat.obj --config c.toml -o out");
     assert!(said.contains("face 0") && said.contains("--atlas"), "{said}");

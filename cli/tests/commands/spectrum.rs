@@ -131,6 +131,22 @@ fn options_change_the_problem() {
 }
 
 #[test]
+fn a_shift_may_be_an_eigenvalue() {
+    let folder = Folder::new();
+    write(&folder, "torus.ply", families::torus(40, 20, 2.0, 0.7).unwrap());
+    folder.succeed("spectrum torus.ply -k 9 -o plain.npz");
+    let plain = array(&folder, "plain.npz", "eigenvalues").1;
+    for shift in ["0", "1e-8", "-1e-12"] {
+        folder.succeed(&format!("spectrum torus.ply -k 9 --shift={shift} -o near.npz --force"));
+        let near = array(&folder, "near.npz", "eigenvalues").1;
+        assert!(near.iter().zip(&plain).all(|(a, b)| (a - b).abs() < 1e-9), "{shift}: {near:?}");
+    }
+    let shift = plain[8];
+    folder.succeed(&format!("spectrum torus.ply -k 1 --shift={shift:.15e} -o near.npz --force"));
+    assert!((array(&folder, "near.npz", "eigenvalues").1[0] - shift).abs() < 1e-9);
+}
+
+#[test]
 #[cfg(feature = "hdf5")]
 fn hdf5_holds_the_same_arrays() {
     let folder = Folder::new();
@@ -156,6 +172,21 @@ fn hdf5_that_is_not_built_in_is_refused_before_any_work() {
     let folder = Folder::new();
     let refused = folder.fail("spectrum none.ply -k 9 -o s.h5");
     assert!(refused.contains("s.h5: HDF5 is not part of this program"), "{refused}");
+}
+
+#[test]
+fn numbers_that_are_none_are_refused_with_what_is_expected() {
+    let folder = Folder::new();
+    for value in ["-1", "1.5", "many"] {
+        let run = folder.run(&format!("spectrum a.obj -k {value}"));
+        assert_eq!(run.code, Some(2));
+        let why =
+            format!("error: invalid value '{value}' for '-k <NUMBER>': expected a whole number");
+        assert!(run.stderr.starts_with(&why), "{}", run.stderr);
+        assert!(run.stderr.ends_with("try '--help'.\n"), "{}", run.stderr);
+    }
+    let run = folder.run("spectrum a.obj --memory -1");
+    assert!(run.stderr.contains("expected a number of GiB above 0"), "{}", run.stderr);
 }
 
 #[test]

@@ -97,6 +97,16 @@ fn c_larger_than_memory_is_computed_in_strips() {
         (folder.read_npy::<f64>("whole.npy"), folder.read_npy::<f64>("strips.npy"));
     assert!(whole.iter().zip(&strips).all(|(x, y)| (x - y).abs() < 1e-10));
 
+    // What is not finite is counted over all strips.
+    let mut far = table(m, n);
+    far[5] = 1e200;
+    folder.write_npy("far.npy", &[m as u64, n as u64], &far);
+    let run =
+        folder.run(&format!("ata far.npy {options} --accuracy classical -o strips.npy --force"));
+    assert!(run.stdout.contains("for strips"), "{}", run.stdout);
+    let note = "far.npy: all entries are finite, but 1 of 490000 entries of C are not finite";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+
     let fail = |arguments: &str| folder.fail(&format!("ata a.npy {options} {arguments}"));
     assert!(fail("-o c.csv").contains("c.csv: a matrix larger than memory"));
     assert!(fail("").contains("name a file with -o"));

@@ -116,9 +116,26 @@ fn a_template_is_deformed_to_a_predicted_spectrum() {
     let [one, other] = ["union.ply", "again.ply"].map(|name| fs::read(folder.path(name)).unwrap());
     assert!(one == other);
     assert!(folder.fail(&format!("{deform} union.ply")).contains("union.ply"));
-    folder.write("wrong.csv", "number,value\n1,3.0\n2,1.0\n");
-    let wrong = "unions shape template.off --spectrum wrong.csv -o x.ply";
-    assert!(folder.fail(wrong).contains("must ascend"));
+}
+
+#[test]
+fn what_is_wrong_with_a_spectrum_is_said_of_its_file() {
+    let folder = Folder::new();
+    rectangle(&folder, "template.off", 5, 5);
+    let rows: String = (1..=50).map(|i| format!("{i}\n")).collect();
+    for (table, why) in [
+        ("number,value\n1,3.0\n2,1.0\n", "must ascend, but number 1 (from 0), 1e0, follows 3e0"),
+        ("1,3.0\n2,nan\n", "eigenvalues: not finite at row 1, column 1"),
+        ("-3\n1\n", "eigenvalues: must be positive, but the first one is -3e0"),
+        ("0\n1\n", "the first one is 0e0: leave zeros out"),
+        ("1e300\n2e300\n", "eigenvalues: are out of range"),
+        ("one\ntwo\n", "is not a number"),
+        (rows.as_str(), "must be fewer than the 36 vertices of the template"),
+    ] {
+        folder.write("wrong.csv", table);
+        let said = folder.fail("unions shape template.off --spectrum wrong.csv -o x.ply");
+        assert!(said.starts_with("catamaran: wrong.csv:") && said.contains(why), "{table}: {said}");
+    }
 }
 
 /// Writes a closed body, and two open parts of it that overlap: `NAME.off`, `NAME-low.off` and

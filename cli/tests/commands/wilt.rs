@@ -76,24 +76,65 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
             .contains("plant.txt: node 1: radius must be positive and finite, is -1")
     );
     assert!(folder.fail("wilt none.swc -o out").contains("none.swc"));
-    assert!(
-        folder.fail("wilt --grow 5 -o out --cut 9").contains("node 9 is out of range: 5 nodes")
-    );
+    folder.write("little.txt", LITTLE);
     for (arguments, why) in [
-        ("--pin 9", "--pin: no node 9: the plant has 5 nodes, numbered from 0"),
-        ("--weaken 1.5,0.1", "--weaken: no node 1.5: the plant has 5 nodes, numbered from 0"),
-        ("--hours=-1", "--hours -1: a finite number above 0 is needed"),
-        ("--motion 1 --fps 0", "--fps 0: a finite number above 0 is needed"),
+        ("--pin 9", "--pin 9: little.txt has 4 nodes, numbered from 0"),
+        ("--cut 9", "--cut 9: little.txt has 4 nodes, numbered from 0"),
+        ("--cut 0", "--cut 0: the root of little.txt has no parent"),
+        ("--weaken 4,0.1", "--weaken 4: little.txt has 4 nodes, numbered from 0"),
+        ("--weaken 0,0.1", "--weaken 0: the root of little.txt has no parent"),
+        ("--elasticity 1,2", "--elasticity 1,2: DRY must be above 0, and FULL above DRY"),
+        ("--elasticity=-1,2 --literal --kappa 1", "--elasticity -1,2: FULL must be above 0"),
+        ("--kappa 1e9 --shift 2", "--kappa, --shift: elasticity: steepness 1000000000 and shift 2"),
     ] {
-        let refused = folder.fail(&format!("wilt --grow 5 -o out {arguments}"));
+        let refused = folder.fail(&format!("wilt little.txt -o out {arguments}"));
         assert!(refused.contains(why), "{refused}");
     }
-    assert!(folder.fail("wilt --grow 0 -o out").contains("nodes"));
+    // Nodes so thin that they hold no water.
+    folder.write("thin.swc", "1 1 0 0 0 1e-200 -1\n2 3 0 1 0 1e-200 1\n");
+    assert!(folder.fail("wilt thin.swc -o out").contains("thin.swc: node 0: water (0 kg)"));
     let message = folder.fail("wilt --grow 50000000 -o out --max-memory 1");
     assert!(message.contains("a plant of 50000000 nodes would take at least"), "{message}");
     let run = folder.run("wilt --grow 5 -o out --frames 4000000000");
     assert_eq!(run.code, Some(2));
-    assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("from 0 to 100000"));
+}
+
+/// Values are refused before any work, by the name of the option and in its unit.
+#[test]
+fn values_out_of_range_are_named_as_they_were_given() {
+    let folder = Folder::new();
+    let above_zero = "expected a finite number above 0";
+    let from_zero = "expected a finite number of at least 0";
+    for (option, value, why) in [
+        ("--grow <NODES>", "0", "expected a whole number of at least 1"),
+        ("--hours <HOURS>", "-1", above_zero),
+        ("--delta <LOSS>", "-1", from_zero),
+        ("--delta <LOSS>", "nan", from_zero),
+        ("--kappa <K|PART=K,...>", "leaf=0", "with a steepness K above 0"),
+        ("--kappa-by-radius <MM=K,...>", "2=3,1=4", "with radii MM that ascend"),
+        ("--shift <W>", "nan", "expected a finite number"),
+        ("--elasticity <FULL,DRY>", "inf,1", "expected two numbers"),
+        ("--conductance <CHI>", "0", above_zero),
+        ("--stomata <W,STEEPNESS>", "0.5,-1", "a steepness of at least 0"),
+        ("--soil <GRAMS[,AT_FIRST]>", "1,2", "AT_FIRST from 0 to GRAMS"),
+        ("--soil <GRAMS[,AT_FIRST]>", "-1", "GRAMS above 0"),
+        ("--rewater <HOURS[:GRAMS]>", "-3", "both at least 0"),
+        ("--rewater <HOURS[:GRAMS]>", "3:-1", "both at least 0"),
+        ("--weaken <NODE,FACTOR>", "1.5,0.1", "expected a node and a factor of at least 0"),
+        ("--weaken <NODE,FACTOR>", "1,-0.1", "expected a node and a factor of at least 0"),
+        ("--motion <SECONDS>", "0", above_zero),
+        ("--fps <NUMBER>", "0", above_zero),
+        ("--damping <RATE>", "-1", from_zero),
+        ("--wind <X,Y,Z>", "nan,0,0", "expected three numbers"),
+        ("--turbulence <PART>", "-1", from_zero),
+    ] {
+        let name = option.split(' ').next().unwrap();
+        let run = folder.run(&format!("wilt none.txt -o out {name}={value}"));
+        assert_eq!(run.code, Some(2), "{option} {value}: {}", run.stderr);
+        let said = format!("invalid value '{value}' for '{option}': ");
+        assert!(run.stderr.contains(&said) && run.stderr.contains(why), "{}", run.stderr);
+    }
 }
 
 /// Where the segments of an animation end at one of its times, as a viewer poses the skin.
@@ -260,10 +301,18 @@ fn constants_are_found_from_weights_and_heights() {
         ("time_h,weight_g\n0,1\n1,x\n", "line 3"),
         ("time_h,weight_g\n0,1\n1\n", "line 3"),
         ("time_h,weight_g\n0,1\n", "must be at least 4, are 1"),
+        ("time_h,weight_g\n0,nan\n", "line 2: expected 2 finite numbers, not \"0,nan\""),
+        ("time_h,weight_g\n0,3\n2,2\n1,1\n", "line 4: time_h must ascend from 0, not from 2 to 1"),
+        ("time_h,weight_g\n-1,3\n", "line 2: time_h must ascend from 0, not from 0 to -1"),
+        ("time_h,weight_g\n0,1\n1,1\n2,1\n3,1\n", "weights: must not all be equal"),
+        (
+            "time_h,weight_g,node_99_m\n0,4,1\n1,3,1\n2,2,1\n3,1,1\n",
+            "mark: node 99 is out of range",
+        ),
     ] {
         folder.write("wrong.csv", text);
         let said = folder.fail("wilt --grow 40 --fit wrong.csv -o wrong");
-        assert!(said.contains(part), "{said}");
+        assert!(said.contains("wrong.csv: ") && said.contains(part), "{said}");
         assert!(!folder.path("wrong").exists());
     }
 }
@@ -296,7 +345,10 @@ fn each_part_has_its_own_steepness() {
     ] {
         if options.contains("4=1") {
             let said = folder.fail(&format!("wilt plant.txt -o none {options}"));
-            assert!(said.contains("kappa_from_4_mm: the plant has no such segment"), "{said}");
+            assert!(
+                said.contains("plant.txt: the plant has no segment for --kappa-by-radius 4=1"),
+                "{said}"
+            );
             continue;
         }
         let out = options.replace([' ', '=', ',', '-'], "_");
@@ -310,7 +362,7 @@ fn each_part_has_its_own_steepness() {
         let run = folder.run(&format!("wilt plant.txt -o none {options}"));
         assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
     };
-    fails("--kappa petiole=3", "kappa_petiole: the plant has no such segment");
+    fails("--kappa petiole=3", "plant.txt: the plant has no segment for --kappa petiole=3");
     fails("--kappa root=3", "leaf=K");
     fails("--kappa-by-radius 3", "MM=K");
     fails("--kappa-by-radius 2=3,1=4", "ascend");
@@ -361,9 +413,9 @@ fn soil_is_emptied_and_watered_and_no_water_is_lost() {
         assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
     };
     fails("--rewater 3", "--soil");
-    fails("--soil 1,2", "at most 0.001 kg");
+    fails("--soil 1,2", "AT_FIRST from 0 to GRAMS");
     fails("--soil x", "expected GRAMS");
-    fails("--soil 1 --rewater=-3", "time of rewatering");
+    fails("--soil 1 --rewater=-3", "expected HOURS or HOURS:GRAMS");
     fails("--soil 1 --rewater 3:x", "expected HOURS or HOURS:GRAMS");
     fails("--stomata 0.5", "steepness");
     fails("--stomata 0.5,-1", "steepness");
@@ -464,4 +516,29 @@ fn the_commands_of_the_guide_run() {
         count += 1;
     }
     assert_eq!(count, 10);
+}
+
+#[test]
+fn frames_of_an_earlier_run_stay_and_are_noted() {
+    let folder = Folder::new();
+    let run = |rest: &str| {
+        let run = folder.run(&format!("wilt --grow 9 --hours 2 -o out {rest}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        run.stderr
+    };
+    assert_eq!(run("--frames 4 --mesh obj"), "");
+    let note = "note: out: frames that this run does not write stay: ";
+    assert_eq!(
+        run("--frames 2 --mesh obj --force"),
+        format!("{note}2, plant-003.obj to plant-004.obj\n")
+    );
+    assert!(folder.path("out/plant-004.obj").exists());
+    assert_eq!(
+        run("--frames 3 --mesh ply --force"),
+        format!("{note}5, plant-000.obj to plant-004.obj\n")
+    );
+    assert_eq!(
+        run("--frames 4 --mesh obj --force"),
+        format!("{note}4, plant-000.ply to plant-003.ply\n")
+    );
 }

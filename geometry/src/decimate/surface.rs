@@ -69,21 +69,10 @@ impl Block {
     }
 }
 
-/// Range of sizes for which fourth powers of lengths, as in squared areas, neither overflow nor
-/// vanish.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-70..=1e70;
-
 fn scale_of(mesh: &TriMesh) -> Result<f64> {
-    let Some([low, high]) = mesh.bounding_box() else { return Ok(1.0) };
-    let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
-    if longest == 0.0 {
-        return Ok(1.0);
-    }
-    if !SIZES.contains(&longest) {
-        let what = format!("the longest side of its bounding box, {longest:e}, is out of range");
-        return Err(Error::Mesh { what, element: "mesh".into() });
-    }
-    Ok(distance(low, high))
+    mesh.check_size()?;
+    let diagonal = mesh.bounding_box().map_or(0.0, |[low, high]| distance(low, high));
+    Ok(if diagonal > 0.0 { diagonal } else { 1.0 })
 }
 
 impl<'m> Surface<'m> {

@@ -9,6 +9,11 @@ use catamaran::base::{Error, Result};
 /// edge: the rounding error of a degenerate triangle is not larger.
 const FLAT: f64 = 8.0 * f64::EPSILON;
 
+/// Largest coordinate and least size of a mesh for which fourth powers of lengths, as in squared
+/// areas, neither overflow nor vanish.
+const LARGEST: f64 = 1e70;
+const LEAST: f64 = 1e-70;
+
 /// The size to which [`TriMesh::normalized`] scales.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Normalization {
@@ -42,7 +47,8 @@ impl TriMesh {
 
     /// Returns the total area.
     pub fn area(&self) -> f64 {
-        self.faces().iter().map(|&f| norm(self.doubled_normal(f)) / 2.0).sum()
+        // `sum` of nothing is -0.
+        self.faces().iter().fold(0.0, |sum, &f| sum + norm(self.doubled_normal(f)) / 2.0)
     }
 
     /// Returns the unit normal of each face; zero for faces without area.
@@ -139,6 +145,47 @@ impl TriMesh {
         }))
     }
 
+    /// Checks that areas of the mesh can be computed: coordinates are at most 1e70, and the longest
+    /// side of the bounding box is at least 1e-70, or 0.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::TriMesh;
+    ///
+    /// let far = TriMesh::new(vec![[0.0; 3], [1.0, 0.0, 1e80], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// assert!(far.check_size().unwrap_err().to_string().starts_with("vertex 1: "));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names the first vertex that is too far out, or the mesh if it is too small.
+    pub fn check_size(&self) -> Result<()> {
+        let is_far = |p: &[f64; 3]| p.iter().any(|x| x.abs() > LARGEST);
+        if let Some(v) = self.vertices().iter().position(is_far) {
+            let p = self.vertices()[v];
+            return Err(Error::Mesh {
+                what: format!("position {p:?} is out of range: at most {LARGEST:e} is possible"),
+                element: format!("vertex {v}"),
+            });
+        }
+        let longest = self.longest_side();
+        if longest > 0.0 && longest < LEAST {
+            return Err(Error::Mesh {
+                what: format!(
+                    "the longest side of its bounding box, {longest:e}, is out of range: at least \
+                     {LEAST:e} is needed"
+                ),
+                element: "mesh".into(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Returns the longest side of the bounding box; 0 when there are no vertices.
+    fn longest_side(&self) -> f64 {
+        let [low, high] = self.bounding_box().unwrap_or_default();
+        (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
+    }
+
     /// Returns the mesh moved and uniformly scaled to the size `to`.
     ///
     /// ```
@@ -156,8 +203,7 @@ impl TriMesh {
             Normalization::UnitArea => (self.centroid(), self.area().sqrt()),
             Normalization::UnitBox => {
                 let [low, high] = self.bounding_box().unwrap_or_default();
-                let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
-                (std::array::from_fn(|k| low[k] / 2.0 + high[k] / 2.0), size)
+                (std::array::from_fn(|k| low[k] / 2.0 + high[k] / 2.0), self.longest_side())
             }
         };
         if !(size.is_normal() && centre.iter().all(|x: &f64| x.is_finite())) {

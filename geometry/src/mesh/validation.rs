@@ -11,6 +11,11 @@ use super::vector::distance;
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Problem {
+    /// There is no face, and thus no surface.
+    NoFace {
+        /// The number of vertices.
+        vertices: usize,
+    },
     /// No face has this vertex.
     UnreferencedVertex(u32),
     /// An edge with three faces or more.
@@ -67,6 +72,7 @@ pub enum Problem {
 impl Problem {
     fn kind(&self) -> &'static str {
         match self {
+            Self::NoFace { .. } => "no faces",
             Self::UnreferencedVertex(_) => "vertices without a face",
             Self::NonManifoldEdge { .. } => "edges with more than two faces",
             Self::NonManifoldVertex { .. } => "vertices at which the surface meets itself",
@@ -83,6 +89,7 @@ impl Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NoFace { vertices } => write!(f, "a mesh of {vertices} vertices"),
             Self::UnreferencedVertex(vertex) => write!(f, "vertex {vertex}"),
             Self::NonManifoldEdge { ends: [a, b], faces } => {
                 write!(f, "edge {a}-{b} of {}", face_list(faces.iter().copied()))
@@ -202,6 +209,9 @@ impl TriMesh {
                 .map(|(vertex, &fans)| Problem::NonManifoldVertex { vertex, fans }),
         );
         let manifold = !problems.iter().any(|p| !matches!(p, Problem::UnreferencedVertex(_)));
+        if self.faces().is_empty() {
+            problems.push(Problem::NoFace { vertices: self.vertices().len() });
+        }
         problems.extend(
             self.repeated_faces()
                 .into_iter()

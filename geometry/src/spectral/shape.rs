@@ -92,9 +92,17 @@ pub fn shape_from_spectrum(
     let wanted = Wanted::new(template, eigenvalues, options.par)?;
     let as_given = wanted.shape(template.vertices().to_vec())?;
     // Eigenvalues scale with 1 / length^2.
-    let mean = 1.0 + as_given.residuals.iter().sum::<f64>() / eigenvalues.len() as f64;
-    let sized = template.vertices().iter().map(|p| scale(*p, mean.sqrt())).collect();
-    let mut now = wanted.shape(sized)?;
+    let ratios = as_given.values.iter().zip(eigenvalues).map(|(found, wanted)| found / wanted);
+    let factor = (ratios.sum::<f64>() / eigenvalues.len() as f64).sqrt();
+    let sized = template.vertices().iter().map(|p| scale(*p, factor)).collect();
+    let mut now = wanted.shape(sized).map_err(|error| match error {
+        // The template itself has a spectrum.
+        Error::Mesh { .. } => {
+            let why = format!("are out of range: the template would be {factor:e} times as large");
+            Error::Argument { what: "eigenvalues", why }
+        }
+        other => other,
+    })?;
     let (mut damping, mut steps) = (1e-3, 0);
     while steps < options.steps && now.error() > options.tolerance {
         options.progress.report(steps as f64 / options.steps as f64)?;
@@ -127,17 +135,14 @@ fn check(template: &TriMesh, eigenvalues: &[f64]) -> Result<()> {
     if let Some(i) = eigenvalues.iter().position(|x| !x.is_finite()) {
         return Err(Error::NonFinite { what, index: (i, 0) });
     }
-    match eigenvalues.first() {
-        None => return refuse("must not be empty".into()),
-        Some(x) if *x <= 0.0 => {
-            return refuse(format!(
-                "must be positive, but the first one is {x:e}: leave zeros out"
-            ));
-        }
-        Some(_) => {}
+    let Some(&first) = eigenvalues.first() else { return refuse("must not be empty".into()) };
+    if first <= 0.0 {
+        let advice = if first == 0.0 { ": leave zeros out" } else { "" };
+        return refuse(format!("must be positive, but the first one is {first:e}{advice}"));
     }
     if let Some(i) = (1..eigenvalues.len()).find(|&i| eigenvalues[i] < eigenvalues[i - 1]) {
-        return refuse(format!("must ascend, but number {i} (from 0) is less than the one before"));
+        let (x, before) = (eigenvalues[i], eigenvalues[i - 1]);
+        return refuse(format!("must ascend, but number {i} (from 0), {x:e}, follows {before:e}"));
     }
     if eigenvalues.len() >= template.vertices().len() {
         let (k, n) = (eigenvalues.len(), template.vertices().len());
@@ -487,7 +492,10 @@ mod tests {
         };
         assert!(with(&[]).contains("eigenvalues: must not be empty"));
         assert!(with(&[0.0, 1.0]).contains("leave zeros out"));
-        assert!(with(&[2.0, 1.0]).contains("must ascend"));
+        assert!(with(&[-1.0, 1.0]).ends_with("the first one is -1e0"));
+        assert!(with(&[2.0, 1.0]).contains("must ascend, but number 1 (from 0), 1e0, follows 2e0"));
+        assert!(with(&[1e300, 2e300]).starts_with("eigenvalues: are out of range"));
+        assert!(with(&[1e-300, 2e-300]).starts_with("eigenvalues: are out of range"));
         assert!(with(&[1.0, f64::NAN]).contains("eigenvalues"));
         assert!(with(&[1.0; 42]).contains("fewer than the 42 vertices"));
     }

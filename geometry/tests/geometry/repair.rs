@@ -265,6 +265,26 @@ fn sizes_near_the_limits_of_numbers_are_no_reason_to_drop_faces() {
 }
 
 #[test]
+fn a_vertex_far_out_is_named_where_its_faces_have_no_area() {
+    let (points, faces) = families::icosphere(1).unwrap().into_parts();
+    for far in [1e71, 1e160, -1e308] {
+        let mut points = points.clone();
+        points[7][1] = far;
+        let mesh = mesh(&points, &faces);
+        let specks = RepairOptions::new().drop_specks(Some(0.5));
+        for options in [RepairOptions::unambiguous(), specks] {
+            let refused = repair(mesh.clone().into(), &options).unwrap_err().to_string();
+            assert!(refused.starts_with("vertex 7: position ["), "{far}: {refused}");
+        }
+    }
+    // Two tiny faces, one of them without area.
+    let points = [[0.0; 3], [1e-160, 0.0, 0.0], [0.0, 1e-160, 0.0], [2e-160, 0.0, 0.0]];
+    let tiny = mesh(&points, &[[0, 1, 2], [0, 1, 3]]);
+    let refused = repair(tiny.into(), &RepairOptions::unambiguous()).unwrap_err().to_string();
+    assert!(refused.contains("the longest side of its bounding box, 2e-160, is out of range"));
+}
+
+#[test]
 fn texture_follows_a_flipped_edge_on_both_sides_of_a_seam() {
     // A square of two triangles and, between them, one without area whose corner is on the
     // diagonal.

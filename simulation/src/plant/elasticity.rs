@@ -1,4 +1,4 @@
-use catamaran::base::{Error, Result, positive};
+use catamaran::base::{Error, Result, finite, positive};
 
 /// The law by which the modulus of elasticity of a segment follows from its water.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +93,7 @@ impl Elasticity {
                     );
                     return Err(Error::Argument { what: "full modulus", why });
                 }
-                check_shift(shift)?;
+                finite("shift", shift)?;
                 let range = logistic(steepness * (1.0 - shift)) - logistic(-steepness * shift);
                 if range > 0.0 {
                     return Ok(());
@@ -104,17 +104,10 @@ impl Elasticity {
             Self::Literal { full, steepness, shift } => {
                 positive("full modulus", full)?;
                 positive("steepness", steepness)?;
-                check_shift(shift)
+                finite("shift", shift)
             }
         }
     }
-}
-
-fn check_shift(shift: f64) -> Result<()> {
-    if shift.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Argument { what: "shift", why: format!("must be finite, is {shift}") })
 }
 
 fn logistic(x: f64) -> f64 {

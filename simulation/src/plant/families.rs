@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use super::{Plant, Segment};
-use catamaran::base::{Error, Result, Rng, builder, check_request, reserved};
+use catamaran::base::{Result, Rng, at_least, builder, check_request, finite, positive, reserved};
 use catamaran_geometry::mesh::vector::{add, cross, dot, scale, unit};
 
 /// Number of segments of an internode.
@@ -124,13 +124,13 @@ impl Bud {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names the options when one is out of its range; [`Error::OutOfMemory`].
+/// [`Error::Argument`](catamaran::Error::Argument) names an option out of its range;
+/// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory).
 pub fn grow(options: &GrowthOptions) -> Result<Plant> {
-    let positive = [options.radius, options.internode].iter().all(|x| *x > 0.0 && x.is_finite());
-    if options.nodes == 0 || !positive || !options.branching.is_finite() {
-        let why = format!("nodes, radius and internode must be positive, in {options:?}");
-        return Err(Error::Argument { what: "growth", why });
-    }
+    at_least("nodes", options.nodes, 1)?;
+    positive("radius", options.radius)?;
+    positive("internode", options.internode)?;
+    finite("branching", options.branching)?;
     /// Bytes of a node while the plant grows: its segment, its place in the tree, and its bud.
     const NODE: f64 = 200.0;
     let request = format_args!("a plant of {} nodes", options.nodes);
@@ -220,7 +220,18 @@ mod tests {
             assert_eq!(plant, grow(&options).unwrap());
             assert!(nodes < 7 || plant != grow(&GrowthOptions { seed: 6, ..options }).unwrap());
         }
-        assert!(grow(&GrowthOptions { nodes: 0, ..GrowthOptions::default() }).is_err());
         assert_eq!(chain(3, 0.3, 1e-3).unwrap().len(), 3);
+    }
+
+    #[test]
+    fn options_out_of_range_are_named() {
+        let says = |options: GrowthOptions, why: &str| {
+            assert_eq!(grow(&options).unwrap_err().to_string(), why);
+        };
+        let options = GrowthOptions::new();
+        says(options.nodes(0), "nodes: must be at least 1, is 0");
+        says(options.radius(0.0), "radius: must be positive and finite, is 0");
+        says(options.internode(-1.0), "internode: must be positive and finite, is -1");
+        says(options.branching(f64::NAN), "branching: must be finite, is NaN");
     }
 }

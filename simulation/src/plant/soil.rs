@@ -36,13 +36,12 @@ impl Soil {
 
     pub(super) fn check(&self) -> Result<()> {
         positive("capacity of the soil", self.capacity)?;
-        at_least_zero("content of the soil", self.content)?;
         positive("half of the soil", self.half)?;
         self.conductance.map_or(Ok(()), |g| at_least_zero("conductance of the soil", g))?;
-        if self.content <= self.capacity {
+        if (0.0..=self.capacity).contains(&self.content) {
             return Ok(());
         }
-        let why = format!("must be at most {} kg, is {} kg", self.capacity, self.content);
+        let why = format!("must be from 0 to {} kg, is {} kg", self.capacity, self.content);
         Err(Error::Argument { what: "content of the soil", why })
     }
 
@@ -119,8 +118,8 @@ mod tests {
             assert!(soil.check().unwrap_err().to_string().contains(part));
         };
         says(Soil::new(0.0), "capacity");
-        says(Soil::new(1.0).content(1.5), "at most 1 kg");
-        says(Soil::new(1.0).content(-0.5), "content");
+        says(Soil::new(1.0).content(1.5), "from 0 to 1 kg, is 1.5 kg");
+        says(Soil::new(1.0).content(-0.5), "from 0 to 1 kg, is -0.5 kg");
         says(Soil::new(1.0).half(0.0), "half");
         says(Soil::new(1.0).conductance(Some(-1.0)), "conductance");
     }

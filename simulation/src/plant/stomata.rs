@@ -1,4 +1,4 @@
-use catamaran::base::{Error, Result, at_least_zero, builder};
+use catamaran::base::{Error, Result, at_least_zero, builder, finite};
 
 /// Stomata that close as the leaf dries. A leaf of relative water content w loses `delta A f(w) w`
 /// instead of `delta A w`, with the logistic function
@@ -55,10 +55,14 @@ impl Stomata {
 
     pub(super) fn check(&self) -> Result<()> {
         at_least_zero("steepness of stomata", self.steepness)?;
-        if self.half.is_finite() && self.scale().is_finite() {
+        finite("half of stomata", self.half)?;
+        if self.scale().is_finite() {
             return Ok(());
         }
-        let why = format!("half {} and steepness {} are out of range", self.half, self.steepness);
+        let Self { half, steepness } = self;
+        let why = format!(
+            "exp(steepness (half - 1)) must be finite, with steepness {steepness} and half {half}"
+        );
         Err(Error::Argument { what: "stomata", why })
     }
 }
@@ -89,8 +93,12 @@ mod tests {
 
     #[test]
     fn constants_out_of_range_are_named() {
-        assert!(Stomata::new().steepness(-1.0).check().is_err());
-        assert!(Stomata::new().half(f64::NAN).check().is_err());
-        assert!(Stomata::new().half(100.0).steepness(1e3).check().is_err());
+        let says = |stomata: Stomata, part: &str| {
+            let refused = stomata.check().unwrap_err().to_string();
+            assert!(refused.contains(part), "{refused}");
+        };
+        says(Stomata::new().steepness(-1.0), "steepness of stomata: must be finite and at least 0");
+        says(Stomata::new().half(f64::NAN), "half of stomata: must be finite, is NaN");
+        says(Stomata::new().half(100.0).steepness(1e3), "with steepness 1000 and half 100");
     }
 }

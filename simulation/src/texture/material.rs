@@ -4,7 +4,7 @@
 use super::margin::margin;
 use super::relief::{normal_colors, normal_map};
 use super::slime::{Blur, Options, Parameters, Simulation, diffuse_border, diffuse_row};
-use catamaran::base::{Error, Par, Result, builder, reserved, zeros};
+use catamaran::base::{Error, Par, Result, builder, reserved, within, zeros};
 
 /// The appearance of a part of a surface: colour, roughness, metalness, height and glow.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,15 +44,6 @@ impl Finish {
         within("height", self.height, -1.0, 1.0)?;
         within("glow", self.glow, 0.0, glow)
     }
-}
-
-/// Returns an error unless a number is in its range.
-pub(super) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    let why = format!("must be from {low} to {high}, is {value}");
-    Err(Error::Argument { what, why })
 }
 
 /// The finishes of a surface, bare and under each species, and the way they are mixed.

@@ -6,7 +6,7 @@
 //! up ("OpenGL").
 
 use super::slime::{INSIDE, NO_TRIANGLE, OUTSIDE, Surface, Texels, UV, Walker};
-use catamaran::base::{Error, Par, Result, reserved};
+use catamaran::base::{Error, Par, Result, finite, reserved};
 
 /// Number of texels that one thread takes at a time.
 const BLOCK: usize = 1 << 14;
@@ -54,7 +54,7 @@ pub fn flat_normal_map(field: HeightField<'_>) -> Result<Vec<[f32; 3]>> {
         let why = format!("must be a length above 0, is {texel}");
         return Err(Error::Argument { what: "texel", why });
     }
-    check_depth(depth)?;
+    finite("depth", depth)?;
     // The neighbours on both sides, and their distance in texels.
     let around = |i: usize, count: usize| match (i, repeats) {
         (_, true) => ((i + count - 1) % count, (i + 1) % count, 2.0),
@@ -110,7 +110,7 @@ pub fn normal_map(
 ) -> Result<Vec<[f32; 3]>> {
     let size = texels.size();
     Error::check_shape("heights", (size * size, 1), (heights.len(), 1))?;
-    check_depth(depth)?;
+    finite("depth", depth)?;
     let field = Field { surface, texels, heights };
     let parts = par.map_blocks(heights.len(), BLOCK, |range| {
         range.map(|t| field.normal(t, depth)).collect::<Vec<_>>()
@@ -124,13 +124,6 @@ pub fn normal_map(
 pub fn normal_colors(normals: &[[f32; 3]]) -> Vec<[u8; 3]> {
     let byte = |x: f32| (127.5 * x.clamp(-1.0, 1.0) + 127.5).round() as u8;
     normals.iter().map(|n| n.map(byte)).collect()
-}
-
-fn check_depth(depth: f64) -> Result<()> {
-    if depth.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Argument { what: "depth", why: format!("must be finite, is {depth}") })
 }
 
 /// Returns the unit normal of a plane with these slopes along x and y.

@@ -133,7 +133,9 @@ pub(super) fn combine<T: Operand, const W: usize>(
     let (largest, sums) = add_up(exponents, squares);
     let mut ratios = [0.0; W];
     for (ratio, sum) in ratios.iter_mut().zip(sums) {
-        *ratio = limit / (sum.sqrt() * (1.0 + 1.0 / (1_u64 << 40) as f64));
+        // Empty columns do not use their ratio, and a division by 0 would be seen in the caller's
+        // floating-point environment.
+        *ratio = limit / (sum.max(1.0).sqrt() * (1.0 + 1.0 / (1_u64 << 40) as f64));
     }
     let mut found = [None; W];
     for j in 0..W {

@@ -109,6 +109,22 @@ fn steps_of_streams_grow_with_the_reads_only() {
 }
 
 #[test]
+fn small_products_are_exact_only_when_asked() {
+    let sides = [1, 2, 3, 8, 31, 32, 100, 300, 1000, 10_000, 100_000];
+    let mut some = false;
+    for (m, n) in sides.into_iter().flat_map(|m| sides.map(|n| (m, n))) {
+        let plans = |scheme| {
+            let options = &AtaOptions::new().scheme(scheme);
+            [Plan::ata::<f64>(m, n, options), Plan::atb::<f64>(m, n, 8, options)]
+                .map(|plan| plan.unwrap().to_string().contains("products of integers"))
+        };
+        some |= plans(SchemeChoice::Exact).contains(&true);
+        assert_eq!(plans(SchemeChoice::Auto), [false; 2], "{m} x {n}");
+    }
+    assert!(some);
+}
+
+#[test]
 fn steps_of_ranks_do_not_grow_with_the_rows() {
     for [m, n, _] in SHAPES {
         for ranks in [1, 16, 4096] {

@@ -117,9 +117,13 @@ impl HeatMethod {
         let factor = |matrix: &CsMat<f64>| {
             let found = symbolic.positive(SparseColMatRef::new(places, matrix.data()))?;
             found.filter(Factor::is_finite).ok_or_else(|| {
-                let why = "its Laplacian is not positive definite to working precision; \
-                           the tufted Laplacian avoids this";
-                Error::Argument { what: "mesh", why: why.into() }
+                let advice = match options.kind {
+                    LaplacianKind::Tufted => "",
+                    _ => "; the tufted Laplacian avoids this",
+                };
+                let why =
+                    format!("its Laplacian is not positive definite to working precision{advice}");
+                Error::Argument { what: "mesh", why }
             })
         };
         let in_no_face = |v: usize| mass[v] == 0.0;

@@ -32,18 +32,16 @@ impl Complex {
     /// Creates the complex of the triangles of a mesh as they are, not glued.
     ///
     /// # Errors
-    /// [`Error::Mesh`] when an edge is longer than `f64` can represent.
+    /// That of [`TriMesh::check_size`].
     pub fn of_mesh(mesh: &TriMesh) -> Result<Self> {
+        mesh.check_size()?;
         let p = |v: u32| mesh.vertices()[v as usize];
         let faces = mesh.faces().to_vec();
-        let lengths: Vec<[f64; 3]> = faces
+        let lengths = faces
             .iter()
             .map(|f| std::array::from_fn(|k| distance(p(f[k]), p(f[(k + 1) % 3]))))
             .collect();
-        match lengths.iter().position(|l| l.iter().any(|x| !x.is_finite())) {
-            Some(f) => Err(element::no_area(f)),
-            None => Ok(Self { faces, lengths, twins: Vec::new(), sheets: 1 }),
-        }
+        Ok(Self { faces, lengths, twins: Vec::new(), sheets: 1 })
     }
 
     /// Computes the intrinsic Delaunay triangulation of a mesh or, for [`LaplacianKind::Tufted`],
@@ -142,7 +140,7 @@ impl Complex {
         for (f, &lengths) in self.lengths.iter().enumerate() {
             let element = Element::of_lengths(lengths);
             if !element.is_sound() {
-                return Err(element::no_area(f / usize::from(self.sheets)));
+                return Err(element::no_area(f / usize::from(self.sheets), ""));
             }
             spend(element::OPERATIONS)?;
             elements.push(element.scaled(1.0 / f64::from(self.sheets)));

@@ -1,4 +1,5 @@
 use super::super::TriMesh;
+use super::super::measure::is_flat;
 use super::super::vector::{cross, dot, norm, sub};
 use catamaran::base::{Error, Par, Result};
 
@@ -19,17 +20,13 @@ pub(crate) struct Element {
 }
 
 impl Element {
-    /// Computes the element of a triangle from its corners; `None` when its area is zero to within
-    /// rounding.
+    /// Computes the element of a triangle from its corners; `None` when it has no area.
     fn of_positions(p: [[f64; 3]; 3]) -> Option<Self> {
-        let edges = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
-        let longest = edges.iter().map(|&e| dot(e, e)).fold(0.0, f64::max);
-        let double = norm(cross(edges[0], edges[1]));
-        // The cross product of vectors with relative errors of eps has an error of about eps times
-        // the product of their lengths.
-        if double <= 16.0 * f64::EPSILON * longest {
+        if is_flat(p) {
             return None;
         }
+        let edges = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
+        let double = norm(cross(edges[0], edges[1]));
         // Edge k + 1 ends at corner k + 2, and edge k + 2 starts there.
         let weights =
             std::array::from_fn(|k| -dot(edges[(k + 1) % 3], edges[(k + 2) % 3]) / (2.0 * double));
@@ -93,7 +90,10 @@ pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
         range
             .map(|f| {
                 let found = Element::of_positions(faces[f].map(|v| vertices[v as usize]));
-                found.filter(Element::is_sound).ok_or_else(|| no_area(f))
+                found.filter(Element::is_sound).ok_or_else(|| {
+                    let refused = no_area(f, "; the tufted Laplacian allows this");
+                    mesh.check_size().err().unwrap_or(refused)
+                })
             })
             .collect::<Result<Vec<_>>>()
     })?;
@@ -104,11 +104,7 @@ pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
     Ok(elements)
 }
 
-/// Returns the error for a face that has no area, or an area out of the range of `f64`.
-pub(super) fn no_area(face: usize) -> Error {
-    Error::Mesh {
-        what: "no area, or lengths out of range (the tufted Laplacian allows faces without area)"
-            .into(),
-        element: format!("face {face}"),
-    }
+/// Returns the error for a face that has no area.
+pub(super) fn no_area(face: usize, advice: &str) -> Error {
+    Error::Mesh { what: format!("has no area{advice}"), element: format!("face {face}") }
 }

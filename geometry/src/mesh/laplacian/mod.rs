@@ -51,8 +51,9 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// [`Error::Mesh`] names a face without area (to within rounding: an angle of a few 1e-16), where
 /// the kind is [`LaplacianKind::Cotangent`] or all vertices of the face coincide; an edge that an
 /// intrinsic Delaunay triangulation does not allow; a vertex of [`Boundary::Mixed`] that does not
-/// exist; an element with a weight or mass out of the range of `f64`. [`Error::Argument`] for 7e8
-/// faces or more; [`Error::NotConverged`] when flips do not end.
+/// exist; an element with a weight or mass out of the range of `f64`; that of
+/// [`TriMesh::check_size`]. [`Error::Argument`] for 7e8 faces or more; [`Error::NotConverged`] when
+/// flips do not end.
 pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian> {
     if u32::try_from(mesh.faces().len().saturating_mul(6)).is_err() {
         let why = format!("at most 7e8 are possible, got {}", mesh.faces().len());

@@ -8,6 +8,7 @@ use super::super::measure::is_flat;
 use super::super::vector::{Vector, distance, dot, sub};
 use super::rebuild::{Insertion, Rebuild, corners_of};
 use super::report::RepairStep;
+use catamaran::base::Result;
 
 /// Two corners are in one place when their distance is at most this times the longest edge of their
 /// face: then the face has no area, wherever the third corner is.
@@ -15,13 +16,18 @@ const ONE_PLACE: f64 = 16.0 * f64::EPSILON;
 
 /// Returns the mesh without faces that have no area; `None` when there are none. Faces that can be
 /// removed neither by joining nor by flipping are left out if `may_open`, and stay otherwise.
-pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, RepairStep) {
+///
+/// # Errors
+/// [`TriMesh::check_size`], where there are such faces: lengths that overflow or vanish do not tell
+/// which corners are in one place.
+pub(super) fn without(mesh: &TriMesh, may_open: bool) -> Result<(Option<Rebuild>, RepairStep)> {
     let flat = mesh.faces_without_area();
     let first = flat.first().copied();
     if flat.is_empty() {
         let step = RepairStep::DroppedDegenerate { joined: 0, flipped: 0, faces: 0, first };
-        return (None, step);
+        return Ok((None, step));
     }
+    mesh.check_size()?;
     let mut faces = Faces::of(mesh);
     let stuck = faces.remove(flat.into());
     if may_open {
@@ -36,7 +42,7 @@ pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, Repai
     let (faces, corners) =
         faces.into_iter().zip(corners).filter_map(|(f, c)| Some((f?, c))).unzip();
     let step = RepairStep::DroppedDegenerate { joined, flipped, faces: dropped, first };
-    (step.changed().then(|| Rebuild::joined(faces, corners, insertions, to)), step)
+    Ok((step.changed().then(|| Rebuild::joined(faces, corners, insertions, to)), step))
 }
 
 /// Faces under change.

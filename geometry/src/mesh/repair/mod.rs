@@ -66,7 +66,8 @@ impl Repaired {
 /// # Errors
 /// [`Error::Argument`] for a tolerance that is negative or not finite, a share outside of 0 to 1,
 /// and for attributes that do not fit the mesh ([`Error::Shape`], too); [`Error::Mesh`] names an
-/// edge of more than two faces when holes are to be filled.
+/// edge of more than two faces when holes are to be filled, and is that of [`TriMesh::check_size`]
+/// when specks or faces without area are to be dropped.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     file.check()?;
     let mut state = State { file, vertices: None, steps: Vec::new() };
@@ -80,7 +81,7 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
         state.drop_duplicates()?;
     }
     if options.drop_degenerate {
-        let (rebuild, step) = degenerate::without(&state.file.mesh, true);
+        let (rebuild, step) = degenerate::without(&state.file.mesh, true)?;
         state.take(rebuild, step)?;
     }
     if options.compact {
@@ -104,7 +105,7 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
         state.take(rebuild, step)?;
         // A hole without area is a vertex on an edge: flipping this edge removes its faces.
         if options.drop_degenerate && step.changed() {
-            let (rebuild, step) = degenerate::without(&state.file.mesh, false);
+            let (rebuild, step) = degenerate::without(&state.file.mesh, false)?;
             if step.changed() {
                 state.take(rebuild, step)?;
             }
@@ -204,6 +205,7 @@ impl State {
             let why = format!("must be a share of the area, from 0 to 1, is {share}");
             return Err(Error::Argument { what: "drop_specks", why });
         }
+        self.file.mesh.check_size()?;
         let found = Components::new(&self.file.mesh);
         let mut areas = vec![0.0; found.len()];
         for (component, area) in found.of_faces().iter().zip(self.file.mesh.face_areas()) {

@@ -1,8 +1,8 @@
 //! Finishes for materials over a fractal.
 
 use super::palette::root_color;
-use crate::texture::material::{Finish, within};
-use catamaran::base::{Error, Result, builder};
+use crate::texture::material::Finish;
+use catamaran::base::{Error, Result, builder, within};
 
 /// The finishes of the basins of a fractal on a surface, and of the joints between them.
 #[derive(Debug, Clone, PartialEq)]

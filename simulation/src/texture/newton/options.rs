@@ -1,7 +1,7 @@
 //! The options of a fractal, and the parameters that the loops derive from them.
 
 use super::polynomial::Polynomial;
-use catamaran::base::{Error, Result, builder};
+use catamaran::base::{Error, Result, builder, within};
 
 /// The measure t of the speed of convergence. With d_k the length of step k, P iterations and
 /// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a step of length 0 and near 0 for a
@@ -106,7 +106,8 @@ impl NewtonOptions {
             Polynomial::Power(_) => Vec::new(),
             Polynomial::Roots(roots) => {
                 if let Some(i) = roots.iter().position(|r| !r.iter().all(|x| x.abs() <= 1e4)) {
-                    return out("polynomial", format!("root {i}, {:?}, exceeds 1e4", roots[i]));
+                    let why = format!("root {i} must be within +-1e4, is {:?}", roots[i]);
+                    return out("polynomial", why);
                 }
                 roots.iter().map(|root| root.map(|x| x as f32)).collect()
             }
@@ -115,14 +116,10 @@ impl NewtonOptions {
         if !(1..=1000).contains(&iterations) {
             return out("iterations", format!("must be from 1 to 1,000, is {iterations}"));
         }
-        let theta = self.theta;
-        if !(-10.0..=20.0).contains(&theta) {
-            return out("theta", format!("must be from -10 to 20, is {theta}"));
-        }
-        let numbers = [self.scale, self.w, self.offset[0], self.offset[1]];
-        if !numbers.iter().chain(&self.offset[2..]).all(|x| x.abs() <= FARTHEST) {
-            return out("scale, offset or w", format!("must be within +-{FARTHEST:e}"));
-        }
+        within("theta", self.theta, -10.0, 20.0)?;
+        within("scale", self.scale, -FARTHEST, FARTHEST)?;
+        within("w", self.w, -FARTHEST, FARTHEST)?;
+        self.offset.iter().try_for_each(|x| within("offset", *x, -FARTHEST, FARTHEST))?;
         let squared = self.gradient == Gradient::Shader;
         let [x, y, z] = self.offset;
         Ok(Parameters {
@@ -130,7 +127,7 @@ impl NewtonOptions {
             degree: n as u32,
             steps: if squared { iterations } else { iterations + 1 },
             squared,
-            gain: theta.exp() as f32,
+            gain: self.theta.exp() as f32,
             factor: if squared { 1.0 / iterations as f32 } else { 1.0 },
             shift: if squared { 0.0 } else { -1.0 },
             scale: self.scale as f32,

@@ -59,7 +59,7 @@ impl Polynomial {
         }
         let degree = coefficients.len() - 1;
         if degree > Self::MOST_ROOTS {
-            return refuse(format!("degree must be at most {}, is {degree}", Self::MOST_ROOTS));
+            return refuse(format!("degree must be from 1 to {}, is {degree}", Self::MOST_ROOTS));
         }
         let companion = Mat::from_fn(degree, degree, |i, j| match (i, j) {
             (0, j) => -coefficients[j + 1] / coefficients[0],

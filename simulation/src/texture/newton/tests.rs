@@ -325,9 +325,15 @@ fn what_can_not_be_computed_is_refused() {
     assert!(with(&|o| o.polynomial = Polynomial::Roots(vec![])).is_err());
     let nan = with(&|o| o.polynomial = Polynomial::Roots(vec![[0.0; 2], [f64::NAN, 0.0]]));
     assert!(nan.unwrap_err().to_string().contains("root 1"));
-    assert!(with(&|o| o.iterations = 0).is_err());
-    assert!(with(&|o| o.theta = f64::NAN).is_err());
-    assert!(with(&|o| o.w = f64::INFINITY).is_err());
+    let bound = "must be from -1000000000 to 1000000000, is";
+    let says = |change: &dyn Fn(&mut NewtonOptions), why: &str| {
+        assert_eq!(with(change).unwrap_err().to_string(), why);
+    };
+    says(&|o| o.iterations = 0, "iterations: must be from 1 to 1,000, is 0");
+    says(&|o| o.theta = f64::NAN, "theta: must be from -10 to 20, is NaN");
+    says(&|o| o.w = f64::INFINITY, &format!("w: {bound} inf"));
+    says(&|o| o.scale = -2e9, &format!("scale: {bound} -2000000000"));
+    says(&|o| o.offset[2] = 2e9, &format!("offset: {bound} 2000000000"));
     let newton = Newton::new(&NewtonOptions::default()).unwrap();
     let points = [[0.0; 3], [0.0, f32::NAN, 0.0]];
     let found = newton.evaluate(Points::List(&points), Par::Seq, Progress::none());

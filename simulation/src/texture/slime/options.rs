@@ -1,4 +1,4 @@
-use catamaran::base::{Error, Result, builder};
+use catamaran::base::{Error, Result, builder, within};
 
 /// The method by which an agent moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,7 +27,8 @@ pub enum Blur {
 
 /// Options of a simulation. Names and units are those of table 3.1 of the thesis, if it lists them.
 /// Lengths are in hundredths of the square root of the area of the surface, angles are in degrees,
-/// times in seconds of the simulation (docs/decisions/0019).
+/// times in seconds of the simulation (docs/decisions/0019). Speeds, distances and rates are at
+/// most 10^6.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
@@ -39,7 +40,7 @@ pub struct Options {
     pub size: usize,
     /// Seed of all random numbers. Default 0.
     pub seed: u32,
-    /// Duration of a step in seconds, above 0. Default 1 / 30.
+    /// Duration of a step in seconds, above 0 and at most 10^6. Default 1 / 30.
     pub time_step: f64,
     /// Speed of agents, in hundredths a second, at least 0. Table 3.1: 1 to 2. Default 1.5.
     pub movement_speed: f64,
@@ -108,6 +109,8 @@ builder! { Options {
 
 /// Largest number of texels of a side.
 const LARGEST: usize = 16384;
+/// Largest duration, speed, distance and rate.
+const MOST: f64 = 1e6;
 /// Largest number of species: 32 bits number the entries of their textures.
 const MOST_SPECIES: usize = 15;
 
@@ -128,7 +131,7 @@ impl Options {
             Err(Error::Argument { what, why: format!("must be {range}, is {got}") })
         };
         if u32::try_from(self.agents).is_err() {
-            return refused("agents", self.agents.to_string(), "at most 2^32 - 1");
+            return refused("agents", self.agents.to_string(), "from 0 to 2^32 - 1");
         }
         if self.size == 0 || !self.size.is_multiple_of(32) || self.size > LARGEST {
             return refused("size", self.size.to_string(), "a multiple of 32 from 32 to 16384");
@@ -136,22 +139,17 @@ impl Options {
         if !(1..=MOST_SPECIES).contains(&self.species) {
             return refused("species", self.species.to_string(), "from 1 to 15");
         }
-        let positive = f64::MIN_POSITIVE..=1e6;
-        let from_zero = 0.0..=1e6;
-        for (what, value, range, words) in [
-            ("time_step", self.time_step, positive, "a number above 0"),
-            ("movement_speed", self.movement_speed, from_zero.clone(), "at least 0"),
-            ("turn_speed", self.turn_speed, from_zero.clone(), "at least 0"),
-            ("vision_distance", self.vision_distance, from_zero.clone(), "at least 0"),
-            ("vision_angle", self.vision_angle, 0.0..=180.0, "from 0 to 180"),
-            ("evaporation_rate", self.evaporation_rate, from_zero.clone(), "at least 0"),
-            ("diffusion_rate", self.diffusion_rate, from_zero, "at least 0"),
-            ("turn_noise", self.turn_noise, 0.0..=1.0, "from 0 to 1"),
-        ] {
-            if !range.contains(&value) {
-                return refused(what, value.to_string(), words);
-            }
+        if !(self.time_step > 0.0 && self.time_step <= MOST) {
+            let range = format!("above 0 and at most {MOST}");
+            return refused("time_step", self.time_step.to_string(), &range);
         }
+        within("movement_speed", self.movement_speed, 0.0, MOST)?;
+        within("turn_speed", self.turn_speed, 0.0, MOST)?;
+        within("vision_distance", self.vision_distance, 0.0, MOST)?;
+        within("vision_angle", self.vision_angle, 0.0, 180.0)?;
+        within("evaporation_rate", self.evaporation_rate, 0.0, MOST)?;
+        within("diffusion_rate", self.diffusion_rate, 0.0, MOST)?;
+        within("turn_noise", self.turn_noise, 0.0, 1.0)?;
         match self.tangent_step {
             TangentStep::Project { substeps: 0 } => refused("substeps", "0".into(), "at least 1"),
             _ => Ok(()),

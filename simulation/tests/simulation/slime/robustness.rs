@@ -156,3 +156,20 @@ fn options_out_of_range_are_named() {
         );
     }
 }
+
+#[test]
+fn bounds_on_both_sides_are_told_whichever_is_exceeded() {
+    let bad: [(&str, Change); 6] = [
+        ("movement_speed: must be from 0 to 1000000, is 10000000", |o| o.movement_speed = 1e7),
+        ("turn_speed: must be from 0 to 1000000, is -1", |o| o.turn_speed = -1.0),
+        ("time_step: must be above 0 and at most 1000000, is 10000000", |o| o.time_step = 1e7),
+        ("time_step: must be above 0 and at most 1000000, is NaN", |o| o.time_step = f64::NAN),
+        ("species: must be from 1 to 15, is 16", |o| o.species = 16),
+        ("size: must be a multiple of 32 from 32 to 16384, is 20000", |o| o.size = 20_000),
+    ];
+    for (why, change) in bad {
+        let mut options = Options::default();
+        change(&mut options);
+        assert_eq!(options.check().unwrap_err().to_string(), why);
+    }
+}

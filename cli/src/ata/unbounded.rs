@@ -1,0 +1,91 @@
+//! Entries of C that are not finite.
+
+use std::ops::Range;
+
+use catamaran::Uplo;
+use catamaran::blas::BlasReal;
+use catamaran::faer::MatRef;
+
+/// How many entries of C are not finite.
+#[derive(Default)]
+pub struct Unbounded {
+    count: usize,
+    all: usize,
+}
+
+impl Unbounded {
+    /// Counts the entries of C in the triangles of `uplo`.
+    pub fn of<T: BlasReal>(c: MatRef<'_, T>, uplo: Uplo) -> Self {
+        let mut found = Self::default();
+        if uplo == Uplo::Upper {
+            (0..c.nrows()).for_each(|i| found.add_row(c, i, i, i + 1..c.ncols(), 1));
+        } else {
+            found.add(c, 0, uplo);
+        }
+        found
+    }
+
+    /// Counts the entries of further rows of the lower triangle, the first of which is row `first`
+    /// of C, and with `uplo` both their mirror images.
+    pub fn add<T: BlasReal>(&mut self, rows: MatRef<'_, T>, first: usize, uplo: Uplo) {
+        let images = if uplo == Uplo::Both { 2 } else { 1 };
+        for i in 0..rows.nrows() {
+            let diagonal = first + i;
+            self.add_row(rows, i, diagonal, 0..diagonal, images);
+        }
+    }
+
+    /// Counts the entry of row `i` on the diagonal, and those beside it `images` times.
+    fn add_row<T: BlasReal>(
+        &mut self,
+        rows: MatRef<'_, T>,
+        i: usize,
+        diagonal: usize,
+        beside: Range<usize>,
+        images: usize,
+    ) {
+        self.all += images * beside.len() + 1;
+        let found = beside.filter(|&j| !rows[(i, j)].is_finite()).count();
+        self.count += images * found + usize::from(!rows[(i, diagonal)].is_finite());
+    }
+
+    /// Returns whether all entries are finite.
+    pub fn is_none(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Says how many entries there are.
+    pub fn text(&self) -> String {
+        format!("{} of {} entries of C are not finite", self.count, self.all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::faer::Mat;
+
+    use super::*;
+
+    #[test]
+    fn entries_are_counted_in_the_triangles_that_are_computed() {
+        let c = Mat::from_fn(4, 4, |i, j| match (i, j) {
+            (2, 2) => f64::NAN,
+            (3, 1) => f64::INFINITY,
+            // The mirror image, which differs to tell triangles apart.
+            (1, 3) => f64::NEG_INFINITY,
+            (0, 3) => f64::INFINITY,
+            _ => 1.0,
+        });
+        let found = |uplo| {
+            let found = Unbounded::of(c.as_ref(), uplo);
+            (found.count, found.all)
+        };
+        assert_eq!(found(Uplo::Lower), (2, 10));
+        assert_eq!(found(Uplo::Upper), (3, 10));
+        assert_eq!(found(Uplo::Both), (3, 16));
+        let mut strips = Unbounded::default();
+        strips.add(c.as_ref().subrows(0, 3), 0, Uplo::Both);
+        strips.add(c.as_ref().subrows(3, 1), 3, Uplo::Both);
+        assert_eq!((strips.count, strips.all), (3, 16));
+    }
+}
