@@ -82,7 +82,8 @@ fn options_in_texts_are_those_of_their_command_or_of_the_command_named_before_th
     by_name(&program, &mut commands);
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (mut faults, mut count) = (Vec::new(), 0);
-    for (root, is_program) in [(here.join("src"), true), (here.join("../src"), false)] {
+    let library = ["../src", "../geometry/src", "../simulation/src"].map(|f| (here.join(f), false));
+    for (root, is_program) in [(here.join("src"), true)].into_iter().chain(library) {
         for file in sources(&root) {
             let inside = file.strip_prefix(&root).unwrap();
             let own = options(if is_program { owner(&program, inside) } else { &program });

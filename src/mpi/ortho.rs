@@ -126,7 +126,7 @@ pub fn cholesky_qr(world: &World, a: MatMut<'_, f64>, mass: &Mass, par: Par) -> 
 /// Computes [`cholesky_qr`], and reports progress.
 ///
 /// # Errors
-/// Those of [`cholesky_qr`], and [`Error::Cancelled`].
+/// Those of [`cholesky_qr`], and [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn watched_cholesky_qr(
     world: &World,
     a: MatMut<'_, f64>,
