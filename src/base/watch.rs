@@ -1,5 +1,5 @@
 //! The callback that watches a thread, for work that has no progress of its own, and the operations
-//! of the thread since it last asked (docs/decisions/0047).
+//! of the thread since it last asked (docs/decisions/0011).
 
 use std::cell::Cell;
 use std::ops::ControlFlow;

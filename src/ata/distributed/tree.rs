@@ -8,7 +8,7 @@
 //! AtA-S, so that nothing is added.
 //!
 //! Departures: processes are numbered along the tree, not level by level as in figure 8.1; equation
-//! 8.5 is read in integers (decision 0009).
+//! 8.5 is read in integers (docs/algorithms/ata.md).
 
 use std::ops::Range;
 

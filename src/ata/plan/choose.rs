@@ -32,7 +32,7 @@ const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
 const DEFAULT_GROWTH: f64 = 4.0;
 
 /// Base case of the faithful mode: below this side one more level cost more time than it saved,
-/// with OpenBLAS and with our own kernels as leaves (decision 0033).
+/// with OpenBLAS and with our own kernels as leaves (docs/decisions/0003).
 const FAITHFUL_BASE: Base = Base { general: 1536, symmetric: 1536 };
 
 /// Smallest side of a block for a scheme that is requested by name.

@@ -28,7 +28,7 @@ const ORDERED: f64 = 200.0;
 /// it.
 ///
 /// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
-/// dissection fills in as much on surfaces (docs/decisions/0039).
+/// dissection fills in as much on surfaces (docs/decisions/0007).
 #[derive(Debug)]
 pub struct Symbolic {
     pattern: Pattern,

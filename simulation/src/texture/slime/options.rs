@@ -27,7 +27,7 @@ pub enum Blur {
 
 /// Options of a simulation. Names and units are those of table 3.1 of the thesis, if it lists them.
 /// Lengths are in hundredths of the square root of the area of the surface, angles are in degrees,
-/// times in seconds of the simulation (docs/decisions/0019). Speeds, distances and rates are at
+/// times in seconds of the simulation (docs/decisions/0015). Speeds, distances and rates are at
 /// most 10^6.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
