@@ -92,8 +92,8 @@ impl ProductBasis {
     /// memory.
     ///
     /// # Errors
-    /// [`Error::Argument`](catamaran::Error::Argument) when the order is too large, the products do not
-    /// fit into the memory, or the constant is not among the eigenfunctions,
+    /// [`Error::Argument`](catamaran::Error::Argument) when the order is too large, the products do
+    /// not fit into the memory, or the constant is not among the eigenfunctions,
     /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory),
     /// [`Error::Cancelled`](catamaran::Error::Cancelled).
     pub fn new(
