@@ -65,7 +65,7 @@ builder! { ProductBasisOptions<'a> {
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// let Laplacian { stiffness, mass, .. } =
