@@ -1,5 +1,6 @@
-//! Writes the results of a command: numbers, the host, and pictures.
+//! Writes the results of a command: numbers and the host into a record, pictures beside it.
 
+use std::ffi::OsStr;
 use std::fmt::Display;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -7,22 +8,42 @@ use std::path::{Path, PathBuf};
 
 use crate::{Result, host};
 
+/// Bytes of a table of a record at most.
+const TABLE_BYTES: usize = 100_000;
+
 /// Writes the files, each a name and its text, into `bench/record/<host kind>-<date>/`; returns
-/// that folder.
+/// that folder. Pictures and large tables go into `target/record` instead, as the command can make
+/// them again.
 ///
 /// # Errors
 /// When a file can't be written.
 pub fn write(files: &[(&str, String)]) -> Result<PathBuf> {
     let folder = folder();
-    fs::create_dir_all(&folder)?;
+    let aside = root().join("target/record");
     for (name, text) in files {
-        fs::write(folder.join(name), text)?;
+        let kept = is_kept(name, text);
+        let place = if kept { &folder } else { &aside };
+        fs::create_dir_all(place)?;
+        fs::write(place.join(name), text)?;
+        if !kept {
+            println!("not in the record: {}", place.join(name).display());
+        }
     }
     Ok(folder)
 }
 
+/// Returns whether a record holds a file.
+fn is_kept(name: &str, text: &str) -> bool {
+    match Path::new(name).extension().and_then(OsStr::to_str) {
+        Some("svg") => false,
+        Some("csv") => text.len() <= TABLE_BYTES,
+        _ => true,
+    }
+}
+
 /// Puts a line into the table `NAME.csv`, which replaces a line with the same first `keys` fields,
-/// the `picture` of the table into `NAME.svg`, and `host` into host.txt; returns their folder.
+/// the `picture` of the table into `NAME.svg`, and `host` into host.txt; returns the folder of the
+/// record.
 ///
 /// # Errors
 /// When a file can't be written, or the table has other columns.
@@ -91,11 +112,14 @@ fn with_line(old: &str, header: &str, keys: usize, line: &str) -> Option<String>
 }
 
 fn folder() -> PathBuf {
-    let name = format!("{}-{}", host::kind(), host::date());
+    root().join("bench/record").join(format!("{}-{}", host::kind(), host::date()))
+}
+
+/// Returns the root of the repository, or the current folder for a program that was carried to a
+/// machine without the sources.
+fn root() -> &'static Path {
     let sources = Path::new(env!("CARGO_MANIFEST_DIR"));
-    // A program that was carried to another machine has no sources there.
-    let bench = if sources.is_dir() { sources } else { Path::new("bench") };
-    bench.join("record").join(name)
+    sources.parent().filter(|_| sources.is_dir()).unwrap_or(Path::new(""))
 }
 
 /// Returns a file of comma-separated values.
@@ -131,6 +155,16 @@ mod tests {
         append(&path, "x,y,z", "1,2,3").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "x,y,z\n1,2,3\n");
         assert!(append(&folder.path().join("none/runs.csv"), "x", "1").is_err());
+    }
+
+    #[test]
+    fn records_hold_no_pictures_and_no_large_tables() {
+        let large = "1,2\n".repeat(TABLE_BYTES / 4 + 1);
+        assert!(is_kept("ata.csv", "1,2\n"));
+        assert!(is_kept("decimate.md", &large));
+        assert!(is_kept("host.txt", ""));
+        assert!(!is_kept("decimate.csv", &large));
+        assert!(!is_kept("ata.svg", "<svg/>"));
     }
 
     #[test]

@@ -1,13 +1,12 @@
 //! Geometry of **Catamaran**: triangle meshes and their spectra, decimation, and curves.
 //!
 //! ```
-//! use catamaran::sparse::{EigenOptions, eigs};
-//! use catamaran_geometry::mesh::{LaplacianOptions, families, laplacian};
+//! use catamaran_geometry::{mesh::families, prelude::*};
 //!
 //! let operator = laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
 //! let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
-//! assert!((pairs.values[3] - 2.0).abs() < 0.02);
-//! # Ok::<(), catamaran::Error>(())
+//! assert!((pairs.values[3] - 2.0).abs() < 0.02); // l (l + 1) on the unit sphere
+//! # Ok::<(), Error>(())
 //! ```
 //!
 //! | Module | Content | Feature |
@@ -25,6 +24,7 @@
 pub mod curve;
 pub mod decimate;
 pub mod mesh;
+pub mod prelude;
 pub mod spectral;
 
 #[cfg(feature = "unions")]

@@ -23,10 +23,6 @@ mod version;
 mod watch;
 mod workspace;
 
-#[doc(hidden)]
-pub use crate::builder;
-#[doc(hidden)]
-pub use checks::{at_least, at_least_zero, finite, positive, within};
 pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
@@ -34,32 +30,36 @@ pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
 pub(crate) use memory::check_allocation;
 pub use memory::{available_memory, check_request, limit_memory};
+pub(crate) use par::PIECE;
+pub use par::Par;
+pub(crate) use plain::Plain;
+pub use pool::{Pin, ThreadPool, release_threads, use_own_threads_only};
+pub use progress::Progress;
+pub use rng::Rng;
+pub use scalar::Real;
+pub(crate) use search::first_that;
+pub(crate) use simd::widest;
+pub(crate) use version::data_caches;
+pub use version::{VERSION, VersionNumber, cpu_features, version};
+pub use workspace::{Arena, Workspace, release_memory};
+
+// For the other crates of this workspace: no part of the interface.
+#[doc(hidden)]
+pub use crate::builder;
+#[doc(hidden)]
+pub use checks::{at_least, at_least_zero, finite, positive, within};
 #[cfg(debug_assertions)]
 #[doc(hidden)]
 pub use operations::measure;
 #[doc(hidden)]
 pub use operations::{apart, ask, count, spend};
-pub(crate) use par::PIECE;
-pub use par::Par;
 #[doc(hidden)]
 pub use par::{Latch, tickets};
-pub(crate) use plain::Plain;
-pub use pool::{Pin, ThreadPool, release_threads, use_own_threads_only};
-pub use progress::Progress;
 #[doc(hidden)]
 pub use progress::Tracker;
-pub use rng::Rng;
-pub use scalar::Real;
-pub(crate) use search::first_that;
 #[doc(hidden)]
 pub use sets::Sets;
-pub(crate) use simd::widest;
 #[doc(hidden)]
 pub use simd::{arch, has_fused};
-pub(crate) use version::data_caches;
-pub use version::{VERSION, VersionNumber, cpu_features, version};
-pub use workspace::{Arena, Workspace, release_memory};
 #[doc(hidden)]
-pub use workspace::{Scratch, reserved, zeros};
-#[doc(hidden)]
-pub use workspace::{push, repeated, room};
+pub use workspace::{Scratch, push, repeated, reserved, room, zeros};

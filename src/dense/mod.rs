@@ -8,9 +8,11 @@ mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
+pub(crate) use rank::{pivots, right_singular};
+
+// For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
 pub use memory::{buffer, filled, zeros};
-pub(crate) use rank::{pivots, right_singular};
 #[doc(hidden)]
 pub use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
 #[doc(hidden)]

@@ -45,9 +45,11 @@ pub use rows::RowFile;
 pub use sprs::CsMat;
 pub use strips::StripOutput;
 
-use crate::base::{Error, Progress, Real, Result, builder};
+// For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
 pub use source::{Packing, Source};
+
+use crate::base::{Error, Progress, Real, Result, builder};
 
 /// How [`read`] reads. The default reads everything.
 ///

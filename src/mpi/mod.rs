@@ -40,14 +40,16 @@ pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use eigen::eigs;
 pub use exchange::gather_rows;
 pub use gram::lstsq;
-#[doc(hidden)]
-pub use ortho::watched_cholesky_qr;
 pub use ortho::{cholesky_qr, gram_schmidt, gram_schmidt_in_place};
 pub use root::{ata_deal, ata_root, ata_tree};
 pub use rows::{ata_rows, sum_symmetric};
 pub use stream::{agree_bounds, merge_accumulators};
 pub use symmetric::Symmetric;
 pub use verify::{Distributed, verify};
+pub use world::{MpiReal, Traffic, World};
+
+// For the other crates of this workspace: no part of the interface.
+#[doc(hidden)]
+pub use ortho::watched_cholesky_qr;
 #[doc(hidden)]
 pub use world::Operation;
-pub use world::{MpiReal, Traffic, World};

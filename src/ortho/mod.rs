@@ -9,11 +9,13 @@ mod rank_revealing;
 mod scale;
 
 pub use cholesky_qr::cholesky_qr;
-#[doc(hidden)]
-pub use cholesky_qr::cholesky_qr_of;
 #[cfg(feature = "mpi")]
 pub(crate) use gram_schmidt::gram_schmidt_of;
 pub use gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };
 pub use rank_revealing::{rank_revealing, rank_revealing_in_place};
+
+// For the other crates of this workspace: no part of the interface.
+#[doc(hidden)]
+pub use cholesky_qr::cholesky_qr_of;

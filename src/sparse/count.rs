@@ -15,13 +15,17 @@ use crate::base::{Error, Result};
 /// difference of two counts as `k` and the middle of the interval as the shift.
 ///
 /// ```
-/// use catamaran::{prelude::*, sparse::count_below};
-/// use catamaran_geometry::mesh::families;
+/// use catamaran::sparse::{Mass, count_below};
 ///
-/// let Laplacian { stiffness, mass, .. } =
-///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
-/// // l (l + 1), 2 l + 1 times, on the unit sphere: 0, 2, 2, 2, 6, ...
-/// assert_eq!(count_below(stiffness.view(), &mass, 4.0)?, 4);
+/// // A ring of 100 nodes: eigenvalues 2 - 2 cos(2 pi j / 100), for j and -j.
+/// # let mut ring = sprs::TriMat::new((100, 100));
+/// # for (i, j) in (0..100).map(|i| (i, (i + 1) % 100)) {
+/// #     for (i, j, x) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+/// #         ring.add_triplet(i, j, x);
+/// #     }
+/// # }
+/// # let (ring, mass) = (ring.to_csr::<usize>(), Mass::identity(100));
+/// assert_eq!(count_below(ring.view(), &mass, 1.0)?, 33); // j from -16 to 16
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///

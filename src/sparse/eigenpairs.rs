@@ -25,11 +25,17 @@ impl Eigenpairs {
     ///
     /// ```
     /// use catamaran::prelude::*;
-    /// use catamaran_geometry::mesh::families;
+    /// # use catamaran::sparse::Mass;
     ///
-    /// let Laplacian { stiffness, mass, .. } =
-    ///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
-    /// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(4))?;
+    /// // A ring of 100 nodes: eigenvalues 2 - 2 cos(2 pi j / 100), for j and -j.
+    /// # let mut ring = sprs::TriMat::new((100, 100));
+    /// # for (i, j) in (0..100).map(|i| (i, (i + 1) % 100)) {
+    /// #     for (i, j, x) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+    /// #         ring.add_triplet(i, j, x);
+    /// #     }
+    /// # }
+    /// # let (ring, mass) = (ring.to_csr::<usize>(), Mass::identity(100));
+    /// let pairs = eigs(ring.view(), &mass, &EigenOptions::new().k(4))?;
     /// assert!(pairs.worst().is_some_and(|(_, residual)| residual <= 1e-9));
     /// # Ok::<(), catamaran::Error>(())
     /// ```

@@ -31,13 +31,19 @@ use crate::dense::filled;
 ///
 /// ```
 /// use catamaran::prelude::*;
-/// use catamaran_geometry::mesh::families;
+/// use catamaran::sparse::Mass;
 ///
-/// let mesh = families::icosphere(3)?;
-/// let Laplacian { stiffness, mass, .. } = laplacian(&mesh, &LaplacianOptions::new())?;
-/// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(4))?;
+/// // A ring of 100 nodes: eigenvalues 2 - 2 cos(2 pi j / 100), for j and -j.
+/// let mut ring = sprs::TriMat::new((100, 100));
+/// for (i, j) in (0..100).map(|i| (i, (i + 1) % 100)) {
+///     for (i, j, x) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+///         ring.add_triplet(i, j, x);
+///     }
+/// }
+/// let (ring, mass) = (ring.to_csr::<usize>(), Mass::identity(100));
+/// let pairs = eigs(ring.view(), &mass, &EigenOptions::new().k(3))?;
 /// assert!(pairs.values[0].abs() < 1e-9); // constants
-/// assert!((pairs.values[1] - 2.0).abs() < 0.05); // l (l + 1) on the unit sphere
+/// assert!((pairs.values[2] - 0.003946543).abs() < 1e-9);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///

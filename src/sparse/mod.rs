@@ -23,8 +23,6 @@ mod two_level;
 
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
-#[doc(hidden)]
-pub use cholesky::{Factor, Symbolic};
 pub use components::free_components;
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
@@ -38,15 +36,19 @@ pub(crate) use problem::Problem;
 pub use product::multiply;
 #[cfg(feature = "mpi")]
 pub(crate) use product::{multiply_by_differences, multiply_magnitudes};
-#[doc(hidden)]
-pub use select::select;
-#[doc(hidden)]
-pub use shifted::Shifted;
 pub use slices::eigs_sliced;
-#[doc(hidden)]
-pub use space::{InnerSpace, Inverse};
 #[cfg(feature = "mpi")]
 pub(crate) use space::{Pencil, Shifts};
 /// The sparse matrix, by rows, from crate sprs.
 pub use sprs::{CsMat, CsMatView};
 pub use two_level::eigs_two_level;
+
+// For the other crates of this workspace: no part of the interface.
+#[doc(hidden)]
+pub use cholesky::{Factor, Symbolic};
+#[doc(hidden)]
+pub use select::select;
+#[doc(hidden)]
+pub use shifted::Shifted;
+#[doc(hidden)]
+pub use space::{InnerSpace, Inverse};

@@ -47,13 +47,19 @@ const ATTEMPTS: usize = 20;
 ///
 /// ```
 /// use catamaran::{prelude::*, sparse::eigs_sliced};
-/// use catamaran_geometry::mesh::families;
+/// # use catamaran::sparse::Mass;
 ///
-/// let Laplacian { stiffness, mass, .. } =
-///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+/// // A ring of 100 nodes: eigenvalues 2 - 2 cos(2 pi j / 100), for j and -j.
+/// # let mut ring = sprs::TriMat::new((100, 100));
+/// # for (i, j) in (0..100).map(|i| (i, (i + 1) % 100)) {
+/// #     for (i, j, x) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+/// #         ring.add_triplet(i, j, x);
+/// #     }
+/// # }
+/// # let (ring, mass) = (ring.to_csr::<usize>(), Mass::identity(100));
 /// let mut values = vec![];
 /// let options = EigenOptions::new().k(9);
-/// eigs_sliced(stiffness.view(), &mass, &options, 1 << 30, |pairs| {
+/// eigs_sliced(ring.view(), &mass, &options, 1 << 30, |pairs| {
 ///     values.extend(pairs.values);
 ///     Ok(())
 /// })?;

@@ -42,16 +42,27 @@ const STEPS: usize = 4;
 ///
 /// ```
 /// use catamaran::prelude::*;
-/// use catamaran_geometry::{decimate::{DecimateOptions, decimate}, mesh::families};
-/// use catamaran::sparse::eigs_two_level;
+/// use catamaran::sparse::{Mass, eigs_two_level};
 ///
-/// let mesh = families::icosphere(4)?;
-/// let Laplacian { stiffness, mass, .. } = laplacian(&mesh, &LaplacianOptions::new())?;
-/// let small = decimate(&mesh, 300, &DecimateOptions::new())?;
-/// let weights = small.weights(&mesh, Par::all())?;
+/// // A ring of 200 nodes: eigenvalues 2 - 2 cos(2 pi j / 200), for j and -j.
+/// # let mut ring = sprs::TriMat::new((200, 200));
+/// # for (i, j) in (0..200).map(|i| (i, (i + 1) % 200)) {
+/// #     for (i, j, x) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+/// #         ring.add_triplet(i, j, x);
+/// #     }
+/// # }
+/// # let (ring, mass) = (ring.to_csr::<usize>(), Mass::identity(200));
+/// // Every fourth node, and linear functions between them.
+/// let mut weights = sprs::TriMat::new((200, 50));
+/// for i in 0..200 {
+///     let part = (i % 4) as f64 / 4.0;
+///     weights.add_triplet(i, i / 4, 1.0 - part);
+///     weights.add_triplet(i, (i / 4 + 1) % 50, part);
+/// }
+/// let weights = weights.to_csr::<usize>();
 /// let options = EigenOptions::new().k(9);
-/// let found = eigs_two_level(stiffness.view(), &mass, weights.view(), &options)?;
-/// let exact = eigs(stiffness.view(), &mass, &options)?;
+/// let found = eigs_two_level(ring.view(), &mass, weights.view(), &options)?;
+/// let exact = eigs(ring.view(), &mass, &options)?;
 /// assert!((found.values[8] / exact.values[8] - 1.0).abs() < 2e-3);
 /// # Ok::<(), catamaran::Error>(())
 /// ```

@@ -1,5 +1,5 @@
-//! The training of the pretrained weights of `catamaran_geometry::unions`: generates shapes, their parts and
-//! data sets, and fits the weights.
+//! The training of the pretrained weights of `catamaran_geometry::unions`: generates shapes, their
+//! parts and data sets, and fits the weights.
 //!
 //! Thesis, chapter 2. The protocol is in docs/algorithms/unions.md.
 

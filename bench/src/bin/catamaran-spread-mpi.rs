@@ -31,7 +31,7 @@ struct Arguments {
     #[arg(long, default_value_t = 3)]
     repeat: usize,
     /// Put the line into NAME.csv of the host's folder in bench/record, and the table as a picture
-    /// into NAME.svg.
+    /// into NAME.svg of target/record.
     #[arg(long, value_name = "NAME")]
     record: Option<String>,
 }

@@ -63,7 +63,8 @@ pub struct Common {
     /// Seed of A; that of B, where there is one, is the next.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Writes NAME.csv, NAME.svg where there is a picture, and host.txt under bench/record.
+    /// Writes NAME.csv and host.txt under bench/record, and a picture NAME.svg, where there is one,
+    /// into target/record.
     #[arg(long, value_name = "NAME")]
     record: Option<String>,
     /// Where scripts/rivals installed the libraries.

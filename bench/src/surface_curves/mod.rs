@@ -15,4 +15,4 @@ pub use limits::{Distances, LIMITS_HEAD, limit_tables, measure_limits};
 pub use meshes::{Surface, surfaces};
 pub use orders::{ORDERS_HEAD, Ordered, measure_orders, order_tables};
 pub use runs::{Method, Run, SIZES, measure};
-pub use summary::{Cell, bars, cells, failures, order_table, plots};
+pub use summary::{Cell, bars, cells, distance_tables, failures, order_table, plots};

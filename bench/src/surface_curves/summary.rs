@@ -23,8 +23,10 @@ const THESIS: [[[f64; 7]; 3]; 2] = [
 /// Bounds of H and R of the thesis for a curve that is near enough.
 const NEAR: (f64, f64) = (0.25, 0.07);
 
-/// Upper end of the charts of distances.
+/// The horizontal axis of the charts of distances, its upper end, and the number of points on it.
+const DISTANCE: &str = "distance";
 const FARTHEST: f64 = 0.5;
+const POINTS: usize = 50;
 
 const KINDS: [(Sampling, &str); 2] = [(Sampling::Even, "even"), (Sampling::Random, "random")];
 
@@ -188,6 +190,32 @@ pub fn bars(runs: &[Run]) -> String {
     )
 }
 
+/// Returns figures 6.5 and 6.6 in numbers: the shares at every fifth point of their curves.
+pub fn distance_tables(plots: &[Plot]) -> String {
+    let mut text = String::new();
+    for plot in plots.iter().filter(|plot| plot.across == DISTANCE) {
+        let names: Vec<_> = plot.series.iter().map(|(name, _)| name.as_str()).collect();
+        text += &format!(
+            "**{}**\n\n| {DISTANCE} | {} |\n|---|{}\n",
+            plot.title,
+            names.join(" | "),
+            "---|".repeat(names.len())
+        );
+        for i in (5..=POINTS).step_by(5) {
+            let shares = plot.series.iter().map(|(_, points)| points[i].1);
+            let cells: Vec<_> = shares.map(|share| format!("{share:.1}")).collect();
+            text += &format!("| {:.2} | {} |\n", at(i), cells.join(" | "));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Returns the distance of a point of the curves of figures 6.5 and 6.6.
+fn at(point: usize) -> f64 {
+    FARTHEST * point as f64 / POINTS as f64
+}
+
 /// Returns figures 6.5, 6.6 and 6.9.
 pub fn plots(runs: &[Run]) -> Vec<Plot> {
     let mut plots = Vec::new();
@@ -206,15 +234,15 @@ pub fn plots(runs: &[Run]) -> Vec<Plot> {
                         .map(metric)
                         .collect();
                     let point = |i: usize| {
-                        let x = FARTHEST * i as f64 / 50.0;
+                        let x = at(i);
                         let within = own.iter().filter(|&&value| value <= x).count();
                         (x, 100.0 * within as f64 / own.len().max(1) as f64)
                     };
-                    (format!("{count} samples"), (0..=50).map(point).collect())
+                    (format!("{count} samples"), (0..=POINTS).map(point).collect())
                 });
                 plots.push(Plot {
                     title: format!("{title}, {kind}, {}", method.name()),
-                    across: "distance".into(),
+                    across: DISTANCE.into(),
                     logarithmic: false,
                     scattered: false,
                     series: series.to_vec(),

@@ -41,8 +41,8 @@ impl Router<'_, '_> {
     /// `samples` are the vertices that paths of other samples must avoid.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](catamaran::Error::Cancelled); [`Error::Argument`](catamaran::Error::Argument)
-    /// for too many vertices.
+    /// [`Error::Cancelled`](catamaran::Error::Cancelled);
+    /// [`Error::Argument`](catamaran::Error::Argument) for too many vertices.
     pub fn route(
         &mut self,
         nets: &[Net],

@@ -52,7 +52,7 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, Transfer, transfer_details};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;

@@ -21,7 +21,7 @@ const CONSTANT: f64 = 1e-6;
 /// the constant is among them.
 ///
 /// ```
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::{mesh::families, spectral::Eigenbasis};
 ///
 /// let operator = laplacian(&families::icosphere(2)?, &LaplacianOptions::new())?;

@@ -63,7 +63,7 @@ impl Response {
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, Response, filter, test_functions::coordinates};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;
@@ -148,7 +148,7 @@ pub fn add_coefficient(
 /// zero is 0.
 ///
 /// ```
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::{mesh::families, spectral::dirichlet_energies};
 ///
 /// let Laplacian { stiffness, mass, .. } =

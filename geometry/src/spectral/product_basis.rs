@@ -65,7 +65,7 @@ builder! { ProductBasisOptions<'a> {
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// let Laplacian { stiffness, mass, .. } =
@@ -92,8 +92,8 @@ impl ProductBasis {
     /// memory.
     ///
     /// # Errors
-    /// [`Error::Argument`](catamaran::Error::Argument) when the order is too large, the products do not
-    /// fit into the memory, or the constant is not among the eigenfunctions,
+    /// [`Error::Argument`](catamaran::Error::Argument) when the order is too large, the products do
+    /// not fit into the memory, or the constant is not among the eigenfunctions,
     /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory),
     /// [`Error::Cancelled`](catamaran::Error::Cancelled).
     pub fn new(

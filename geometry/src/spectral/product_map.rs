@@ -25,7 +25,7 @@ const PANEL: usize = 16;
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, ProductMap};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;
@@ -100,7 +100,7 @@ impl ProductMap {
     ///
     /// ```
     /// use catamaran_geometry::spectral::{Eigenbasis, ProductMap};
-    /// use catamaran::prelude::*;
+    /// use catamaran_geometry::prelude::*;
     /// use catamaran_geometry::mesh::families;
     ///
     /// # let mesh = families::icosphere(2)?;

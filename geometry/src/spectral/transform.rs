@@ -25,7 +25,7 @@ const PANEL: usize = 256;
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::{mesh::families, spectral::transform_of_all_products};
 ///
 /// # let mesh = families::icosphere(2)?;
@@ -66,7 +66,7 @@ pub fn transform_of_all_products(
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::{mesh::families, spectral::transform_by_columns};
 ///
 /// # let mesh = families::icosphere(2)?;

@@ -15,7 +15,7 @@ use catamaran::base::{Error, Par, Result};
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::{mesh::families, spectral::TruncatedProducts};
 ///
 /// # let mesh = families::icosphere(2)?;

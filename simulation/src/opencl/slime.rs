@@ -280,8 +280,8 @@ impl SlimeOnDevice {
             self.border * p.species as usize,
         ];
         // SAFETY: numbers and types are those that the kernels declare, and the buffers have the
-        // lengths given in simulation/src/texture/slime/mod.rs. They outlive the work in the queue, because
-        // reading them, and `run`, wait for it.
+        // lengths given in simulation/src/texture/slime/mod.rs. They outlive the work in the queue,
+        // because reading them, and `run`, wait for it.
         unsafe {
             moving.set_arg(&(a.len() as u32)).set_arg(&self.step).set_arg(&p.seed).set_arg(&p.size);
             moving.set_arg(&p.species).set_arg(&p.substeps).set_arg(&p.rescale);

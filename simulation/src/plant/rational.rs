@@ -121,8 +121,8 @@ impl WaterModel {
     /// every `par`, bit for bit.
     ///
     /// # Errors
-    /// [`Error::Shape`](catamaran::Error::Shape), [`Error::NonFinite`](catamaran::Error::NonFinite) and
-    /// [`Error::Argument`](catamaran::Error::Argument) name the argument at fault;
+    /// [`Error::Shape`](catamaran::Error::Shape), [`Error::NonFinite`](catamaran::Error::NonFinite)
+    /// and [`Error::Argument`](catamaran::Error::Argument) name the argument at fault;
     /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory).
     pub fn water_after(&self, water: &[f64], seconds: f64, par: Par) -> Result<Vec<f64>> {
         self.water_after_with(water, seconds, par, Progress::none())

@@ -2,7 +2,7 @@
 
 use catamaran_bench::Result;
 use catamaran_bench::surface_curves::{
-    Cell, Run, bars, cells, failures, measure, order_table, plots, surfaces,
+    Cell, Run, bars, cells, distance_tables, failures, measure, order_table, plots, surfaces,
 };
 
 use super::{Arguments, Report};
@@ -37,10 +37,11 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
          methods. Shares are of all runs, failures included; the thesis' numbers, on other meshes, in brackets.\n",
         runs.len()
     ));
-    for text in [bars(&runs), order_table(&runs), failures(&runs)] {
+    let plots = plots(&runs);
+    for text in [bars(&runs), order_table(&runs), failures(&runs), distance_tables(&plots)] {
         report.say(&text);
     }
     report.lines.extend(cells(&runs).iter().map(Cell::line));
-    report.plots.extend(plots(&runs));
+    report.plots.extend(plots);
     Ok(())
 }

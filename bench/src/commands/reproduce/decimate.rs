@@ -58,7 +58,7 @@ pub(super) fn record(
 /// Reproduces figures 5.6 to 5.9: uniformity and distances over the size of the result.
 fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     let shapes = twenty_shapes(inputs)?;
-    // Mean over the shapes, for every contender at every size.
+    // Means over the shapes that a contender finished, at every size.
     let titles = [
         "Figure 5.7: mean area of the faces times their number",
         "Figure 5.7: standard deviation of the areas over their mean",
@@ -68,6 +68,7 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
         "Figure 5.9: Chamfer distance",
     ];
     let mut means: Vec<Curves> = vec![Vec::new(); titles.len()];
+    let mut counts: Curves = Vec::new();
     report.say("**Figures 5.6 to 5.9**\n");
     for input in &shapes {
         for n in SIZES {
@@ -100,13 +101,32 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
                 ];
                 let measures: Vec<_> = names.into_iter().zip(values).collect();
                 record(report, "5.7-5.9", (input, n), who, &measures);
+                add(&mut counts, who, n as f64, 1.0);
                 for (series, value) in means.iter_mut().zip(values) {
-                    add(series, who, n as f64, value / shapes.len() as f64);
+                    add(series, who, n as f64, value);
                 }
             }
             report.say("");
         }
     }
+    report.say(
+        "**Figures 5.7 to 5.9**: means over the meshes that a contender finished; area is that of all faces\n\n\
+         | contender | n | meshes | area | CV | Q | deviation of Q | Hausdorff | Chamfer |\n\
+         |---|---|---|---|---|---|---|---|---|",
+    );
+    // Sums become means. All series have the same contenders and sizes, in the same order.
+    for (k, (who, points)) in counts.iter().enumerate() {
+        for (i, &(n, count)) in points.iter().enumerate() {
+            let cells = means.iter_mut().enumerate().map(|(measure, series)| {
+                let value = &mut series[k].1[i].1;
+                *value /= count;
+                if measure < 4 { format!("{value:.3}") } else { format!("{value:.1e}") }
+            });
+            let cells: Vec<_> = cells.collect();
+            report.say(&format!("| {who} | {n} | {count} | {} |", cells.join(" | ")));
+        }
+    }
+    report.say("");
     for (k, (title, series)) in titles.into_iter().zip(means).enumerate() {
         let logarithmic = k >= 4;
         report.plots.push(plot(title, "vertices", logarithmic, series));

@@ -21,7 +21,8 @@ use clap::ValueEnum;
 pub struct Arguments {
     /// What is reproduced.
     what: What,
-    /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
+    /// Writes WHAT.md, WHAT.csv and host.txt under bench/record, and WHAT.svg into target/record; a
+    /// WHAT.csv of more than 100 kB goes there, too.
     #[arg(long)]
     record: bool,
     /// Where scripts/rivals installed others.

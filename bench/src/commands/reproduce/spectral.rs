@@ -82,7 +82,7 @@ fn maps(report: &mut Report, shapes: &Shapes) -> Result<()> {
     plots.push(noise(&pairs)?);
     let shape = shapes.single(90)?.pop().ok_or("no shape")?;
     plots.extend(filters(&shape)?);
-    report.say("\n**Figures 1.10 to 1.12, 1.14 and 1.15**, in numbers (drawn in spectral.svg)");
+    report.say("\n**Figures 1.10 to 1.12, 1.14 and 1.15**, in numbers");
     for plot in plots {
         let names: Vec<_> = plot.series.iter().map(|(name, _)| name.as_str()).collect();
         report.say(&format!("\n{}\n\n| {} | {} |", plot.title, plot.across, names.join(" | ")));

@@ -77,8 +77,8 @@ pub fn disk(rings: usize, sectors: usize) -> Result<TriMesh> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](catamaran::Error::Argument) for `around` below 3, `along` 0, too many cells, or
-/// sizes that are not positive.
+/// [`Error::Argument`](catamaran::Error::Argument) for `around` below 3, `along` 0, too many cells,
+/// or sizes that are not positive.
 pub fn cylinder(around: usize, along: usize, radius: f64, height: f64) -> Result<TriMesh> {
     positive("radius", radius)?;
     positive("height", height)?;
@@ -102,7 +102,8 @@ pub fn cylinder(around: usize, along: usize, radius: f64, height: f64) -> Result
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](catamaran::Error::Argument) for `around` below 3, `across` 0, or too many cells.
+/// [`Error::Argument`](catamaran::Error::Argument) for `around` below 3, `across` 0, or too many
+/// cells.
 pub fn moebius(around: usize, across: usize) -> Result<TriMesh> {
     sheet(around, across, Seam::Twisted, false, |i, j| {
         let angle = turn(i, around);

@@ -59,7 +59,7 @@ impl Laplacian {
     /// and columns of vertices in the mask are kept.
     ///
     /// ```
-    /// use catamaran::prelude::*;
+    /// use catamaran_geometry::prelude::*;
     /// use catamaran_geometry::mesh::families;
     ///
     /// let mesh = families::icosphere(3)?;

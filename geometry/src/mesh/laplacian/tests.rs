@@ -220,7 +220,7 @@ fn a_face_without_area_is_named_by_the_plain_kind_and_borne_by_the_others() {
     vertices[5] = vertices[4]; // equal positions: two faces collapse, others change
     let mesh = TriMesh::new(vertices, shapes::grid(3, 3).into_parts().1).unwrap();
     let error = laplacian(&mesh, &options(KINDS[0], MASSES[0])).unwrap_err();
-    assert!(error.to_string().starts_with("face 1: no area"), "{error}");
+    assert!(error.to_string().starts_with("face 1: has no area"), "{error}");
     for kind in &KINDS[1..] {
         for mass in MASSES {
             let l = laplacian(&mesh, &options(*kind, mass)).unwrap();

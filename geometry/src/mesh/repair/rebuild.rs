@@ -115,8 +115,8 @@ impl Rebuild {
     /// Turns `file` into the new mesh, with the attributes of the old one.
     ///
     /// # Errors
-    /// [`Error::Argument`](catamaran::Error::Argument) for more vertices or corners than indices can
-    /// number.
+    /// [`Error::Argument`](catamaran::Error::Argument) for more vertices or corners than indices
+    /// can number.
     pub fn apply(self, file: &mut MeshFile) -> Result<()> {
         let points = file.mesh.vertices();
         let positions = self.vertices.iter().map(|&v| points[v as usize]).collect();

@@ -16,8 +16,8 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`](catamaran::Error::Mesh) when there is a boundary and an edge with three faces or
-    /// more: such a boundary need not consist of loops.
+    /// [`Error::Mesh`](catamaran::Error::Mesh) when there is a boundary and an edge with three
+    /// faces or more: such a boundary need not consist of loops.
     pub fn boundary_loops(&self, edges: &Edges) -> Result<Vec<Vec<u32>>> {
         let edges = &*edges.of(self);
         if edges.boundary().next().is_none() {

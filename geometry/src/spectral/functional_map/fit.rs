@@ -35,7 +35,7 @@ const ROWS_SHARE: f64 = 0.1;
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, functional_map::MapFit, test_functions::coordinates};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;
@@ -196,7 +196,7 @@ impl<'a> MapFit<'a> {
     ///
     /// ```
     /// use catamaran_geometry::spectral::{Eigenbasis, functional_map::MapFit};
-    /// use catamaran::prelude::*;
+    /// use catamaran_geometry::prelude::*;
     /// use catamaran_geometry::mesh::families;
     ///
     /// # let mesh = families::icosphere(2)?;

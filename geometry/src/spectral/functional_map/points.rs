@@ -23,7 +23,7 @@ const PANEL: usize = 256;
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, functional_map::points_from_map};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;

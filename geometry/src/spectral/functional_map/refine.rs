@@ -27,7 +27,7 @@ pub struct Refined {
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, functional_map::icp};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;
@@ -91,7 +91,7 @@ pub fn icp(
 ///
 /// ```
 /// use catamaran_geometry::spectral::{Eigenbasis, functional_map::zoomout};
-/// use catamaran::prelude::*;
+/// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
 /// # let mesh = families::icosphere(2)?;

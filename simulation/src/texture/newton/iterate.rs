@@ -1,4 +1,5 @@
-//! The iteration. `simulation/src/opencl/kernels/newton.cl` does the same in the same order; change both.
+//! The iteration. `simulation/src/opencl/kernels/newton.cl` does the same in the same order; change
+//! both.
 //!
 //! A step of z^n - 1 is equation 7.2 of the thesis, z := ((n - 1) z + (1 / z)^(n - 1)) / n, the
 //! power by repeated squaring. A step of a polynomial with given roots is z := z - 1 / (1 / (z -

@@ -102,9 +102,10 @@ impl Newton {
     /// 1e-15), where a step is undefined, do not move, and count as far from convergence.
     ///
     /// # Errors
-    /// [`Error::NonFinite`](catamaran::Error::NonFinite) names a point that is not finite, or farther
-    /// than 1e9 from the origin after scaling; [`Error::Argument`](catamaran::Error::Argument) for 2^31
-    /// points or more; [`Error::OutOfMemory`](catamaran::Error::OutOfMemory);
+    /// [`Error::NonFinite`](catamaran::Error::NonFinite) names a point that is not finite, or
+    /// farther than 1e9 from the origin after scaling;
+    /// [`Error::Argument`](catamaran::Error::Argument) for 2^31 points or more;
+    /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory);
     /// [`Error::Cancelled`](catamaran::Error::Cancelled).
     pub fn evaluate(
         &self,
