@@ -42,11 +42,6 @@ pub struct Force {
 }
 
 impl Force {
-    /// Returns whether `--force` is given.
-    pub fn is_given(self) -> bool {
-        self.force
-    }
-
     /// Returns what happens when a file appears while a command runs.
     pub fn overwrite(self) -> Overwrite {
         if self.force { Overwrite::Replace } else { Overwrite::Never }
@@ -64,6 +59,29 @@ impl Force {
             bail!("{}: exists already (--force replaces it)", path.display());
         }
         Ok(())
+    }
+
+    /// Refuses a file that exists and may neither be replaced nor continued from (`--resume`).
+    ///
+    /// # Errors
+    /// The file exists, and neither `--force` nor `--resume` is given.
+    pub fn check_resumable(self, path: &Path, resume: bool) -> Result<()> {
+        if !self.force && !resume && path.symlink_metadata().is_ok() {
+            bail!(
+                "{}: exists already (--force replaces it, --resume continues from it)",
+                path.display()
+            );
+        }
+        Ok(())
+    }
+
+    /// Starts a file as [`Force::create`] does; with `resume` it replaces the one continued from.
+    ///
+    /// # Errors
+    /// Those of [`Force::check_resumable`] and [`Force::create`].
+    pub fn create_resumable(self, path: &Path, resume: bool) -> Result<Output> {
+        self.check_resumable(path, resume)?;
+        Self { force: self.force || resume }.create(path)
     }
 
     /// Starts a file, once it is known that it may be written.

@@ -70,7 +70,7 @@ pub struct Args {
     /// Write the matrix that takes functions on the result to functions on the input, .mtx: a row
     /// for each vertex of the input, a column for each vertex of the result.
     #[arg(long, value_name = "FILE")]
-    weights: Option<PathBuf>,
+    prolongation: Option<PathBuf>,
     /// Print measures of uniformity and of the distance from the input.
     #[arg(long)]
     report: bool,
@@ -98,9 +98,9 @@ pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
-    let weights = match &args.weights {
+    let prolongation = match &args.prolongation {
         Some(path) if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mtx")) => {
-            bail!("{}: the name of --weights must end in .mtx", path.display())
+            bail!("{}: the name of --prolongation must end in .mtx", path.display())
         }
         Some(path) => Some(args.force.create(path)?),
         None => None,
@@ -130,14 +130,14 @@ pub fn run(args: &Args) -> Result<()> {
     drop(bar);
     report_result(args, &input, &found, elapsed, par)?;
 
-    if let Some(output) = weights {
+    if let Some(output) = prolongation {
         let path = output.path().display().to_string();
-        let weights = found.weights(&input.mesh, par)?;
-        write_sparse(output, &weights)?;
-        let (rows, columns) = weights.shape();
-        let entries = weights.nnz();
+        let matrix = found.weights(&input.mesh, par)?;
+        write_sparse(output, &matrix)?;
+        let (rows, columns) = matrix.shape();
+        let entries = matrix.nnz();
         status!(
-            "weights",
+            "prolongation": "matrix",
             path = path,
             rows = rows,
             columns = columns,

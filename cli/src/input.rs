@@ -71,26 +71,26 @@ impl TextFile {
     }
 }
 
-/// The value of `--max-memory`, in bytes.
-static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
+/// The value of `--input-limit`, in bytes.
+static LIMIT: OnceLock<u64> = OnceLock::new();
 
-/// Stores the value of `--max-memory`, in bytes.
-pub fn limit_memory(bytes: Option<usize>) {
+/// Stores the value of `--input-limit`, in bytes.
+pub fn set_limit(bytes: Option<usize>) {
     if let Some(bytes) = bytes {
-        MAX_MEMORY.get_or_init(|| bytes as u64);
+        LIMIT.get_or_init(|| bytes as u64);
         catamaran::base::limit_memory(bytes as u64);
     }
 }
 
 /// Returns the memory that an input file may take, in bytes; `None` leaves the limit to the
 /// library.
-pub fn max_memory() -> Option<u64> {
-    MAX_MEMORY.get().copied()
+pub fn limit() -> Option<u64> {
+    LIMIT.get().copied()
 }
 
 /// Returns the options for reading a file without a progress bar.
 pub fn source<'a>() -> SourceOptions<'a> {
-    SourceOptions::new().max_memory(max_memory())
+    SourceOptions::new().max_memory(limit())
 }
 
 /// Reads a mesh with a progress bar, and accepts it.

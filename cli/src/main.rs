@@ -12,9 +12,9 @@ mod demo;
 mod descriptors;
 mod device;
 mod distance;
+mod farthest;
 mod filter;
 mod folder;
-mod fps;
 mod gram;
 #[cfg(test)]
 mod help;
@@ -80,7 +80,7 @@ struct Cli {
         value_parser = parse::gibibytes,
         help_heading = common::HEADING
     )]
-    max_memory: Option<usize>,
+    input_limit: Option<usize>,
     /// Print results only, without status lines and progress bars. Notes and errors still go to
     /// stderr.
     #[arg(long, global = true, help_heading = common::HEADING)]
@@ -102,7 +102,8 @@ enum Command {
     Svd(svd::Args),
     Mesh(mesh::Args),
     Decimate(decimate::Args),
-    Fps(fps::Args),
+    #[command(alias = "fps")]
+    Farthest(farthest::Args),
     Info(info::Args),
     Demo(demo::Args),
     Spectrum(spectrum::Args),
@@ -130,7 +131,7 @@ fn main() -> ExitCode {
     let _nearest = FloatEnv::nearest();
     use_own_threads_only();
     let cli = parse_command_line();
-    input::limit_memory(cli.max_memory);
+    input::set_limit(cli.input_limit);
     if cli.quiet {
         report::be_quiet();
     }
@@ -180,7 +181,7 @@ fn run(command: &Command) -> Result<()> {
         Command::Svd(args) => svd::run(args),
         Command::Mesh(args) => mesh::run(args),
         Command::Decimate(args) => decimate::run(args),
-        Command::Fps(args) => fps::run(args),
+        Command::Farthest(args) => farthest::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Spectrum(args) => spectrum::run(args),

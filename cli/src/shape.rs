@@ -150,7 +150,7 @@ pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
 
 /// Reads a dense matrix of numbers.
 pub fn dense(path: &Path) -> Result<Mat<f64>> {
-    match files::read(path, &ReadOptions::new().max_memory(input::max_memory()))? {
+    match files::read(path, &ReadOptions::new().max_memory(input::limit()))? {
         Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),
         Matrix::F32(dense) => {
             let dense = dense.as_ref();

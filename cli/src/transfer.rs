@@ -30,7 +30,7 @@ use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
 
-/// The default of --smooth.
+/// The default of --smooth-functions.
 const SMOOTH: usize = 20;
 
 /// The time of heat kernels that --operators multiplies by, as a part of the area.
@@ -70,7 +70,7 @@ pub struct Args {
     /// Number of eigenfunctions of the smooth surface that --details heights starts from, without
     /// the constant one [default: 20].
     #[arg(long, value_name = "K")]
-    smooth: Option<usize>,
+    smooth_functions: Option<usize>,
     /// Let vertices with the same number correspond.
     #[arg(long, conflicts_with_all = ["points", "landmarks", "segments"])]
     identity: bool,
@@ -148,8 +148,8 @@ enum Details {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    if args.smooth.is_some() && args.details != Some(Details::Heights) {
-        bail!("--smooth is for --details heights only");
+    if args.smooth_functions.is_some() && args.details != Some(Details::Heights) {
+        bail!("--smooth-functions is for --details heights only");
     }
     let create = |path: &Path| -> Result<Output> {
         files::check_name(path)?;
@@ -262,14 +262,14 @@ fn needs(args: &Args, option: &'static str, len: usize) -> Vec<Need> {
         needs.push(Need { option: "--zoom", len: args.zoom.max(len), positive: 0 });
     }
     if args.details == Some(Details::Heights) {
-        needs.push(Need { option: "--smooth", len: smooth(args), positive: 0 });
+        needs.push(Need { option: "--smooth-functions", len: smooth(args), positive: 0 });
     }
     needs
 }
 
 /// Returns the number of eigenfunctions of the smooth surfaces of --details heights.
 fn smooth(args: &Args) -> usize {
-    args.smooth.unwrap_or(SMOOTH).saturating_add(1)
+    args.smooth_functions.unwrap_or(SMOOTH).saturating_add(1)
 }
 
 /// Returns the orthogonalized products of the first `len` eigenfunctions.

@@ -158,7 +158,7 @@ fn mesh_commands_end() {
     ends_amid_its_work(sphere(), "spectrum mesh.ply -k 400 -o s.npz");
     ends_amid_its_work(sphere(), "decimate mesh.ply -n 30000 --lloyd 50 -o d.ply --report");
     let folder = sphere();
-    folder.succeed("fps mesh.ply -n 3000 -o samples.csv");
+    folder.succeed("farthest mesh.ply -n 3000 -o samples.csv");
     ends_amid_its_work(folder, "curve mesh.ply --samples samples.csv --smooth -o c.json");
     let folder = sphere();
     folder.write_npy("f.npy", &[40962, 1], &vec![1.0; 40962]);

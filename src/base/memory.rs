@@ -16,7 +16,7 @@ const SMALL: usize = 64 << 20;
 /// [`available_memory`]; `None` removes the limit. Requests are arguments that decide how large a
 /// result is, such as a number of vertices.
 ///
-/// Public for the command line: `--max-memory`.
+/// Public for the command line: `--input-limit`.
 #[doc(hidden)]
 pub fn limit_memory(bytes: impl Into<Option<u64>>) {
     LIMIT.store(bytes.into().map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
@@ -46,7 +46,7 @@ pub fn check_request(what: &'static str, request: impl Display, bytes: f64) -> R
     let (allowed, are) = match limit {
         0 if bytes < SMALL as f64 => return Ok(()),
         0 => (available_memory(), "available"),
-        limit => (limit, "allowed (--max-memory)"),
+        limit => (limit, "allowed (--input-limit)"),
     };
     if bytes <= allowed as f64 {
         return Ok(());
@@ -61,7 +61,7 @@ pub fn check_request(what: &'static str, request: impl Display, bytes: f64) -> R
 }
 
 /// Returns [`Error::OutOfMemory`] for a single allocation that is larger than the memory there is:
-/// Linux would grant it, and kill the process later. A larger `--max-memory` permits more than the
+/// Linux would grant it, and kill the process later. A larger `--input-limit` permits more than the
 /// system reports as available.
 pub(crate) fn check_allocation(bytes: usize) -> Result<()> {
     let fits = || {

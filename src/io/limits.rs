@@ -50,7 +50,7 @@ pub(super) fn check_memory(limit: u64, what: impl Display, bytes: u64) -> Result
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     Err(format!(
         "{what} would take {:.2} GiB of memory, and this file may take {:.2} GiB: a larger \
-         max_memory (--max-memory) allows it",
+         max_memory (--input-limit) allows it",
         gib(bytes),
         gib(limit)
     ))

@@ -200,7 +200,7 @@ impl<'a> Source<'a> {
             Ok(0) => return Ok(None),
             Ok(count) if count == longest => {
                 let what = format!(
-                    "a line of {count} bytes or more: a larger max_memory (--max-memory) allows it"
+                    "a line of {count} bytes or more: a larger max_memory (--input-limit) allows it"
                 );
                 return Err(self.fail(what));
             }
@@ -310,7 +310,7 @@ impl<R: Read> Read for Limited<R> {
             Some(left) => self.left = left,
             None => {
                 return Err(io::Error::other(
-                    "unpacks to more than this file may take: a larger max_memory (--max-memory) \
+                    "unpacks to more than this file may take: a larger max_memory (--input-limit) \
                      allows it",
                 ));
             }
@@ -356,7 +356,7 @@ impl Read for Watched<'_> {
         if self.done > self.memory {
             return Err(io::Error::other(
                 "is larger than the memory that this file may take: a larger max_memory \
-                 (--max-memory) allows it",
+                 (--input-limit) allows it",
             ));
         }
         let fraction = self.done as f64 / self.size.max(1) as f64;

@@ -122,10 +122,10 @@ pub const PICTURES: &str = "\
 |---|---|
 | 7.1a, 7.2a | `catamaran newton MESH -o colored.ply --picture 7.1a.png` |
 | 7.1b | `catamaran newton MESH --uv -o color.png --heights convergence.png` |
-| 7.1c | `catamaran newton MESH --uv --material 7.1c.glb` |
+| 7.1c | `catamaran newton MESH --uv --write-material 7.1c.glb` |
 | 7.2b | `catamaran newton --volume --basins 0 --picture 7.2b.png --view -55,25` |
 | 7.2b, as a surface | `catamaran newton --volume --basins 0 -o 7.2b.ply` |
-| 7.3 | `catamaran newton MESH --uv --material 7.3.glb --inlay stones` |
+| 7.3 | `catamaran newton MESH --uv --write-material 7.3.glb --inlay stones` |
 | all basins | `catamaran newton --volume --picture volume.png` |
 ";
 

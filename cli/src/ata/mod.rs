@@ -109,7 +109,7 @@ pub struct Args {
     accumulator: Option<PathBuf>,
     /// Fail if A has NaN or infinite entries.
     #[arg(long)]
-    strict: bool,
+    require_finite: bool,
     #[command(flatten)]
     force: Force,
 }
@@ -322,7 +322,7 @@ impl Work<'_> {
         outputs: Outputs,
     ) -> Result<()> {
         let n = a.cols();
-        if self.args.strict
+        if self.args.require_finite
             && let Some(what) = self.a.not_finite()?
         {
             bail!("{}: {what}", self.args.input.display());
@@ -392,7 +392,7 @@ impl Work<'_> {
         let range = self.ranks.share(self.a.shape().0);
         let weights = self.weights.map(|w| &w[range.clone()]);
         let weights = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
-        Ok((Part { rows: self.a.rows::<T>(self.args.strict)?, range }, weights))
+        Ok((Part { rows: self.a.rows::<T>(self.args.require_finite)?, range }, weights))
     }
 
     /// Adds the rows that `sum` lacks, with checkpoints. `read` is the number of this read of A,

@@ -39,8 +39,8 @@ pub struct Args {
     mesh: PathBuf,
     /// File of samples, one per line: a vertex (numbered from 0), a face and barycentric
     /// coordinates (`face a b c`), or a point in space (`x y z`), which stands for the nearest
-    /// vertex; `#` begins a comment. Files that `catamaran fps` writes are accepted. A line `curve
-    /// NAME [open] [single] [side=SIDE]` begins the samples of another curve, which is found
+    /// vertex; `#` begins a comment. Files that `catamaran farthest` writes are accepted. A line
+    /// `curve NAME [open] [single] [side=SIDE]` begins the samples of another curve, which is found
     /// independently. `-` reads stdin.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     samples: TextFile,

@@ -87,15 +87,15 @@ impl Table {
         [self.a.identity(), with]
     }
 
-    /// Calls `work` with some of the rows; `strict` refuses NaN and infinities.
+    /// Calls `work` with some of the rows; `require_finite` refuses NaN and infinities.
     pub fn read<R>(
         &self,
         range: Range<usize>,
-        strict: bool,
+        require_finite: bool,
         work: impl FnOnce(&mut (dyn RowBlocks<f64> + Send)) -> catamaran::Result<R>,
     ) -> Result<R> {
         let part = |source| -> Result<_> {
-            Ok(Part { rows: Source::rows::<f64>(source, strict)?, range: range.clone() })
+            Ok(Part { rows: Source::rows::<f64>(source, require_finite)?, range: range.clone() })
         };
         let mut a = part(&self.a)?;
         Ok(match &self.with {

@@ -125,7 +125,12 @@ pub struct Args {
     /// for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd (roots), a mesh (the
     /// closed surfaces of basins), or a table of roots such as .npy, with a line of voxels in each
     /// row (numpy: reshape(N, N, N), indices z, y, x).
-    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["picture", "heights", "material"])]
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        required_unless_present_any = ["picture", "heights", "write_material"]
+    )]
     output: Option<PathBuf>,
     /// Write the speed of convergence of each point: .png (16 bits, white is slow) for a plane or
     /// texels, .vti or .nrrd for voxels, else a table of numbers.
@@ -134,10 +139,10 @@ pub struct Args {
     /// Write the mesh with a material on its surface to this .glb or .gltf file: roots select the
     /// parts of the material, with joints where points converge slowly.
     #[arg(long, value_name = "FILE", requires = "uv")]
-    material: Option<PathBuf>,
+    write_material: Option<PathBuf>,
     /// Kind of material: enamel in the colours of the roots between lines of gold (enamel), or
     /// stone, metal and wood between dark joints (stones) [default: enamel].
-    #[arg(long, value_name = "WHICH", requires = "material")]
+    #[arg(long, value_name = "WHICH", requires = "write_material")]
     inlay: Option<Stuff>,
     /// Compress the numbers in .vti (zlib) and .nrrd (gzip).
     #[arg(long, requires = "volume")]
@@ -326,7 +331,7 @@ fn drawing(args: &Args) -> Result<Drawing> {
     };
     let mut file = crate::decimate::read(path, &args.repair)?;
     let named = || path.display().to_string();
-    if args.material.is_some() {
+    if args.write_material.is_some() {
         // A relief crosses seams, for which the texture must not repeat.
         let within = file.uv.as_ref().map(slime::fitted);
         if within != file.uv {

@@ -107,7 +107,7 @@ pub fn check_names(args: &Args) -> Result<()> {
             bail!("{name}: the name of a picture must end in .png, .svg, .apng or .gif");
         }
     }
-    if let Some(path) = &args.material {
+    if let Some(path) = &args.write_material {
         if !matches!(MeshFormat::of(path), Ok(MeshFormat::Gltf(_))) {
             bail!("{}: a material is written as .glb or .gltf", path.display());
         }
@@ -163,7 +163,7 @@ impl<'a> Outputs<'a> {
             output: args.output.as_deref().map(create).transpose()?,
             heights: args.heights.as_deref().map(create).transpose()?,
             picture: args.picture.path().map(create).transpose()?,
-            material: args.material.as_deref().map(create).transpose()?,
+            material: args.write_material.as_deref().map(create).transpose()?,
             transfer: None,
         })
     }
@@ -171,7 +171,7 @@ impl<'a> Outputs<'a> {
     /// Returns the names of all files.
     pub fn names(args: &Args) -> Vec<PathBuf> {
         let [output, heights, material] =
-            [&args.output, &args.heights, &args.material].map(Option::as_deref);
+            [&args.output, &args.heights, &args.write_material].map(Option::as_deref);
         let all = [output, heights, args.picture.path(), material];
         all.into_iter().flatten().flat_map(|path| frame_names(path, args.frames)).collect()
     }

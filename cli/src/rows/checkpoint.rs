@@ -58,12 +58,7 @@ impl CheckpointArgs {
     /// purpose, and one that can't be written.
     pub fn check(&self, ranks: &Ranks, force: Force) -> Result<()> {
         let Some(path) = self.path(ranks) else { return Ok(()) };
-        if !force.is_given() && !self.resume && path.symlink_metadata().is_ok() {
-            bail!(
-                "{}: exists already (--force replaces it, --resume continues from it)",
-                path.display()
-            );
-        }
+        force.check_resumable(&path, self.resume)?;
         claim(&path, Purpose::Checkpoint)?;
         // The first checkpoint, which may be hours later, would be too late for this error.
         drop(Output::create(&path, Overwrite::Replace)?);

@@ -150,14 +150,14 @@ impl Source {
         }
     }
 
-    /// Returns the rows, converted to T; `strict` refuses NaN and infinities. May be called several
-    /// times.
-    pub fn rows<T: BlasReal>(&self, strict: bool) -> Result<Rows<'_, T>> {
+    /// Returns the rows, converted to T; `require_finite` refuses NaN and infinities. May be called
+    /// several times.
+    pub fn rows<T: BlasReal>(&self, require_finite: bool) -> Result<Rows<'_, T>> {
         let rows = match &self.content {
             Content::File(file) => Box::new(file.try_clone()?),
             Content::Whole(matrix) => rows_of::<T>(matrix),
         };
-        Ok(if strict { Box::new(Finite { rows, name: &self.name }) } else { rows })
+        Ok(if require_finite { Box::new(Finite { rows, name: &self.name }) } else { rows })
     }
 
     /// Returns the first entry that is NaN or infinite, with its place; reads all entries if there
@@ -280,7 +280,7 @@ fn read(
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
     let options = ReadOptions::new().columns(columns).progress(&update);
-    named(path, files::read_with_names(path, &options.max_memory(input::max_memory())))
+    named(path, files::read_with_names(path, &options.max_memory(input::limit())))
 }
 
 /// Adds the file to errors that do not name it.

@@ -111,13 +111,13 @@ pub struct Args {
     /// Draw coverage and presence over time to this .svg or .png file.
     #[arg(long, value_name = "FILE")]
     coverage: Option<PathBuf>,
-    /// Save the state to this file at the end, or at Ctrl-C.
+    /// Save the state to this file at the end, or at Ctrl-C, for --resume.
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Continue from the state in this file; mesh, configuration and mask must be those of the
-    /// interrupted run.
-    #[arg(long, value_name = "FILE")]
-    resume: Option<PathBuf>,
+    /// Continue from the state in the file of --state, if there is one; mesh, configuration and
+    /// mask must be those of the interrupted run.
+    #[arg(long, requires = "state")]
+    resume: bool,
     #[command(flatten)]
     repair: MeshArgs,
     #[command(flatten)]
@@ -132,8 +132,8 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let (options, look) = args.options()?;
     let mut frames = args.frames()?;
-    // Before the simulation is made, which may take long; after --resume its step must be known.
-    if args.resume.is_none() {
+    // Before the simulation is made, which may take long; the step of a saved state is read later.
+    if args.saved().is_none() {
         args.check_names(&frames, options.species, look.as_ref())?;
     }
     let _folder = Folder::create(&args.output, TABLE)?;
@@ -266,7 +266,8 @@ impl Outputs {
             path.as_deref().map(|path| picture::create(path, args.force)).transpose()
         };
         let (coverage, render) = (picture(&args.coverage)?, picture(&args.render)?);
-        let state = args.state.as_deref().map(|path| args.force.create(path)).transpose()?;
+        let state = |path| args.force.create_resumable(path, args.resume);
+        let state = args.state.as_deref().map(state).transpose()?;
         let table = args.force.create(&args.output.join(TABLE))?;
         let mesh = args.force.create(&args.output.join(MESH))?;
         let material = args.force.create(&args.output.join(MATERIAL))?;
@@ -343,17 +344,30 @@ impl Args {
         Ok(files.len())
     }
 
-    /// Replaces the state of a simulation by that of --resume.
+    /// Returns the file to continue from, with --resume and if there is one.
+    fn saved(&self) -> Option<&Path> {
+        self.state.as_deref().filter(|path| self.resume && path.symlink_metadata().is_ok())
+    }
+
+    /// Replaces the state of a simulation by the saved one, with --resume and if there is one.
     fn resume(&self, simulation: &mut Simulation) -> Result<()> {
-        if let Some(path) = &self.resume {
-            let source = File::open(path).with_context(|| path.display().to_string())?;
-            simulation.resume(&mut BufReader::new(source), path)?;
+        let Some(path) = self.state.as_deref().filter(|_| self.resume) else { return Ok(()) };
+        let name = path.display().to_string();
+        if self.saved().is_none() {
+            return status!(
+                "resumed",
+                path = name,
+                step = 0;
+                "no {name}: the run starts from the first step"
+            );
         }
-        let first = simulation.state().step;
-        if first > self.steps {
-            bail!("--steps {}: the resumed state is after {first} steps already", self.steps);
+        let source = File::open(path).with_context(|| name.clone())?;
+        simulation.resume(&mut BufReader::new(source), path)?;
+        let (step, all) = (simulation.state().step, self.steps);
+        if step > all {
+            bail!("--steps {all}: the resumed state is after {step} steps already");
         }
-        Ok(())
+        status!("resumed", path = name, step = step, steps = all; "{name}: step {step} of {all}")
     }
 
     /// Computes the steps and writes the frames, until a signal ends the run.

@@ -101,10 +101,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let [state_path, curve_path] = [".state.npz", ".svg"].map(|end| beside(&args.output, end));
     let files = [&args.output, &state_path, &curve_path];
-    let there = files.into_iter().find(|path| path.symlink_metadata().is_ok());
-    if let Some(path) = there.filter(|_| !args.force.is_given() && !args.resume) {
-        bail!("{}: exists already (--force replaces it, --resume continues)", path.display());
-    }
+    files.into_iter().try_for_each(|path| args.force.check_resumable(path, args.resume))?;
     files.into_iter().try_for_each(|path| output::probe(path))?;
     let par = args.threads.par();
     let examples = examples(args, par)?;

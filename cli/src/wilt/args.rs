@@ -60,7 +60,7 @@ pub struct Args {
     /// Relative water content at which the elasticity is steepest; with --literal the grams of
     /// water [default: 0.75; with --literal 0].
     #[arg(long, value_name = "W", value_parser = parse::finite)]
-    shift: Option<f64>,
+    steepest_at: Option<f64>,
     /// Use equation 4.9 of the thesis as printed: the elasticity is the first number of
     /// --elasticity times a logistic function of the grams of water in a node. Cutting a segment in
     /// two then changes its stiffness.
@@ -92,13 +92,13 @@ pub struct Args {
     /// Block the flow of water between this node and its parent; the rod stays whole. May be given
     /// several times.
     #[arg(long, value_name = "NODE")]
-    cut: Vec<usize>,
+    block_flow: Vec<usize>,
     /// Multiply the conductance between a node and its parent. May be given several times.
     #[arg(long, value_name = "NODE,FACTOR", value_parser = weakening)]
     weaken: Vec<(usize, f64)>,
     /// Hold this node in place, as well as those that the file pins. May be given several times.
     #[arg(long, value_name = "NODE")]
-    pin: Vec<usize>,
+    hold: Vec<usize>,
     /// Simulate the motion of the plant, and show all --hours in a film of this length, in seconds.
     /// In every step the water advances, and then the rods with the stiffness and the weight of
     /// that moment.
@@ -112,7 +112,7 @@ pub struct Args {
         requires = "motion",
         value_parser = parse::positive
     )]
-    fps: f64,
+    steps_per_second: f64,
     /// Decay rate of velocities in --motion, in 1/s.
     #[arg(
         long,
@@ -152,7 +152,8 @@ pub struct Args {
         long,
         value_name = "TABLE",
         value_hint = ValueHint::FilePath,
-        conflicts_with_all = ["motion", "animation", "cut", "weaken", "literal", "stomata", "soil"]
+        conflicts_with_all =
+            ["motion", "animation", "block_flow", "weaken", "literal", "stomata", "soil"]
     )]
     pub fit: Option<TextFile>,
     /// Format of the meshes.
@@ -210,7 +211,7 @@ impl Args {
         }
     }
 
-    /// Reads or generates the plant, and pins nodes.
+    /// Reads or generates the plant, and pins the nodes of --hold.
     pub fn plant(&self) -> Result<Plant> {
         let plant = match &self.plant {
             Some(path) => read_with(path, &input::source())?,
@@ -219,12 +220,12 @@ impl Args {
                 grow(&options.seed(self.seed)).with_context(|| self.name())?
             }
         };
-        if self.pin.is_empty() {
+        if self.hold.is_empty() {
             return Ok(plant);
         }
         let mut segments: Vec<Segment> = plant.segments().to_vec();
-        for &node in &self.pin {
-            self.check_node("--pin", node, &plant)?;
+        for &node in &self.hold {
+            self.check_node("--hold", node, &plant)?;
             segments[node].pinned = true;
         }
         let parents: Vec<Option<u32>> =
@@ -241,13 +242,13 @@ impl Args {
         Ok(())
     }
 
-    /// Returns the nodes of --cut and --weaken, and the factors of the conductance to their
+    /// Returns the nodes of --block-flow and --weaken, and the factors of the conductance to their
     /// parents.
     fn damage(&self, plant: &Plant) -> Result<Vec<(usize, f64)>> {
-        let cut = self.cut.iter().map(|&node| ("--cut", node, 0.0));
+        let blocked = self.block_flow.iter().map(|&node| ("--block-flow", node, 0.0));
         let weakened = self.weaken.iter().map(|&(node, factor)| ("--weaken", node, factor));
         let mut damage = Vec::new();
-        for (option, node, factor) in cut.chain(weakened) {
+        for (option, node, factor) in blocked.chain(weakened) {
             self.check_node(option, node, plant)?;
             if plant.parent(node).is_none() {
                 bail!("{option} {node}: the root of {} has no parent", self.name());
@@ -289,17 +290,16 @@ impl Args {
         if !is_right {
             bail!("--elasticity {full},{dry}: {needed}");
         }
+        let shift = self.steepest_at.unwrap_or(if self.literal { 0.0 } else { 0.75 });
         let of = |steepness| match self.literal {
-            true => Elasticity::Literal { full, steepness, shift: self.shift.unwrap_or(0.0) },
-            false => {
-                Elasticity::Relative { dry, full, steepness, shift: self.shift.unwrap_or(0.75) }
-            }
+            true => Elasticity::Literal { full, steepness, shift },
+            false => Elasticity::Relative { dry, full, steepness, shift },
         };
         let (kappa, by_radius) = (self.kappa.as_ref(), self.kappa_by_radius.as_ref());
         let (tissue, classes) = tissue(plant, kappa, by_radius, STEEPNESS, of)?;
         for elasticity in tissue.classes() {
             // Of no segment: the constants are checked.
-            elasticity.moduli(&[], &[]).context("--kappa, --shift")?;
+            elasticity.moduli(&[], &[]).context("--kappa, --steepest-at")?;
         }
         used(plant, &tissue, classes).with_context(|| self.name())
     }
@@ -307,12 +307,12 @@ impl Args {
     fn film(&self) -> Result<Option<Film>> {
         let Some(seconds) = self.motion else { return Ok(None) };
         let most = 1e7;
-        if seconds * self.fps > most {
-            bail!("--motion, --fps: more than {most} steps");
+        if seconds * self.steps_per_second > most {
+            bail!("--motion, --steps-per-second: more than {most} steps");
         }
         let wind =
             |velocity| Wind::new().velocity(velocity).turbulence(self.turbulence).seed(self.seed);
-        let motion = MotionOptions::new().step(1.0 / self.fps).damping(self.damping);
+        let motion = MotionOptions::new().step(1.0 / self.steps_per_second).damping(self.damping);
         Ok(Some(Film { seconds, motion, wind: self.wind.map(wind) }))
     }
 

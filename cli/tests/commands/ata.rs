@@ -356,13 +356,13 @@ fn bad_input_is_one_line_that_names_file_and_line() {
 }
 
 #[test]
-fn strict_names_the_entry_that_is_not_finite() {
+fn require_finite_names_the_entry_that_is_not_finite() {
     let folder = Folder::new();
     folder.write("a.csv", "1,2,3\n4,5,NaN\n7,8,9\n");
-    let message = folder.fail("ata a.csv -o c.npy --strict");
+    let message = folder.fail("ata a.csv -o c.npy --require-finite");
     assert!(message.contains("a.csv: NaN at row 1, column 2"), "{message}");
     folder.write("b.csv", "1,-inf\n");
-    let message = folder.fail("ata b.csv -o c.npy --strict");
+    let message = folder.fail("ata b.csv -o c.npy --require-finite");
     assert!(message.contains("b.csv: -inf at row 0, column 1"), "{message}");
     folder.succeed("ata a.csv -o c.npy");
     assert!(folder.read_npy::<f64>("c.npy")[8].is_nan());
@@ -382,7 +382,7 @@ fn entries_of_c_that_are_not_finite_are_counted_in_a_note() {
     for (arguments, note) in [
         ("a.csv", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
         ("a.csv --uplo lower", format!("a.csv: {finite} 1 of 6 entries {range} f64")),
-        ("a.csv --strict -o c.npy", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
+        ("a.csv --require-finite -o c.npy", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
         ("a.csv --f32 --uplo upper", format!("a.csv: {finite} 3 of 6 entries {range} f32")),
         ("a.csv --reproducible", format!("a.csv: {finite} 1 of 9 entries {range} f64")),
         ("a.mtx", format!("a.mtx: {finite} 1 of 9 entries {range} f64")),
@@ -446,11 +446,11 @@ fn a_header_gets_the_memory_that_its_file_may_take() {
     let header = "%%MatrixMarket matrix coordinate real general\n";
     folder.write("tall.mtx", format!("{header}150000000 3 1\n1 1 2\n"));
     let message = folder.fail("ata tall.mtx -o c.npy");
-    assert!(message.contains("1.12 GiB") && message.contains("--max-memory"), "{message}");
+    assert!(message.contains("1.12 GiB") && message.contains("--input-limit"), "{message}");
     folder.write("tall.mtx", format!("{header}1000000 3 1\n1 1 2\n"));
-    let message = folder.fail("ata tall.mtx -o c.npy --max-memory 0.001");
+    let message = folder.fail("ata tall.mtx -o c.npy --input-limit 0.001");
     assert!(message.contains("this file may take 0.00 GiB"), "{message}");
-    folder.succeed("ata tall.mtx -o c.npy --max-memory 0.01");
+    folder.succeed("ata tall.mtx -o c.npy --input-limit 0.01");
     assert_eq!(folder.read_npy::<f64>("c.npy")[0], 4.0);
 }
 

@@ -34,7 +34,7 @@ fn a_ring_is_closed_and_written_as_json_lines_and_picture() {
     let smooth = folder.succeed("curve mesh.obj --samples samples.txt --smooth -o s.json");
     assert!(smooth.contains("outcome     closed"), "{smooth}");
     // Farthest points are samples too.
-    folder.succeed("fps mesh.obj -n 12 -o points.csv");
+    folder.succeed("farthest mesh.obj -n 12 -o points.csv");
     folder.succeed("curve mesh.obj --samples points.csv -o through.json");
     // Nothing is replaced unasked.
     folder.fail("curve mesh.obj --samples samples.txt -o curve.obj");

@@ -1,4 +1,4 @@
-//! `catamaran decimate` and `catamaran fps`, from outside.
+//! `catamaran decimate` and `catamaran farthest`, from outside.
 
 use std::fs;
 
@@ -101,16 +101,16 @@ fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() 
             "order: 1326 functions of 2562 vertices",
         ),
         (
-            "transfer in.ply in.ply --identity --details heights --smooth 600 -o out.ply",
-            "--smooth: 601 functions of 2562 vertices",
+            "transfer in.ply in.ply --identity --details heights --smooth-functions 600 -o out.ply",
+            "--smooth-functions: 601 functions of 2562 vertices",
         ),
         ("newton --size 4096 -o out.png", "16777216 points"),
         ("slime --tile --size 4096 -o out", "4096 x 4096"),
     ] {
-        let message = folder.fail(&format!("{command} --max-memory 0.01"));
+        let message = folder.fail(&format!("{command} --input-limit 0.01"));
         assert!(message.contains(what), "{command}: {message}");
         assert!(message.contains("would take at least"), "{command}: {message}");
-        assert!(message.contains("0.01 GiB are allowed (--max-memory)"), "{command}: {message}");
+        assert!(message.contains("0.01 GiB are allowed (--input-limit)"), "{command}: {message}");
     }
     // Without a limit the memory of the machine counts.
     let message = folder.fail("decimate in.ply -n 999999999999 -o out.ply");
@@ -130,11 +130,11 @@ fn a_mesh_is_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn weights_have_a_row_of_sum_one_for_each_vertex_of_the_input() {
+fn the_prolongation_has_a_row_of_sum_one_for_each_vertex_of_the_input() {
     let folder = folder("in.ply", &sphere().into());
-    let said = folder.succeed("decimate in.ply -n 60 -o out.ply --weights w.mtx");
-    assert!(said.contains("weights     w.mtx: 2562 x 60, "), "{said}");
-    let rows = numbers(&folder, "w.mtx");
+    let said = folder.succeed("decimate in.ply -n 60 -o out.ply --prolongation p.mtx");
+    assert!(said.contains("matrix      p.mtx: 2562 x 60, "), "{said}");
+    let rows = numbers(&folder, "p.mtx");
     assert_eq!(rows[0][..2], [2562.0, 60.0]);
     assert_eq!(rows[0][2] as usize, rows.len() - 1);
     let mut sums = vec![0.0; 2562];
@@ -207,7 +207,7 @@ fn materials_are_carried_and_normals_are_said_not_to_be() {
 fn refusals_say_why_and_leave_nothing() {
     let folder = folder("in.ply", &families::spheres(3, 2).unwrap().into());
     let refused = |arguments: &str| folder.fail(&format!("decimate in.ply {arguments}"));
-    let few = refused("-n 11 -o out.ply --weights w.mtx");
+    let few = refused("-n 11 -o out.ply --prolongation p.mtx");
     assert!(few.contains("in.ply: can't be decimated to 11"), "{few}");
     assert!(few.contains("3 components need 12 vertices: 4 each, 3 with boundary"), "{few}");
     assert!(refused("-n 20 --first 486 -o out.ply").contains("first"));
@@ -222,7 +222,8 @@ fn refusals_say_why_and_leave_nothing() {
         let run = folder.run(&format!("decimate in.ply {arguments} -o out.ply"));
         assert!(run.code == Some(2) && run.stderr.contains(why), "{}", run.stderr);
     }
-    assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: the name of --weights"));
+    let table = refused("-n 20 -o out.ply --prolongation p.npy");
+    assert!(table.contains("p.npy: the name of --prolongation must end in .mtx"), "{table}");
     assert!(refused("-n 20 -o out.txt").contains("out.txt"));
     let numbers = refused("-n 999999999999 -o out.ply");
     assert!(numbers.contains("999999999999 vertices would take at least"), "{numbers}");
@@ -231,32 +232,33 @@ fn refusals_say_why_and_leave_nothing() {
 #[test]
 fn nothing_is_replaced_unasked() {
     let folder = folder("in.ply", &sphere().into());
-    for name in ["out.ply", "w.mtx", "p.png"] {
+    for name in ["out.ply", "p.mtx", "p.png"] {
         folder.write(name, "mine");
         let arguments = match name {
             "out.ply" => "-o out.ply".to_owned(),
-            "w.mtx" => "-o new.ply --weights w.mtx".to_owned(),
+            "p.mtx" => "-o new.ply --prolongation p.mtx".to_owned(),
             _ => format!("-o new.ply --picture {name}"),
         };
         let refused = folder.fail(&format!("decimate in.ply -n 20 {arguments}"));
         assert!(refused.contains(name), "{refused}");
         assert_eq!(fs::read(folder.path(name)).unwrap(), b"mine");
     }
-    folder.succeed("decimate in.ply -n 20 -o out.ply --weights w.mtx --force");
+    folder.succeed("decimate in.ply -n 20 -o out.ply --prolongation p.mtx --force");
     assert_eq!(read(&folder.path("out.ply")).unwrap().mesh.vertices().len(), 20);
     folder.write("samples.csv", "mine");
-    assert!(folder.fail("fps in.ply -n 5 -o samples.csv").contains("samples.csv"));
+    assert!(folder.fail("farthest in.ply -n 5 -o samples.csv").contains("samples.csv"));
     assert_eq!(fs::read(folder.path("samples.csv")).unwrap(), b"mine");
-    folder.succeed("fps in.ply -n 5 -o samples.csv --force");
+    folder.succeed("farthest in.ply -n 5 -o samples.csv --force");
 }
 
 #[test]
 fn farthest_points_are_nested_and_start_their_cells() {
     let folder = folder("in.ply", &sphere().into());
     let said = folder.succeed(
-        "fps in.ply -n 30 --first 17 -o few.csv --cells cells.csv --distances distances.csv",
+        "farthest in.ply -n 30 --first 17 -o few.csv --cells cells.csv --distances distances.csv",
     );
     assert!(said.contains("samples     30, cells of radius "), "{said}");
+    // By its former name.
     folder.succeed("fps in.ply -n 50 --first 17 -o many.csv --picture p.png");
     let (few, many) = (numbers(&folder, "few.csv"), numbers(&folder, "many.csv"));
     assert_eq!((few.len(), many.len()), (30, 50));
@@ -272,16 +274,16 @@ fn farthest_points_are_nested_and_start_their_cells() {
     }
     assert!(cells.iter().all(|cell| (0.0..30.0).contains(&cell[0])));
     assert!(distances.iter().all(|distance| distance[0] >= 0.0));
-    let refused = folder.fail("fps in.ply -n 2563 -o more.csv");
+    let refused = folder.fail("farthest in.ply -n 2563 -o more.csv");
     assert!(refused.contains("only 2562 vertices"), "{refused}");
-    assert!(folder.fail("fps in.ply -n 5 --first 2562 -o more.csv").contains("first"));
+    assert!(folder.fail("farthest in.ply -n 5 --first 2562 -o more.csv").contains("first"));
 }
 
 #[test]
 fn numbers_of_vertices_and_cells_are_integers() {
     let folder = folder("in.ply", &sphere().into());
-    folder.succeed("fps in.ply -n 7 --first 2000 -o few.npy --cells cells.npy");
-    folder.succeed("fps in.ply -n 7 --first 2000 -o few.csv");
+    folder.succeed("farthest in.ply -n 7 --first 2000 -o few.npy --cells cells.npy");
+    folder.succeed("farthest in.ply -n 7 --first 2000 -o few.csv");
     // Entries of another type would not be read as these.
     let samples: Vec<i64> = folder.read_npy("few.npy");
     assert_eq!((samples.len(), samples[0]), (7, 2000));
@@ -295,7 +297,7 @@ fn numbers_of_vertices_and_cells_are_integers() {
 fn no_samples_are_refused() {
     let folder = folder("in.ply", &sphere().into());
     for count in ["0", "-1", "x"] {
-        let run = folder.run(&format!("fps in.ply -n={count} -o few.npy"));
+        let run = folder.run(&format!("farthest in.ply -n={count} -o few.npy"));
         assert_eq!(run.code, Some(2), "{}", run.stderr);
         assert!(run.stderr.contains("at least 1"), "{}", run.stderr);
     }

@@ -24,6 +24,7 @@ const MORE: &[&str] = &[
     "wilt plant.txt --fit weights.csv -o out",
     "curve sphere.ply --samples ring.txt --region r.csv --cut pieces/",
     "newton --volume --size 9 --basins 4 -o basin.ply",
+    "slime square.obj --config c.toml --steps 3 -o out --state s.state --resume",
     "unions predict left.off right.off --localize template.ply",
 ];
 

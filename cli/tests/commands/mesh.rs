@@ -316,7 +316,7 @@ fn every_command_joins_a_split_surface_and_says_so() {
     for arguments in [
         "spectrum split.ply -k 4",
         "decimate split.ply -n 60 -o d.ply --force",
-        "fps split.ply -n 5 -o f.csv --force",
+        "farthest split.ply -n 5 -o f.csv --force",
         "filter split.ply --low-pass 9 -k 12 -o s.ply --force",
         "basis split.ply -k 4 -o b.npz --force",
         "shapedna split.ply split.ply -k 4",
@@ -345,8 +345,8 @@ fn every_command_joins_a_split_surface_and_says_so() {
     let (joined, said) = smooth("joined.ply", "j.ply");
     assert_eq!(split, joined);
     assert!(!said.contains("note:"), "{said}");
-    folder.succeed("fps joined.ply -n 5 -o f.csv --force --strict");
-    let chosen = notes(&folder, "fps split.ply -n 5 -o f.csv --force --weld 1e-9");
+    folder.succeed("farthest joined.ply -n 5 -o f.csv --force --strict");
+    let chosen = notes(&folder, "farthest split.ply -n 5 -o f.csv --force --weld 1e-9");
     assert!(chosen.contains("37 vertices joined (at most 0.000000001 apart)"), "{chosen}");
 }
 
@@ -373,7 +373,7 @@ fn sizes_at_which_areas_overflow_or_vanish_are_refused_by_every_command() {
             "mesh NAME.ply --check",
             "mesh NAME.ply --repair -o x.ply",
             "spectrum NAME.ply -k 4",
-            "fps NAME.ply -n 5 -o x.csv",
+            "farthest NAME.ply -n 5 -o x.csv",
             "decimate NAME.ply -n 60 -o x.ply --strict",
             "shapedna NAME.ply NAME.ply -k 4",
         ] {

@@ -288,8 +288,8 @@ fn a_material_is_in_a_file_with_its_mesh() {
         "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
     );
     let command = "newton square.obj --uv --size 64";
-    folder.succeed(&format!("{command} -o texture.png --material enamel.glb"));
-    folder.succeed(&format!("{command} --material stones.glb --inlay stones"));
+    folder.succeed(&format!("{command} -o texture.png --write-material enamel.glb"));
+    folder.succeed(&format!("{command} --write-material stones.glb --inlay stones"));
     let json = |name: &str| {
         let bytes = std::fs::read(folder.path(name)).unwrap();
         let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
@@ -308,11 +308,10 @@ fn a_material_is_in_a_file_with_its_mesh() {
     let [enamel, stones] =
         ["enamel.glb", "stones.glb"].map(|name| std::fs::read(folder.path(name)).unwrap());
     assert_ne!(enamel, stones);
-    assert!(folder.fail(&format!("{command} --material a.ply")).contains(".glb or .gltf"));
-    assert!(
-        folder.fail("newton square.obj --uv --size 8x4 --material a.glb").contains("are square")
-    );
-    let run = folder.run("newton square.obj --material a.glb");
+    assert!(folder.fail(&format!("{command} --write-material a.ply")).contains(".glb or .gltf"));
+    let oblong = folder.fail("newton square.obj --uv --size 8x4 --write-material a.glb");
+    assert!(oblong.contains("are square"), "{oblong}");
+    let run = folder.run("newton square.obj --write-material a.glb");
     assert!(run.code == Some(2) && run.stderr.contains("--uv"), "{}", run.stderr);
 }
 

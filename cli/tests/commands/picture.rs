@@ -43,7 +43,7 @@ const DRAWINGS: [&str; 8] = [
     "pca a.csv --picture FILE",
     "mesh knot.obj --picture FILE",
     "decimate knot.obj -n 100 -o out --picture FILE",
-    "fps knot.obj -n 9 -o out --picture FILE",
+    "farthest knot.obj -n 9 -o out --picture FILE",
     "distance knot.obj --from 0 -o out --picture FILE",
     "newton knot.obj --picture FILE",
     "newton --volume --size 8 --picture FILE",

@@ -53,7 +53,7 @@ const COMMANDS: [&str; 11] = [
     "filter MESH --heat 0.01 -k K -o f.ply --force",
     "transfer MESH MESH --identity --details coordinates -k K -o t.ply --force",
     "transfer MESH MESH --landmarks pairs.txt --details coordinates -k K -o t.ply --force",
-    "transfer MESH MESH --identity --details heights -k 30 --smooth K -o t.ply --force",
+    "transfer MESH MESH --identity --details heights -k 30 --smooth-functions K -o t.ply --force",
 ];
 
 fn folder() -> Folder {

@@ -11,7 +11,7 @@ fn completions_of_every_shell_name_commands_and_options() {
     let folder = Folder::new();
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = folder.succeed(&format!("completions {shell}"));
-        for word in ["ata-merge", "interpolate", "by-column", "max-memory"] {
+        for word in ["ata-merge", "interpolate", "by-column", "input-limit"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }

@@ -49,24 +49,48 @@ fn a_run_goes_on_where_it_ended() {
     let run = |rest: &str| folder.succeed(&format!("slime square.obj --config c.toml {rest}"));
     run("--steps 30 -o whole");
     run("--steps 12 --every 5 -o first --state some.state");
-    run("--steps 30 -o second --resume some.state");
     let of = |name: &str| fs::read(folder.path(name)).unwrap();
+    let after_12 = of("some.state");
+    let said = run("--steps 30 -o second --state some.state --resume");
+    assert!(said.contains("resumed     some.state: step 12 of 30"), "{said}");
+    assert!(said.contains("state       some.state: after 30 steps"), "{said}");
     assert_eq!(of("whole/frame-0030.png"), of("second/frame-0030.png"));
-    run("--steps 12 -o third --resume some.state");
+    folder.write("some.state", &after_12);
+    run("--steps 12 -o third --state some.state --resume");
     assert_eq!(of("first/frame-0012.png"), of("third/frame-0012.png"));
+    assert_eq!(of("some.state"), after_12);
 
     // What an interrupted run leaves: its frames. They are neither written again nor counted.
     for name in ["mesh.obj", "mesh.mtl", "coverage.csv"] {
         fs::remove_file(folder.path("first").join(name)).unwrap();
     }
     let early = of("first/frame-0010.png");
-    let said = run("--steps 30 --every 5 -o first --resume some.state");
+    let said = run("--steps 30 --every 5 -o first --state some.state --resume");
     assert!(said.contains("first: 7 files"), "{said}");
     assert_eq!(of("whole/frame-0030.png"), of("first/frame-0030.png"));
     assert_eq!(of("first/frame-0010.png"), early);
-    let other =
-        "slime square.obj --config c.toml --seed 5 --steps 30 -o fourth --resume some.state";
-    assert!(folder.fail(other).contains("another seed"));
+    let slime = "slime square.obj --config c.toml";
+    let other = format!("{slime} --seed 5 --steps 30 -o fourth --state some.state --resume");
+    assert!(folder.fail(&other).contains("another seed"));
+    let fewer = folder.fail(&format!("{slime} --steps 9 -o fourth --state some.state --resume"));
+    assert!(fewer.contains("--steps 9: the resumed state is after 30 steps already"), "{fewer}");
+}
+
+#[test]
+fn a_state_is_resumed_if_it_is_there_and_not_replaced_by_accident() {
+    let folder = folder();
+    let slime = "slime square.obj --config c.toml --steps 6";
+    let said = folder.succeed(&format!("{slime} -o first --state some.state --resume"));
+    assert!(said.contains("resumed     no some.state: the run starts from the first"), "{said}");
+    let refused = folder.fail(&format!("{slime} -o second --state some.state"));
+    let says = "some.state: exists already (--force replaces it, --resume continues from it)";
+    assert!(refused.contains(says), "{refused}");
+    // Without a state to go on from, the files of another run are not those of an interrupted one.
+    let refused = folder.fail(&format!("{slime} -o first --state none.state --resume"));
+    assert!(refused.contains("first/frame-0006.png: exists already"), "{refused}");
+    let run = folder.run(&format!("{slime} -o second --resume"));
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("--state <FILE>"), "{}", run.stderr);
 }
 
 #[test]
@@ -86,7 +110,7 @@ fn frames_of_an_earlier_run_stay_and_are_noted() {
     assert_eq!(said, format!("{note}4, frame-0010.png to frame-0025.png\n"));
     // The frames of the run that is resumed belong to this one, except that of its last step.
     assert_eq!(run("--steps 25 --every 10 -o other"), "");
-    let said = run("--steps 40 --every 10 -o other --resume some.state --force");
+    let said = run("--steps 40 --every 10 -o other --state some.state --resume --force");
     assert_eq!(said, format!("{}1, frame-0025.png\n", note.replace("out", "other")));
 }
 

@@ -153,7 +153,7 @@ fn operators_segments_and_products_find_the_points_too() {
         ("--segments a.txt c.txt", "a.txt, c.txt: labels: label 3 is on one of the meshes only"),
         ("--segments a.txt half.txt", "half.txt: row 0: 0.5 is not the number of a segment"),
         ("--segments a.txt pairs.txt", "pairs.txt: 3 rows for 162 vertices"),
-        ("--identity --smooth 3", "--smooth is for --details heights only"),
+        ("--identity --smooth-functions 3", "--smooth-functions is for --details heights only"),
     ] {
         let said = folder.fail(&format!("{common} {arguments} -o out.npy"));
         assert!(said.contains(says), "{said}");
@@ -190,14 +190,16 @@ fn details_are_coordinates_or_heights() {
     assert_eq!(found.faces(), before.faces());
     let truth = |i: usize| source.vertices()[points[i] as usize];
     assert!(error(&found, &truth) < 0.02, "{}", error(&found, &truth));
-    folder.succeed(&format!("{common} --details heights --smooth 5 -o h.obj --picture h.png"));
+    folder.succeed(&format!(
+        "{common} --details heights --smooth-functions 5 -o h.obj --picture h.png"
+    ));
     let found = vertices("h.obj");
     assert_eq!(found.faces(), before.faces());
     let truth = |i: usize| before.vertices()[i];
     assert!(error(&found, &truth) < 0.05, "{}", error(&found, &truth));
     // A smooth surface of as many functions as the transfer has is closer than one of the first
     // ones.
-    folder.succeed(&format!("{common} --details heights --smooth 1 -o flat.obj"));
+    folder.succeed(&format!("{common} --details heights --smooth-functions 1 -o flat.obj"));
     assert!(error(&vertices("flat.obj"), &truth) > error(&found, &truth));
     for picture in ["c.png", "h.png"] {
         assert_eq!(&std::fs::read(folder.path(picture)).unwrap()[1..4], b"PNG");
@@ -205,7 +207,7 @@ fn details_are_coordinates_or_heights() {
     for (arguments, says) in [
         ("--details heights -o x.npy", "x.npy"),
         ("--details coordinates -o c.ply", "exists already"),
-        ("--details heights --smooth 162 -o x.ply", "162 vertices"),
+        ("--details heights --smooth-functions 162 -o x.ply", "162 vertices"),
     ] {
         let said = folder.fail(&format!("{common} {arguments}"));
         assert!(said.contains(says), "{said}");
@@ -584,7 +586,7 @@ fn quads_polygons_colours_and_objects_go_through_every_command() {
             format!("filter {name} --heat 1e-3 -k 20"),
             format!("filter {name} --coefficient 2 -k 20"),
             format!("{itself} --details coordinates"),
-            format!("{itself} --details heights --smooth 6"),
+            format!("{itself} --details heights --smooth-functions 6"),
         ] {
             folder.succeed(&format!("{command} -o out.obj --force"));
             let after = read(&folder.path("out.obj")).unwrap();

@@ -24,7 +24,8 @@ fn blocks_of_any_height_give_the_product() {
     let weighted = oracle(&table(M, N), N, Some(&weights));
     for name in ["a.npy", "f.npy"] {
         for rows in [1, 7, 64, 500] {
-            let options = format!("{name} --block-rows {rows} --verify --strict -o c.npy --force");
+            let options =
+                format!("{name} --block-rows {rows} --verify --require-finite -o c.npy --force");
             folder.succeed(&format!("ata {options}"));
             assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{options}");
             folder.succeed(&format!("ata {options} --weights w.npy"));
@@ -211,7 +212,7 @@ fn interrupted(options: &str) -> (Folder, Vec<u8>) {
     folder.write_npy("a.npy", &[M as u64, N as u64], &a);
     folder.succeed(&format!("ata a.npy {options} --block-rows 20 -o whole.npy"));
     let arguments = format!("{options} --block-rows 20 --checkpoint sums --checkpoint-every 0");
-    let run = folder.run(&format!("ata a.npy {arguments} --strict -o c.npy"));
+    let run = folder.run(&format!("ata a.npy {arguments} --require-finite -o c.npy"));
     assert_eq!(run.code, Some(1), "{}", run.stdout);
     assert!(run.stderr.contains("a.npy: inf at row 150, column 3"), "{}", run.stderr);
     assert!(!folder.path("c.npy").exists());

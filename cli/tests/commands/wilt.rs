@@ -57,13 +57,16 @@ fn damage_and_nights_show() {
     };
     let whole = run("", "a");
     assert!((whole[6][4] - whole[6][5]).abs() < 1e-12);
-    let cut = run("--cut 2", "b");
-    assert!(cut[6][4] < 0.9 * cut[6][5]);
+    let blocked = run("--block-flow 2", "b");
+    assert!(blocked[6][4] < 0.9 * blocked[6][5]);
     let weak = run("--weaken 2,0.01", "c");
-    assert!(cut[6][4] < weak[6][4] && weak[6][4] < whole[6][4]);
+    assert!(blocked[6][4] < weak[6][4] && weak[6][4] < whole[6][4]);
     let nights = run("--day-night", "d");
     assert!(nights[6][1] > whole[6][1]);
-    run("--pin 1 --kappa 12 --shift 0.5 --elasticity 1e8,1e5 --conductance 1e-8 --delta 20", "e");
+    run(
+        "--hold 1 --kappa 12 --steepest-at 0.5 --elasticity 1e8,1e5 --conductance 1e-8 --delta 20",
+        "e",
+    );
 }
 
 #[test]
@@ -78,14 +81,17 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert!(folder.fail("wilt none.swc -o out").contains("none.swc"));
     folder.write("little.txt", LITTLE);
     for (arguments, why) in [
-        ("--pin 9", "--pin 9: little.txt has 4 nodes, numbered from 0"),
-        ("--cut 9", "--cut 9: little.txt has 4 nodes, numbered from 0"),
-        ("--cut 0", "--cut 0: the root of little.txt has no parent"),
+        ("--hold 9", "--hold 9: little.txt has 4 nodes, numbered from 0"),
+        ("--block-flow 9", "--block-flow 9: little.txt has 4 nodes, numbered from 0"),
+        ("--block-flow 0", "--block-flow 0: the root of little.txt has no parent"),
         ("--weaken 4,0.1", "--weaken 4: little.txt has 4 nodes, numbered from 0"),
         ("--weaken 0,0.1", "--weaken 0: the root of little.txt has no parent"),
         ("--elasticity 1,2", "--elasticity 1,2: DRY must be above 0, and FULL above DRY"),
         ("--elasticity=-1,2 --literal --kappa 1", "--elasticity -1,2: FULL must be above 0"),
-        ("--kappa 1e9 --shift 2", "--kappa, --shift: elasticity: steepness 1000000000 and shift 2"),
+        (
+            "--kappa 1e9 --steepest-at 2",
+            "--kappa, --steepest-at: elasticity: steepness 1000000000 and shift 2",
+        ),
     ] {
         let refused = folder.fail(&format!("wilt little.txt -o out {arguments}"));
         assert!(refused.contains(why), "{refused}");
@@ -93,7 +99,7 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     // Nodes so thin that they hold no water.
     folder.write("thin.swc", "1 1 0 0 0 1e-200 -1\n2 3 0 1 0 1e-200 1\n");
     assert!(folder.fail("wilt thin.swc -o out").contains("thin.swc: node 0: water (0 kg)"));
-    let message = folder.fail("wilt --grow 50000000 -o out --max-memory 1");
+    let message = folder.fail("wilt --grow 50000000 -o out --input-limit 1");
     assert!(message.contains("a plant of 50000000 nodes would take at least"), "{message}");
     let run = folder.run("wilt --grow 5 -o out --frames 4000000000");
     assert_eq!(run.code, Some(2));
@@ -113,7 +119,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--delta <LOSS>", "nan", from_zero),
         ("--kappa <K|PART=K,...>", "leaf=0", "with a steepness K above 0"),
         ("--kappa-by-radius <MM=K,...>", "2=3,1=4", "with radii MM that ascend"),
-        ("--shift <W>", "nan", "expected a finite number"),
+        ("--steepest-at <W>", "nan", "expected a finite number"),
         ("--elasticity <FULL,DRY>", "inf,1", "expected two numbers"),
         ("--conductance <CHI>", "0", above_zero),
         ("--stomata <W,STEEPNESS>", "0.5,-1", "a steepness of at least 0"),
@@ -124,7 +130,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--weaken <NODE,FACTOR>", "1.5,0.1", "expected a node and a factor of at least 0"),
         ("--weaken <NODE,FACTOR>", "1,-0.1", "expected a node and a factor of at least 0"),
         ("--motion <SECONDS>", "0", above_zero),
-        ("--fps <NUMBER>", "0", above_zero),
+        ("--steps-per-second <NUMBER>", "0", above_zero),
         ("--damping <RATE>", "-1", from_zero),
         ("--wind <X,Y,Z>", "nan,0,0", "expected three numbers"),
         ("--turbulence <PART>", "-1", from_zero),
@@ -218,7 +224,7 @@ fn obj_vertices(folder: &Folder, name: &str) -> Vec<[f64; 3]> {
 fn a_film_moves_in_the_wind_and_its_animation_is_its_meshes() {
     let folder = Folder::new();
     let line = "wilt --grow 60 --hours 24 --motion 2 --wind 3,0,0 --damping 2 --frames 8 --animation \
-                --pin 20 --mesh obj";
+                --hold 20 --mesh obj";
     let said = folder.succeed(&format!("{line} -o out"));
     assert!(said.contains("9, of 120 steps of 0.0167 s") && said.contains("% are for the water"));
     let water = table(&folder, "out/water.csv").1;
@@ -226,7 +232,7 @@ fn a_film_moves_in_the_wind_and_its_animation_is_its_meshes() {
         water.iter().map(|row| row[0]).collect::<Vec<_>>(),
         [0., 3., 6., 9., 12., 15., 18., 21., 24.]
     );
-    let still = "wilt --grow 60 --hours 24 --frames 8 --pin 20 --mesh none -o still";
+    let still = "wilt --grow 60 --hours 24 --frames 8 --hold 20 --mesh none -o still";
     folder.succeed(still);
     for (moving, still) in water.iter().zip(&table(&folder, "still/water.csv").1) {
         assert!((moving[1] / still[1] - 1.0).abs() < 1e-9);
@@ -256,7 +262,8 @@ fn a_film_moves_in_the_wind_and_its_animation_is_its_meshes() {
 #[test]
 fn elasticity_is_that_of_equation_4_9_when_it_is_to_be_literal() {
     let folder = Folder::new();
-    let line = "wilt --grow 20 --hours 24 --frames 2 --mesh none --literal --kappa 40 --shift 0.01";
+    let line =
+        "wilt --grow 20 --hours 24 --frames 2 --mesh none --literal --kappa 40 --steepest-at 0.01";
     folder.succeed(&format!("{line} --elasticity 2e7,1 -o out"));
     let (water, stiffness) = (table(&folder, "out/water.csv"), table(&folder, "out/stiffness.csv"));
     for (water, stiffness) in water.1.iter().zip(&stiffness.1) {
@@ -486,7 +493,7 @@ fn options_of_motion_are_checked() {
         assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
     };
     fails("--motion 0", "--motion");
-    fails("--motion 1 --fps 0", "--fps");
+    fails("--motion 1 --steps-per-second 0", "--steps-per-second");
     fails("--motion 1 --frames 0", "--frames");
     fails("--motion 1 --wind 1,2", "three numbers");
     fails("--motion 1 --damping=-1", "damping");

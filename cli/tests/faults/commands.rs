@@ -27,10 +27,10 @@ pub const LINES: &[&str] = &[
     "pca a.npy -k 3 -o pca.npz --scores --picture scree.svg --weights w.npy",
     "svd a.npy -o svd.npz --left",
     "mesh sphere.ply -o out.obj.gz",
-    "decimate sphere.ply -n 40 -o out.ply --weights w.mtx",
+    "decimate sphere.ply -n 40 -o out.ply --prolongation p.mtx",
     "decimate sphere.ply -n 40 -o out.ply --picture p.png",
-    "fps sphere.ply -n 12 -o samples.npy --cells cells.csv --distances d.csv",
-    "fps sphere.ply -n 12 -o samples.npy --picture p.png",
+    "farthest sphere.ply -n 12 -o samples.npy --cells cells.csv --distances d.csv",
+    "farthest sphere.ply -n 12 -o samples.npy --picture p.png",
     "info",
     "demo --small --out page",
     "spectrum sphere.ply -k 6 -o s.npz",
@@ -57,7 +57,6 @@ pub const LINES: &[&str] = &[
     "slime square.obj --config c.toml --mask mask.png --steps 3 -o out --state s.state \
      --coverage c.svg",
     "slime square.obj --config c.toml --steps 3 -o out --render r.png",
-    "slime square.obj --config c.toml --steps 8 -o out --resume slime.state",
     "unions predict left.off right.off -o u.csv --picture p.png",
     "unions predict left.off right.off --weights own.safetensors -o u.csv",
     "unions dataset -o d.npz --size small --vertices 500 --known 1 --unknown 0 --others 0 \
@@ -98,6 +97,7 @@ pub const READERS: &[&str] = &[
     "transfer sphere.ply sphere.ply --functions f.npy --points points.txt -k 5 --order 1 -o g.npy",
     "wilt plant.swc --hours 3 --frames 1 -o out",
     "slime square.obj --config c.ini --size 32 --steps 3 -o out",
+    "slime square.obj --config c.toml --steps 8 -o out --state slime.state --resume",
     "unions predict left.off right.off --localize sphere.ply",
     "unions train data.npz -o w.safetensors --resume",
 ];
@@ -197,7 +197,8 @@ fn matrices(folder: &Folder) {
     broken[m * n - 1] = f64::INFINITY;
     folder.write_npy("broken.npy", &[m as u64, n as u64], &broken);
     let run = folder.run(
-        "ata broken.npy --strict -o c.npy --block-rows 100 --checkpoint a.part --checkpoint-every 0",
+        "ata broken.npy --require-finite -o c.npy --block-rows 100 --checkpoint a.part \
+         --checkpoint-every 0",
     );
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(folder.path("a.part").exists());

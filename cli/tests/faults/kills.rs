@@ -48,8 +48,7 @@ const JOBS: &[Job] = &[
         next: |folder, ended| {
             let done = slime_steps(folder);
             let steps = (done + SLIME_STEPS).min(ROUNDS * SLIME_STEPS);
-            let from = if done == 0 { "" } else { "--resume s.state" };
-            let line = format!("{SLIME} --steps {steps} -o out --state s.state --force {from}");
+            let line = format!("{SLIME} --steps {steps} -o out --state s.state --resume --force");
             (!ended || done < ROUNDS * SLIME_STEPS).then_some(line)
         },
         kept: slime_steps,
@@ -103,7 +102,7 @@ fn slime_steps(folder: &Folder) -> usize {
     if !folder.path("s.state").exists() {
         return 0;
     }
-    let said = folder.run(&format!("{SLIME} --steps 0 -o none --resume s.state")).stderr;
+    let said = folder.run(&format!("{SLIME} --steps 0 -o none --state s.state --resume")).stderr;
     let steps = said.trim().strip_suffix(" steps already").and_then(|said| said.rsplit(' ').next());
     steps.and_then(|steps| steps.parse().ok()).expect(&said)
 }

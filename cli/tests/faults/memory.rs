@@ -91,7 +91,8 @@ fn too_little_memory_is_an_error_and_leaves_nothing_in_part() {
 #[test]
 fn too_little_memory_leaves_the_checkpoint() {
     // It would fail with enough memory, too, at its last row.
-    let line = "ata broken.npy --strict -o c.npy --block-rows 100 --checkpoint a.part --resume";
+    let line =
+        "ata broken.npy --require-finite -o c.npy --block-rows 100 --checkpoint a.part --resume";
     let mut tally = Tally::default();
     for i in 0..8 {
         let folder = Folder::new();

@@ -11,7 +11,7 @@ use super::library::split;
 const COMMON: [&str; 5] = ["threads", "progress", "progress_user", "struct_size", "self"];
 
 /// Options of the command line for files and pictures, and threads.
-const OWN: [&str; 4] = ["--max-memory", "--threads", "--up", "--view"];
+const OWN: [&str; 4] = ["--input-limit", "--threads", "--up", "--view"];
 
 /// Modules of Python without options of the library: generated shapes, and the preload.
 const WITHOUT: [&str; 3] = ["_preload.py", "preload.py", "shapes.py"];

@@ -1,4 +1,4 @@
-//! `catamaran fps`.
+//! `catamaran farthest`.
 
 use std::path::PathBuf;
 use std::time::Instant;
