@@ -17,6 +17,7 @@ mod limits;
 mod matrix;
 mod mtx;
 mod npy;
+mod npy_header;
 mod npz;
 mod output;
 mod read_arrays;

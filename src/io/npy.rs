@@ -1,27 +1,21 @@
-//! NumPy arrays: header by crate npyz, entries converted chunk by chunk.
+//! NumPy arrays: entries converted chunk by chunk.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
 use faer::MatRef;
-use npyz::{AutoSerialize, DType, Endianness, NpyHeader, Order, TypeChar, TypeStr, WriterBuilder};
 
 use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
+use super::npy_header::{self, Header};
 use super::source::Source;
-use crate::base::{Error, Real, Result, reserved};
+use crate::base::{Real, Result, reserved};
 
 /// Bytes converted at a time; a multiple of every entry size.
 const CHUNK: usize = 1 << 16;
 
-/// Most bytes of a header; its three entries take some hundred.
-const LONGEST_HEADER: u64 = 1 << 20;
-
-/// Deepest nesting of brackets in a header: a structured type has five.
-const DEEPEST: usize = 8;
-
 macro_rules! entries {
-    ($($name:ident = $kind:ident $type:ty),* $(,)?) => {
+    ($($name:ident = $code:literal $type:ty),* $(,)?) => {
         /// A type of entries that can be read.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(super) enum Entry {
@@ -29,15 +23,21 @@ macro_rules! entries {
         }
 
         impl Entry {
-            fn of(dtype: &TypeStr) -> Option<Self> {
-                $(
-                    if dtype.type_char() == TypeChar::$kind
-                        && dtype.num_bytes() == Some(size_of::<$type>())
-                    {
-                        return Some(Self::$name);
-                    }
-                )*
-                None
+            /// Returns the entries of a type string such as `<f8`, and whether their most
+            /// significant byte comes first.
+            pub(super) fn of(descr: &str) -> Option<(Self, bool)> {
+                let (order, code) = descr.split_at_checked(1)?;
+                let big = match order {
+                    "<" => false,
+                    ">" => true,
+                    "=" | "|" => cfg!(target_endian = "big"),
+                    _ => return None,
+                };
+                let entry = match code {
+                    $($code => Self::$name,)*
+                    _ => return None,
+                };
+                Some((entry, big))
             }
 
             /// Returns the bytes of one entry.
@@ -71,16 +71,16 @@ macro_rules! entries {
 }
 
 entries! {
-    F4 = Float f32,
-    F8 = Float f64,
-    I1 = Int i8,
-    I2 = Int i16,
-    I4 = Int i32,
-    I8 = Int i64,
-    U1 = Uint u8,
-    U2 = Uint u16,
-    U4 = Uint u32,
-    U8 = Uint u64,
+    F4 = "f4" f32,
+    F8 = "f8" f64,
+    I1 = "i1" i8,
+    I2 = "i2" i16,
+    I4 = "i4" i32,
+    I8 = "i8" i64,
+    U1 = "u1" u8,
+    U2 = "u2" u16,
+    U4 = "u4" u32,
+    U8 = "u8" u64,
 }
 
 /// The contents of the header.
@@ -99,20 +99,10 @@ pub(super) struct Layout {
 impl Layout {
     /// Reads the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
-        let head = head(source).map_err(|e| source.io_error(e))?;
-        let header = NpyHeader::from_reader(&head[..]);
-        let header = header.map_err(|e| match source.io_error(e) {
-            Error::Io { path, line, what, cause } => {
-                // The further lines of the message show where the syntax is wrong.
-                let what = what.split(":  -->").next().unwrap_or_default();
-                Error::Io { path, line, what: format!("broken npy header: {what}"), cause }
-            }
-            other => other,
-        })?;
-        let fits = |d: u64| usize::try_from(d).map_err(|_| source.fail("shape too large"));
-        let shape = match *header.shape() {
-            [rows] => (fits(rows)?, 1),
-            [rows, columns] => (fits(rows)?, fits(columns)?),
+        let header = npy_header::read(source).map_err(|e| source.io_error(e))?;
+        let shape = match header.shape[..] {
+            [rows] => (rows, 1),
+            [rows, columns] => (rows, columns),
             ref other => {
                 return Err(source.fail(format!(
                     "an array of {} dimensions, where a matrix has 2",
@@ -120,19 +110,10 @@ impl Layout {
                 )));
             }
         };
-        shape.0.checked_mul(shape.1).ok_or_else(|| source.fail("shape too large"))?;
-        let refuse =
-            |name: String| source.fail(format!("entries of type {name} are not real numbers"));
-        let DType::Plain(dtype) = header.dtype() else {
-            return Err(refuse(header.dtype().descr()));
-        };
-        Ok(Self {
-            shape,
-            row_major: header.order() == Order::C,
-            entry: Entry::of(&dtype).ok_or_else(|| refuse(format!("'{dtype}'")))?,
-            big: dtype.endianness() == Endianness::Big,
-            offset: head.len() as u64,
-        })
+        let (entry, big) =
+            Entry::of(&header.descr).ok_or_else(|| source.fail(header.refusal("real numbers")))?;
+        let Header { by_columns, offset, .. } = header;
+        Ok(Self { shape, row_major: !by_columns, entry, big, offset })
     }
 
     /// Returns the number of entries.
@@ -144,68 +125,16 @@ impl Layout {
     pub(super) fn is_single(&self) -> bool {
         self.entry == Entry::F4
     }
-
-    /// Returns the message for entries that end too early.
-    pub(super) fn truncated(&self) -> String {
-        format!("truncated: fewer than the {} entries its header announces", self.len())
-    }
-
-    /// Returns the message for data after the entries.
-    pub(super) fn trailing(&self) -> String {
-        format!("data after the {} entries its header announces", self.len())
-    }
 }
 
-/// Returns the bytes before the entries, or as many as there are; of another kind of file only the
-/// first ones. Three kinds of headers are errors, because crate npyz would allocate gigabytes, take
-/// too long or panic: long ones, deep brackets, and more entries than can be counted.
-pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
-    let broken = |what: String| Err(io::Error::new(io::ErrorKind::InvalidData, what));
-    let mut head = Vec::new();
-    source.by_ref().take(8).read_to_end(&mut head)?;
-    if head.starts_with(b"\x93NUMPY") {
-        let length_bytes = if head.get(6) == Some(&1) { 2 } else { 4 };
-        source.by_ref().take(length_bytes).read_to_end(&mut head)?;
-        let length = head.get(8..).unwrap_or_default();
-        let length = length.iter().rev().fold(0, |length, &byte| (length << 8) | u64::from(byte));
-        if length > LONGEST_HEADER {
-            return broken(format!("broken npy header: it announces {length} bytes"));
-        }
-        source.by_ref().take(length).read_to_end(&mut head)?;
-    }
-    if depth(&head) > DEEPEST {
-        return broken("broken npy header: too many brackets inside of each other".into());
-    }
-    if shape_overflows(&head) {
-        return broken("shape too large".into());
-    }
-    Ok(head)
+/// Returns the message for fewer entries than announced.
+pub(super) fn truncated(len: usize) -> String {
+    format!("truncated: fewer than the {len} entries its header announces")
 }
 
-/// Returns the depth of nested brackets. The time of crate npyz doubles with each level.
-fn depth(head: &[u8]) -> usize {
-    let (mut open, mut most) = (0_usize, 0);
-    for byte in head {
-        match byte {
-            b'(' | b'[' | b'{' => open += 1,
-            b')' | b']' | b'}' => open = open.saturating_sub(1),
-            _ => {}
-        }
-        most = most.max(open);
-    }
-    most
-}
-
-/// Returns whether the header announces more entries than can be counted.
-fn shape_overflows(head: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(head);
-    let Some((_, rest)) = text.rsplit_once("shape") else { return false };
-    let shape = rest.split(')').next().unwrap_or_default();
-    let mut product = Some(1_u64);
-    for digits in shape.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty()) {
-        product = product.and_then(|product| product.checked_mul(digits.parse().ok()?));
-    }
-    product.is_none()
+/// Returns the message for data after the entries.
+pub(super) fn trailing(len: usize) -> String {
+    format!("data after the {len} entries its header announces")
 }
 
 pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
@@ -232,14 +161,14 @@ fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
         let bytes = (len - values.len()).saturating_mul(layout.entry.bytes()).min(CHUNK);
         let chunk = &mut chunk[..bytes];
         source.read_exact(chunk).map_err(|e| match e.kind() {
-            io::ErrorKind::UnexpectedEof => source.fail(layout.truncated()),
+            io::ErrorKind::UnexpectedEof => source.fail(truncated(len)),
             _ => source.io_error(e),
         })?;
         layout.entry.decode(layout.big, chunk, &mut values);
     }
     match source.read(&mut chunk[..1]) {
         Ok(0) => Ok(values),
-        Ok(_) => Err(source.fail(layout.trailing())),
+        Ok(_) => Err(source.fail(trailing(len))),
         Err(e) => Err(source.io_error(e)),
     }
 }
@@ -256,10 +185,10 @@ pub(super) fn write<T: Real>(sink: &mut dyn Write, matrix: MatRef<'_, T>) -> io:
 }
 
 pub(super) fn write_integers(sink: &mut dyn Write, matrix: MatRef<'_, i64>) -> io::Result<()> {
-    header(sink, i64::default_dtype(), matrix.nrows(), matrix.ncols())?;
+    npy_header::write(sink, "i8", false, &[matrix.nrows(), matrix.ncols()])?;
     for i in 0..matrix.nrows() {
         for j in 0..matrix.ncols() {
-            // `default_dtype` has the byte order of the machine.
+            // The header announces the byte order of the machine.
             sink.write_all(&matrix[(i, j)].to_ne_bytes())?;
         }
     }
@@ -268,21 +197,10 @@ pub(super) fn write_integers(sink: &mut dyn Write, matrix: MatRef<'_, i64>) -> i
 
 /// Writes the header of an m x n matrix in C order and the precision of T.
 pub(super) fn write_header<T: Real>(sink: &mut dyn Write, m: usize, n: usize) -> io::Result<()> {
-    let single = T::NAME == f32::NAME;
-    header(sink, if single { f32::default_dtype() } else { f64::default_dtype() }, m, n)
+    npy_header::write(sink, if T::NAME == f32::NAME { "f4" } else { "f8" }, false, &[m, n])
 }
 
-/// Writes the header of an m x n matrix in C order.
-fn header(sink: &mut dyn Write, dtype: DType, m: usize, n: usize) -> io::Result<()> {
-    npyz::WriteOptions::new_header_only()
-        .dtype(dtype)
-        .shape(&[m as u64, n as u64])
-        .writer(sink)
-        .write_header_only()
-        .map(drop)
-}
-
-/// Appends the bytes of entries: `default_dtype` has the byte order of the machine.
+/// Appends the bytes of entries, in the byte order of the machine as their header announces.
 pub(super) fn encode<T: Real>(values: impl Iterator<Item = T>, bytes: &mut Vec<u8>) {
     for value in values {
         let value = value.to_f64();

@@ -5,13 +5,12 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
 use faer::MatRef;
-use npyz::{Order, WriterBuilder};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::output::write_error;
 use super::unwritten::Unwritten;
-use super::{Output, npy};
+use super::{Output, npy, npy_header};
 use crate::base::Result;
 
 /// An array in a file of several arrays.
@@ -153,7 +152,7 @@ impl NpzWriter {
     /// # Errors
     /// As [`NpzWriter::array`].
     pub fn matrix_by_columns(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
-        self.begin_matrix(name, Order::Fortran, rows, columns)
+        self.begin_matrix(name, false, rows, columns)
     }
 
     /// Writes the next columns of the matrix begun by [`NpzWriter::matrix_by_columns`].
@@ -171,7 +170,7 @@ impl NpzWriter {
     /// # Errors
     /// As [`NpzWriter::array`].
     pub fn matrix_by_rows(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
-        self.begin_matrix(name, Order::C, rows, columns)
+        self.begin_matrix(name, true, rows, columns)
     }
 
     /// Writes the next rows of the matrix begun by [`NpzWriter::matrix_by_rows`].
@@ -208,14 +207,13 @@ impl NpzWriter {
     fn begin_matrix(
         &mut self,
         name: &str,
-        order: Order,
+        by_rows: bool,
         rows: usize,
         columns: usize,
     ) -> Result<()> {
         self.begin(name)?;
-        let by_rows = order == Order::C;
         self.matrix = Unwritten { by_rows, shape: (rows, columns), written: 0 };
-        let written = header::<f64>(&mut self.archive, order, &[rows as u64, columns as u64]);
+        let written = npy_header::write(&mut self.archive, "f8", !by_rows, &[rows, columns]);
         self.told(written)
     }
 
@@ -240,11 +238,11 @@ impl NpzWriter {
         let archive = &mut self.archive;
         match array {
             Array::Vector(values) => {
-                header::<f64>(archive, Order::C, &[values.len() as u64])?;
+                npy_header::write(archive, "f8", false, &[values.len()])?;
                 values.iter().try_for_each(|value| archive.write_all(&value.to_ne_bytes()))
             }
             Array::Indices(values) => {
-                header::<u64>(archive, Order::C, &[values.len() as u64])?;
+                npy_header::write(archive, "u8", false, &[values.len()])?;
                 values
                     .iter()
                     .try_for_each(|&value| archive.write_all(&(value as u64).to_ne_bytes()))
@@ -254,30 +252,34 @@ impl NpzWriter {
     }
 }
 
-/// Returns the header of an array; `default_dtype` has the byte order of the machine.
-fn header<T: npyz::AutoSerialize>(
-    sink: &mut dyn Write,
-    order: Order,
-    shape: &[u64],
-) -> io::Result<()> {
-    npyz::WriteOptions::new_header_only()
-        .dtype(T::default_dtype())
-        .order(order)
-        .shape(shape)
-        .writer(sink)
-        .write_header_only()
-        .map(drop)
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
     use std::io::Read;
+    use std::path::Path;
 
     use faer::mat;
 
     use super::*;
     use crate::base::Error;
     use crate::io::Overwrite;
+
+    /// Returns the header of an array, without the blanks at its end, and its entries.
+    fn array(path: &Path, name: &str) -> (String, Vec<[u8; 8]>) {
+        let mut archive = zip::ZipArchive::new(File::open(path).unwrap()).unwrap();
+        let mut bytes = Vec::new();
+        archive.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
+        let (header, entries) = bytes.split_at(128);
+        assert!(header.ends_with(b" \n") && entries.len().is_multiple_of(8));
+        (
+            String::from_utf8_lossy(&header[10..]).trim_end().into(),
+            entries.as_chunks::<8>().0.to_vec(),
+        )
+    }
+
+    fn header(descr: &str, fortran_order: &str, shape: &str) -> String {
+        format!("{{'descr': '{descr}', 'fortran_order': {fortran_order}, 'shape': {shape}, }}")
+    }
 
     #[test]
     fn arrays_come_back_under_their_names() {
@@ -291,22 +293,17 @@ mod tests {
             ("matrix", Array::Matrix(matrix.as_ref())),
         ];
         write_npz(Output::create(&path, Overwrite::Never).unwrap(), &arrays).unwrap();
-        let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
-        let mut read = |name: &str| {
-            let mut bytes = Vec::new();
-            archive.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
-            bytes
-        };
-        let (values, none, all) = (read("values.npy"), read("none.npy"), read("matrix.npy"));
-        let kept = read("kept.npy");
-        let open = |bytes| npyz::NpyFile::new(io::Cursor::new(bytes)).unwrap();
-        assert_eq!(open(values).into_vec::<f64>().unwrap(), [0.5, f64::INFINITY]);
-        assert_eq!(open(kept).into_vec::<u64>().unwrap(), [0, 7, u64::MAX]);
-        assert_eq!(open(none).shape(), [0]);
-        let file = open(all);
-        assert_eq!(file.shape(), [3, 2]);
-        assert_eq!(file.into_vec::<f64>().unwrap(), [1.0, 2.5, 3.0, -4.0, 0.0, 1e300]);
+        let numbers = |values: &[f64]| values.iter().map(|v| v.to_le_bytes()).collect::<Vec<_>>();
+        for (name, descr, shape, entries) in [
+            ("values.npy", "<f8", "(2,)", numbers(&[0.5, f64::INFINITY])),
+            ("kept.npy", "<u8", "(3,)", [0, 7, u64::MAX].map(u64::to_le_bytes).to_vec()),
+            ("none.npy", "<f8", "(0,)", Vec::new()),
+            ("matrix.npy", "<f8", "(3, 2)", numbers(&[1.0, 2.5, 3.0, -4.0, 0.0, 1e300])),
+        ] {
+            assert_eq!(array(&path, name), (header(descr, "False", shape), entries), "{name}");
+        }
     }
+
     #[test]
     fn a_matrix_comes_by_columns_and_not_without_all_of_them() {
         let folder = tempfile::tempdir().unwrap();
@@ -328,12 +325,8 @@ mod tests {
         writer.columns(matrix.as_ref().subcols(2, 1)).unwrap();
         writer.array("v", Array::Vector(&[8.0])).unwrap();
         writer.finish().unwrap();
-        let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
-        let mut bytes = Vec::new();
-        archive.by_name("matrix.npy").unwrap().read_to_end(&mut bytes).unwrap();
-        let file = npyz::NpyFile::new(io::Cursor::new(bytes)).unwrap();
-        assert_eq!((file.shape(), file.order()), (&[2, 3][..], Order::Fortran));
-        assert_eq!(file.into_vec::<f64>().unwrap(), [1.0, 3.0, 2.5, -4.0, 6.0, 7.0]);
+        let entries = [1.0, 3.0, 2.5, -4.0, 6.0, 7.0].map(f64::to_le_bytes).to_vec();
+        assert_eq!(array(&path, "matrix.npy"), (header("<f8", "True", "(2, 3)"), entries));
     }
 
     #[test]

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use faer::Mat;
-use npyz::{NpyFile, Order, TypeChar};
 
 use super::arrays::{Format, format_of};
 use super::limits::SourceOptions;
-use super::npy;
+use super::npy::{Entry, trailing, truncated};
+use super::npy_header;
 use super::source::error;
 use super::stored::{Begin, Entries, Stored};
 use crate::base::{Error, Result, reserved};
@@ -162,24 +162,33 @@ fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     Ok(arrays)
 }
 
-fn decode(content: &[u8]) -> std::io::Result<Stored> {
-    npy::head(&mut &content[..])?;
-    let file = NpyFile::new(content)?;
-    let lengths = file.shape().iter().map(|&n| usize::try_from(n));
-    let shape = lengths.collect::<std::result::Result<_, _>>().map_err(std::io::Error::other)?;
-    let by_columns = file.order() == Order::Fortran;
-    // A header can't make more memory be allocated than the file has bytes.
-    let entries = file.shape().iter().try_fold(8u64, |all, &n| all.checked_mul(n));
-    if entries.is_none_or(|bytes| bytes > content.len() as u64) {
-        return Err(std::io::Error::other("truncated, or its entries do not have 8 bytes"));
-    }
-    let unsigned =
-        matches!(&file.dtype(), npyz::DType::Plain(t) if t.type_char() == TypeChar::Uint);
-    let entries = match unsigned {
-        true => Entries::Indices(file.into_vec()?),
-        false => Entries::Numbers(file.into_vec()?),
+fn decode(content: &[u8]) -> io::Result<Stored> {
+    let mut rest = content;
+    let header = npy_header::read(&mut rest)?;
+    let Some((entry @ (Entry::F8 | Entry::U8), big)) = Entry::of(&header.descr) else {
+        return Err(io::Error::other(header.refusal("numbers (f8) or unsigned integers (u8)")));
     };
-    Ok(Stored { shape, entries, by_columns })
+    // A header can't make more memory be allocated than the file has bytes.
+    let (bytes, remainder) = rest.as_chunks::<8>();
+    if bytes.len() < header.len {
+        return Err(io::Error::other(truncated(header.len)));
+    }
+    if bytes.len() > header.len || !remainder.is_empty() {
+        return Err(io::Error::other(trailing(header.len)));
+    }
+    let entries = match (entry, big) {
+        (Entry::U8, false) => Entries::Indices(values(bytes, u64::from_le_bytes)?),
+        (Entry::U8, true) => Entries::Indices(values(bytes, u64::from_be_bytes)?),
+        (_, false) => Entries::Numbers(values(bytes, f64::from_le_bytes)?),
+        (_, true) => Entries::Numbers(values(bytes, f64::from_be_bytes)?),
+    };
+    Ok(Stored { shape: header.shape, entries, by_columns: header.by_columns })
+}
+
+fn values<T>(bytes: &[[u8; 8]], value: fn([u8; 8]) -> T) -> io::Result<Vec<T>> {
+    let mut values = reserved(bytes.len()).map_err(io::Error::other)?;
+    values.extend(bytes.iter().map(|&entry| value(entry)));
+    Ok(values)
 }
 
 #[cfg(test)]
@@ -187,6 +196,7 @@ mod tests {
     use faer::mat;
 
     use super::*;
+    use crate::io::tests::npy;
     use crate::io::{Array, ArraysWriter, Output, Overwrite};
 
     #[test]
@@ -245,6 +255,32 @@ mod tests {
         let long = b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{";
         for (content, expected) in [(&product[..], "too large"), (&long[..], "2147483647 bytes")] {
             let said = decode(content).unwrap_err().to_string();
+            assert!(said.contains(expected), "{said}");
+        }
+    }
+
+    #[test]
+    fn arrays_of_numpy_come_in_any_order_and_byte_order() {
+        let entries = [1.0_f64, -2.5].map(f64::to_be_bytes).concat();
+        let stored = decode(&npy(">f8", "True", "(1, 2L)", &entries)).unwrap();
+        assert_eq!((stored.shape, stored.by_columns), (vec![1, 2], true));
+        assert!(matches!(stored.entries, Entries::Numbers(values) if values == [1.0, -2.5]));
+        let entries = [7, u64::MAX].map(u64::to_be_bytes).concat();
+        let stored = decode(&npy(">u8", "False", "(2,)", &entries)).unwrap();
+        assert_eq!((stored.shape, stored.by_columns), (vec![2], false));
+        assert!(matches!(stored.entries, Entries::Indices(values) if values == [7, u64::MAX]));
+    }
+
+    #[test]
+    fn arrays_of_other_types_and_lengths_are_refused() {
+        for (content, expected) in [
+            (npy("<i8", "False", "(1,)", &[0; 8]), "type '<i8' are not numbers (f8) or unsigned"),
+            (npy("<f4", "False", "(2,)", &[0; 8]), "type '<f4' are not numbers (f8) or unsigned"),
+            (npy("<f8", "False", "(2,)", &[0; 15]), "truncated: fewer than the 2 entries"),
+            (npy("<f8", "False", "(2,)", &[0; 17]), "data after the 2 entries"),
+            (npy("<u8", "False", "(2,)", &[0; 24]), "data after the 2 entries"),
+        ] {
+            let said = decode(&content).unwrap_err().to_string();
             assert!(said.contains(expected), "{said}");
         }
     }

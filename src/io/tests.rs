@@ -150,6 +150,7 @@ fn npy_types_and_orders_are_converted() {
     }
     check("|i1", |v| v.to_le_bytes());
     check("|u1", |v| (v as u8).to_le_bytes());
+    check("<i1", |v| v.to_le_bytes());
     check("<i2", |v| i16::from(v).to_le_bytes());
     check(">u2", |v| (v as u16).to_be_bytes());
     check("<i4", |v| i32::from(v).to_le_bytes());
@@ -159,6 +160,8 @@ fn npy_types_and_orders_are_converted() {
     check("<f4", |v| f32::from(v).to_le_bytes());
     check("<f8", |v| f64::from(v).to_le_bytes());
     check(">f8", |v| f64::from(v).to_be_bytes());
+    check("=f8", |v| f64::from(v).to_ne_bytes());
+    check("|i4", |v| i32::from(v).to_ne_bytes());
 }
 
 #[test]
@@ -172,17 +175,20 @@ fn npy_vector_is_a_column() {
 #[test]
 fn broken_npy_is_refused() {
     let eight = 1.0_f64.to_le_bytes();
-    let cases: [(Vec<u8>, &str); 10] = [
+    let cases: [(Vec<u8>, &str); 13] = [
         (b"not numpy at all".to_vec(), "broken npy header: magic"),
         (npy("<f8", "False", "(1, 1)", &eight)[..40].to_vec(), "broken npy header: truncated"),
-        (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header"),
-        (npy("<f8", &"[".repeat(40), "(1, 1)", &eight), "broken npy header: too many brackets"),
+        (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header: True or False expected"),
+        (npy("<f8", &"[".repeat(40), "(1, 1)", &eight), "broken npy header: True or False"),
+        (npy("<f8", "False", "(1, 1)}\n{", &eight), "broken npy header: more than blanks"),
         (b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{".to_vec(), "broken npy header: it announces"),
         (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
         (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
         (npy("<f8", "False", "(1, 1, 1)", &eight), "an array of 3 dimensions"),
         (npy("<c16", "False", "(1, 1)", &[0; 16]), "entries of type '<c16' are not real"),
         (npy("<U2", "False", "(1, 1)", &eight), "entries of type '<U2' are not real"),
+        (npy("f8", "False", "(1, 1)", &eight), "entries of type 'f8' are not real"),
+        (npy("<f08", "False", "(1, 1)", &eight), "entries of type '<f08' are not real"),
     ];
     for (content, expected) in cases {
         let (line, what) = refusal("a.npy", content);

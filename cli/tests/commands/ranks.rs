@@ -71,29 +71,21 @@ fn ranks_share_the_rows_and_solve_to_the_same_bytes() {
     assert!(!folder.path("no.npz").exists());
 }
 
-/// An array of an .npz file.
-fn array(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
-    let file = std::fs::File::open(folder.path(file)).unwrap();
-    let mut archive = zip::ZipArchive::new(file).unwrap();
-    let array = npyz::NpyFile::new(archive.by_name(&format!("{name}.npy")).unwrap()).unwrap();
-    array.into_vec().unwrap()
-}
-
 #[test]
 fn ranks_share_the_eigenvectors_and_find_the_same_eigenvalues() {
     let folder = Folder::new();
     let output = Output::create(&folder.path("sphere.ply"), Overwrite::Never).unwrap();
     io::write(output, &families::icosphere(3).unwrap().into()).unwrap();
     folder.succeed("spectrum sphere.ply -k 12 -o 1.npz");
-    let expected = array(&folder, "1.npz", "eigenvalues");
+    let expected = folder.read_npz("1.npz", "eigenvalues").1;
     for (ranks, mass) in [(2, "lumped"), (3, "lumped"), (2, "full")] {
         let file = format!("{ranks}-{mass}.npz");
         let arguments = format!("spectrum sphere.ply -k 12 -o {file} --mass {mass} --threads 1");
         let run = mpirun(&folder, ranks, &arguments);
         assert_eq!(run.code, Some(0), "{}", run.stderr);
         assert_eq!(run.stdout.matches("written").count(), 1, "{}", run.stdout);
-        assert_eq!(array(&folder, &file, "eigenvectors").len(), 642 * 12);
-        let values = array(&folder, &file, "eigenvalues");
+        assert_eq!(folder.read_npz(&file, "eigenvectors").0, [642, 12]);
+        let values = folder.read_npz(&file, "eigenvalues").1;
         // The masses change the values a little.
         let allowed = if mass == "lumped" { 1e-10 } else { 0.05 };
         let close = |(x, y): (&f64, &f64)| (x - y).abs() <= allowed * y.max(1e-2);

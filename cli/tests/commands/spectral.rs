@@ -1,7 +1,5 @@
 //! `catamaran basis`, `catamaran transfer` and `catamaran filter`.
 
-use std::io::Read;
-
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::io::{read, write};
 use catamaran_geometry::mesh::{TriMesh, families};
@@ -47,13 +45,7 @@ fn the_basis_is_orthonormal_and_holds_the_products() {
     meshes(&folder);
     let said = folder.succeed("basis source.ply -k 4 --order 2 --mode ours* -o basis.npz");
     assert!(said.contains("15 functions of 15 products"), "{said}");
-    let mut archive =
-        zip::ZipArchive::new(std::fs::File::open(folder.path("basis.npz")).unwrap()).unwrap();
-    let mut array = |name: &str| -> Vec<f64> {
-        let mut bytes = Vec::new();
-        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-        npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap()
-    };
+    let array = |name: &str| folder.read_npz("basis.npz", name).1;
     let (q, r, mass) = (array("functions"), array("r"), array("mass"));
     assert_eq!((q.len(), r.len(), mass.len()), (162 * 15, 15 * 15, 162));
     for a in 0..15 {

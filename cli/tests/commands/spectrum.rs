@@ -1,8 +1,5 @@
 //! `catamaran spectrum`, from outside.
 
-use std::fs::File;
-use std::io::Read;
-
 use crate::common::Folder;
 
 #[cfg(feature = "hdf5")]
@@ -19,23 +16,6 @@ fn write(folder: &Folder, name: &str, mesh: TriMesh) {
     io::write(output, &mesh.into()).unwrap();
 }
 
-/// An array of an .npz file: its shape, and its entries row by row.
-fn array(folder: &Folder, file: &str, name: &str) -> (Vec<u64>, Vec<f64>) {
-    let mut archive = zip::ZipArchive::new(File::open(folder.path(file)).unwrap()).unwrap();
-    let mut bytes = Vec::new();
-    archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
-    let array = npyz::NpyFile::new(&bytes[..]).unwrap();
-    let (shape, order) = (array.shape().to_vec(), array.order());
-    let entries: Vec<f64> = array.into_vec().unwrap();
-    match (order, &shape[..]) {
-        (npyz::Order::Fortran, &[rows, columns]) => {
-            let places = (0..rows).flat_map(|i| (0..columns).map(move |j| j * rows + i));
-            (shape, places.map(|place| entries[place as usize]).collect())
-        }
-        _ => (shape, entries),
-    }
-}
-
 #[test]
 fn a_sphere_has_the_multiplets_of_spherical_harmonics() {
     let folder = Folder::new();
@@ -43,17 +23,20 @@ fn a_sphere_has_the_multiplets_of_spherical_harmonics() {
     let said = folder.succeed("spectrum sphere.ply -k 16 -o s.npz --verify --threads 2");
     assert!(said.contains("2562 vertices, 2562 of them free"), "{said}");
     assert!(said.contains("written     ") && said.contains("residual    "), "{said}");
-    let (shape, values) = array(&folder, "s.npz", "eigenvalues");
+    let (shape, values) = folder.read_npz("s.npz", "eigenvalues");
     assert_eq!(shape, [16]);
     for (i, value) in values.iter().enumerate() {
         let l = f64::from(i.isqrt() as u32);
         assert!((value - l * (l + 1.0)).abs() <= 0.01 * l * (l + 1.0) + 1e-9, "{i}: {value}");
     }
-    assert_eq!(array(&folder, "s.npz", "eigenvectors").0, [2562, 16]);
-    assert!(array(&folder, "s.npz", "residuals").1.iter().all(|r| *r <= 1e-9));
+    assert_eq!(folder.read_npz("s.npz", "eigenvectors").0, [2562, 16]);
+    assert!(folder.read_npz("s.npz", "residuals").1.iter().all(|r| *r <= 1e-9));
     // The same bytes with another number of threads.
     folder.succeed("spectrum sphere.ply -k 16 -o one.npz --verify --threads 1");
-    assert_eq!(array(&folder, "one.npz", "eigenvectors"), array(&folder, "s.npz", "eigenvectors"));
+    assert_eq!(
+        folder.read_npz("one.npz", "eigenvectors"),
+        folder.read_npz("s.npz", "eigenvectors")
+    );
 }
 
 #[test]
@@ -65,12 +48,12 @@ fn a_decimation_gives_nearly_the_same_pairs_and_its_errors_are_told() {
         "spectrum torus.ply -k 12 --via-decimation 600 -o few.npz --picture few.png --threads 2",
     );
     assert!(said.contains("decimation  to 600 vertices: the pairs are approximate"), "{said}");
-    let [all, few] = ["all.npz", "few.npz"].map(|file| array(&folder, file, "eigenvalues").1);
+    let [all, few] = ["all.npz", "few.npz"].map(|file| folder.read_npz(file, "eigenvalues").1);
     for (i, (exact, found)) in all.iter().zip(&few).enumerate().skip(1) {
         let error = found / exact - 1.0;
         assert!((-1e-9..2e-3).contains(&error), "{i}: {error:e}");
     }
-    assert_eq!(array(&folder, "few.npz", "eigenvectors").0, [3600, 12]);
+    assert_eq!(folder.read_npz("few.npz", "eigenvectors").0, [3600, 12]);
     for (arguments, named) in [
         ("--via-decimation 9", "k: 12 eigenpairs from a coarse space of 9 dimensions"),
         ("--via-decimation 600 --boundary dirichlet", "--via-decimation needs --boundary neumann"),
@@ -96,7 +79,7 @@ fn a_tolerance_that_is_not_reached_is_an_error_that_names_the_pair_and_its_resid
     write(&folder, "thin.ply", TriMesh::new(vertices, faces).unwrap());
     let run = folder.run("spectrum thin.ply -k 8 --tolerance 1e-12 --verify -o s.npz");
     assert_eq!(run.code, Some(1), "{}", run.stdout);
-    let residuals = array(&folder, "s.npz", "residuals").1;
+    let residuals = folder.read_npz("s.npz", "residuals").1;
     let worst = (0..8).max_by(|&i, &j| residuals[i].total_cmp(&residuals[j])).unwrap();
     let residual = residuals[worst];
     assert!(residual > 1e-9, "{residuals:?}");
@@ -121,8 +104,8 @@ fn options_change_the_problem() {
     // One vertex inside: its weights sum to 4, a third of the area is its mass.
     let said = folder.succeed("spectrum square.obj -k 1 --boundary dirichlet -o d.npz");
     assert!(said.contains("5 vertices, 1 of them free"), "{said}");
-    assert!((array(&folder, "d.npz", "eigenvalues").1[0] - 12.0).abs() < 1e-12);
-    let (shape, vectors) = array(&folder, "d.npz", "eigenvectors");
+    assert!((folder.read_npz("d.npz", "eigenvalues").1[0] - 12.0).abs() < 1e-12);
+    let (shape, vectors) = folder.read_npz("d.npz", "eigenvectors");
     assert_eq!((shape, &vectors[..4]), (vec![5, 1], &[0.0; 4][..]));
     for option in ["--mass full", "--laplacian intrinsic", "--laplacian tufted", "--shift 7"] {
         let said = folder.succeed(&format!("spectrum square.obj -k 2 {option}"));
@@ -135,15 +118,15 @@ fn a_shift_may_be_an_eigenvalue() {
     let folder = Folder::new();
     write(&folder, "torus.ply", families::torus(40, 20, 2.0, 0.7).unwrap());
     folder.succeed("spectrum torus.ply -k 9 -o plain.npz");
-    let plain = array(&folder, "plain.npz", "eigenvalues").1;
+    let plain = folder.read_npz("plain.npz", "eigenvalues").1;
     for shift in ["0", "1e-8", "-1e-12"] {
         folder.succeed(&format!("spectrum torus.ply -k 9 --shift={shift} -o near.npz --force"));
-        let near = array(&folder, "near.npz", "eigenvalues").1;
+        let near = folder.read_npz("near.npz", "eigenvalues").1;
         assert!(near.iter().zip(&plain).all(|(a, b)| (a - b).abs() < 1e-9), "{shift}: {near:?}");
     }
     let shift = plain[8];
     folder.succeed(&format!("spectrum torus.ply -k 1 --shift={shift:.15e} -o near.npz --force"));
-    assert!((array(&folder, "near.npz", "eigenvalues").1[0] - shift).abs() < 1e-9);
+    assert!((folder.read_npz("near.npz", "eigenvalues").1[0] - shift).abs() < 1e-9);
 }
 
 #[test]
@@ -158,8 +141,8 @@ fn hdf5_holds_the_same_arrays() {
         let (m, n) = (rows.nrows(), rows.ncols());
         let mut found = Mat::<f64>::zeros(m, n);
         rows.read(0, found.as_mut()).unwrap();
-        let (shape, expected) = array(&folder, "s.npz", name);
-        assert_eq!(shape.iter().product::<u64>(), (m * n) as u64);
+        let (shape, expected) = folder.read_npz("s.npz", name);
+        assert_eq!(shape.iter().product::<usize>(), m * n);
         assert!((0..m * n).all(|i| found[(i / n, i % n)] == expected[i]), "{name}");
     }
     assert!(folder.fail("spectrum sphere.ply -k 9 -o s.h5").contains("exists already"));
@@ -201,5 +184,5 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     folder.succeed("spectrum a.obj -k 1 -o s.npz");
     assert!(folder.fail("spectrum a.obj -k 1 -o s.npz").contains("exists already"));
     folder.succeed("spectrum a.obj -k 2 -o s.npz --force");
-    assert_eq!(array(&folder, "s.npz", "eigenvalues").0, [2]);
+    assert_eq!(folder.read_npz("s.npz", "eigenvalues").0, [2]);
 }

@@ -1,10 +1,10 @@
 //! A folder, a program, and an oracle.
 
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::PathBuf;
 use std::process::{Command, Output};
 
-use npyz::WriterBuilder;
+use catamaran::io::read_arrays;
 use tempfile::TempDir;
 
 /// A temporary folder in which the program runs.
@@ -87,42 +87,78 @@ impl Folder {
         run.stderr
     }
 
-    pub fn write_npy<T: npyz::Serialize + npyz::AutoSerialize + Copy>(
-        &self,
-        name: &str,
-        shape: &[u64],
-        values: &[T],
-    ) {
-        let file = File::create(self.path(name)).expect("a temporary file");
-        let mut writer = npyz::WriteOptions::new()
-            .default_dtype()
-            .shape(shape)
-            .writer(file)
-            .begin_nd()
-            .expect("a header");
-        writer.extend(values.iter().copied()).expect("entries");
-        writer.finish().expect("a whole file");
+    pub fn write_npy<T: Entry>(&self, name: &str, shape: &[u64], values: &[T]) {
+        self.write(name, npy("False", shape, values));
     }
 
     /// [`Folder::write_npy`] of a matrix whose values come by rows, in a file by columns.
     pub fn write_fortran_npy(&self, name: &str, shape: &[u64; 2], values: &[f64]) {
         let [m, n] = shape.map(|extent| extent as usize);
         let by_columns = (0..n).flat_map(|j| (0..m).map(move |i| values[i * n + j]));
-        let file = File::create(self.path(name)).expect("a temporary file");
-        let mut writer = npyz::WriteOptions::new()
-            .default_dtype()
-            .order(npyz::Order::Fortran)
-            .shape(shape)
-            .writer(file)
-            .begin_nd()
-            .expect("a header");
-        writer.extend(by_columns).expect("entries");
-        writer.finish().expect("a whole file");
+        self.write(name, npy("True", shape, &by_columns.collect::<Vec<_>>()));
     }
 
-    pub fn read_npy<T: npyz::Deserialize>(&self, name: &str) -> Vec<T> {
-        read_npy(&self.path(name))
+    /// The entries of an array by rows, which have type T in the file.
+    pub fn read_npy<T: Entry>(&self, name: &str) -> Vec<T> {
+        let bytes = fs::read(self.path(name)).expect("the output");
+        let (header, entries) = bytes.split_at(HEADER);
+        let start = format!("{{'descr': '{}', 'fortran_order': False, ", T::DESCR);
+        assert!(header[10..].starts_with(start.as_bytes()), "{name}: {}", header.escape_ascii());
+        entries.chunks(size_of::<T>()).map(T::from_bytes).collect()
     }
+
+    /// The shape of an array of an .npz file, and its entries by rows.
+    pub fn read_npz(&self, file: &str, name: &str) -> (Vec<usize>, Vec<f64>) {
+        let arrays = read_arrays(&self.path(file)).expect("the output");
+        if let Ok(values) = arrays.vector(name) {
+            return (vec![values.len()], values);
+        }
+        let matrix = arrays.matrix(name).expect("an array of numbers");
+        let (matrix, (m, n)) = (matrix.as_ref(), matrix.shape());
+        let entries = (0..m).flat_map(|i| (0..n).map(move |j| matrix[(i, j)])).collect();
+        (vec![m, n], entries)
+    }
+}
+
+/// A type of entries of arrays.
+pub trait Entry: Copy {
+    /// The type string of numpy.
+    const DESCR: &'static str;
+    fn to_bytes(self) -> Vec<u8>;
+    fn from_bytes(bytes: &[u8]) -> Self;
+}
+
+macro_rules! entries {
+    ($($type:ident $descr:literal),*) => {$(
+        impl Entry for $type {
+            const DESCR: &'static str = $descr;
+
+            fn to_bytes(self) -> Vec<u8> {
+                self.to_le_bytes().into()
+            }
+
+            fn from_bytes(bytes: &[u8]) -> Self {
+                Self::from_le_bytes(bytes.try_into().expect("a whole entry"))
+            }
+        }
+    )*};
+}
+
+entries!(f32 "<f4", f64 "<f8", i64 "<i8");
+
+/// Bytes before the entries of an array.
+const HEADER: usize = 128;
+
+fn npy<T: Entry>(fortran_order: &str, shape: &[u64], values: &[T]) -> Vec<u8> {
+    let shape: String = shape.iter().map(|extent| format!("{extent}, ")).collect();
+    let dict = format!(
+        "{{'descr': '{}', 'fortran_order': {fortran_order}, 'shape': ({shape}), }}",
+        T::DESCR
+    );
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{dict:117}\n").bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_bytes()));
+    bytes
 }
 
 impl Run {
@@ -133,11 +169,6 @@ impl Run {
             stderr: String::from_utf8_lossy(&output.stderr).into(),
         }
     }
-}
-
-fn read_npy<T: npyz::Deserialize>(path: &Path) -> Vec<T> {
-    let bytes = fs::read(path).expect("the output");
-    npyz::NpyFile::new(&bytes[..]).expect("a header").into_vec().expect("entries")
 }
 
 /// Whole numbers, so that sums are exact whatever their order.

@@ -14,7 +14,7 @@ use faer::prelude::ReborrowMut;
 use super::file::{BUFFER, Stamp, canonical, seekable, shrank};
 use crate::base::{Real, Result};
 use crate::io::SourceOptions;
-use crate::io::npy::Layout;
+use crate::io::npy::{Layout, trailing, truncated};
 use crate::io::source::{Packing, Source, error, error_at};
 
 /// Entries between the pieces of two lines are also read when they have at most this many bytes,
@@ -43,8 +43,8 @@ impl NpyRows {
         let end = entries.and_then(|bytes| bytes.checked_add(layout.offset));
         match end {
             Some(end) if stamp.len == end => {}
-            Some(end) if stamp.len > end => return Err(error(path, None, layout.trailing())),
-            _ => return Err(error(path, None, layout.truncated())),
+            Some(end) if stamp.len > end => return Err(error(path, None, trailing(layout.len()))),
+            _ => return Err(error(path, None, truncated(layout.len()))),
         }
         Ok(Self { path: path.into(), file, layout, stamp, buffer: Vec::new() })
     }
