@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(status, super::CATA_ERR_UNSUPPORTED);
         // SAFETY: NUL-terminated, and no call of this thread fails before it is read.
         let message = unsafe { CStr::from_ptr(super::cata_last_error_message()) };
-        assert_eq!(message, c"built without the feature capi");
+        assert_eq!(message, c"built without the feature chapters");
         assert_eq!(super::cata_capabilities() & super::CATA_CAP_CHAPTERS, 0);
     }
 }

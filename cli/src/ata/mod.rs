@@ -217,6 +217,8 @@ impl Work<'_> {
         let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options)?;
         if args.explain {
             self.explain(&plan, &options)?;
+        } else {
+            self.outline(&plan, &options)?;
         }
         if plan.reads() == 1 {
             self.whole::<T>(&plan, &options, outputs)
@@ -594,6 +596,21 @@ impl Work<'_> {
             status!("picture", path = path; "{path}")?;
         }
         Ok(())
+    }
+
+    /// Prints the plan in a line.
+    fn outline(&self, plan: &StreamPlan, options: &AtaOptions<'_>) -> Result<()> {
+        let scheme = plan.product().map_or_else(|| "strips of C".into(), Plan::scheme);
+        let kernels = plan.product().and_then(Plan::isa).unwrap_or(options.backend.name());
+        let threads = options.par.threads();
+        status!(
+            "plan",
+            scheme = scheme,
+            kernels = kernels,
+            threads = threads;
+            "{scheme}, by {kernels}, {threads} threads{}; --explain prints all of it",
+            pinned(options)
+        )
     }
 
     fn explain(&self, plan: &StreamPlan, options: &AtaOptions<'_>) -> Result<()> {
