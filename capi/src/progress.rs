@@ -12,6 +12,7 @@ use std::ffi::c_void;
 use std::ops::ControlFlow;
 
 use catamaran::base::Par;
+#[cfg(feature = "chapters")]
 use catamaran::base::Progress;
 
 /// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to continue; anything
