@@ -27,11 +27,11 @@ fn settled(expected: usize) -> usize {
     count()
 }
 
-/// Computes 42 small products.
+/// Computes 42 products, large enough for threads with every instruction set.
 fn products(options: &AtaOptions<'_>) -> Vec<Mat<f64>> {
     let product = |i: usize| {
-        let a = Mat::from_fn(300, 100 + i, |p, q| ((p * q + i) % 17) as f64 / 16.0);
-        let mut c = Mat::zeros(100 + i, 100 + i);
+        let a = Mat::from_fn(1000, 300 + i, |p, q| ((p * q + i) % 17) as f64 / 16.0);
+        let mut c = Mat::zeros(300 + i, 300 + i);
         ata(1.0, a.as_ref(), 0.0, c.as_mut(), options).unwrap();
         c
     };

@@ -25,7 +25,7 @@ use crate::base::{Error, Result};
 /// #     }
 /// # }
 /// # let (ring, mass) = (ring.to_csr::<usize>(), Mass::identity(100));
-/// assert_eq!(count_below(ring.view(), &mass, 1.0)?, 33); // j from -16 to 16
+/// assert_eq!(count_below(ring.view(), &mass, 0.98)?, 33); // j from -16 to 16
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///

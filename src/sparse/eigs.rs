@@ -117,12 +117,11 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
     let request = format_args!("{} eigenpairs of {n} x {n} matrices", options.k);
     check_request("k", request, (n as f64 * size as f64) * size_of::<f64>() as f64)?;
     let (sigma, factor) = match options.shift {
-        Some(shift) => problem.around(shift, options)?,
+        Some(shift) => (shift, problem.any(shift)?),
         None => (-problem.scale, problem.positive(-problem.scale)?),
     };
     options.progress.report(0.02)?;
-    // Beside a shift, the nearest eigenvalues need not be the lowest ones.
-    let from_below = factor.is_positive() && options.shift.is_none_or(|shift| shift <= sigma);
+    let from_below = factor.is_positive();
     let below = |value| problem.below(value);
     let pairs = problem.nearest(sigma, factor, options, |values| match options.verify_count {
         true => count_is_complete(values, from_below, problem.scale, below),

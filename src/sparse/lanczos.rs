@@ -26,8 +26,6 @@ pub(crate) struct Krylov<'a> {
     pencil: &'a dyn Pencil,
     options: &'a EigenOptions<'a>,
     sigma: f64,
-    /// Sigma minus the number that the wanted eigenvalues are nearest to.
-    offset: f64,
     scale: f64,
     /// Typical length of M phi.
     mass_norm: f64,
@@ -67,7 +65,6 @@ impl<'a> Krylov<'a> {
             pencil,
             options,
             sigma,
-            offset: sigma - options.shift.unwrap_or(sigma),
             scale,
             mass_norm,
             basis: zeros(n, size)?,
@@ -234,17 +231,6 @@ impl<'a> Krylov<'a> {
         Err(not_finite(self.restarts))
     }
 
-    /// Returns about the distance of sigma from the nearest eigenvalue, by a few steps from random
-    /// directions.
-    pub fn clearance(&mut self, factor: &dyn Inverse) -> Result<f64> {
-        self.random_restart(factor)?;
-        self.expand(factor)?;
-        self.expand(factor)?;
-        let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
-        let ritz = symmetric_eigen(t).map_err(|error| failed(error, self.restarts))?;
-        Ok(1.0 / ritz.values.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())))
-    }
-
     /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the
     /// first columns of the basis are their vectors then.
     pub fn converge(&mut self, factor: &dyn Inverse) -> Result<()> {
@@ -267,8 +253,7 @@ impl<'a> Krylov<'a> {
             let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
             let ritz = symmetric_eigen(t).map_err(|error| failed(error, self.restarts))?;
             let mut order: Vec<usize> = (0..self.len).collect();
-            let distance = |i: usize| (self.offset + 1.0 / ritz.values[i]).abs();
-            order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+            order.sort_by(|&a, &b| ritz.values[b].abs().total_cmp(&ritz.values[a].abs()));
             let residuals = self.estimates(&ritz, &order[..k])?;
             let bound = self.options.tolerance * self.caution;
             let good = residuals.iter().filter(|r| **r <= bound).count();

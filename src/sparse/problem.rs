@@ -10,13 +10,6 @@ use super::space::{Inverse, Pencil, Shifts, WholePencil};
 use super::{Mass, components};
 use crate::base::{Error, Result};
 
-/// Distance of a requested shift from the nearest eigenvalue, in units of s, below which the
-/// solutions consist of its eigenvector so much that rounding spoils the other pairs.
-const NEAR: f64 = 0.01;
-
-/// How far beside such a shift `W - sigma M` is factorized, in the same units.
-const BESIDE: f64 = 0.1;
-
 /// The matrices W and M, with the data that all runs share.
 pub(crate) struct Problem<'a> {
     pub pencil: &'a dyn Pencil,
@@ -72,61 +65,23 @@ impl<'a> Problem<'a> {
         self.shifts.positive(sigma)?.ok_or_else(not_semi_definite)
     }
 
-    /// Factorizes `W - sigma M`; `None` where sigma is an eigenvalue up to rounding.
-    fn regular(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>> {
+    /// Factorizes `W - sigma M`.
+    pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         if sigma < 0.0
             && let Some(factor) = self.shifts.positive(sigma)?
         {
-            return Ok(Some(factor));
+            return Ok(factor);
         }
         let factor = self.shifts.indefinite(sigma)?;
-        Ok(factor.is_finite().then_some(factor))
-    }
-
-    /// Factorizes `W - sigma M`.
-    pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
-        self.regular(sigma)?.ok_or_else(|| {
+        if !factor.is_finite() {
             let why = format!("{sigma:e} is an eigenvalue up to rounding");
-            Error::Argument { what: "shift", why }
-        })
-    }
-
-    /// Factorizes `W - sigma M` at a requested shift, or beside it if it is an eigenvalue or near
-    /// one, and returns sigma and the factor.
-    pub fn around(
-        &self,
-        shift: f64,
-        options: &EigenOptions<'_>,
-    ) -> Result<(f64, Box<dyn Inverse + '_>)> {
-        if let Some(factor) = self.regular(shift)?
-            && self.clearance(shift, &*factor, options)? >= NEAR * self.scale
-        {
-            return Ok((shift, factor));
+            return Err(Error::Argument { what: "shift", why });
         }
-        let sigma = shift - BESIDE * self.scale;
-        Ok((sigma, self.any(sigma)?))
+        Ok(factor)
     }
 
-    /// Returns about the distance of sigma from the nearest eigenvalue.
-    fn clearance(
-        &self,
-        sigma: f64,
-        factor: &dyn Inverse,
-        options: &EigenOptions<'_>,
-    ) -> Result<f64> {
-        let options = options.clone().k(1);
-        let mass_norm = self.mean_mass.sqrt();
-        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mass_norm, &options)?;
-        match krylov.clearance(factor) {
-            // The solutions have overflowed.
-            Err(Error::NotConverged { .. }) => Ok(0.0),
-            found => found,
-        }
-    }
-
-    /// Computes the `options.k` pairs nearest to `options.shift`, or to sigma if there is none,
-    /// given the factor for sigma. Continues until `complete` returns that no eigenvalue is
-    /// missing; the factor is freed before each such call.
+    /// Computes the `options.k` pairs nearest to sigma, given the factor for it. Continues until
+    /// `complete` returns that no eigenvalue is missing; the factor is freed before each such call.
     pub fn nearest(
         &self,
         sigma: f64,

@@ -203,28 +203,6 @@ fn sparse_and_dense_solvers_agree() {
 }
 
 #[test]
-fn shifts_at_and_near_eigenvalues_find_the_nearest_ones() {
-    let (a, b) = (29, 23);
-    let (w, mass, all) = (grid(a, b), Mass::identity(a * b), grid_spectrum(a, b));
-    for at in [all[0], all[1], all[40]] {
-        for beside in [0.0, 1e-14, -1e-12, 1e-9, -1e-6, 1e-4] {
-            let shift = at + beside;
-            let mut nearest = all.clone();
-            nearest.sort_by(|a, b| (a - shift).abs().total_cmp(&(b - shift).abs()));
-            for k in [1, 5, 60] {
-                let options = options(k).shift(shift).verify_count(true);
-                let found = eigs(w.view(), &mass, &options)
-                    .unwrap_or_else(|error| panic!("{k} pairs near {shift:e}: {error}"));
-                check(&w, &mass, &found, 1e-9);
-                let mut wanted = nearest[..k].to_vec();
-                wanted.sort_by(f64::total_cmp);
-                assert_close(&found.values, &wanted, 1e-9);
-            }
-        }
-    }
-}
-
-#[test]
 fn null_vectors_are_found_near_the_shift_only() {
     let n = 300;
     let value = |i: usize| if i == 0 { -2.0 } else { i as f64 - 1.0 };

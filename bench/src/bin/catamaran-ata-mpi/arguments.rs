@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Appends a line to FILE, after a header if it is new.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub csv: Option<PathBuf>,
-    /// Writes NAME.csv and host.txt under bench/record, and NAME.svg into target/record.
+    /// Writes NAME.csv and host.txt under bench/record, NAME.svg into target/record.
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     pub record: Option<String>,
 }
