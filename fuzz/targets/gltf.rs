@@ -2,8 +2,8 @@
 //! mesh that can be looked at.
 #![no_main]
 
-use catamaran_geometry::mesh::io::read_with;
 use catamaran_fuzz::{file, source_options};
+use catamaran_geometry::mesh::io::read_with;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(file) = read_with(&file("a.gltf", bytes), &source_options()) {

@@ -2,8 +2,8 @@
 #![no_main]
 
 use catamaran::io::read;
-use catamaran_geometry::mesh::io::read_with;
 use catamaran_fuzz::{file, matrix_options, source_options};
+use catamaran_geometry::mesh::io::read_with;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     std::hint::black_box(read(&file("a.csv.gz", bytes), &matrix_options()).ok());

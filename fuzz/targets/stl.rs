@@ -4,7 +4,9 @@
 use catamaran_geometry::mesh::io::{MeshFormat, StlEncoding};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    if let Ok(file) = catamaran_geometry::mesh::io::read_bytes(bytes, MeshFormat::Stl(StlEncoding::Ascii)) {
+    if let Ok(file) =
+        catamaran_geometry::mesh::io::read_bytes(bytes, MeshFormat::Stl(StlEncoding::Ascii))
+    {
         std::hint::black_box(file.mesh.validate());
     }
 });
