@@ -316,6 +316,27 @@ fn a_material_is_in_a_file_with_its_mesh() {
 }
 
 #[test]
+fn options_of_meshes_and_of_volumes_exclude_each_other() {
+    let folder = Folder::new();
+    for options in [
+        "--volume --write-material b.glb",
+        "--volume --write-material b.glb --inlay stones",
+        "--volume --picture b.png --inlay stones",
+        "--volume --picture b.png --no-fit",
+        "--volume --picture b.png --uv",
+        "square.obj --basins 0 -o b.ply",
+        "square.obj --opacity slow -o b.ply",
+        "square.obj --compress -o b.ply",
+        "--uv --basins 0 -o b.png",
+    ] {
+        let run = folder.run(&format!("newton --size 16 {options}"));
+        assert_eq!(run.code, Some(2), "{options}: {}", run.stderr);
+        assert!(run.stderr.contains("cannot be used with"), "{options}: {}", run.stderr);
+    }
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
+#[test]
 fn the_commands_of_the_guide_run() {
     let guide = include_str!("../../../docs/guide/newton.md");
     let folder = Folder::new();
