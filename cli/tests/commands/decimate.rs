@@ -110,7 +110,7 @@ fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() 
         let message = folder.fail(&format!("{command} --input-limit 0.01"));
         assert!(message.contains(what), "{command}: {message}");
         assert!(message.contains("would take at least"), "{command}: {message}");
-        assert!(message.contains("0.01 GiB are allowed (--input-limit)"), "{command}: {message}");
+        assert!(message.contains("10.24 MiB are allowed (--input-limit)"), "{command}: {message}");
     }
     // Without a limit the memory of the machine counts.
     let message = folder.fail("decimate in.ply -n 999999999999 -o out.ply");
