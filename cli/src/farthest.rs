@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
+use catamaran::Error;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
 use catamaran_geometry::decimate::{Cells, FarthestPoints};
 
-use crate::common::Force;
+use crate::common::{Force, as_option};
 use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
@@ -67,9 +68,11 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = Bar::new("sampling");
     let start = Instant::now();
     let named = || args.input.display().to_string();
-    let mut points = FarthestPoints::new(&input.mesh, args.first).with_context(named)?;
+    let mut points =
+        FarthestPoints::new(&input.mesh, args.first).map_err(refused).with_context(named)?;
     points
         .extend_to(args.n, Progress::new(&|fraction| bar.update(fraction)))
+        .map_err(refused)
         .with_context(named)?;
     let elapsed = start.elapsed();
     drop(bar);
@@ -104,4 +107,12 @@ pub fn run(args: &Args) -> Result<()> {
     let path = output.path().display().to_string();
     files::write_integers(output, column(samples).as_ref())?;
     status!("written", path = path; "{path}")
+}
+
+/// Names the option that an error of the library is about.
+fn refused(error: Error) -> anyhow::Error {
+    match error {
+        Error::Argument { what: "n", why } => anyhow!("-n: {why}"),
+        error => as_option(error),
+    }
 }

@@ -1,11 +1,12 @@
-//! Checks of the options that messages, notes and help texts name, and of their values.
+//! Checks of the options that messages, notes and help texts name, of their values, and of the
+//! options that they need.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
-use clap::{Command, CommandFactory as _};
+use clap::{ArgGroup, Command, CommandFactory as _, Id};
 
 use crate::{Cli, parse};
 
@@ -135,4 +136,85 @@ fn minus_one_is_a_value_of_every_option() {
             assert_ne!(error.kind(), ErrorKind::UnknownArgument, "{line:?}: {error}");
         }
     }
+}
+
+/// Returns the fields in a source file whose option requires another one, and that one. clap does
+/// not tell.
+fn requirements(text: &str) -> Vec<(String, String)> {
+    let pairs = text.split("requires = \"").skip(1).filter_map(|rest| {
+        let (needed, rest) = rest.split_once('"')?;
+        let (_, rest) = rest.split_once(")]")?;
+        let (field, _) = rest.split_once(':')?;
+        Some((field.split_whitespace().last()?.to_owned(), needed.to_owned()))
+    });
+    pairs.collect()
+}
+
+/// Returns the arguments of a command that exclude each other: each pair in both orders.
+fn exclusions(command: &Command) -> BTreeSet<(String, String)> {
+    let mut found = BTreeSet::new();
+    let mut add = |a: &Id, b: &Id| {
+        found.insert((a.to_string(), b.to_string()));
+        found.insert((b.to_string(), a.to_string()));
+    };
+    for argument in command.get_arguments() {
+        for other in command.get_arg_conflicts_with(argument) {
+            add(argument.get_id(), other.get_id());
+        }
+    }
+    for group in command.get_groups().filter(|group| !ArgGroup::clone(group).is_multiple()) {
+        for one in group.get_args() {
+            group.get_args().filter(|other| *other != one).for_each(|other| add(one, other));
+        }
+    }
+    found
+}
+
+/// Adds the options of a command, and of those below it, that clap accepts without what they
+/// require: beside an argument that excludes what is required, but not the option.
+fn unsupported(command: &Command, required: &[(String, String)], found: &mut Vec<String>) {
+    let exclusions = exclusions(command);
+    let has = |id: &str| command.get_arguments().any(|argument| argument.get_id().as_str() == id);
+    for (option, needed) in required.iter().filter(|(option, needed)| has(option) && has(needed)) {
+        for (_, other) in exclusions.iter().filter(|(one, _)| one == needed) {
+            if !exclusions.contains(&(option.clone(), other.clone())) {
+                let name = command.get_name();
+                found.push(format!("{name}: {option} requires {needed}, which excludes {other}"));
+            }
+        }
+    }
+    command.get_subcommands().for_each(|below| unsupported(below, required, found));
+}
+
+#[test]
+fn what_excludes_a_required_option_excludes_those_that_require_it() {
+    let mut program = Cli::command();
+    program.build();
+    let files = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    let required: Vec<_> =
+        files.iter().flat_map(|file| requirements(&fs::read_to_string(file).unwrap())).collect();
+    assert!(required.len() > 20, "{required:?}");
+    let mut faults = Vec::new();
+    unsupported(&program, &required, &mut faults);
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn options_without_what_they_require_are_found() {
+    let text = "#[arg(long, requires = \"b\", value_name = \"N\")]\n    pub(crate) a: bool,\n";
+    let required = requirements(text);
+    assert_eq!(required, [("a".to_owned(), "b".to_owned())]);
+    let option = |name: &'static str| clap::Arg::new(name).long(name);
+    let command = |b: clap::Arg| Command::new("x").args([option("a"), b, option("c")]);
+    let faults = |command: Command| {
+        let mut found = Vec::new();
+        unsupported(&command, &required, &mut found);
+        found
+    };
+    let excluding = command(option("b").conflicts_with("c"));
+    let all = [excluding.clone(), command(option("b")).group(ArgGroup::new("g").args(["b", "c"]))];
+    for command in all {
+        assert_eq!(faults(command), ["x: a requires b, which excludes c"]);
+    }
+    assert!(faults(excluding.mut_arg("a", |a| a.conflicts_with("c"))).is_empty());
 }

@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::memory::byte_size;
+
 /// The result of every fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -117,8 +119,7 @@ impl fmt::Display for Error {
                 write!(f, "{}:{line}: {what}", path.display())
             }
             Self::OutOfMemory { bytes } => {
-                let gib = *bytes as f64 / f64::from(1 << 30);
-                write!(f, "out of memory: {bytes} bytes requested ({gib:.2} GiB)")
+                write!(f, "out of memory: {} requested", byte_size(*bytes as f64))
             }
             Self::Mesh { what, element } => write!(f, "{element}: {what}"),
             Self::Backend { name, why, .. } => write!(f, "back end {name}: {why}"),

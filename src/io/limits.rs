@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 
-use crate::base::{Progress, builder};
+use crate::base::{Progress, builder, byte_size};
 
 /// Memory that a file may always take. A file that asks for more than this, and for more than
 /// [`RATIO`] times its size, is damaged or malicious.
@@ -47,11 +47,9 @@ pub(super) fn check_memory(limit: u64, what: impl Display, bytes: u64) -> Result
     if bytes <= limit {
         return Ok(());
     }
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let (needed, limit) = (byte_size(bytes as f64), byte_size(limit as f64));
     Err(format!(
-        "{what} would take {:.2} GiB of memory, and this file may take {:.2} GiB: a larger \
-         max_memory (--input-limit) allows it",
-        gib(bytes),
-        gib(limit)
+        "{what} would take {needed} of memory, and this file may take {limit}: a larger max_memory \
+         (--input-limit) allows it"
     ))
 }

@@ -29,6 +29,9 @@ use output::{Drawing, Outputs};
 pub use voxels::surfaces;
 use voxels::{Basins, Opacity};
 
+/// The mesh, and the options for meshes only.
+const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"];
+
 /// Draw a Newton fractal in four dimensions (bicomplex numbers) on a plane, a mesh or a volume.
 ///
 /// Each point gets the colour of the root that Newton's method takes it to; slow convergence
@@ -108,18 +111,24 @@ pub struct Args {
     #[arg(long, value_name = "WIDTH", default_value_t = 3.0)]
     extent: f64,
     /// Compute texels of the mesh's texture instead of vertices.
-    #[arg(long, requires = "mesh", conflicts_with = "volume")]
+    #[arg(long, requires = "mesh")]
     uv: bool,
     /// Compute voxels of a cube around the origin.
-    #[arg(long, conflicts_with = "mesh")]
+    #[arg(long, conflicts_with_all = OF_MESHES)]
     volume: bool,
     /// Basins that --volume shows as a surface or a picture: `all`, or numbers of roots such as
     /// 0,4. Root (a, b) of n^2 has the number a n + b, from 0 [default: all].
-    #[arg(long, value_name = "ROOTS", requires = "volume", value_parser = Basins::parse)]
+    #[arg(
+        long,
+        value_name = "ROOTS",
+        requires = "volume",
+        conflicts_with_all = OF_MESHES,
+        value_parser = Basins::parse
+    )]
     basins: Option<Basins>,
     /// Opaque part of a picture of voxels: whole basins (solid), or points that converge slowly
     /// (slow) [default: solid with --basins, else slow].
-    #[arg(long, value_name = "WHAT", requires = "volume")]
+    #[arg(long, value_name = "WHAT", requires = "volume", conflicts_with_all = OF_MESHES)]
     opacity: Option<Opacity>,
     /// Output file: .png for a plane or texels, or with --frames .apng or .gif; a mesh with colours
     /// for vertices. For voxels: .vti (ParaView; roots and convergence), .nrrd (roots), a mesh (the
@@ -145,7 +154,7 @@ pub struct Args {
     #[arg(long, value_name = "WHICH", requires = "write_material")]
     inlay: Option<Stuff>,
     /// Compress the numbers in .vti (zlib) and .nrrd (gzip).
-    #[arg(long, requires = "volume")]
+    #[arg(long, requires = "volume", conflicts_with_all = OF_MESHES)]
     compress: bool,
     #[command(flatten)]
     repair: MeshArgs,

@@ -196,7 +196,10 @@ impl<'a> Outputs<'a> {
                 Stuff::Enamel => Inlay::enamel(newton.roots()),
                 Stuff::Stones => Inlay::stones(),
             };
-            let made = newton.material(&file.mesh, uv, texels, *width, fractal, &inlay, par)?;
+            let source = self.args.mesh.as_deref().unwrap_or(Path::new(""));
+            let made = newton
+                .material(&file.mesh, uv, texels, *width, fractal, &inlay, par)
+                .with_context(|| source.display().to_string())?;
             output::mesh_with_material(material.file()?, file, &made)?;
         }
         match drawing {

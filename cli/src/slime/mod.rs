@@ -365,7 +365,7 @@ impl Args {
         simulation.resume(&mut BufReader::new(source), path)?;
         let (step, all) = (simulation.state().step, self.steps);
         if step > all {
-            bail!("--steps {all}: the resumed state is after {step} steps already");
+            bail!("--steps {all}: {name} is after {step} steps already");
         }
         status!("resumed", path = name, step = step, steps = all; "{name}: step {step} of {all}")
     }

@@ -18,6 +18,27 @@ use crate::common::{Force, Threads};
 use crate::input::{self, TextFile};
 use crate::parse;
 
+/// The options that --fit has no use for.
+const NOT_FITTED: [&str; 17] = [
+    "hours",
+    "delta",
+    "conductance",
+    "literal",
+    "stomata",
+    "soil",
+    "rewater",
+    "block_flow",
+    "weaken",
+    "motion",
+    "steps_per_second",
+    "damping",
+    "wind",
+    "turbulence",
+    "frames",
+    "animation",
+    "mesh",
+];
+
 /// Simulate a plant that dries and bends.
 ///
 /// Computes the water of every node by the model of chapter 4 of the thesis, the stiffness that
@@ -152,8 +173,7 @@ pub struct Args {
         long,
         value_name = "TABLE",
         value_hint = ValueHint::FilePath,
-        conflicts_with_all =
-            ["motion", "animation", "block_flow", "weaken", "literal", "stomata", "soil"]
+        conflicts_with_all = NOT_FITTED
     )]
     pub fit: Option<TextFile>,
     /// Format of the meshes.

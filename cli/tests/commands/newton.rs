@@ -309,10 +309,37 @@ fn a_material_is_in_a_file_with_its_mesh() {
         ["enamel.glb", "stones.glb"].map(|name| std::fs::read(folder.path(name)).unwrap());
     assert_ne!(enamel, stones);
     assert!(folder.fail(&format!("{command} --write-material a.ply")).contains(".glb or .gltf"));
+    folder.write(
+        "half.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1 3 4\n",
+    );
+    let bare = folder.fail("newton half.obj --uv --size 16 --write-material a.glb");
+    assert!(bare.contains("half.obj: face 1: has no texture coordinates"), "{bare}");
     let oblong = folder.fail("newton square.obj --uv --size 8x4 --write-material a.glb");
     assert!(oblong.contains("are square"), "{oblong}");
     let run = folder.run("newton square.obj --write-material a.glb");
     assert!(run.code == Some(2) && run.stderr.contains("--uv"), "{}", run.stderr);
+}
+
+#[test]
+fn options_of_meshes_and_of_volumes_exclude_each_other() {
+    let folder = Folder::new();
+    for options in [
+        "--volume --write-material b.glb",
+        "--volume --write-material b.glb --inlay stones",
+        "--volume --picture b.png --inlay stones",
+        "--volume --picture b.png --no-fit",
+        "--volume --picture b.png --uv",
+        "square.obj --basins 0 -o b.ply",
+        "square.obj --opacity slow -o b.ply",
+        "square.obj --compress -o b.ply",
+        "--uv --basins 0 -o b.png",
+    ] {
+        let run = folder.run(&format!("newton --size 16 {options}"));
+        assert_eq!(run.code, Some(2), "{options}: {}", run.stderr);
+        assert!(run.stderr.contains("cannot be used with"), "{options}: {}", run.stderr);
+    }
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
 #[test]

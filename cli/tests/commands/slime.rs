@@ -73,7 +73,11 @@ fn a_run_goes_on_where_it_ended() {
     let other = format!("{slime} --seed 5 --steps 30 -o fourth --state some.state --resume");
     assert!(folder.fail(&other).contains("another seed"));
     let fewer = folder.fail(&format!("{slime} --steps 9 -o fourth --state some.state --resume"));
-    assert!(fewer.contains("--steps 9: the resumed state is after 30 steps already"), "{fewer}");
+    assert!(fewer.contains("--steps 9: some.state is after 30 steps already"), "{fewer}");
+    folder.write("some.state", &after_12[..after_12.len() - 1]);
+    let short = folder.fail(&format!("{slime} --steps 30 -o fourth --state some.state --resume"));
+    let says = "some.state: is not a state file of slime moulds, or ends early";
+    assert!(short.contains(says), "{short}");
 }
 
 #[test]

@@ -486,6 +486,28 @@ fn another_minimum_that_fits_as_well_is_warned_of() {
 }
 
 #[test]
+fn options_that_a_fit_has_no_use_for_are_refused() {
+    let folder = Folder::new();
+    for options in [
+        "--hours 3",
+        "--delta 60",
+        "--conductance 1e-9",
+        "--kappa 8 --literal",
+        "--rewater 3",
+        "--steps-per-second 60",
+        "--damping 1",
+        "--wind 1,2,3",
+        "--turbulence 0.1",
+        "--frames 3",
+        "--mesh none",
+    ] {
+        let run = folder.run(&format!("wilt --grow 5 --fit weights.csv -o out {options}"));
+        assert_eq!(run.code, Some(2), "{options}: {}", run.stderr);
+        assert!(run.stderr.contains("cannot be used with"), "{options}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn options_of_motion_are_checked() {
     let folder = Folder::new();
     let fails = |options: &str, part: &str| {

@@ -8,7 +8,7 @@ use crate::ata::options::AtaOptions;
 use crate::ata::plan::{Op, Plan};
 use crate::ata::scratch_len;
 use crate::base::steps::step;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, byte_size};
 use crate::blas::BlasReal;
 
 /// A plan of the stream of an m x n matrix A, as data: blocks, reads, memory. It depends on the
@@ -219,10 +219,6 @@ impl fmt::Display for StreamPlan {
             let longest = self.strips.iter().map(Range::len).max().unwrap_or(0);
             write!(f, "{longest} rows of C")?;
         }
-        write!(
-            f,
-            "\nmemory     {:.2} GiB: C, two blocks, scratch",
-            self.bytes as f64 / f64::from(1 << 30)
-        )
+        write!(f, "\nmemory     {}: C, two blocks, scratch", byte_size(self.bytes as f64))
     }
 }

@@ -65,12 +65,17 @@ impl Simulation {
     /// Reads a state that [`Simulation::save`] wrote, and continues from it. Errors name `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file can't be read, is no state file, or belongs to another surface,
-    /// seed, size, or number of species or agents; [`Error::Argument`] when its contents are no
-    /// valid state; [`Error::OutOfMemory`]. The state does not change then.
+    /// [`Error::Io`] when the file can't be read, is no state file, has no valid state, or belongs
+    /// to another surface, seed, size, or number of species or agents; [`Error::OutOfMemory`]. The
+    /// state does not change then.
     pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<()> {
         let failed = |what: String| Error::file(path, what);
-        let read = |e: io::Error| Error::io(path, e);
+        let read = |e: io::Error| match e.kind() {
+            io::ErrorKind::UnexpectedEof => {
+                failed("is not a state file of slime moulds, or ends early".into())
+            }
+            _ => Error::io(path, e),
+        };
         let mut magic = [0; MAGIC.len()];
         source.read_exact(&mut magic).map_err(read)?;
         if &magic != MAGIC {
@@ -97,7 +102,10 @@ impl Simulation {
         if source.read(&mut [0]).map_err(read)? > 0 {
             return Err(failed("has data after its end".into()));
         }
-        self.set_state(state)
+        self.set_state(state).map_err(|e| match e {
+            Error::Argument { .. } => failed(e.to_string()),
+            e => e,
+        })
     }
 }
 

@@ -85,7 +85,11 @@ impl State {
             }
         }
         if let Some(i) = (0..agents).find(|&i| !is_on(surface, self.agent(i))) {
-            let why = format!("agent {i} is not on the surface: {:?}", self.agent(i));
+            let triangle = self.triangles[i];
+            let why = format!(
+                "agent {i}, of triangle {triangle}, is not on the surface, or its heading is no \
+                 unit vector"
+            );
             return Err(Error::Argument { what: "agents", why });
         }
         match self.texture.iter().position(|p| !(0.0..=1.0).contains(p)) {

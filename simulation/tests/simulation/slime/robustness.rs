@@ -89,11 +89,11 @@ fn files_that_are_no_state_are_refused() {
     let before = all.state().clone();
     let mut refuse = |bytes: &[u8], why: &str| {
         let error = all.resume(&mut &bytes[..], Path::new("some.state")).unwrap_err().to_string();
-        assert!(error.contains(why), "{error}");
+        assert!(error.starts_with("some.state: ") && error.contains(why), "{error}");
         assert!(*all.state() == before);
     };
-    refuse(b"", "some.state");
-    refuse(&file[..file.len() - 1], "some.state");
+    refuse(b"", "is not a state file of slime moulds, or ends early");
+    refuse(&file[..file.len() - 1], "ends early");
     refuse(&[&file[..], &[0]].concat(), "after its end");
     let changed = |at: usize, value: u8| {
         let mut bytes = file.clone();
@@ -105,7 +105,7 @@ fn files_that_are_no_state_are_refused() {
     refuse(&changed(24, 99), "another seed: 99, not 7");
     // Numbers begin behind 16 + 28 bytes; a triangle that is not there.
     refuse(&changed(44, 200), "ids");
-    refuse(&changed(44 + 4 * 40 + 1, 77), "not on the surface");
+    refuse(&changed(44 + 4 * 40 + 1, 77), "is not on the surface, or its heading");
     let last = file.len() - 1;
     refuse(&changed(last, 0x7f), "texture");
 }
