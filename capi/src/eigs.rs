@@ -65,8 +65,8 @@ pub struct cata_eigs_params {
     pub seed: u64,
     /// Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9.
     pub tolerance: f64,
-    /// With `has_shift` 1: the eigenvalues nearest to this finite number are computed. Otherwise
-    /// ignored.
+    /// With `has_shift` 1: the eigenvalues nearest to this finite number are computed, which may be
+    /// an eigenvalue. Otherwise ignored.
     pub shift: f64,
     /// 1: `shift` is used; 0: the smallest eigenvalues are computed.
     pub has_shift: i32,

@@ -95,23 +95,64 @@ pub(crate) fn apart(low: f64, high: f64, scale: f64) -> bool {
     high - low > APART * (high.abs() + scale)
 }
 
-/// Returns whether no eigenvalue is missing among `values` (any order), between two of them that
-/// are apart, as close to both ends as possible; with `from_below`, from the lower end of the
-/// spectrum on. `below` counts the eigenvalues below a shift.
-pub(crate) fn count_is_complete(
+/// Returns whether no eigenvalue is missing among the lowest ones, `values` (any order), up to the
+/// last two of them that are apart. `below` counts the eigenvalues below a shift.
+pub(crate) fn is_complete_from_below(
     values: &[f64],
-    from_below: bool,
     scale: f64,
     below: impl Fn(f64) -> Result<usize>,
 ) -> Result<bool> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
-    let below = |i: usize| below(0.5 * (values[i - 1] + values[i]));
     let is_gap = |i: &usize| apart(values[*i - 1], values[*i], scale);
     let Some(last) = (1..values.len()).rev().find(is_gap) else { return Ok(true) };
-    if from_below {
-        return Ok(below(last)? == last);
+    Ok(below(0.5 * (values[last - 1] + values[last]))? == last)
+}
+
+/// Returns whether no eigenvalue that is nearer to a shift than the farthest of `values` (any
+/// order) is missing among them. Eigenvalues as far from the shift as the farthest, to within what
+/// can be counted apart, may be missing. `below` counts the eigenvalues below a shift.
+pub(crate) fn is_complete_around(
+    values: &[f64],
+    shift: f64,
+    scale: f64,
+    below: impl Fn(f64) -> Result<usize>,
+) -> Result<bool> {
+    let mut distances: Vec<f64> = values.iter().map(|value| (value - shift).abs()).collect();
+    distances.sort_by(f64::total_cmp);
+    let Some(farthest) = distances.last() else { return Ok(true) };
+    let margin = APART * (shift.abs() + farthest + scale);
+    // The ends of the counted interval are apart from all values.
+    let nearer = |i: usize| if i == 0 { 0.0 } else { distances[i - 1] };
+    let is_gap = |i: &usize| distances[*i] - nearer(*i) > 2.0 * margin;
+    let Some(inside) = (0..distances.len()).rev().find(is_gap) else { return Ok(true) };
+    let radius = distances[inside] - margin;
+    Ok(below(shift + radius)?.checked_sub(below(shift - radius)?) == Some(inside))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns whether values are complete around a shift, in the given spectrum.
+    fn is_complete(values: &[f64], shift: f64, spectrum: &[f64]) -> bool {
+        let below = |end: f64| Ok(spectrum.iter().filter(|value| **value < end).count());
+        is_complete_around(values, shift, 1e-3, below).unwrap()
     }
-    let first = (1..values.len()).find(is_gap).expect("there is a last one");
-    Ok(first == last || below(last)?.checked_sub(below(first)?) == Some(last - first))
+
+    #[test]
+    fn what_is_nearer_to_the_shift_than_the_farthest_value_must_be_there() {
+        let spectrum = [1.0, 1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 3.0, 7.0];
+        // Any of equally far ones.
+        assert!(is_complete(&[1.0; 2], 0.5, &spectrum));
+        assert!(is_complete(&[2.0, 3.0], 2.1, &spectrum));
+        assert!(is_complete(&[2.0, 1.0, 3.0], 2.0, &spectrum));
+        assert!(is_complete(&[3.0; 3], 3.0, &spectrum));
+        assert!(is_complete(&[], 3.0, &spectrum));
+        // The nearest, one in the middle, or some of equal ones are missing, on either side.
+        assert!(!is_complete(&[2.0], 1.1, &spectrum));
+        assert!(!is_complete(&[1.0, 3.0], 1.9, &spectrum));
+        assert!(!is_complete(&[1.0, 1.0, 1.0, 2.0], 0.5, &spectrum));
+        assert!(!is_complete(&[3.0, 3.0, 2.0], 3.4, &spectrum));
+    }
 }

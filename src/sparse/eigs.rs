@@ -2,7 +2,8 @@ use faer::Mat;
 use sprs::CsMatView;
 
 use super::Mass;
-use super::certificate::{Certificate, ROUNDINGS, certify, count_is_complete};
+use super::around::around;
+use super::certificate::{Certificate, ROUNDINGS, certify, is_complete_from_below};
 use super::check::check_symmetric;
 use super::components::null_components;
 use super::eigenpairs::{Eigenpairs, ascending};
@@ -21,8 +22,9 @@ use crate::dense::filled;
 /// a shift is given. Shift-invert block Lanczos with thick restart (Wu and Simon 2000; Grimes,
 /// Lewis and Simon 1994) on a sparse Cholesky factorization of `W - sigma M`. Without a shift,
 /// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
-/// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null vectors that are constant
-/// on components of the graph of W are not iterated, however many there are
+/// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. With a shift, sigma is the
+/// shift, or a number beside it if the shift is an eigenvalue or near one. Null vectors that are
+/// constant on components of the graph of W are not iterated, however many there are
 /// ([`free_components`](super::free_components) counts them): their eigenvalues are 0. Other
 /// eigenvalues of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
 ///
@@ -50,7 +52,8 @@ use crate::dense::filled;
 /// # Errors
 /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name W ("stiffness"), "mass" or
 /// the option at fault; [`Error::OutOfMemory`], [`Error::Cancelled`]; [`Error::NotConverged`] with
-/// the restarts done and the largest residual.
+/// the restarts done and the largest residual, or [`Error::Argument`] of "shift" where the shift is
+/// an eigenvalue or near one.
 ///
 /// [`Error::Shape`]: crate::Error::Shape
 /// [`Error::NonFinite`]: crate::Error::NonFinite
@@ -116,19 +119,24 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
     let (n, size) = (problem.pencil.inner().rows().len(), basis_size(options.k));
     let request = format_args!("{} eigenpairs of {n} x {n} matrices", options.k);
     check_request("k", request, (n as f64 * size as f64) * size_of::<f64>() as f64)?;
-    let (sigma, factor) = match options.shift {
-        Some(shift) => (shift, problem.any(shift)?),
-        None => (-problem.scale, problem.positive(-problem.scale)?),
-    };
-    options.progress.report(0.02)?;
-    let from_below = factor.is_positive();
-    let below = |value| problem.below(value);
-    let pairs = problem.nearest(sigma, factor, options, |values| match options.verify_count {
-        true => count_is_complete(values, from_below, problem.scale, below),
-        false => Ok(true),
-    })?;
+    let pairs = match options.shift {
+        Some(shift) => around(problem, shift, options),
+        None => lowest(problem, options),
+    }?;
     options.progress.report(1.0)?;
     Ok(pairs)
+}
+
+/// Computes the smallest eigenvalues.
+fn lowest(problem: &Problem<'_>, options: &EigenOptions<'_>) -> Result<Eigenpairs> {
+    let sigma = -problem.scale;
+    let factor = problem.positive(sigma)?;
+    options.progress.report(0.02)?;
+    let below = |value| problem.below(value);
+    problem.nearest(sigma, factor, options, |values| match options.verify_count {
+        true => is_complete_from_below(values, problem.scale, below),
+        false => Ok(true),
+    })
 }
 
 /// Matrices of n x n entries that a dense problem holds: its two, the factor and the vectors.

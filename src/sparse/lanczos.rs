@@ -19,6 +19,14 @@ pub(crate) fn basis_size(k: usize) -> usize {
     (2 * k + 9 * WIDTH).next_multiple_of(WIDTH)
 }
 
+/// What a few steps tell about the eigenvalues near a shift.
+pub(crate) struct Nearby {
+    /// Distance of sigma from the nearest one.
+    pub clearance: f64,
+    /// Distances of 16 or more from the shift, ascending.
+    pub from_shift: Vec<f64>,
+}
+
 /// A Krylov space, of which each process has the rows given by the pencil: a basis V, `V^T M V =
 /// I`, of which the first `len` columns satisfy `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with
 /// the block Q of the next `WIDTH` columns.
@@ -26,6 +34,8 @@ pub(crate) struct Krylov<'a> {
     pencil: &'a dyn Pencil,
     options: &'a EigenOptions<'a>,
     sigma: f64,
+    /// Sigma minus the shift that the wanted eigenvalues are nearest to.
+    offset: f64,
     scale: f64,
     /// Typical length of M phi.
     mass_norm: f64,
@@ -37,6 +47,8 @@ pub(crate) struct Krylov<'a> {
     coupled: usize,
     /// M Q.
     weighted: Mat<f64>,
+    /// Columns by which [`Krylov::probe`] has expanded V.
+    probed: usize,
     /// Two work blocks.
     work: [Mat<f64>; 2],
     rng: Rng,
@@ -65,6 +77,7 @@ impl<'a> Krylov<'a> {
             pencil,
             options,
             sigma,
+            offset: options.shift.map_or(0.0, |shift| sigma - shift),
             scale,
             mass_norm,
             basis: zeros(n, size)?,
@@ -72,6 +85,7 @@ impl<'a> Krylov<'a> {
             projected: zeros(size, size)?,
             coupled: 0,
             weighted: zeros(n, WIDTH)?,
+            probed: 0,
             work: [zeros(n, WIDTH)?, zeros(n, WIDTH)?],
             rng: Rng::new(options.seed),
             solves: 0,
@@ -231,6 +245,20 @@ impl<'a> Krylov<'a> {
         Err(not_finite(self.restarts))
     }
 
+    /// Does the first two expansions of [`Krylov::converge`], which tell about how far the
+    /// eigenvalues near sigma are from it and from the shift.
+    pub fn probe(&mut self, factor: &dyn Inverse) -> Result<Nearby> {
+        let first = self.len;
+        self.expand(factor)?;
+        self.expand(factor)?;
+        self.probed = self.len - first;
+        let values = self.ritz()?.values;
+        let largest = values.iter().fold(0.0, |most: f64, theta| most.max(theta.abs()));
+        let mut from_shift: Vec<f64> = values.iter().map(|theta| self.from_shift(*theta)).collect();
+        from_shift.sort_by(f64::total_cmp);
+        Ok(Nearby { clearance: 1.0 / largest, from_shift })
+    }
+
     /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the
     /// first columns of the basis are their vectors then.
     pub fn converge(&mut self, factor: &dyn Inverse) -> Result<()> {
@@ -241,25 +269,32 @@ impl<'a> Krylov<'a> {
             return Ok(());
         }
         let size = basis_size(k);
-        let mut next = (k + k / 2 + 2 * WIDTH).max(self.len + 2 * WIDTH).min(size);
+        let mut is_expanded = self.probed > 0;
+        let first = self.len - std::mem::take(&mut self.probed);
+        let mut next = (k + k / 2 + 2 * WIDTH).max(first + 2 * WIDTH).min(size);
         loop {
-            self.expand(factor)?;
+            if !std::mem::take(&mut is_expanded) {
+                self.expand(factor)?;
+            }
             let full = self.len + WIDTH > size;
             if self.len < next && !full {
                 self.report(0)?;
                 continue;
             }
             next = self.len + (k / 6).max(2 * WIDTH);
-            let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
-            let ritz = symmetric_eigen(t).map_err(|error| failed(error, self.restarts))?;
-            let mut order: Vec<usize> = (0..self.len).collect();
-            order.sort_by(|&a, &b| ritz.values[b].abs().total_cmp(&ritz.values[a].abs()));
-            let residuals = self.estimates(&ritz, &order[..k])?;
+            let ritz = self.ritz()?;
+            let (mut order, wanted) = self.ranked(&ritz);
+            // Most pairs that a restart keeps.
+            let most = (k + (self.len - k) / 2).min(self.len - 2 * WIDTH);
+            let residuals = self.estimates(&ritz, &order[..wanted.min(most)])?;
             let bound = self.options.tolerance * self.caution;
             let good = residuals.iter().filter(|r| **r <= bound).count();
-            self.report(good)?;
-            if good == k {
-                self.restart(&ritz, &order[..k])?;
+            self.report(good.min(k))?;
+            if good == wanted {
+                order.truncate(wanted);
+                let from_shift = |i: usize| self.from_shift(ritz.values[i]);
+                order.sort_by(|&a, &b| from_shift(a).total_cmp(&from_shift(b)));
+                self.restart(&ritz, &order)?;
                 self.found = self.eigenvalues(&ritz, &order[..k]);
                 return Ok(());
             }
@@ -268,11 +303,41 @@ impl<'a> Krylov<'a> {
                     let residual = residuals.into_iter().fold(0.0, f64::max);
                     return Err(Error::NotConverged { iterations: self.restarts, residual });
                 }
-                let keep = k + (self.len - k) / 2;
-                self.restart(&ritz, &order[..keep.min(self.len - 2 * WIDTH)])?;
+                self.restart(&ritz, &order[..most])?;
                 self.restarts += 1;
             }
         }
+    }
+
+    /// Computes the eigenpairs of T.
+    fn ritz(&self) -> Result<SymmetricEigen> {
+        let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
+        symmetric_eigen(t).map_err(|error| failed(error, self.restarts))
+    }
+
+    /// Returns the distance from the shift of the eigenvalue for a Ritz value.
+    fn from_shift(&self, theta: f64) -> f64 {
+        (self.offset + 1.0 / theta).abs()
+    }
+
+    /// Returns the Ritz values in the order of their distances from sigma, and how many of them
+    /// must converge: k, or, where sigma is beside the shift, all that are no farther from sigma
+    /// than an eigenvalue may be that is as near to the shift as the k nearest.
+    fn ranked(&self, ritz: &SymmetricEigen) -> (Vec<usize>, usize) {
+        /// Rounding of the distances, relative to them.
+        const ROUNDING: f64 = 1e-9;
+        let k = self.options.k;
+        let mut order: Vec<usize> = (0..self.len).collect();
+        order.sort_by(|&a, &b| ritz.values[b].abs().total_cmp(&ritz.values[a].abs()));
+        if self.offset == 0.0 {
+            return (order, k);
+        }
+        let mut from_shift: Vec<f64> =
+            ritz.values.iter().map(|theta| self.from_shift(*theta)).collect();
+        from_shift.sort_by(f64::total_cmp);
+        let reach = (from_shift[k - 1] + self.offset.abs()) * (1.0 + ROUNDING);
+        let wanted = order.iter().take_while(|&&i| 1.0 / ritz.values[i].abs() <= reach).count();
+        (order, wanted.max(k))
     }
 
     /// Returns the eigenvalues of the pencil for these Ritz values.

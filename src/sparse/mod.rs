@@ -1,5 +1,6 @@
 //! Sparse symmetric matrices: inner products, products and eigenpairs (docs/algorithms/eigen.md).
 
+mod around;
 mod certificate;
 mod check;
 mod cholesky;

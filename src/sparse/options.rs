@@ -17,7 +17,8 @@ use crate::base::{Error, Par, Progress, Result, builder};
 pub struct EigenOptions<'a> {
     /// Number of eigenpairs, at most the number of rows. Default 100.
     pub k: usize,
-    /// The k eigenvalues nearest to this number; `None` (default): the k smallest.
+    /// The k eigenvalues nearest to this number, which may be an eigenvalue; `None` (default): the
+    /// k smallest.
     pub shift: Option<f64>,
     /// Largest residual of a pair (as [`Eigenpairs::residuals`](super::Eigenpairs::residuals)
     /// defines it), between 1e-14 and 1e-2; default 1e-9. Where a few roundings of the vector alone
@@ -25,8 +26,9 @@ pub struct EigenOptions<'a> {
     /// of few rows are solved as dense ones, as accurately as rounding allows.
     /// [`Eigenpairs::worst`](super::Eigenpairs::worst) returns the largest residual.
     pub tolerance: f64,
-    /// Counts the eigenvalues by the inertia of another factorization (Sylvester), and continues
-    /// until none is missing; default false.
+    /// Counts the eigenvalues by the inertia of other factorizations (Sylvester), and continues
+    /// until none is missing: below the last gap of the result or, with a shift, nearer to it than
+    /// the farthest value of the result. Default false.
     pub verify_count: bool,
     /// Threads; default [`Par::all`]. Does not change the result.
     pub par: Par,

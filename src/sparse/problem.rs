@@ -65,34 +65,66 @@ impl<'a> Problem<'a> {
         self.shifts.positive(sigma)?.ok_or_else(not_semi_definite)
     }
 
-    /// Factorizes `W - sigma M`.
-    pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
+    /// Factorizes `W - sigma M`; `None` where sigma is an eigenvalue up to rounding.
+    pub fn regular(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>> {
         if sigma < 0.0
             && let Some(factor) = self.shifts.positive(sigma)?
         {
-            return Ok(factor);
+            return Ok(Some(factor));
         }
         let factor = self.shifts.indefinite(sigma)?;
-        if !factor.is_finite() {
-            let why = format!("{sigma:e} is an eigenvalue up to rounding");
-            return Err(Error::Argument { what: "shift", why });
-        }
-        Ok(factor)
+        Ok(factor.is_finite().then_some(factor))
     }
 
-    /// Computes the `options.k` pairs nearest to sigma, given the factor for it. Continues until
-    /// `complete` returns that no eigenvalue is missing; the factor is freed before each such call.
+    /// Returns [`Problem::regular`], or an error of "shift" where there is no factor.
+    pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
+        self.regular(sigma)?.ok_or_else(|| {
+            let why = format!("{sigma:e} is an eigenvalue up to rounding");
+            Error::Argument { what: "shift", why }
+        })
+    }
+
+    /// Returns the null vectors from which a run with this sigma starts.
+    fn null_near(&self, sigma: f64) -> &[Vec<usize>] {
+        if sigma < 0.0 { &self.null[..] } else { &[] }
+    }
+
+    /// Creates the first space of a run, given the factor for sigma.
+    pub fn start<'b>(
+        &'b self,
+        sigma: f64,
+        factor: &dyn Inverse,
+        options: &'b EigenOptions<'_>,
+    ) -> Result<Krylov<'b>> {
+        let mass_norm = self.mean_mass.sqrt();
+        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mass_norm, options)?;
+        krylov.lock(factor, self.null_near(sigma))?;
+        Ok(krylov)
+    }
+
+    /// Computes the `options.k` pairs nearest to sigma, given the factor for it, or to
+    /// `options.shift`, which sigma is at or beside. Continues until `complete` returns that no
+    /// eigenvalue is missing; the factor is freed before each such call.
     pub fn nearest(
         &self,
         sigma: f64,
         factor: Box<dyn Inverse + '_>,
         options: &EigenOptions<'_>,
+        complete: impl FnMut(&[f64]) -> Result<bool>,
+    ) -> Result<Eigenpairs> {
+        let krylov = self.start(sigma, &*factor, options)?;
+        self.finish(krylov, sigma, factor, options, complete)
+    }
+
+    /// Computes [`Problem::nearest`], given what [`Problem::start`] returned.
+    pub fn finish(
+        &self,
+        mut krylov: Krylov<'_>,
+        sigma: f64,
+        factor: Box<dyn Inverse + '_>,
+        options: &EigenOptions<'_>,
         mut complete: impl FnMut(&[f64]) -> Result<bool>,
     ) -> Result<Eigenpairs> {
-        let null = if sigma < 0.0 { &self.null[..] } else { &[] };
-        let mass_norm = self.mean_mass.sqrt();
-        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mass_norm, options)?;
-        krylov.lock(&*factor, null)?;
         let certify = |krylov: &Krylov<'_>| {
             let (values, vectors) = (krylov.values(), krylov.vectors());
             certify(self.pencil, values, vectors, self.scale, ROUNDINGS, options)
@@ -131,6 +163,7 @@ impl<'a> Problem<'a> {
                 let mut pairs = ascending(values, vectors, residuals, solves, positive);
                 if positive {
                     // The values of constants on components are zero, not rounding errors.
+                    let null = self.null_near(sigma);
                     pairs.values.iter_mut().take(null.len()).for_each(|value| *value = 0.0);
                 }
                 return Ok(pairs);

@@ -202,6 +202,132 @@ fn sparse_and_dense_solvers_agree() {
     }
 }
 
+/// The Laplacian of a path, and its eigenvalues `4 sin(pi i / 2n)^2`, accurate to their own size.
+fn path(n: usize) -> (CsMat<f64>, Vec<f64>) {
+    let value = |i: usize| 4.0 * (PI * i as f64 / (2 * n) as f64).sin().powi(2);
+    (graph(n, (1..n).map(|i| (i - 1, i))), (0..n).map(value).collect())
+}
+
+/// The Laplacian of a ring, and its eigenvalues, ascending.
+fn ring(n: usize) -> (CsMat<f64>, Vec<f64>) {
+    let value = |i: usize| 2.0 - 2.0 * (2.0 * PI * i.div_ceil(2) as f64 / n as f64).cos();
+    (graph(n, (0..n).map(|i| (i, (i + 1) % n))), (0..n).map(value).collect())
+}
+
+/// A diagonal matrix, and its entries: 40 times 1, then 2, 3, ...
+fn forty_ones(n: usize) -> (CsMat<f64>, Vec<f64>) {
+    let value = |i: usize| if i < 40 { 1.0 } else { (i - 38) as f64 };
+    (sparse(n, (0..n).map(|i| (i, i, value(i)))), (0..n).map(value).collect())
+}
+
+/// Checks that these are the values of a spectrum that are nearest to a shift; one as far from it
+/// as another may stand for it.
+fn assert_nearest(found: &Eigenpairs, k: usize, spectrum: &[f64], shift: f64, tolerance: f64) {
+    let distances = |values: &[f64]| {
+        let mut distances: Vec<f64> = values.iter().map(|value| (value - shift).abs()).collect();
+        distances.sort_by(f64::total_cmp);
+        distances
+    };
+    assert_eq!(found.values.len(), k);
+    let (own, all) = (distances(&found.values), distances(spectrum));
+    for (i, (a, b)) in own.iter().zip(&all).enumerate() {
+        assert!((a - b).abs() <= tolerance, "{k} near {shift:e}, {i}: {:?}", found.values);
+    }
+    for value in &found.values {
+        let error = spectrum.iter().map(|other| (value - other).abs()).fold(f64::MAX, f64::min);
+        assert!(error <= tolerance, "{k} near {shift:e}: {value:e} is none");
+    }
+}
+
+#[test]
+fn shifts_at_and_near_eigenvalues_find_the_nearest_ones() {
+    let (a, b) = (29, 23);
+    let n = a * b;
+    let mass = Mass::identity(n);
+    // Times a factor, plus a multiple of the identity; largest error allowed.
+    for (factor, more, tolerance) in [(1.0, 0.0, 1e-9), (1.0, 1e4, 1e-5), (-1e-3, 0.0, 1e-9)] {
+        let w = grid(a, b).map(|x| factor * x);
+        let w = &w + &sparse(n, (0..n).map(|i| (i, i, more)));
+        let mut all: Vec<f64> = grid_spectrum(a, b).iter().map(|x| factor * x + more).collect();
+        all.sort_by(f64::total_cmp);
+        for at in [all[0], all[1], all[40], all[n - 1]] {
+            for beside in [0.0, 1e-14, -1e-12, 1e-9, -1e-6, 1e-4] {
+                let shift = at + factor.abs() * beside;
+                for k in [1, 5, 60] {
+                    let found = eigs(w.view(), &mass, &options(k).shift(shift))
+                        .unwrap_or_else(|error| panic!("{k} pairs near {shift:e}: {error}"));
+                    assert!(found.solves > 0);
+                    check(&w, &mass, &found, 1e-9);
+                    assert_nearest(&found, k, &all, shift, tolerance);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn shifts_at_eigenvalues_find_the_nearest_ones_where_they_are_much_denser_than_the_scale() {
+    let n = 100_000;
+    let ((w, all), mass) = (path(n), Mass::identity(n));
+    for (shift, k) in [(0.0, 1), (all[3], 1), (all[3], 5), (all[3] + 1e-15, 1)] {
+        let found = eigs(w.view(), &mass, &options(k).shift(shift)).unwrap();
+        assert_nearest(&found, k, &all, shift, 1e-13);
+    }
+}
+
+#[test]
+fn shifts_among_equal_eigenvalues_find_the_nearest_ones() {
+    let ((w, all), mass) = (ring(200), Mass::identity(200));
+    for shift in [0.1, all[20], all[21], 0.0, all[199]] {
+        for k in [1, 2, 10] {
+            let found = eigs(w.view(), &mass, &options(k).shift(shift)).unwrap();
+            assert!(found.solves > 0);
+            assert_nearest(&found, k, &all, shift, 1e-9);
+        }
+    }
+    // Three components.
+    let lengths = [150, 170, 190];
+    let edges = [0, 150, 320].into_iter().zip(lengths);
+    let edges = edges.flat_map(|(s, l)| (1..l).map(move |i| (s + i - 1, s + i)));
+    let w = graph(510, edges);
+    let all: Vec<f64> = lengths.iter().flat_map(|l| path(*l).1).collect();
+    for k in [1, 3, 10] {
+        let found = eigs(w.view(), &Mass::identity(510), &options(k).shift(0.0).verify_count(true))
+            .unwrap();
+        assert!(found.solves > 0);
+        assert_nearest(&found, k, &all, 0.0, 1e-10);
+    }
+}
+
+#[test]
+fn equal_eigenvalues_at_an_end_of_the_result_are_counted() {
+    let n = 290;
+    let ((w, all), mass) = (forty_ones(n), Mass::identity(n));
+    for shift in [0.5, 1.0, 1.0 + 1e-15, 1.5 - 1e-3, 51.0] {
+        for k in [10, 50] {
+            let options = options(k).shift(shift).verify_count(true);
+            let found = eigs(w.view(), &mass, &options)
+                .unwrap_or_else(|error| panic!("{k} pairs near {shift:e}: {error}"));
+            assert!(found.solves > 0);
+            assert_nearest(&found, k, &all, shift, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn shifts_of_dense_problems_may_be_eigenvalues() {
+    for (w, all) in [path(60), ring(60), forty_ones(60)] {
+        for shift in [0.0, all[0], all[3], all[30], 0.1] {
+            for k in [1, 7, 45] {
+                let options = options(k).shift(shift).verify_count(true);
+                let found = eigs(w.view(), &Mass::identity(60), &options).unwrap();
+                assert_eq!(found.solves, 0);
+                assert_nearest(&found, k, &all, shift, 1e-12);
+            }
+        }
+    }
+}
+
 #[test]
 fn null_vectors_are_found_near_the_shift_only() {
     let n = 300;
@@ -333,6 +459,10 @@ fn what_does_not_converge_says_how_far_it_came() {
         Err(Error::NotConverged { iterations: 0, residual }) => assert!(residual > 1e-14),
         other => panic!("{other:?}"),
     }
+    // Beside a shift that is an eigenvalue.
+    let said = eigs(w.view(), &mass, &hasty.shift(0.0)).unwrap_err().to_string();
+    assert!(said.starts_with("shift: 0e0 is an eigenvalue or near one"), "{said}");
+    assert!(said.contains("not converged after 0 iterations"), "{said}");
 }
 
 #[test]

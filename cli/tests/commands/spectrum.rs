@@ -114,6 +114,23 @@ fn options_change_the_problem() {
 }
 
 #[test]
+fn a_shift_may_be_an_eigenvalue() {
+    let folder = Folder::new();
+    write(&folder, "torus.ply", families::torus(40, 20, 2.0, 0.7).unwrap());
+    folder.succeed("spectrum torus.ply -k 9 -o plain.npz");
+    let plain = folder.read_npz("plain.npz", "eigenvalues").1;
+    for shift in ["0", "1e-8", "-1e-12"] {
+        folder.succeed(&format!("spectrum torus.ply -k 9 --shift={shift} -o near.npz --force"));
+        let near = folder.read_npz("near.npz", "eigenvalues").1;
+        assert_eq!(near.len(), 9);
+        assert!(near.iter().zip(&plain).all(|(a, b)| (a - b).abs() < 1e-9), "{shift}: {near:?}");
+    }
+    let shift = plain[8];
+    folder.succeed(&format!("spectrum torus.ply -k 1 --shift={shift:.15e} -o near.npz --force"));
+    assert!((folder.read_npz("near.npz", "eigenvalues").1[0] - shift).abs() < 1e-9);
+}
+
+#[test]
 #[cfg(feature = "hdf5")]
 fn hdf5_holds_the_same_arrays() {
     let folder = Folder::new();

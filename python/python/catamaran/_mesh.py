@@ -225,7 +225,8 @@ def eigsh(
     kind, mass, boundary
         As in `laplacian`; for a mesh. Vectors are zero where boundary values are set to zero.
     sigma : float, optional
-        The k eigenvalues nearest to this number; the k smallest by default.
+        The k eigenvalues nearest to this number, which may be an eigenvalue; the k smallest by
+        default.
     tol : float
         Residual that every pair reaches, relative to the largest that its mass lets it have.
     verify_count : bool
