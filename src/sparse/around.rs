@@ -35,10 +35,10 @@ pub(crate) fn around(
     shift: f64,
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
-    let mut step = 0.0;
+    let mut step: f64 = 0.0;
     for attempt in 0..=TRIES {
         let sigma = shift - step;
-        // Where sigma is an eigenvalue.
+        // The next one if sigma is an eigenvalue.
         let mut next = if step == 0.0 { BESIDE * problem.scale } else { 0.6 * step };
         if let Some(factor) = problem.regular(sigma)? {
             options.progress.report(0.02)?;

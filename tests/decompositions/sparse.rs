@@ -245,7 +245,7 @@ fn shifts_at_and_near_eigenvalues_find_the_nearest_ones() {
     let n = a * b;
     let mass = Mass::identity(n);
     // Times a factor, plus a multiple of the identity; largest error allowed.
-    for (factor, more, tolerance) in [(1.0, 0.0, 1e-9), (1.0, 1e4, 1e-5), (-1e-3, 0.0, 1e-9)] {
+    for (factor, more, tolerance) in [(1.0_f64, 0.0, 1e-9), (1.0, 1e4, 1e-5), (-1e-3, 0.0, 1e-9)] {
         let w = grid(a, b).map(|x| factor * x);
         let w = &w + &sparse(n, (0..n).map(|i| (i, i, more)));
         let mut all: Vec<f64> = grid_spectrum(a, b).iter().map(|x| factor * x + more).collect();
