@@ -62,6 +62,9 @@ def test_spectra_are_those_of_scipy():
     assert np.allclose(
         near, sorted(sorted(catamaran.eigsh(v, f, 40).values, key=lambda x: abs(x - 2.0))[:3])
     )
+    # At an eigenvalue.
+    assert np.allclose(catamaran.eigsh(stiffness, mass, 8, sigma=0.0).values, values, atol=1e-9)
+    assert np.allclose(catamaran.eigsh(v, f, 1, sigma=values[7]).values, values[7], atol=1e-9)
 
 
 def test_kinds_of_integers_and_strides():

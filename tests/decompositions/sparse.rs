@@ -40,6 +40,18 @@ fn grid_spectrum(a: usize, b: usize) -> Vec<f64> {
     values
 }
 
+/// The Laplacian of a path, and its eigenvalues `4 sin(pi i / 2n)^2`, accurate to their own size.
+fn path(n: usize) -> (CsMat<f64>, Vec<f64>) {
+    let value = |i: usize| 4.0 * (PI * i as f64 / (2 * n) as f64).sin().powi(2);
+    (graph(n, (1..n).map(|i| (i - 1, i))), (0..n).map(value).collect())
+}
+
+/// The Laplacian of a ring, and its eigenvalues, ascending.
+fn ring(n: usize) -> (CsMat<f64>, Vec<f64>) {
+    let value = |i: usize| 2.0 - 2.0 * (2.0 * PI * i.div_ceil(2) as f64 / n as f64).cos();
+    (graph(n, (0..n).map(|i| (i, (i + 1) % n))), (0..n).map(value).collect())
+}
+
 fn options(k: usize) -> EigenOptions<'static> {
     EigenOptions::new().k(k).par(Par::Seq)
 }
@@ -100,12 +112,10 @@ fn a_grid_has_its_analytic_spectrum_multiplicities_included() {
 #[test]
 fn a_cycle_has_pairs_of_equal_eigenvalues() {
     let (n, k) = (1009, 25);
-    let w = graph(n, (0..n).map(|i| (i, (i + 1) % n)));
-    let mass = Mass::identity(n);
+    let ((w, all), mass) = (ring(n), Mass::identity(n));
     let pairs = eigs(w.view(), &mass, &options(k)).unwrap();
     check(&w, &mass, &pairs, 1e-9);
-    let value = |i: usize| 2.0 - 2.0 * (2.0 * PI * i.div_ceil(2) as f64 / n as f64).cos();
-    assert_close(&pairs.values, &(0..k).map(value).collect::<Vec<_>>(), 1e-8);
+    assert_close(&pairs.values, &all[..k], 1e-8);
 }
 
 #[test]
@@ -200,18 +210,6 @@ fn sparse_and_dense_solvers_agree() {
         let dense = options(n / 2).shift(Some(shift));
         assert!(eigs(w.view(), &mass, &dense).unwrap().values.is_sorted());
     }
-}
-
-/// The Laplacian of a path, and its eigenvalues `4 sin(pi i / 2n)^2`, accurate to their own size.
-fn path(n: usize) -> (CsMat<f64>, Vec<f64>) {
-    let value = |i: usize| 4.0 * (PI * i as f64 / (2 * n) as f64).sin().powi(2);
-    (graph(n, (1..n).map(|i| (i - 1, i))), (0..n).map(value).collect())
-}
-
-/// The Laplacian of a ring, and its eigenvalues, ascending.
-fn ring(n: usize) -> (CsMat<f64>, Vec<f64>) {
-    let value = |i: usize| 2.0 - 2.0 * (2.0 * PI * i.div_ceil(2) as f64 / n as f64).cos();
-    (graph(n, (0..n).map(|i| (i, (i + 1) % n))), (0..n).map(value).collect())
 }
 
 /// A diagonal matrix, and its entries: 40 times 1, then 2, 3, ...
