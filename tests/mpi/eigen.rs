@@ -153,6 +153,8 @@ fn agreement(world: &World) {
     for (mass, wanted) in [(lumped(&w), options(17)), (Mass::Full(smoothed(&w)), near)] {
         check(world, &w, &mass, &wanted);
     }
+    // A shift that is an eigenvalue.
+    check(world, &w, &lumped(&w), &options(9).shift(Some(0.0)));
     // Two components.
     let w = two_grids(17, 12);
     let counted = options(25).verify_count(true);
