@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn other_mistakes_keep_their_messages() {
         // The second is an old name, but of another command.
-        for (line, option) in [("ata a.npy", "verfy"), ("mesh a.ply", "strict")] {
+        for (line, option) in [("ata a.npy", "verfy"), ("lstsq a.csv", "strict")] {
             let message = message(&format!("catamaran {line} --{option}"));
             let unexpected = format!("error: unexpected argument '--{option}' found\n");
             assert!(message.starts_with(&unexpected), "{message}");

@@ -3,6 +3,7 @@
 mod config;
 mod curves;
 mod images;
+mod look;
 mod mask;
 mod material;
 mod on_device;
@@ -34,7 +35,7 @@ use crate::report::{note, report, seconds, status};
 use crate::signals;
 use curves::Moment;
 pub use curves::chart;
-use material::LookConfig;
+use look::LookConfig;
 use on_device::OnDevice;
 use view::Subject;
 pub use view::draw;
