@@ -514,7 +514,7 @@ fn more_frames_are_written_than_a_process_may_have_files_open() {
     assert_eq!(folder.names(), ["h-059.png"]);
     std::fs::remove_file(folder.path("h-059.png")).unwrap();
     let run = limited();
-    assert_eq!((run.code, &*run.stderr), (Some(0), ""));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
     let names = folder.names();
     assert_eq!(names.len(), 120, "{names:?}");
     assert!(names.iter().all(|name| name.ends_with(".png")), "{names:?}");
