@@ -12,8 +12,8 @@
 //! ```
 //!
 //! [`ata()`] takes proven bilinear schemes (the 2 x 2 recursion over Strassen of the thesis, RXTX,
-//! KGP), integer products modulo small primes, or the classical algorithm, whichever the planner
-//! expects to be fastest. The arithmetic runs in kernels written in Rust or in any BLAS.
+//! KGP), integer products modulo small coprime numbers, or the classical algorithm, whichever the
+//! planner expects to be fastest. The arithmetic runs in kernels written in Rust or in any BLAS.
 //!
 //! # Modules
 //!

@@ -22,8 +22,8 @@ pub const CATA_SCHEME_RXTX: i32 = 4;
 pub const CATA_SCHEME_KGP4: i32 = 5;
 /// `scheme`: their 3 x 3.
 pub const CATA_SCHEME_KGP3: i32 = 6;
-/// `scheme`: integer products modulo small primes: nothing is rounded but the columns, to about
-/// 2^-54 of their norms (float: 2^-27), and the result.
+/// `scheme`: integer products modulo small coprime numbers: nothing is rounded but the columns, to
+/// about 2^-54 of their norms (float: 2^-27), and the result.
 pub const CATA_SCHEME_EXACT: i32 = 7;
 /// `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT.
 pub const CATA_SCHEME_FLOAT: i32 = 8;

@@ -14,8 +14,8 @@ use catamaran::ata::verify;
 /// - `seed`: of the random vectors; the same seed gives the same answer.
 /// - `passed`: written: 1 if C passed, else 0.
 /// - `residual`, `tolerance`: written: the largest entry of |C X - alpha A^T (A X)|, and how
-///   large rounding may make it; NULL where not wanted. NaN or infinity in the residual never
-///   passes.
+///   large rounding may make it; NULL where not wanted. NaN or infinity in the residual or the
+///   tolerance never passes: where A has such entries, `passed` = 0 says nothing about C.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -34,6 +34,7 @@ mod picture;
 mod pieces;
 mod progress;
 mod ranks;
+mod renamed;
 mod report;
 mod rows;
 mod shape;
@@ -161,9 +162,10 @@ fn main() -> ExitCode {
 /// Parses the command line; exits with status 2 if it is wrong.
 fn parse_command_line() -> Cli {
     let mut command = parse::with_negative_numbers(Cli::command());
-    let mut matches = command
-        .try_get_matches_from_mut(std::env::args_os())
-        .unwrap_or_else(|error| parse::explained(error, &command).exit());
+    let words: Vec<_> = std::env::args_os().collect();
+    let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
+        renamed::explained(parse::explained(error, &command), &command, &words).exit()
+    });
     if let Some(option) = stdio::dash(&command, &matches) {
         let what =
             format!("{option}: `-` is not accepted; the name of a file must select its format");

@@ -1,8 +1,13 @@
 //! Any bytes as the options of slime moulds, as TOML and as .ini of the reference implementation.
 #![no_main]
 
+// The command line uses more of them.
+#[allow(dead_code)]
 #[path = "../../cli/src/slime/config.rs"]
 mod config;
+#[allow(dead_code)]
+#[path = "../../cli/src/slime/look.rs"]
+mod look;
 
 use catamaran_fuzz::file;
 

@@ -1,5 +1,6 @@
-//! Any bytes as the state of slime moulds on one surface, behind a header that fits or, behind a
-//! zero, their own: a state from which the simulation goes on, or an error.
+//! Any bytes as the state of slime moulds on one surface, between a head that fits and a checksum
+//! that holds or, behind a zero, as they are: a state from which the simulation goes on, or an
+//! error.
 #![no_main]
 
 use std::path::Path;
@@ -10,8 +11,8 @@ use catamaran::base::Progress;
 use catamaran_geometry::mesh::families;
 use catamaran_simulation::texture::slime::{Mask, Options, Simulation, Surface, atlas};
 
-/// Of a state file before the step.
-const HEADER: usize = 16 + 6 * 4;
+/// Bytes of a state file before the arrays: name, head and its checksum.
+const HEADER: usize = 16 + 9 * 4 + 4;
 
 /// One for all inputs: a state that is resumed is the whole of it.
 static SIMULATION: LazyLock<Mutex<Simulation>> = LazyLock::new(|| {
@@ -26,7 +27,7 @@ static SIMULATION: LazyLock<Mutex<Simulation>> = LazyLock::new(|| {
 static HEAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let mut bytes = Vec::new();
     let simulation = SIMULATION.lock().expect("no panic before");
-    simulation.save(&mut bytes).expect("memory for a state");
+    simulation.save(&mut bytes, &[]).expect("memory for a state");
     bytes.truncate(HEADER);
     bytes
 });
@@ -38,6 +39,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         _ => {
             state.extend(&*HEAD);
             state.extend(bytes);
+            state.extend(crc32fast::hash(bytes).to_le_bytes());
         }
     }
     let mut simulation = SIMULATION.lock().expect("no panic before");

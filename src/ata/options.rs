@@ -69,8 +69,8 @@ pub enum SchemeChoice {
     Kgp4,
     /// Their 3 x 3 scheme over Winograd's variant.
     Kgp3,
-    /// Integer products modulo small primes: one rounding of the columns, one of the result, and
-    /// none between them. [`Accuracy`] determines the unit of the first rounding.
+    /// Integer products modulo small coprime numbers: one rounding of the columns, one of the
+    /// result, and none between them. [`Accuracy`] determines the unit of the first rounding.
     Exact,
 }
 

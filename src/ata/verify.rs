@@ -12,7 +12,8 @@ use crate::blas;
 /// Most rounds: the probability of an error is 2^-1000 with these.
 const MAX_ROUNDS: u32 = 1000;
 
-/// The result of [`verify`].
+/// The result of [`verify`]. It says nothing about C where residual or tolerance is not finite, as
+/// when A has an entry that is not finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verification {
     /// Whether `residual <= tolerance`, both finite.
@@ -33,7 +34,8 @@ pub struct Verification {
 /// `(E x)_i` by `2 |E_ij|`, so at least one of the two vectors shows an error of `|E_ij|`: each
 /// round misses it with probability at most 1/2. The tolerance is the probabilistic rounding bound
 /// of Higham and Mary (2019), `8 u sqrt(m n) max_j ||a_j||^2` with u the unit roundoff of T, so a
-/// correct result fails with negligible probability. The check itself runs in f64.
+/// correct result fails with negligible probability. The check itself runs in f64. Where A has a
+/// NaN or an infinity, no C passes: the residual or the tolerance is not finite.
 ///
 /// ```
 /// use catamaran::{AtaOptions, Uplo, ata, ata::verify, faer::Mat};

@@ -532,19 +532,21 @@ impl Work<'_> {
         let found = match verify_rows(self.alpha(), &mut rows, &row_options, c, uplo, ROUNDS, SEED)
         {
             // A mean that is not finite can't be subtracted.
-            Err(catamaran::Error::NonFinite { what: "center", .. }) => {
-                bail!("the check failed, and nothing is written: the mean is not finite")
-            }
-            found => found?,
+            Err(catamaran::Error::NonFinite { what: "center", .. }) => None,
+            found => Some(found?),
         };
         drop(rows);
         drop(bar);
+        const UNKNOWN: &str = "the check can't tell, and nothing is written";
+        if found.is_none_or(|found| !found.passed)
+            && let Some(what) = self.a.not_finite()?
+        {
+            bail!("{UNKNOWN}: {}: {what}", self.args.input.display());
+        }
+        let Some(found) = found else { bail!("{UNKNOWN}: the mean is not finite") };
         let numbers = format!("residual {:.2e}, tolerance {:.2e}", found.residual, found.tolerance);
         if !found.tolerance.is_finite() {
-            bail!(
-                "the check can't tell, and nothing is written: in f64 the squares of a column add \
-                 up to infinity"
-            );
+            bail!("{UNKNOWN}: in f64 the squares of a column add up to infinity");
         }
         if !found.passed {
             bail!("the check failed, and nothing is written: {numbers}");

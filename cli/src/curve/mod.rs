@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(args.force)?;
     let file = args.repair.read(&args.mesh)?;
     args.surface.check_pieces(&file, args.force)?;
-    let given = samples::read(&args.samples)?;
+    let given = samples::parse(&args.samples.read()?, &args.samples.name())?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed = place(&file.mesh, &given.sites, placement).with_context(|| args.samples.name())?;
     let placed_on = placed.mesh.unwrap_or_else(|| Refined::new(file.mesh.clone()));

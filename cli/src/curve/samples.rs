@@ -1,12 +1,10 @@
-//! Reads samples of curves from files.
+//! Parses samples of curves. The file is also part of a fuzz target, so that it uses nothing of the
+//! command line.
 
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
 use catamaran_geometry::curve::{Side, Site};
-
-use super::surface::side;
-use crate::input::TextFile;
 
 /// The samples of one curve, or of curves that are found together.
 #[derive(Debug)]
@@ -32,10 +30,9 @@ pub struct Samples {
     pub groups: Vec<Group>,
 }
 
-/// Reads the samples in a file, one per line; `#` begins a comment. A line `curve NAME` begins
-/// another curve.
-pub fn read(file: &TextFile) -> Result<Samples> {
-    let (text, name) = (file.read()?, file.name());
+/// Parses the text of the file `name`: one sample per line; `#` begins a comment. A line `curve
+/// NAME` begins another curve.
+pub fn parse(text: &str, name: &str) -> Result<Samples> {
     let mut sites: Vec<Site> = Vec::new();
     let mut groups: Vec<Group> = Vec::new();
     for (i, line) in text.lines().enumerate() {
@@ -73,6 +70,19 @@ pub fn read(file: &TextFile) -> Result<Samples> {
         groups.push(Group { name: None, open: false, single: false, side: None, samples });
     }
     Ok(Samples { sites, groups })
+}
+
+/// Parses `small`, `large` or `seed:V,W`.
+pub fn side(text: &str) -> Result<Side, String> {
+    match text.split_once(':') {
+        None if text == "small" => Ok(Side::Small),
+        None if text == "large" => Ok(Side::Large),
+        Some(("seed", list)) => {
+            let all: Result<Vec<u32>, _> = list.split(',').map(str::parse).collect();
+            all.map(Side::Seeds).map_err(|_| format!("{list}: expected vertex numbers, from 0"))
+        }
+        _ => Err("expected small, large or seed:V, such as seed:120".into()),
+    }
 }
 
 /// Returns a curve with this name and without samples.

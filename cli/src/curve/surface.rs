@@ -10,7 +10,7 @@ use catamaran_geometry::mesh::io::{MeshFile, MeshFormat, check_name};
 use catamaran_geometry::mesh::{Components, Part, Refined};
 use clap::ValueEnum;
 
-use super::samples::Group;
+use super::samples::{Group, side};
 use crate::common::Force;
 use crate::folder::{Folder, note_older};
 use crate::output;
@@ -63,19 +63,6 @@ enum Combine {
     Difference,
     /// The area in an odd number of the regions.
     Xor,
-}
-
-/// Parses `small`, `large` or `seed:V,W`.
-pub fn side(text: &str) -> Result<Side, String> {
-    match text.split_once(':') {
-        None if text == "small" => Ok(Side::Small),
-        None if text == "large" => Ok(Side::Large),
-        Some(("seed", list)) => {
-            let all: Result<Vec<u32>, _> = list.split(',').map(str::parse).collect();
-            all.map(Side::Seeds).map_err(|_| format!("{list}: expected vertex numbers, from 0"))
-        }
-        _ => Err("expected small, large or seed:V, such as seed:120".into()),
-    }
 }
 
 /// Output files that are begun.

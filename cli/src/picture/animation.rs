@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use anyhow::{Context, Result, bail};
-use catamaran::io::Output;
+use catamaran::io::{Output, Overwrite};
 
 use super::image::Image;
 use crate::common::Force;
@@ -51,16 +51,18 @@ pub fn rate(text: &str) -> Result<f64, String> {
 
 /// Where frames go.
 pub enum Frames {
-    /// Each frame goes to a separate file.
-    Files(std::vec::IntoIter<Output>),
+    /// Each frame goes to a separate file, which is opened when it is written: a process may have
+    /// only so many files open.
+    Files { paths: std::vec::IntoIter<PathBuf>, overwrite: Overwrite },
     /// All frames go to one file.
     Animation(Animation),
 }
 
 impl Frames {
-    /// Starts the files for the frames: an animation if the name of `path` is that of one, else a
+    /// Prepares the files for the frames: an animation if the name of `path` is that of one, else a
     /// file for each frame, `NAME-000`, `NAME-001` and so on, with a note about further such files
-    /// that stay. Without a `count` there is one frame, in `path`.
+    /// that stay. Without a `count` there is one frame, in `path`. A file that exists and may not
+    /// be replaced, or that can't be written, is an error already here.
     pub fn create(path: &Path, count: Option<usize>, rate: f64, force: Force) -> Result<Self> {
         if let Some(format) = Format::of(path) {
             let name = path.display();
@@ -72,18 +74,20 @@ impl Frames {
             return Ok(Self::Animation(Animation::new(output, format, count, rate)));
         }
         let files = names(path, count);
-        let outputs: Vec<Output> =
-            files.iter().map(|path| force.create(path)).collect::<Result<_>>()?;
+        files.iter().try_for_each(|path| force.create(path).map(drop))?;
         if count.is_some() {
             note_others(path, &files);
         }
-        Ok(Self::Files(outputs.into_iter()))
+        Ok(Self::Files { paths: files.into_iter(), overwrite: force.overwrite() })
     }
 
-    /// Returns the file of the next frame.
+    /// Starts the file of the next frame.
     pub fn file(&mut self) -> Result<Output> {
         match self {
-            Self::Files(files) => files.next().context("more frames than files"),
+            Self::Files { paths, overwrite } => {
+                let path = paths.next().context("more frames than files")?;
+                Ok(Output::create(&path, *overwrite)?)
+            }
             Self::Animation(_) => bail!("an animation holds only pictures"),
         }
     }
@@ -91,7 +95,7 @@ impl Frames {
     /// Writes the next frame, a picture.
     pub fn image(&mut self, image: &Image) -> Result<()> {
         match self {
-            Self::Files(_) => image.write(self.file()?),
+            Self::Files { .. } => image.write(self.file()?),
             Self::Animation(animation) => animation.add(image),
         }
     }
@@ -99,7 +103,7 @@ impl Frames {
     /// Completes an animation; other files are complete already.
     pub fn finish(self) -> Result<()> {
         match self {
-            Self::Files(_) => Ok(()),
+            Self::Files { .. } => Ok(()),
             Self::Animation(animation) => animation.finish(),
         }
     }

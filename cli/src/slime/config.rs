@@ -1,5 +1,6 @@
 //! Reads the configuration of a simulation: a TOML file with the names of table 3.1, or an .ini of
-//! the reference implementation.
+//! the reference implementation. The file is also part of a fuzz target, so that it uses nothing of
+//! the command line but [`super::look`].
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use catamaran_simulation::texture::slime::{Blur, Options, TangentStep};
 use serde::Deserialize;
 
-use super::material::LookConfig;
+use super::look::LookConfig;
 
 /// Substeps of projected steps, if the file gives no number.
 const SUBSTEPS: u32 = 10;

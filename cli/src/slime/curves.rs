@@ -11,6 +11,30 @@ use catamaran_simulation::texture::slime::Coverage;
 /// A moment: seconds of the simulation, and the coverage of each species.
 pub type Moment = (f64, Vec<Coverage>);
 
+/// Returns the numbers of moments, as a state keeps them: of each the seconds, then coverage and
+/// presence of each species.
+pub fn numbers(moments: &[Moment]) -> Vec<f64> {
+    let of = |(seconds, all): &Moment| {
+        let shares = all.iter().flat_map(|one| [one.coverage, one.presence]);
+        [*seconds].into_iter().chain(shares).collect::<Vec<f64>>()
+    };
+    moments.iter().flat_map(of).collect()
+}
+
+/// Returns the moments of which these are the [`numbers`]; none if they are not those of `count`
+/// moments.
+pub fn moments(numbers: &[f64], species: usize, count: usize) -> Vec<Moment> {
+    let width = 1 + 2 * species;
+    if numbers.len() != count * width {
+        return Vec::new();
+    }
+    let shares = |pair: &[f64]| Coverage { coverage: pair[0], presence: pair[1] };
+    numbers
+        .chunks_exact(width)
+        .map(|row| (row[0], row[1..].chunks_exact(2).map(shares).collect()))
+        .collect()
+}
+
 /// Writes a row for each moment.
 pub fn write_csv(mut output: Output, moments: &[Moment]) -> Result<()> {
     let mut text = String::from("seconds");
@@ -46,4 +70,21 @@ pub fn chart(moments: &[Moment]) -> Chart {
         Axis::linear("coverage, and presence (dashed)").range(0.0, 1.0),
         series.collect(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_numbers_and_back() {
+        let share = |coverage: f64| Coverage { coverage, presence: 0.5 + coverage / 2.0 };
+        let all: Vec<Moment> =
+            vec![(0.0, vec![share(0.0), share(0.1)]), (0.02, vec![share(0.3), share(1.0)])];
+        let list = numbers(&all);
+        assert_eq!(list.len(), 10);
+        assert_eq!(moments(&list, 2, 2), all);
+        assert!(moments(&list, 2, 3).is_empty() && moments(&list, 1, 2).is_empty());
+        assert!(moments(&[], 1, 1).is_empty());
+    }
 }

@@ -3,6 +3,7 @@
 mod config;
 mod curves;
 mod images;
+mod look;
 mod mask;
 mod material;
 mod on_device;
@@ -34,7 +35,7 @@ use crate::report::{note, report, seconds, status};
 use crate::signals;
 use curves::Moment;
 pub use curves::chart;
-use material::LookConfig;
+use look::LookConfig;
 use on_device::OnDevice;
 use view::Subject;
 pub use view::draw;
@@ -143,7 +144,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => MeshFile::from(Surface::tile_mesh()?),
     };
     let mut simulation = args.simulation(&file, &options)?;
-    args.resume(&mut simulation)?;
+    let earlier = args.resume(&mut simulation)?;
     let first = simulation.state().step;
     let all = args.frame_files(&frames, options.species);
     // The interrupted run has written the frames before.
@@ -156,10 +157,12 @@ pub fn run(args: &Args) -> Result<()> {
     // Ctrl-C keeps the state, which is whole after a step only.
     let whole_steps = outputs.state.as_ref().map(|_| signals::finish_first());
     let mut growth = Growth { simulation, on_device };
-    let Grown { moments, done, time, ended } = args.grow(&mut growth, &options, &frames)?;
+    let grown = args.grow(&mut growth, &options, &frames, earlier)?;
+    let Grown { moments, done, time, ended } = grown;
     let simulation = growth.simulation()?;
     if let Some(mut output) = outputs.state {
-        simulation.save(&mut output).map_err(|e| output.error(e))?;
+        let history = curves::numbers(&moments);
+        simulation.save(&mut output, &history).map_err(|e| output.error(e))?;
         let path = output.path().display().to_string();
         output.commit()?;
         status!("state", path = path, steps = done; "{path}: after {done} steps")?;
@@ -241,7 +244,7 @@ impl Growth {
 
 /// The course of a run.
 struct Grown {
-    /// Before the first step, and after each step.
+    /// Before the first step, and after each step, with those before a resumed run.
     moments: Vec<Moment>,
     /// Number of steps, with those before a resumed run.
     done: u32,
@@ -350,32 +353,50 @@ impl Args {
     }
 
     /// Replaces the state of a simulation by the saved one, with --resume and if there is one.
-    fn resume(&self, simulation: &mut Simulation) -> Result<()> {
-        let Some(path) = self.state.as_deref().filter(|_| self.resume) else { return Ok(()) };
+    /// Returns the moments until then; none without a saved state.
+    fn resume(&self, simulation: &mut Simulation) -> Result<Vec<Moment>> {
+        let Some(path) = self.state.as_deref().filter(|_| self.resume) else {
+            return Ok(Vec::new());
+        };
         let name = path.display().to_string();
         if self.saved().is_none() {
-            return status!(
+            status!(
                 "resumed",
                 path = name,
                 step = 0;
                 "no {name}: the run starts from the first step"
-            );
+            )?;
+            return Ok(Vec::new());
         }
         let source = File::open(path).with_context(|| name.clone())?;
-        simulation.resume(&mut BufReader::new(source), path)?;
+        let history = simulation.resume(&mut BufReader::new(source), path)?;
         let (step, all) = (simulation.state().step, self.steps);
         if step > all {
             bail!("--steps {all}: {name} is after {step} steps already");
         }
-        status!("resumed", path = name, step = step, steps = all; "{name}: step {step} of {all}")
+        let earlier = curves::moments(&history, simulation.species(), step as usize + 1);
+        if earlier.is_empty() {
+            note(format_args!("{name}: has no coverage; {TABLE} starts at step {step}"));
+        }
+        status!("resumed", path = name, step = step, steps = all; "{name}: step {step} of {all}")?;
+        Ok(earlier)
     }
 
-    /// Computes the steps and writes the frames, until a signal ends the run.
-    fn grow(&self, growth: &mut Growth, options: &Options, frames: &[u32]) -> Result<Grown> {
+    /// Computes the steps and writes the frames, until a signal ends the run. `moments` are those
+    /// until the first of these steps.
+    fn grow(
+        &self,
+        growth: &mut Growth,
+        options: &Options,
+        frames: &[u32],
+        mut moments: Vec<Moment>,
+    ) -> Result<Grown> {
         let par = self.threads.par();
         let first = growth.simulation.state().step;
         let time_at = |step: u32| f64::from(step) * options.time_step;
-        let mut moments = vec![(time_at(first), growth.simulation.coverage(par))];
+        if moments.is_empty() {
+            moments.push((time_at(first), growth.simulation.coverage(par)));
+        }
         let start = Instant::now();
         let bar = Bar::new("slime");
         let mut done = first;

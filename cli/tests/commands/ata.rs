@@ -406,14 +406,18 @@ fn entries_of_c_that_are_not_finite_are_counted_in_a_note() {
 #[test]
 fn failed_check_writes_nothing() {
     let folder = Folder::new();
-    for (rows, why) in [
-        ("1,2\n3,nan\n", "the check failed, and nothing is written: residual NaN"),
-        ("1,2\n3,inf\n", "the check can't tell, and nothing is written: in f64 the squares"),
-        ("1,2\n3,1e200\n", "the squares of a column add up to infinity"),
+    let unknown = "the check can't tell, and nothing is written";
+    for (rows, options, why) in [
+        ("1,2\n3,nan\n", "", "a.csv: NaN at row 1, column 1 (counted from 0)"),
+        ("1,2\n3,inf\n", "", "a.csv: inf at row 1, column 1 (counted from 0)"),
+        ("1,2\n3,-inf\n", "--center", "a.csv: -inf at row 1, column 1 (counted from 0)"),
+        ("1,2\n3,nan\n", "--covariance", "a.csv: NaN at row 1, column 1 (counted from 0)"),
+        ("1,2\n3,1e200\n", "", "in f64 the squares of a column add up to infinity"),
     ] {
         folder.write("a.csv", rows);
-        let message = folder.fail("ata a.csv -o c.npy --picture c.png --verify");
-        assert!(message.contains(why), "{message}");
+        let options = format!("-o c.npy --picture c.png --verify {options}");
+        let message = folder.fail(&format!("ata a.csv {options}"));
+        assert!(message.contains(&format!("{unknown}: {why}")), "{options}: {message}");
     }
 }
 

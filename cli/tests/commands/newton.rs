@@ -1,6 +1,8 @@
 //! `catamaran newton`, from outside.
 
-use crate::common::Folder;
+use std::process::Command;
+
+use crate::common::{Folder, Run};
 
 /// Width, height, and bits of a PNG.
 fn size_and_bits(folder: &Folder, name: &str) -> (u32, u32, u8) {
@@ -491,4 +493,29 @@ fn points_that_reach_no_root_are_counted() {
     assert!(notes("--power 2 --iterations 1").contains("--iterations"));
     let said = folder.succeed("--json newton --size 64 --power 2 --iterations 1 -o b.png");
     assert!(said.contains("\"unreached\":4096"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn more_frames_are_written_than_a_process_may_have_files_open() {
+    let folder = Folder::new();
+    let program = env!("CARGO_BIN_EXE_catamaran");
+    let arguments = "newton --size 4 --frames 60 --w-to 1 -o f.png --heights h.png";
+    let limited = || {
+        let script = format!("ulimit -n 40; exec '{program}' {arguments}");
+        let mut shell = Command::new("sh");
+        Run::new(shell.arg("-c").arg(script).current_dir(folder.path("")).output().unwrap())
+    };
+    // A later frame that exists is an error before the first one is computed.
+    folder.write("h-059.png", "mine");
+    let run = limited();
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("h-059.png: exists already"), "{}", run.stderr);
+    assert_eq!(folder.names(), ["h-059.png"]);
+    std::fs::remove_file(folder.path("h-059.png")).unwrap();
+    let run = limited();
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let names = folder.names();
+    assert_eq!(names.len(), 120, "{names:?}");
+    assert!(names.iter().all(|name| name.ends_with(".png")), "{names:?}");
 }

@@ -54,10 +54,13 @@ fn a_run_goes_on_where_it_ended() {
     let said = run("--steps 30 -o second --state some.state --resume");
     assert!(said.contains("resumed     some.state: step 12 of 30"), "{said}");
     assert!(said.contains("state       some.state: after 30 steps"), "{said}");
-    assert_eq!(of("whole/frame-0030.png"), of("second/frame-0030.png"));
+    for name in ["frame-0030.png", "coverage.csv", "mesh.obj", "mesh.mtl"] {
+        assert!(of(&format!("whole/{name}")) == of(&format!("second/{name}")), "{name}");
+    }
     folder.write("some.state", &after_12);
     run("--steps 12 -o third --state some.state --resume");
     assert_eq!(of("first/frame-0012.png"), of("third/frame-0012.png"));
+    assert_eq!(of("first/coverage.csv"), of("third/coverage.csv"));
     assert_eq!(of("some.state"), after_12);
 
     // What an interrupted run leaves: its frames. They are neither written again nor counted.
@@ -68,6 +71,7 @@ fn a_run_goes_on_where_it_ended() {
     let said = run("--steps 30 --every 5 -o first --state some.state --resume");
     assert!(said.contains("first: 7 files"), "{said}");
     assert_eq!(of("whole/frame-0030.png"), of("first/frame-0030.png"));
+    assert_eq!(of("whole/coverage.csv"), of("first/coverage.csv"));
     assert_eq!(of("first/frame-0010.png"), early);
     let slime = "slime square.obj --config c.toml";
     let other = format!("{slime} --seed 5 --steps 30 -o fourth --state some.state --resume");
@@ -78,6 +82,12 @@ fn a_run_goes_on_where_it_ended() {
     let short = folder.fail(&format!("{slime} --steps 30 -o fourth --state some.state --resume"));
     let says = "some.state: is not a state file of slime moulds, or ends early";
     assert!(short.contains(says), "{short}");
+    let mut damaged = after_12.clone();
+    // The last bit of a number, as a run could have written it.
+    damaged[after_12.len() / 2] ^= 1;
+    folder.write("some.state", &damaged);
+    let said = folder.fail(&format!("{slime} --steps 30 -o fourth --state some.state --resume"));
+    assert!(said.contains("some.state: is damaged: its checksum differs"), "{said}");
 }
 
 #[test]

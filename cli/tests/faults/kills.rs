@@ -52,7 +52,7 @@ const JOBS: &[Job] = &[
             (!ended || done < ROUNDS * SLIME_STEPS).then_some(line)
         },
         kept: slime_steps,
-        results: &["s.state", "out/frame-0120.png"],
+        results: &["s.state", "out/frame-0120.png", "out/coverage.csv"],
         is_early: true,
     },
     Job {

@@ -1,5 +1,5 @@
-//! The exact path: A^T B in integers modulo small primes, as exact as its inputs' rounding to 55
-//! bits.
+//! The exact path: A^T B in integers modulo small coprime numbers, as exact as its inputs' rounding
+//! to 55 bits.
 //!
 //! Columns are scaled by powers of two and rounded to integers, products are computed modulo N
 //! numbers of 8 bits by the byte instructions of the CPU, and the Chinese remainder theorem gives

@@ -19,7 +19,7 @@ pub(crate) enum Strategy {
     Fused(Box<Fused>),
     /// A recursion for each block of C, over any back end.
     Tasks(Box<Tasks>),
-    /// Integer products modulo small primes.
+    /// Integer products modulo small coprime numbers.
     Exact(Box<Exact>),
 }
 

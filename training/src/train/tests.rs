@@ -162,6 +162,38 @@ fn training_does_not_depend_on_threads_nor_interruptions() {
 }
 
 #[test]
+fn damaged_states_are_refused() {
+    let one = trainer(Par::Seq);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state.npz");
+    let output = Output::create(&path, Overwrite::Never).unwrap();
+    write_state(output, &one.options, one.state()).unwrap();
+    let (file, whole) = (std::fs::read(&path).unwrap(), read_state(&path).unwrap());
+    let mut refused = 0;
+    let mut check = |bytes: &[u8], what: &str| {
+        std::fs::write(&path, bytes).unwrap();
+        match read_state(&path) {
+            // Of the archive, times and the like are in no checksum: they change nothing.
+            Ok(read) => assert!(read == whole, "{what}"),
+            Err(e) => {
+                assert!(e.to_string().contains("state.npz"), "{what}: {e}");
+                refused += 1;
+            }
+        }
+    };
+    // Some 50 bytes, and those of the directory of the archive, which is at its end.
+    let spread = (0..file.len()).step_by(file.len() / 50);
+    for at in spread.chain(file.len() - 200..file.len()) {
+        let mut bytes = file.clone();
+        bytes[at] ^= 0x10;
+        check(&bytes, &format!("byte {at}"));
+    }
+    check(&file[..file.len() - 1], "truncated");
+    check(&[], "empty");
+    assert!(refused > 40, "{refused}");
+}
+
+#[test]
 fn states_of_other_networks_and_empty_data_are_refused() {
     let one = trainer(Par::Seq);
     let examples = Examples::new(&dataset(&strips(30, 1)), Par::Seq).unwrap();

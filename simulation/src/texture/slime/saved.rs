@@ -1,16 +1,30 @@
-//! State files of simulations.
+//! State files of simulations, little-endian:
+//!
+//! | part | content |
+//! |---|---|
+//! | name | `catamaran slime` and the version of the format, a digit |
+//! | head | fingerprint of the surface (two words), seed, size, species, agents, step, u32 each; length of the history, u64 |
+//! | check | CRC-32 of everything before, u32 |
+//! | body | the arrays of [`State`] in their order, u32 or f32; the history, f64 |
+//! | check | CRC-32 of the body, u32 |
 
+use std::cmp::Ordering;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+use catamaran::base::{Error, Result};
+use crc32fast::Hasher;
+
 use super::simulation::Simulation;
 use super::state::State;
-use catamaran::base::{Error, Result};
 
-/// The first bytes of a state file; the digit is the version of the format.
-const MAGIC: &[u8; 16] = b"catamaran slime1";
+/// The first bytes of a state file.
+const NAME: &[u8] = b"catamaran slime";
 
-/// Number of values that are read and written at a time.
+/// The version of the format; files of another version are refused.
+const VERSION: u8 = b'2';
+
+/// Number of 32-bit words that are read and written at a time.
 const PIECE: usize = 1 << 14;
 
 impl Simulation {
@@ -23,9 +37,8 @@ impl Simulation {
     }
 
     /// Writes the state. A simulation with the same surface and options continues from it exactly
-    /// as if it had not stopped. The file is little-endian: 16 bytes that identify the format,
-    /// 32-bit numbers for surface, seed, size, species and agents, the step, then the arrays of
-    /// [`State`] in their order.
+    /// as if it had not stopped. `history` are numbers of the caller about the steps so far, such
+    /// as the coverage after each; [`Simulation::resume`] returns them.
     ///
     /// ```
     /// use catamaran::{Par, base::Progress};
@@ -39,10 +52,11 @@ impl Simulation {
     /// };
     /// let (mut simulation, mut bytes) = (begin()?, Vec::new());
     /// simulation.run(2, Par::Seq, Progress::none())?;
-    /// simulation.save(&mut bytes).unwrap();
+    /// simulation.save(&mut bytes, &[0.5, 0.25]).unwrap();
     ///
     /// let mut resumed = begin()?;
-    /// resumed.resume(&mut &bytes[..], "state".as_ref())?;
+    /// let history = resumed.resume(&mut &bytes[..], "state".as_ref())?;
+    /// assert_eq!(history, [0.5, 0.25]);
     /// simulation.run(1, Par::Seq, Progress::none())?;
     /// resumed.run(1, Par::Seq, Progress::none())?;
     /// assert_eq!(resumed.texture(0), simulation.texture(0));
@@ -51,24 +65,31 @@ impl Simulation {
     ///
     /// # Errors
     /// The errors of the sink.
-    pub fn save(&self, sink: &mut dyn Write) -> io::Result<()> {
+    pub fn save(&self, sink: &mut dyn Write, history: &[f64]) -> io::Result<()> {
         let state = self.state();
-        sink.write_all(MAGIC)?;
-        put(sink, self.header().into_iter().chain([state.step]))?;
-        put(sink, state.ids.iter().copied())?;
-        put(sink, state.triangles.iter().copied())?;
-        put(sink, state.positions.as_flattened().iter().map(|x| x.to_bits()))?;
-        put(sink, state.headings.as_flattened().iter().map(|x| x.to_bits()))?;
-        put(sink, state.texture.iter().map(|x| x.to_bits()))
+        let mut sink = Checked::new(sink);
+        sink.put_bytes(NAME)?;
+        sink.put_bytes(&[VERSION])?;
+        let length = halves(history.len() as u64);
+        sink.put(self.header().into_iter().chain([state.step]).chain(length))?;
+        sink.put_check()?;
+        sink.put(state.ids.iter().copied())?;
+        sink.put(state.triangles.iter().copied())?;
+        sink.put(state.positions.as_flattened().iter().map(|x| x.to_bits()))?;
+        sink.put(state.headings.as_flattened().iter().map(|x| x.to_bits()))?;
+        sink.put(state.texture.iter().map(|x| x.to_bits()))?;
+        sink.put(history.iter().flat_map(|x| halves(x.to_bits())))?;
+        sink.put_check()
     }
 
-    /// Reads a state that [`Simulation::save`] wrote, and continues from it. Errors name `path`.
+    /// Reads a state that [`Simulation::save`] wrote, continues from it, and returns its history.
+    /// Errors name `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file can't be read, is no state file, has no valid state, or belongs
-    /// to another surface, seed, size, or number of species or agents; [`Error::OutOfMemory`]. The
-    /// state does not change then.
-    pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<()> {
+    /// [`Error::Io`] when the file can't be read, is no state file of this version, is damaged, has
+    /// no valid state, or belongs to another surface, seed, size, or number of species or agents;
+    /// [`Error::OutOfMemory`]. The state does not change then.
+    pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<Vec<f64>> {
         let failed = |what: String| Error::file(path, what);
         let read = |e: io::Error| match e.kind() {
             io::ErrorKind::UnexpectedEof => {
@@ -76,14 +97,28 @@ impl Simulation {
             }
             _ => Error::io(path, e),
         };
-        let mut magic = [0; MAGIC.len()];
-        source.read_exact(&mut magic).map_err(read)?;
-        if &magic != MAGIC {
-            return Err(failed("is not a state file of slime moulds in this version".into()));
+        let mut source = Checked::new(source);
+        let (mut name, mut version) = ([0; NAME.len()], [0]);
+        source.get_bytes(&mut name).map_err(read)?;
+        source.get_bytes(&mut version).map_err(read)?;
+        if name != *NAME {
+            return Err(failed("is not a state file of slime moulds".into()));
+        }
+        match version[0].cmp(&VERSION) {
+            Ordering::Less => {
+                return Err(failed("was written by an earlier version of catamaran".into()));
+            }
+            Ordering::Greater => {
+                return Err(failed("was written by a later version of catamaran".into()));
+            }
+            Ordering::Equal => {}
+        }
+        let mut given = [0; 9];
+        source.get(&mut given, |bits| bits).map_err(read)?;
+        if !source.is_sound().map_err(read)? {
+            return Err(failed("is damaged: the checksum of its head differs".into()));
         }
         let names = ["surface", "surface", "seed", "size", "number of species", "number of agents"];
-        let mut given = [0; 7];
-        take(source, &mut given, |bits| bits).map_err(read)?;
         for ((name, own), given) in names.into_iter().zip(self.header()).zip(given) {
             if own != given {
                 let numbers =
@@ -94,41 +129,108 @@ impl Simulation {
         let agents = self.state().triangles.len();
         let mut state = State::filled(agents, self.state().texture.len())?;
         state.step = given[6];
-        take(source, &mut state.ids, |bits| bits).map_err(read)?;
-        take(source, &mut state.triangles, |bits| bits).map_err(read)?;
-        take(source, state.positions.as_flattened_mut(), f32::from_bits).map_err(read)?;
-        take(source, state.headings.as_flattened_mut(), f32::from_bits).map_err(read)?;
-        take(source, &mut state.texture, f32::from_bits).map_err(read)?;
-        if source.read(&mut [0]).map_err(read)? > 0 {
+        source.get(&mut state.ids, |bits| bits).map_err(read)?;
+        source.get(&mut state.triangles, |bits| bits).map_err(read)?;
+        source.get(state.positions.as_flattened_mut(), f32::from_bits).map_err(read)?;
+        source.get(state.headings.as_flattened_mut(), f32::from_bits).map_err(read)?;
+        source.get(&mut state.texture, f32::from_bits).map_err(read)?;
+        // Memory grows with the bytes that arrive, whatever the head announces.
+        let (mut history, mut left) = (Vec::new(), whole([given[7], given[8]]));
+        while left > 0 {
+            let count = left.min(PIECE as u64 / 2) as usize;
+            let mut pairs = [[0; 2]; PIECE / 2];
+            source.get(pairs[..count].as_flattened_mut(), |bits| bits).map_err(read)?;
+            let bytes = size_of::<f64>() * (history.len() + count);
+            history.try_reserve(count).map_err(|_| Error::OutOfMemory { bytes })?;
+            history.extend(pairs[..count].iter().map(|&pair| f64::from_bits(whole(pair))));
+            left -= count as u64;
+        }
+        if !source.is_sound().map_err(read)? {
+            return Err(failed("is damaged: its checksum differs".into()));
+        }
+        if source.stream.read(&mut [0]).map_err(read)? > 0 {
             return Err(failed("has data after its end".into()));
         }
         self.set_state(state).map_err(|e| match e {
             Error::Argument { .. } => failed(e.to_string()),
             e => e,
-        })
+        })?;
+        Ok(history)
     }
 }
 
-fn put(sink: &mut dyn Write, words: impl Iterator<Item = u32>) -> io::Result<()> {
-    let mut bytes = Vec::with_capacity(4 * PIECE);
-    for word in words {
-        bytes.extend(word.to_le_bytes());
-        if bytes.len() == 4 * PIECE {
-            sink.write_all(&bytes)?;
-            bytes.clear();
-        }
-    }
-    sink.write_all(&bytes)
+/// Returns the lower and the higher half of a number.
+fn halves(number: u64) -> [u32; 2] {
+    [number as u32, (number >> 32) as u32]
 }
 
-fn take<T>(source: &mut dyn Read, out: &mut [T], value: impl Fn(u32) -> T) -> io::Result<()> {
-    let mut bytes = vec![0; 4 * PIECE];
-    for out in out.chunks_mut(PIECE) {
-        let bytes = &mut bytes[..4 * out.len()];
-        source.read_exact(bytes)?;
-        for (out, word) in out.iter_mut().zip(bytes.chunks_exact(4)) {
-            *out = value(u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
-        }
+/// Returns the number with these halves.
+fn whole([low, high]: [u32; 2]) -> u64 {
+    u64::from(low) | (u64::from(high) << 32)
+}
+
+/// A stream, and the checksum of the bytes that went through it since the last check.
+struct Checked<S> {
+    stream: S,
+    check: Hasher,
+}
+
+impl<S> Checked<S> {
+    fn new(stream: S) -> Self {
+        Self { stream, check: Hasher::new() }
     }
-    Ok(())
+}
+
+impl<S: Write> Checked<S> {
+    fn put_bytes(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.check.update(bytes);
+        self.stream.write_all(bytes)
+    }
+
+    fn put(&mut self, words: impl Iterator<Item = u32>) -> io::Result<()> {
+        let mut bytes = Vec::with_capacity(4 * PIECE);
+        for word in words {
+            bytes.extend(word.to_le_bytes());
+            if bytes.len() == 4 * PIECE {
+                self.put_bytes(&bytes)?;
+                bytes.clear();
+            }
+        }
+        self.put_bytes(&bytes)
+    }
+
+    fn put_check(&mut self) -> io::Result<()> {
+        let sum = self.check.clone().finalize();
+        self.check.reset();
+        self.stream.write_all(&sum.to_le_bytes())
+    }
+}
+
+impl<S: Read> Checked<S> {
+    fn get_bytes(&mut self, bytes: &mut [u8]) -> io::Result<()> {
+        self.stream.read_exact(bytes)?;
+        self.check.update(bytes);
+        Ok(())
+    }
+
+    fn get<T>(&mut self, out: &mut [T], value: impl Fn(u32) -> T) -> io::Result<()> {
+        let mut bytes = vec![0; 4 * PIECE.min(out.len())];
+        for out in out.chunks_mut(PIECE) {
+            let bytes = &mut bytes[..4 * out.len()];
+            self.get_bytes(bytes)?;
+            for (out, word) in out.iter_mut().zip(bytes.chunks_exact(4)) {
+                *out = value(u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a checksum, and returns whether it is that of the bytes before.
+    fn is_sound(&mut self) -> io::Result<bool> {
+        let sum = self.check.clone().finalize();
+        self.check.reset();
+        let mut given = [0; 4];
+        self.stream.read_exact(&mut given)?;
+        Ok(u32::from_le_bytes(given) == sum)
+    }
 }

@@ -73,11 +73,26 @@ fn a_run_that_stopped_goes_on_as_if_it_had_not() {
     let mut first = begin();
     first.run(20, Par::Seq, Progress::none()).unwrap();
     let mut file = Vec::new();
-    first.save(&mut file).unwrap();
+    // More numbers than are read at a time.
+    let history: Vec<f64> = (0..20_000).map(|i| f64::from(i).sqrt()).collect();
+    first.save(&mut file, &history).unwrap();
     let mut second = begin();
-    second.resume(&mut &file[..], Path::new("state")).unwrap();
+    assert_eq!(second.resume(&mut &file[..], Path::new("state")).unwrap(), history);
     second.run(17, Par::Seq, Progress::none()).unwrap();
     assert!(second.state() == whole.state());
+}
+
+/// Bytes of a state before the arrays: name, version and head, without their checksum.
+const HEAD: usize = 16 + 9 * 4;
+
+/// A state with checksums that hold.
+fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let end = bytes.len() - 4;
+    for part in [0..HEAD, HEAD + 4..end] {
+        let check = crc32fast::hash(&bytes[part.clone()]).to_le_bytes();
+        bytes[part.end..part.end + 4].copy_from_slice(&check);
+    }
+    bytes
 }
 
 #[test]
@@ -85,7 +100,8 @@ fn files_that_are_no_state_are_refused() {
     let options = options(40, 32);
     let mut all = simulation(square(2), &options);
     let mut file = Vec::new();
-    all.save(&mut file).unwrap();
+    all.save(&mut file, &[0.5]).unwrap();
+    assert_eq!(signed(file.clone()), file);
     let before = all.state().clone();
     let mut refuse = |bytes: &[u8], why: &str| {
         let error = all.resume(&mut &bytes[..], Path::new("some.state")).unwrap_err().to_string();
@@ -93,21 +109,52 @@ fn files_that_are_no_state_are_refused() {
         assert!(*all.state() == before);
     };
     refuse(b"", "is not a state file of slime moulds, or ends early");
-    refuse(&file[..file.len() - 1], "ends early");
     refuse(&[&file[..], &[0]].concat(), "after its end");
     let changed = |at: usize, value: u8| {
         let mut bytes = file.clone();
         bytes[at] = value;
         bytes
     };
-    refuse(&changed(0, b'x'), "not a state");
-    refuse(&changed(16, file[16] ^ 1), "another surface");
-    refuse(&changed(24, 99), "another seed: 99, not 7");
-    // Numbers begin behind 16 + 28 bytes; a triangle that is not there.
-    refuse(&changed(44, 200), "ids");
-    refuse(&changed(44 + 4 * 40 + 1, 77), "is not on the surface, or its heading");
-    let last = file.len() - 1;
-    refuse(&changed(last, 0x7f), "texture");
+    refuse(&changed(0, b'x'), "is not a state file of slime moulds");
+    refuse(&changed(15, b'1'), "was written by an earlier version");
+    refuse(&changed(15, b'3'), "was written by a later version");
+    // Numbers that no run writes, behind checksums that hold.
+    let forged = |at: usize, value: u8| signed(changed(at, value));
+    refuse(&forged(16, file[16] ^ 1), "another surface");
+    refuse(&forged(24, 99), "another seed: 99, not 7");
+    // A history of 2^59 numbers.
+    refuse(&forged(HEAD - 1, 8), "ends early");
+    let arrays = HEAD + 4;
+    refuse(&forged(arrays, 200), "ids");
+    // A triangle that is not there.
+    refuse(&forged(arrays + 4 * 40 + 1, 77), "is not on the surface, or its heading");
+    // Before the number of the history and the checksum.
+    refuse(&forged(file.len() - 4 - 8 - 1, 0x7f), "texture");
+}
+
+#[test]
+fn a_state_with_any_byte_damaged_is_refused() {
+    let mut all = simulation(square(2), &options(40, 32));
+    all.run(3, Par::Seq, Progress::none()).unwrap();
+    let mut file = Vec::new();
+    all.save(&mut file, &[0.0, 0.25, 0.5, 0.75]).unwrap();
+    let before = all.state().clone();
+    let mut refuse = |bytes: &[u8], what: &str| {
+        let error = all.resume(&mut &bytes[..], Path::new("some.state")).unwrap_err().to_string();
+        assert!(error.starts_with("some.state: "), "{what}: {error}");
+        assert!(*all.state() == before, "{what}");
+    };
+    // All of the head, and some 60 bytes over the rest.
+    let spread = (0..file.len()).step_by(file.len() / 60);
+    for at in (0..HEAD + 4).chain(spread).chain([file.len() - 1]) {
+        for bit in [0, 7] {
+            let mut bytes = file.clone();
+            bytes[at] ^= 1 << bit;
+            refuse(&bytes, &format!("bit {bit} of byte {at}"));
+        }
+        refuse(&file[..at], &format!("the first {at} bytes"));
+    }
+    refuse(&[&file[..], &file[..]].concat(), "twice the file");
 }
 
 #[test]

@@ -1,0 +1,126 @@
+//! Options that earlier versions called otherwise: the error of an old name says the new one. The
+//! nearest name, which clap suggests, is that of another option.
+
+use std::ffi::OsString;
+
+use clap::Command;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// A command ([`ALL`] for every command), the old name of one of its options, and the name now.
+const RENAMED: [(&str, &str, &str); 9] = [
+    (ALL, "max-memory", "input-limit"),
+    ("ata", "strict", "require-finite"),
+    ("decimate", "weights", "prolongation"),
+    ("newton", "material", "write-material"),
+    ("transfer", "smooth", "smooth-functions"),
+    ("wilt", "cut", "block-flow"),
+    ("wilt", "pin", "hold"),
+    ("wilt", "shift", "steepest-at"),
+    ("wilt", "fps", "steps-per-second"),
+];
+
+const ALL: &str = "";
+
+/// Returns the error of a command line, with the new name where it has an old one.
+pub fn explained(error: clap::Error, program: &Command, words: &[OsString]) -> clap::Error {
+    let command = words
+        .iter()
+        .skip(1)
+        .find_map(|word| program.find_subcommand(word))
+        .map_or(ALL, |command| command.get_name());
+    let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidArg) else {
+        return error;
+    };
+    let what = match error.kind() {
+        ErrorKind::UnknownArgument => new_name(command, wrong)
+            .map(|new| format!("unexpected argument '{wrong}' found: its name is '{new}' now"))
+            .or_else(|| names_state(command, wrong, words).then(state_of_resume)),
+        ErrorKind::TooManyValues if command == "slime" && wrong == "--resume" => {
+            Some(state_of_resume())
+        }
+        _ => None,
+    };
+    let Some(what) = what else { return error };
+    let text = format!("{what}\n\nFor more information, try '--help'.\n");
+    clap::Error::raw(error.kind(), text).with_cmd(program)
+}
+
+/// Returns the new name of an option of a command, with dashes as the old one has.
+fn new_name(command: &str, old: &str) -> Option<String> {
+    let old = old.strip_prefix("--")?;
+    let found = RENAMED
+        .iter()
+        .find(|(owner, name, _)| *name == old && (*owner == command || *owner == ALL));
+    found.map(|(_, _, new)| format!("--{new}"))
+}
+
+/// Returns whether an unexpected argument is the file that `slime --resume` once took.
+fn names_state(command: &str, argument: &str, words: &[OsString]) -> bool {
+    let mut pairs = words.windows(2);
+    command == "slime" && pairs.any(|pair| pair[0] == "--resume" && pair[1] == argument)
+}
+
+/// Returns what is wrong with a file behind `slime --resume`.
+fn state_of_resume() -> String {
+    "'--resume' takes no file: give it with '--state <FILE>', beside '--resume'".into()
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+    use crate::Cli;
+
+    /// Returns the message for a command line that is wrong.
+    fn message(line: &str) -> String {
+        let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+        let mut program = Cli::command();
+        let error = program.try_get_matches_from_mut(&words).unwrap_err();
+        explained(error, &program, &words).to_string()
+    }
+
+    #[test]
+    fn old_names_are_errors_that_say_the_new_ones() {
+        let mut program = Cli::command();
+        program.build();
+        for (owner, old, new) in RENAMED {
+            let commands = if owner == ALL { vec!["ata", "mesh", "slime"] } else { vec![owner] };
+            for name in commands {
+                let command = program.find_subcommand(name).unwrap();
+                let has = |option: &str| {
+                    command.get_arguments().any(|known| known.get_long() == Some(option))
+                };
+                assert!(has(new) && !has(old), "{name}: {old}, {new}");
+                for option in [format!("--{old} 3"), format!("--{old}=3"), format!("--{old}")] {
+                    let message = message(&format!("catamaran --quiet {name} {option}"));
+                    let wanted = format!(
+                        "error: unexpected argument '--{old}' found: its name is '--{new}'"
+                    );
+                    assert!(message.starts_with(&wanted), "{name} {option}: {message}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_behind_resume_belongs_to_state() {
+        for line in ["slime a.obj -o b --resume c.state", "slime a.obj --resume=c.state -o b"] {
+            let message = message(&format!("catamaran {line}"));
+            assert!(message.starts_with("error: '--resume' takes no file"), "{message}");
+            assert!(message.contains("'--state <FILE>'"), "{message}");
+        }
+    }
+
+    #[test]
+    fn other_mistakes_keep_their_messages() {
+        // The second is an old name, but of another command.
+        for (line, option) in [("ata a.npy", "verfy"), ("lstsq a.csv", "strict")] {
+            let message = message(&format!("catamaran {line} --{option}"));
+            let unexpected = format!("error: unexpected argument '--{option}' found\n");
+            assert!(message.starts_with(&unexpected), "{message}");
+        }
+        let extra = message("catamaran slime a.obj b.obj -o c");
+        assert!(extra.contains("'b.obj'") && !extra.contains("takes no file"), "{extra}");
+    }
+}
