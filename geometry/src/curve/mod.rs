@@ -28,7 +28,6 @@ mod refinement;
 mod region;
 mod result;
 mod route;
-mod search;
 mod sites;
 mod smooth;
 mod solver;

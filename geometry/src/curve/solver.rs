@@ -5,12 +5,11 @@ use super::faithful::Walker;
 use super::proximity::Proximity;
 use super::result::{Curve, Outcome, Reconstruction, Steiner, Waypoint, total};
 use super::route::{Net, Router};
-use super::search::Search;
 use super::split::split;
 use super::surface::Surface;
 use super::tour::{Costs, tour};
 use crate::mesh::vector::distance;
-use crate::mesh::{Components, TriMesh};
+use crate::mesh::{Components, Search, TriMesh};
 use catamaran::base::{Error, Progress, Result, at_least, builder, reserved};
 
 /// Least number of samples of a curve.

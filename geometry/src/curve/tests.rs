@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use super::dataset::{Generator, Sampling, samples, scaled};
 use super::*;
 use crate::mesh::vector::distance;
-use crate::mesh::{Adjacency, Graph, TriMesh, families, shapes};
+use crate::mesh::{Adjacency, Graph, Search, TriMesh, families, shapes};
 use catamaran::base::{Error, Progress, Rng};
 
 const FAITHFUL: CurveOptions<'_> = CurveOptions {
@@ -203,7 +203,7 @@ fn steiner_points_make_room_where_vertices_leave_none() {
     let mesh = families::icosphere(0).unwrap();
     let surface = &mut surface::Surface::new(std::borrow::Cow::Borrowed(&mesh));
     let n = mesh.vertices().len();
-    let mut search = search::Search::new(n).unwrap();
+    let mut search = Search::new(n).unwrap();
     let (mut marks, mut users, mut history) = (vec![0; n], vec![0; n], vec![0.0; n]);
     let all: Vec<u32> = (0..n as u32).collect();
     // In an icosahedron, 0 and 3, 1 and 2 are opposite each other, so that no edge joins them.

@@ -392,7 +392,7 @@ fn heat_distances_are_between_straight_lines_and_paths_along_edges() {
         for (v, found) in found.iter().enumerate() {
             let straight = |s: u32| distance(p[v], p[s as usize]);
             let below = straight(sources[0]).min(straight(sources[1]));
-            let above = search.distances()[v];
+            let above = search.distance(v as u32);
             assert_eq!(found.is_finite(), above.is_finite(), "seed {seed}, vertex {v}");
             let between = (below - 1e-12..=above + 1e-12).contains(found);
             assert!(between || above == f64::INFINITY, "seed {seed}, vertex {v}: {found}");
