@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
 use catamaran_geometry::curve::{Side, Site};
+use catamaran_geometry::mesh::SurfacePoint;
 
 use super::surface::side;
 use crate::input::TextFile;
@@ -101,7 +102,9 @@ fn site(words: &[&str]) -> Option<Site> {
     match words {
         [vertex] => Some(Site::Vertex(index(vertex)?)),
         [_, _, _] => Some(Site::Near(numbers(words)?)),
-        [face, weights @ ..] => Some(Site::Face { face: index(face)?, weights: numbers(weights)? }),
+        [face, weights @ ..] => {
+            Some(Site::Face(SurfacePoint { face: index(face)?, weights: numbers(weights)? }))
+        }
         [] => None,
     }
 }

@@ -13,6 +13,7 @@ mod masks;
 mod measure;
 mod operators;
 mod parts;
+mod point;
 mod refined;
 mod repair;
 #[cfg(test)]
@@ -35,6 +36,8 @@ pub use measure::Normalization;
 pub(crate) use measure::quality;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
+pub use point::SurfacePoint;
+pub(crate) use point::interpolate;
 pub use refined::{Origin, Refined};
 pub(crate) use repair::manifold;
 pub use repair::{
