@@ -18,6 +18,7 @@ mod refined;
 mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod slots;
 pub mod topology;
 mod trimesh;
 mod validation;
