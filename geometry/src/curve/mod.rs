@@ -43,7 +43,7 @@ pub use cut::cut;
 pub use drawing::{Drawing, Drawn};
 pub use inscribe::{Inscribed, inscribe};
 pub use region::{Region, Side};
-pub use result::{Curve, Outcome, Reconstruction, Steiner, Waypoint};
+pub use result::{Curve, Outcome, Reconstruction, Waypoint};
 pub use sites::{Placed, Placement, Site, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};

@@ -1,7 +1,6 @@
 use std::borrow::Cow;
 
 use super::refinement::Refinement;
-use super::result::Steiner;
 use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, norm, sub};
 use crate::mesh::{Refined, SurfacePoint, TriMesh};
 use catamaran::base::{Error, Result};
@@ -76,16 +75,14 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
     Ok(Placed { mesh: if inserted { Some(refinement.to_mesh()?) } else { None }, vertices })
 }
 
-/// Returns the mesh with the Steiner points of a reconstruction as vertices after its own, so that
-/// the curves run along its edges.
+/// Returns the mesh with the [Steiner points](super::Reconstruction::steiner) of a reconstruction
+/// as vertices after its own, so that the curves run along its edges.
 ///
 /// ```
-/// use catamaran_geometry::curve::{Steiner, refined};
-/// use catamaran_geometry::mesh::families;
+/// use catamaran_geometry::{curve::refined, mesh::families};
 ///
 /// let mesh = families::grid(1, 1)?;
-/// let point = Steiner { ends: [0, 1], position: [0.0, 0.5, 0.0] };
-/// let found = refined(&mesh, &[point])?;
+/// let found = refined(&mesh, &[[0, 1]])?;
 /// assert_eq!((found.vertices().len(), found.faces().len()), (5, 3));
 /// assert_eq!(found.area(), mesh.area());
 /// # Ok::<(), catamaran::Error>(())
@@ -93,20 +90,20 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 ///
 /// # Errors
 /// [`Error::Argument`] for an end that is neither a vertex nor an earlier point.
-pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
+pub fn refined(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<TriMesh> {
     Ok(with_steiner(mesh, steiner)?.mesh)
 }
 
 /// Returns the mesh of [`refined`], with the origins of its vertices and faces.
-pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[Steiner]) -> Result<Refined> {
+pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<Refined> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
-    for (i, point) in steiner.iter().enumerate() {
+    for (i, ends) in steiner.iter().enumerate() {
         let known = mesh.vertices().len() + i;
-        if let Some(end) = point.ends.iter().find(|&&end| end as usize >= known) {
+        if let Some(end) = ends.iter().find(|&&end| end as usize >= known) {
             let why = format!("end {end} of point {i} is out of range: {known} vertices");
             return Err(Error::Argument { what: "steiner", why });
         }
-        refinement.cut_edge(point.ends, point.position)?;
+        refinement.bisect(*ends)?;
     }
     refinement.to_mesh()
 }

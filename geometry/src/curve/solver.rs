@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
 use super::proximity::Proximity;
-use super::result::{Curve, Outcome, Reconstruction, Steiner, Waypoint, total};
+use super::result::{Curve, Outcome, Reconstruction, Waypoint, total};
 use super::route::{Net, Router};
 use super::split::split;
 use super::surface::Surface;
@@ -322,8 +322,8 @@ impl<'m> CurveSolver<'m> {
             }
             curves.push(curve);
         }
-        let steiner = self.surface.middles().map(|(ends, position)| Steiner { ends, position });
-        Ok(Reconstruction { outcome, curves, steiner: steiner.collect(), left_out: Vec::new() })
+        let steiner = self.surface.bisected().to_vec();
+        Ok(Reconstruction { outcome, curves, steiner, left_out: Vec::new() })
     }
 
     /// Joins the paths of a curve, from the end of the first missing path to the next one.
