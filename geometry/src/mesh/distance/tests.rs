@@ -131,6 +131,15 @@ fn inserted_sources_change_only_what_they_are_nearer_to() {
 }
 
 #[test]
+fn a_path_whose_length_overflows_reaches_nothing() {
+    let graph = Graph::new(3, &[(0, 1, f64::MAX), (1, 2, f64::MAX)]).unwrap();
+    let mut search = Dijkstra::new(&graph);
+    search.search(&[(0, 0.0)], &SearchLimits::default()).unwrap();
+    assert_eq!(search.distances(), [0.0, f64::MAX, f64::INFINITY]);
+    assert_eq!((search.origin(2), search.path(2), search.reached()), (None, vec![], &[0, 1][..]));
+}
+
+#[test]
 fn a_mesh_is_the_graph_of_its_edges() {
     let mesh = families::pages(3).unwrap();
     let graph = Graph::of_mesh(&mesh);
