@@ -30,6 +30,7 @@ use catamaran::base::Progress;
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, CurveSolver, Mode, Outcome, Placement, Reconstruction, Site, place,
 };
+use catamaran_geometry::mesh::SurfacePoint;
 
 /// `outcome`: the curve is closed, or all curves are.
 pub const CATA_CURVE_CLOSED: i32 = 0;
@@ -169,7 +170,7 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
             .zip(weights.as_chunks().0)
             .map(|(&face, &weights)| match face {
                 CATA_IN_SPACE => Site::Near(weights),
-                face => Site::Face { face, weights },
+                face => Site::Face(SurfacePoint { face, weights }),
             })
             .collect();
         let placed = place(&mesh, &sites, Placement::Insert)?;

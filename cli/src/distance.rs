@@ -116,5 +116,5 @@ fn along_edges(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
     let mut search = Dijkstra::new(&graph);
     let sources: Vec<(u32, f64)> = args.from.iter().map(|&vertex| (vertex, 0.0)).collect();
     search.search(&sources, &SearchLimits::default())?;
-    Ok(search.distances().to_vec())
+    Ok(search.distances())
 }

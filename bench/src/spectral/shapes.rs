@@ -7,9 +7,9 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
-use catamaran_geometry::decimate::{DecimateOptions, Place, decimate};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
 use catamaran_geometry::mesh::{
-    Components, LaplacianOptions, Normalization, TriMesh, families, laplacian,
+    Components, LaplacianOptions, Normalization, SurfacePoint, TriMesh, families, laplacian,
 };
 use catamaran_geometry::spectral::Eigenbasis;
 use catamaran_geometry::spectral::functional_map::nearest_rows;
@@ -110,10 +110,7 @@ struct Remeshed {
 impl Remeshed {
     fn new(of: &Shape, vertices: usize, k: usize) -> Result<Self> {
         let found = decimate(&of.mesh, vertices, &DecimateOptions::new())?;
-        let corner = |place: &Place| {
-            let heaviest = (0..3).max_by(|&i, &j| place.weights[i].total_cmp(&place.weights[j]));
-            of.mesh.faces()[place.face as usize][heaviest.unwrap_or(0)]
-        };
+        let corner = |place: &SurfacePoint| of.mesh.faces()[place.face as usize][place.heaviest()];
         let original = found.places.iter().map(corner).collect();
         let nearest = found.cells.of_vertices().to_vec();
         let shape = Rc::new(Shape::new(&format!("{} {vertices}", of.name), &found.mesh, k)?);

@@ -4,8 +4,8 @@
 use catamaran::base::Rng;
 use catamaran_geometry::curve::dataset::{Generator, Samples, Sampling, samples};
 use catamaran_geometry::curve::{
-    CurveOptions, CurveSolver, Mode, Reconstruction, Steiner, hausdorff, refined,
-    root_mean_distance, root_mean_square_distance,
+    CurveOptions, CurveSolver, Mode, Reconstruction, hausdorff, refined, root_mean_distance,
+    root_mean_square_distance,
 };
 use catamaran_geometry::mesh::{Edges, Graph, TriMesh};
 
@@ -142,8 +142,7 @@ fn reconstruct(
         Variant::Levels(levels) => {
             let mut mesh = refined(solver.mesh(), &found.steiner)?;
             for _ in 0..levels {
-                let points = around(&mesh, &found);
-                mesh = refined(&mesh, &points)?;
+                mesh = refined(&mesh, &around(&mesh, &found))?;
                 found = CurveSolver::new(&mesh)?.reconstruct(&samples, &options)?;
                 mesh = refined(&mesh, &found.steiner)?;
             }
@@ -152,8 +151,8 @@ fn reconstruct(
     Ok(found)
 }
 
-/// Returns the middles of the edges of all faces that curves touch.
-fn around(mesh: &TriMesh, found: &Reconstruction) -> Vec<Steiner> {
+/// Returns the edges of all faces that curves touch.
+fn around(mesh: &TriMesh, found: &Reconstruction) -> Vec<[u32; 2]> {
     let mut touched = vec![false; mesh.vertices().len()];
     for &v in found.curves.iter().flat_map(|curve| &curve.path) {
         touched[v as usize] = true;
@@ -162,11 +161,7 @@ fn around(mesh: &TriMesh, found: &Reconstruction) -> Vec<Steiner> {
     let near = |e: usize| {
         edges.faces(e).any(|f| mesh.faces()[f as usize].iter().any(|&v| touched[v as usize]))
     };
-    let middle = |ends: [u32; 2]| {
-        let [p, q] = ends.map(|v| mesh.vertices()[v as usize]);
-        Steiner { ends, position: std::array::from_fn(|k| 0.5 * (p[k] + q[k])) }
-    };
-    (0..edges.len()).filter(|&e| near(e)).map(|e| middle(edges.ends()[e])).collect()
+    (0..edges.len()).filter(|&e| near(e)).map(|e| edges.ends()[e]).collect()
 }
 
 fn segments(points: &[[f64; 3]], closed: bool) -> impl Iterator<Item = [[f64; 3]; 2]> {

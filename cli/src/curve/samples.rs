@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
 use catamaran_geometry::curve::{Side, Site};
+use catamaran_geometry::mesh::SurfacePoint;
 
 /// The samples of one curve, or of curves that are found together.
 #[derive(Debug)]
@@ -111,7 +112,9 @@ fn site(words: &[&str]) -> Option<Site> {
     match words {
         [vertex] => Some(Site::Vertex(index(vertex)?)),
         [_, _, _] => Some(Site::Near(numbers(words)?)),
-        [face, weights @ ..] => Some(Site::Face { face: index(face)?, weights: numbers(weights)? }),
+        [face, weights @ ..] => {
+            Some(Site::Face(SurfacePoint { face: index(face)?, weights: numbers(weights)? }))
+        }
         [] => None,
     }
 }

@@ -1,7 +1,6 @@
 //! Generates curves for tests of reconstruction from a seed, as in section 6.4.1 of the thesis.
 
-use super::search::Search;
-use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh};
+use crate::mesh::{Dijkstra, Graph, Search, SearchLimits, TriMesh};
 use catamaran::base::{Result, Rng};
 
 /// The least number of vertices of a generated curve.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::inscribe::{Inscribed, inscribe};
-use super::result::{Curve, Reconstruction, Steiner, Waypoint};
+use super::result::{Curve, Reconstruction, Waypoint};
 use super::sites::with_steiner;
 use super::smooth::shorten;
 use super::solver::{CurveOptions, CurveSolver};
@@ -139,12 +139,9 @@ impl Drawing {
 }
 
 /// Transfers a curve along edges to the mesh on which some of these edges were cut in their middle.
-fn carry(curve: &mut Curve, first: u32, steiner: &[Steiner], mesh: &TriMesh) {
-    let middles: HashMap<[u32; 2], u32> = steiner
-        .iter()
-        .zip(first..)
-        .map(|(point, v)| ([point.ends[0].min(point.ends[1]), point.ends[0].max(point.ends[1])], v))
-        .collect();
+fn carry(curve: &mut Curve, first: u32, steiner: &[[u32; 2]], mesh: &TriMesh) {
+    let middles: HashMap<[u32; 2], u32> =
+        steiner.iter().zip(first..).map(|(&[a, b], v)| ([a.min(b), a.max(b)], v)).collect();
     let mut path = Vec::new();
     let next = curve.path.iter().skip(1).chain(curve.path.first().filter(|_| curve.closed));
     for (&a, &b) in curve.path.iter().zip(next) {

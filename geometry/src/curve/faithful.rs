@@ -1,8 +1,8 @@
 //! Algorithm 6.1 of the thesis with the maximum-angle heuristic of section 6.3.2.
 
 use super::result::Outcome;
-use super::search::Search;
 use super::surface::Surface;
+use crate::mesh::Search;
 use crate::mesh::vector::{cross, dot, norm, sub};
 use catamaran::base::{Progress, Result};
 

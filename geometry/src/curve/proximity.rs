@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use super::search::Search;
 use super::surface::Surface;
+use crate::mesh::Search;
 use crate::mesh::vector::distance;
 use catamaran::base::{Result, Sets, ask};
 

@@ -101,6 +101,16 @@ impl<'m> Refinement<'m> {
         Ok((new, around))
     }
 
+    /// Cuts an edge in its middle, as [`Refinement::cut_edge`] does.
+    ///
+    /// # Errors
+    /// Those of [`Refinement::cut_edge`].
+    pub fn bisect(&mut self, ends: [u32; 2]) -> Result<(u32, Vec<u32>)> {
+        let [p, q] = ends.map(|v| self.position(v));
+        // Halves do not overflow where the sum would.
+        self.cut_edge(ends, std::array::from_fn(|k| p[k] / 2.0 + q[k] / 2.0))
+    }
+
     /// Cuts a face into three at a point inside, which has these shares of its corners. Returns the
     /// new vertex.
     ///

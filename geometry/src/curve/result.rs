@@ -91,16 +91,6 @@ pub struct Curve {
     pub length: f64,
 }
 
-/// A vertex inserted in the middle of an edge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Steiner {
-    /// Ends of the edge: vertices of the mesh, or earlier Steiner points, whose indices follow
-    /// those of the mesh.
-    pub ends: [u32; 2],
-    /// The position of the vertex.
-    pub position: [f64; 3],
-}
-
 /// The result of [`CurveSolver::reconstruct`](super::CurveSolver::reconstruct).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reconstruction {
@@ -108,9 +98,10 @@ pub struct Reconstruction {
     pub outcome: Outcome,
     /// The curves, or the parts that were found, in the order of their lowest samples.
     pub curves: Vec<Curve>,
-    /// The inserted points in the middle of edges, in the order of their indices; some may be on no
-    /// curve.
-    pub steiner: Vec<Steiner>,
+    /// The edges in whose middle vertices were inserted: their ends are vertices of the mesh or
+    /// earlier Steiner points, whose indices follow those of the mesh in this order. Some of the
+    /// points may be on no curve.
+    pub steiner: Vec<[u32; 2]>,
     /// Indices, ascending, of the samples that are on no curve because their component of the mesh
     /// has fewer than three samples. Empty unless several curves are allowed; all other samples are
     /// on curves, or the outcome says why not.

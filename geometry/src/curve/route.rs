@@ -1,8 +1,8 @@
 //! Finds paths between successive samples that do not meet: first separately, then by negotiation
 //! (McMurchie and Ebeling 1995), at last with Steiner points.
 
-use super::search::Search;
 use super::surface::Surface;
+use crate::mesh::Search;
 use crate::mesh::vector::distance;
 use catamaran::base::{Progress, Result};
 

@@ -1,9 +1,8 @@
 use std::borrow::Cow;
 
 use super::refinement::Refinement;
-use super::result::Steiner;
 use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, norm, sub};
-use crate::mesh::{Refined, TriMesh};
+use crate::mesh::{Refined, SurfacePoint, TriMesh};
 use catamaran::base::{Error, Result};
 
 /// Barycentric coordinates below this count as 0: the point is on an edge, or at a vertex.
@@ -14,13 +13,8 @@ const NOTHING: f64 = 1e-9;
 pub enum Site {
     /// At a vertex.
     Vertex(u32),
-    /// On a face, by barycentric coordinates of at least 0 with sum 1 (to 1e-6).
-    Face {
-        /// The face.
-        face: u32,
-        /// Barycentric coordinates.
-        weights: [f64; 3],
-    },
+    /// On a face; the sum of the barycentric coordinates is 1 to 1e-6.
+    Face(SurfacePoint),
     /// At the vertex nearest to a point in space.
     Near([f64; 3]),
 }
@@ -47,10 +41,11 @@ pub struct Placed {
 ///
 /// ```
 /// use catamaran_geometry::curve::{Placement, Site, place};
-/// use catamaran_geometry::mesh::families;
+/// use catamaran_geometry::mesh::{SurfacePoint, families};
 ///
 /// let mesh = families::grid(2, 2)?;
-/// let sites = [Site::Near([0.9, 0.1, 0.0]), Site::Face { face: 0, weights: [0.2, 0.3, 0.5] }];
+/// let point = SurfacePoint { face: 0, weights: [0.2, 0.3, 0.5] };
+/// let sites = [Site::Near([0.9, 0.1, 0.0]), Site::Face(point)];
 /// let placed = place(&mesh, &sites, Placement::Insert)?;
 /// assert_eq!(placed.vertices, [6, 9]); // a corner of the square, and a new vertex
 /// assert_eq!(placed.mesh.map(|refined| refined.mesh.vertices().len()), Some(10));
@@ -70,9 +65,9 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
         vertices.push(match *site {
             Site::Vertex(vertex) => vertex,
             Site::Near(point) => nearest(mesh, &used, point, i)?,
-            Site::Face { face, weights } => match placement {
-                Placement::Snap => mesh.faces()[face as usize][largest(weights)],
-                Placement::Insert => insert(&mut refinement, face, weights)?,
+            Site::Face(point) => match placement {
+                Placement::Snap => mesh.faces()[point.face as usize][largest(point.weights)],
+                Placement::Insert => insert(&mut refinement, point)?,
             },
         });
     }
@@ -80,16 +75,14 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
     Ok(Placed { mesh: if inserted { Some(refinement.to_mesh()?) } else { None }, vertices })
 }
 
-/// Returns the mesh with the Steiner points of a reconstruction as vertices after its own, so that
-/// the curves run along its edges.
+/// Returns the mesh with the [Steiner points](super::Reconstruction::steiner) of a reconstruction
+/// as vertices after its own, so that the curves run along its edges.
 ///
 /// ```
-/// use catamaran_geometry::curve::{Steiner, refined};
-/// use catamaran_geometry::mesh::families;
+/// use catamaran_geometry::{curve::refined, mesh::families};
 ///
 /// let mesh = families::grid(1, 1)?;
-/// let point = Steiner { ends: [0, 1], position: [0.0, 0.5, 0.0] };
-/// let found = refined(&mesh, &[point])?;
+/// let found = refined(&mesh, &[[0, 1]])?;
 /// assert_eq!((found.vertices().len(), found.faces().len()), (5, 3));
 /// assert_eq!(found.area(), mesh.area());
 /// # Ok::<(), catamaran::Error>(())
@@ -97,20 +90,20 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 ///
 /// # Errors
 /// [`Error::Argument`] for an end that is neither a vertex nor an earlier point.
-pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
+pub fn refined(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<TriMesh> {
     Ok(with_steiner(mesh, steiner)?.mesh)
 }
 
 /// Returns the mesh of [`refined`], with the origins of its vertices and faces.
-pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[Steiner]) -> Result<Refined> {
+pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<Refined> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
-    for (i, point) in steiner.iter().enumerate() {
+    for (i, ends) in steiner.iter().enumerate() {
         let known = mesh.vertices().len() + i;
-        if let Some(end) = point.ends.iter().find(|&&end| end as usize >= known) {
+        if let Some(end) = ends.iter().find(|&&end| end as usize >= known) {
             let why = format!("end {end} of point {i} is out of range: {known} vertices");
             return Err(Error::Argument { what: "steiner", why });
         }
-        refinement.cut_edge(point.ends, point.position)?;
+        refinement.bisect(*ends)?;
     }
     refinement.to_mesh()
 }
@@ -122,11 +115,11 @@ fn check(mesh: &TriMesh, i: usize, site: &Site) -> Result<()> {
             let n = mesh.vertices().len();
             refused(format!("site {i} is vertex {v}, out of range: {n} vertices"))
         }
-        Site::Face { face, .. } if face as usize >= mesh.faces().len() => {
+        Site::Face(SurfacePoint { face, .. }) if face as usize >= mesh.faces().len() => {
             let n = mesh.faces().len();
             refused(format!("site {i} is on face {face}, out of range: {n} faces"))
         }
-        Site::Face { weights, .. } => {
+        Site::Face(SurfacePoint { weights, .. }) => {
             let sum: f64 = weights.iter().sum();
             match weights.iter().all(|&w| w >= 0.0) && (sum - 1.0).abs() <= 1e-6 {
                 true => Ok(()),
@@ -155,9 +148,9 @@ fn nearest(mesh: &TriMesh, used: &[bool], point: Vector, site: usize) -> Result<
 }
 
 /// Returns the vertex of a point on a face, which earlier points may have cut.
-fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Result<u32> {
-    let corners = refinement.face(face).map(|v| refinement.position(v));
-    let point: Vector = std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
+fn insert(refinement: &mut Refinement<'_>, at: SurfacePoint) -> Result<u32> {
+    let SurfacePoint { face, weights } = at;
+    let point = at.position(refinement.mesh());
     let mut best = (f64::NEG_INFINITY, face, weights);
     let pieces: Vec<u32> = refinement.pieces(face).collect();
     for piece in pieces {

@@ -3,14 +3,13 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
 use super::proximity::Proximity;
-use super::result::{Curve, Outcome, Reconstruction, Steiner, Waypoint, total};
+use super::result::{Curve, Outcome, Reconstruction, Waypoint, total};
 use super::route::{Net, Router};
-use super::search::Search;
 use super::split::split;
 use super::surface::Surface;
 use super::tour::{Costs, tour};
 use crate::mesh::vector::distance;
-use crate::mesh::{Components, TriMesh};
+use crate::mesh::{Components, Search, TriMesh};
 use catamaran::base::{Error, Progress, Result, at_least, builder, reserved};
 
 /// Least number of samples of a curve.
@@ -323,8 +322,8 @@ impl<'m> CurveSolver<'m> {
             }
             curves.push(curve);
         }
-        let steiner = self.surface.middles().map(|(ends, position)| Steiner { ends, position });
-        Ok(Reconstruction { outcome, curves, steiner: steiner.collect(), left_out: Vec::new() })
+        let steiner = self.surface.bisected().to_vec();
+        Ok(Reconstruction { outcome, curves, steiner, left_out: Vec::new() })
     }
 
     /// Joins the paths of a curve, from the end of the first missing path to the next one.

@@ -49,10 +49,9 @@ impl<'m> Surface<'m> {
         self.refinement.position(vertex)
     }
 
-    /// Returns the vertices of the refinement: the ends of the edges in whose middle they are, and
-    /// their positions.
-    pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], Vector)> {
-        self.ends.iter().copied().zip(self.refinement.positions().iter().copied())
+    /// Returns the edges in whose middle the vertices of the refinement are.
+    pub fn bisected(&self) -> &[[u32; 2]] {
+        &self.ends
     }
 
     /// Returns the neighbours of a vertex, and the lengths of the edges that lead there.
@@ -92,8 +91,7 @@ impl<'m> Surface<'m> {
     }
 
     fn bisect(&mut self, a: u32, b: u32) -> Result<()> {
-        let (_, around) =
-            self.refinement.cut_edge([a, b], middle(self.position(a), self.position(b)))?;
+        let (_, around) = self.refinement.bisect([a, b])?;
         self.ends.push([a, b]);
         for v in around {
             let p = self.position(v);
@@ -103,8 +101,4 @@ impl<'m> Surface<'m> {
         }
         Ok(())
     }
-}
-
-fn middle(p: Vector, q: Vector) -> Vector {
-    std::array::from_fn(|k| p[k] / 2.0 + q[k] / 2.0)
 }

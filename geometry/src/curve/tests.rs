@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use super::dataset::{Generator, Sampling, samples, scaled};
 use super::*;
 use crate::mesh::vector::distance;
-use crate::mesh::{Adjacency, Graph, TriMesh, families, shapes};
+use crate::mesh::{Adjacency, Graph, Search, SurfacePoint, TriMesh, families, shapes};
 use catamaran::base::{Error, Progress, Rng};
 
 const FAITHFUL: CurveOptions<'_> = CurveOptions {
@@ -203,7 +203,7 @@ fn steiner_points_make_room_where_vertices_leave_none() {
     let mesh = families::icosphere(0).unwrap();
     let surface = &mut surface::Surface::new(std::borrow::Cow::Borrowed(&mesh));
     let n = mesh.vertices().len();
-    let mut search = search::Search::new(n).unwrap();
+    let mut search = Search::new(n).unwrap();
     let (mut marks, mut users, mut history) = (vec![0; n], vec![0; n], vec![0.0; n]);
     let all: Vec<u32> = (0..n as u32).collect();
     // In an icosahedron, 0 and 3, 1 and 2 are opposite each other, so that no edge joins them.
@@ -339,14 +339,15 @@ fn distances_of_curves_are_those_of_the_formulas() {
 fn sites_are_snapped_or_inserted() {
     let mesh = shapes::grid(2, 1);
     let third = 1.0 / 3.0;
+    let on_face = |face, weights| Site::Face(SurfacePoint { face, weights });
     let sites = [
         Site::Vertex(5),
         Site::Near([1.9, 0.2, 3.0]),
-        Site::Face { face: 0, weights: [0.1, 0.2, 0.7] },
-        Site::Face { face: 0, weights: [third, third, third] },
-        Site::Face { face: 0, weights: [0.5, 0.0, 0.5] },
-        Site::Face { face: 1, weights: [0.5, 0.5, 0.0] },
-        Site::Face { face: 1, weights: [0.0, 1.0, 0.0] },
+        on_face(0, [0.1, 0.2, 0.7]),
+        on_face(0, [third, third, third]),
+        on_face(0, [0.5, 0.0, 0.5]),
+        on_face(1, [0.5, 0.5, 0.0]),
+        on_face(1, [0.0, 1.0, 0.0]),
     ];
     let snapped = place(&mesh, &sites, Placement::Snap).unwrap();
     assert_eq!((snapped.mesh, &snapped.vertices[..3]), (None, &[5, 2, 4][..]));
@@ -361,10 +362,9 @@ fn sites_are_snapped_or_inserted() {
     let refused = |site| place(&mesh, &[site], Placement::Insert).unwrap_err().to_string();
     assert!(refused(Site::Vertex(6)).contains("site 0 is vertex 6, out of range: 6 vertices"));
     assert!(
-        refused(Site::Face { face: 4, weights: [1.0, 0.0, 0.0] })
-            .contains("site 0 is on face 4, out of range: 4 faces")
+        refused(on_face(4, [1.0, 0.0, 0.0])).contains("site 0 is on face 4, out of range: 4 faces")
     );
-    assert!(refused(Site::Face { face: 0, weights: [1.0, 0.5, -0.5] }).contains("barycentric"));
+    assert!(refused(on_face(0, [1.0, 0.5, -0.5])).contains("barycentric"));
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }
 

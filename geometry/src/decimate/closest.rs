@@ -1,15 +1,13 @@
 //! Finds points of the surface near points in space, by walking from an earlier result.
 
-use super::result::Place;
 use super::surface::Surface;
-use crate::mesh::TriMesh;
-use crate::mesh::nearest_on_triangle;
+use crate::mesh::SurfacePoint;
 use crate::mesh::vector::{Vector, dot, square, sub};
 
 /// The end of a walk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
-    pub place: Place,
+    pub place: SurfacePoint,
     pub point: Vector,
     /// A corner of the face.
     pub vertex: u32,
@@ -25,10 +23,10 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
         let before = best.map(|found| found.square);
         for v in around.into_iter().flatten() {
             for &face in surface.faces_of.row(v as usize) {
-                let (point, weights) = on_face(&surface.mesh, face, p);
+                let (place, point) = SurfacePoint::nearest(&surface.mesh, face, p);
                 let square = square(sub(point, p));
                 if best.is_none_or(|best| square < best.square) {
-                    best = Some(Found { place: Place { face, weights }, point, vertex: v, square });
+                    best = Some(Found { place, point, vertex: v, square });
                 }
             }
         }
@@ -101,7 +99,7 @@ fn downhill(surface: &Surface<'_>, from: u32, p: Vector) -> u32 {
 }
 
 /// Returns the point at the share `t` of the edge from a to b as a point of a face.
-fn on_edge(surface: &Surface<'_>, a: u32, b: u32, t: f64) -> Option<Place> {
+fn on_edge(surface: &Surface<'_>, a: u32, b: u32, t: f64) -> Option<SurfacePoint> {
     let faces = surface.mesh.faces();
     let face =
         *surface.faces_of.row(a as usize).iter().find(|&&f| faces[f as usize].contains(&b))?;
@@ -114,7 +112,7 @@ fn on_edge(surface: &Surface<'_>, a: u32, b: u32, t: f64) -> Option<Place> {
             0.0
         }
     };
-    Some(Place { face, weights: faces[face as usize].map(weight) })
+    Some(SurfacePoint { face, weights: faces[face as usize].map(weight) })
 }
 
 /// Returns the position between a (0) and b (1) of the point of the segment nearest to p.
@@ -122,9 +120,4 @@ fn along(a: Vector, b: Vector, p: Vector) -> f64 {
     let edge = sub(b, a);
     let t = dot(sub(p, a), edge) / dot(edge, edge);
     if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
-}
-
-/// Returns the nearest point of a face of `mesh` and its barycentric coordinates.
-pub(super) fn on_face(mesh: &TriMesh, face: u32, p: Vector) -> (Vector, [f64; 3]) {
-    nearest_on_triangle(mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]), p)
 }

@@ -2,11 +2,10 @@
 
 use super::closest::{Found, on_surface};
 use super::patch::Patch;
-use super::result::Place;
 use super::surface::Surface;
 use crate::mesh::intersections::Bounds;
-use crate::mesh::nearest_on_triangle;
 use crate::mesh::vector::{Vector, distance, square, sub};
+use crate::mesh::{interpolate, nearest_on_triangle};
 
 /// A point where the new mesh and the surface differ.
 #[derive(Debug, Clone, Copy)]
@@ -95,7 +94,7 @@ impl<'a, 's> Gaps<'a, 's> {
         let mut widest: Option<Gap> = None;
         for weights in SAMPLES {
             let limit = widest.map_or(least, |gap| gap.size);
-            let p = Place { face: f, weights }.mix(corners);
+            let p = interpolate(weights, corners);
             let Some(found) = self.nearest(patch, face, p, limit) else { continue };
             let size = found.square.sqrt();
             if size > limit {

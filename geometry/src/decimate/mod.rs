@@ -42,6 +42,6 @@ pub use options::{DecimateOptions, Method};
 pub use prepare::Repairs;
 pub use quality::Quality;
 pub use resample::{Resampled, resample};
-pub use result::{Decimation, Place, Topology};
+pub use result::{Decimation, Topology};
 pub use size::{edge_length_for, vertices_for_edge_length, vertices_for_faces};
 pub use solver::{Decimator, decimate};

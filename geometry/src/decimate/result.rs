@@ -2,7 +2,7 @@ use std::fmt;
 
 use super::cells::Cells;
 use super::prepare::Repairs;
-use crate::mesh::{Genus, TriMesh};
+use crate::mesh::{Genus, SurfacePoint, TriMesh};
 
 /// The result of a decimation.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Decimation {
     pub cells: Cells,
     /// For each vertex of the new mesh, the nearest point of the input. The vertex is off the input
     /// by half of the height of the input above the surrounding faces.
-    pub places: Vec<Place>,
+    pub places: Vec<SurfacePoint>,
     /// The repairs of the input before decimation.
     pub repairs: Repairs,
     /// The topology of the input, after repairs.
@@ -23,28 +23,6 @@ pub struct Decimation {
     /// The topology of the new mesh; `None` when it is not a manifold, which only happens with
     /// [`Method::Thesis`](super::Method::Thesis).
     pub after: Option<Topology>,
-}
-
-/// A point on a mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
-    /// The face of the point.
-    pub face: u32,
-    /// Its barycentric coordinates in the face, from 0 to 1, with sum 1.
-    pub weights: [f64; 3],
-}
-
-impl Place {
-    /// Returns the value at this point of a function that is linear on the face and has these
-    /// values at its corners.
-    pub(super) fn mix<const N: usize>(&self, values: [[f64; N]; 3]) -> [f64; N] {
-        std::array::from_fn(|k| (0..3).map(|i| self.weights[i] * values[i][k]).sum())
-    }
-
-    /// Returns the corner of the face with the largest barycentric coordinate, 0 to 2.
-    pub(super) fn heaviest(&self) -> usize {
-        (0..3).max_by(|&i, &j| self.weights[i].total_cmp(&self.weights[j])).unwrap_or(0)
-    }
 }
 
 /// The topology of a surface, which deformations do not change.

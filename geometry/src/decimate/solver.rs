@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::batches::add_samples;
 use super::cells::{Cells, Growth, Seed};
-use super::closest::{nearest, on_face};
+use super::closest::nearest;
 use super::collapse::reduce;
 use super::farthest::{Sampler, first_sample};
 use super::gaps::Gaps;
@@ -16,13 +16,13 @@ use super::quadric::Quadrics;
 use super::refine::refine;
 use super::relax::relax;
 use super::resolve::resolve;
-use super::result::{Decimation, Place};
+use super::result::Decimation;
 use super::size::edge_length_for;
 use super::surface::Surface;
 use super::topology::{Component, components, topology};
 use super::{dual, lloyd};
 use crate::mesh::vector::distance;
-use crate::mesh::{TriMesh, vertex_areas};
+use crate::mesh::{SurfacePoint, TriMesh, vertex_areas};
 use catamaran::base::{Error, Progress, Result, check_request};
 
 /// Decimates `mesh` to `n` vertices: a mesh of the same shape and topology, as uniform as possible.
@@ -277,7 +277,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         }
         let (positions, anchors, on_rim, faces) = patch.compact();
         let mesh = TriMesh::new(positions, faces)?;
-        let places: Vec<Place> = (0..n)
+        let places: Vec<SurfacePoint> = (0..n)
             .map(|v| {
                 let p = mesh.vertices()[v];
                 let found = nearest(surface, anchors[v], on_rim[v], p);
@@ -292,14 +292,19 @@ impl<'m, 'o> Decimator<'m, 'o> {
     }
 
     /// Returns the result in terms of the input.
-    fn finish(&self, mesh: TriMesh, cells: Cells, mut places: Vec<Place>) -> Result<Decimation> {
+    fn finish(
+        &self,
+        mesh: TriMesh,
+        cells: Cells,
+        mut places: Vec<SurfacePoint>,
+    ) -> Result<Decimation> {
         let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
         for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
             let mut face = place.face;
             if let Some(faces) = faces {
                 face = faces[face as usize];
             }
-            *place = Place { face, weights: on_face(self.input, face, p).1 };
+            *place = SurfacePoint::nearest(self.input, face, p).0;
         }
         let count = self.input.vertices().len();
         let mut seen_from = vec![u32::MAX; count];
@@ -352,7 +357,7 @@ fn anchor_seeds(patch: &Patch) -> Vec<Seed> {
 }
 
 /// Returns seeds of cells at the corners of the faces in which the vertices lie.
-fn place_seeds(surface: &Surface<'_>, mesh: &TriMesh, places: &[Place]) -> Vec<Seed> {
+fn place_seeds(surface: &Surface<'_>, mesh: &TriMesh, places: &[SurfacePoint]) -> Vec<Seed> {
     let starts = (0..).zip(places).zip(mesh.vertices());
     let corners = starts.flat_map(|((cell, place), &p)| {
         surface.mesh.faces()[place.face as usize].map(|vertex| {
@@ -363,8 +368,8 @@ fn place_seeds(surface: &Surface<'_>, mesh: &TriMesh, places: &[Place]) -> Vec<S
     corners.collect()
 }
 
-fn at_vertex(surface: &Surface<'_>, v: u32) -> Place {
+fn at_vertex(surface: &Surface<'_>, v: u32) -> SurfacePoint {
     let face = surface.faces_of.row(v as usize).first().copied().unwrap_or(0);
     let corners = surface.mesh.faces()[face as usize];
-    Place { face, weights: corners.map(|w| if w == v { 1.0 } else { 0.0 }) }
+    SurfacePoint { face, weights: corners.map(|w| if w == v { 1.0 } else { 0.0 }) }
 }

@@ -13,10 +13,12 @@ mod masks;
 mod measure;
 mod operators;
 mod parts;
+mod point;
 mod refined;
 mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod slots;
 pub mod topology;
 mod trimesh;
 mod validation;
@@ -25,6 +27,7 @@ pub mod vector;
 pub use cloud::{CloudOptions, cloud_laplacian};
 pub use compare::{Comparison, OneSided};
 pub(crate) use compare::{Triangles, nearest_on_triangle, squares};
+pub(crate) use distance::Search;
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use isosurface::{Lattice, Rim, isosurface, label_surface, label_surface_by};
 pub use laplacian::{
@@ -34,6 +37,8 @@ pub use measure::Normalization;
 pub(crate) use measure::quality;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
+pub use point::SurfacePoint;
+pub(crate) use point::interpolate;
 pub use refined::{Origin, Refined};
 pub(crate) use repair::manifold;
 pub use repair::{

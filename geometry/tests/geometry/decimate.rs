@@ -42,12 +42,10 @@ pub fn check(name: &str, input: &TriMesh, n: usize, found: &Decimation) {
     }
     let size = found.mesh.bounding_box().map_or(0.0, |[low, high]| high[0] - low[0]).abs() + 1.0;
     for (v, place) in found.places.iter().enumerate() {
-        let corners = input.faces()[place.face as usize].map(|w| vertices[w as usize]);
         assert!(place.weights.iter().all(|w| (0.0..=1.0).contains(w)), "{name}: {place:?}");
         assert!((place.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {place:?}");
-        for k in 0..3 {
-            let there: f64 = (0..3).map(|i| place.weights[i] * corners[i][k]).sum();
-            let off = (there - mesh.vertices()[v][k]).abs();
+        for (there, p) in place.position(input).into_iter().zip(mesh.vertices()[v]) {
+            let off = (there - p).abs();
             // Vertices that have not moved since edges were collapsed are beside the surface.
             assert!(off < 0.2 * size, "{name}: vertex {v} is {off} off the surface");
         }
@@ -618,9 +616,7 @@ fn colours_and_texture_coordinates_are_carried() {
     let (colors, uv) = (carried.colors.unwrap(), carried.uv.unwrap());
     for (v, place) in found.places.iter().enumerate() {
         // Where the vertex is on the input; itself it is beside that.
-        let corners = mesh.faces()[place.face as usize].map(|w| mesh.vertices()[w as usize]);
-        let on_input = |k: usize| (0..3).map(|i| place.weights[i] * corners[i][k]).sum();
-        let p = &[0, 1, 2].map(on_input);
+        let p = &place.position(&mesh);
         for (is, should_be) in colors[v].iter().zip([p[0], p[1], p[2] + 0.5, 1.0]) {
             assert!((is - should_be).abs() < 1e-9);
         }

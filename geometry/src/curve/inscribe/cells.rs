@@ -1,8 +1,8 @@
 //! Cuts a face along straight chords between points of its sides. The order of the points around
 //! the face determines sides and crossings; coordinates only give the positions of crossings.
 
-use crate::mesh::quality;
 use crate::mesh::vector::Vector;
+use crate::mesh::{interpolate, quality};
 use catamaran::base::{Error, Result};
 
 /// Positions on a chord nearer than this are one point.
@@ -230,7 +230,6 @@ impl Cells {
 
     /// Returns the position of a point, in a face with these corners.
     pub fn place(&self, point: usize, corners: [Vector; 3]) -> Vector {
-        let shares = self.points[point].shares;
-        std::array::from_fn(|k| (0..3).map(|i| shares[i] * corners[i][k]).sum())
+        interpolate(self.points[point].shares, corners)
     }
 }

@@ -2,7 +2,7 @@ use super::cells::{Cells, Point};
 use super::*;
 use crate::curve::{CurveOptions, CurveSolver};
 use crate::mesh::vector::{doubled_normal, norm};
-use crate::mesh::{TriMesh, families, shapes};
+use crate::mesh::{TriMesh, families, interpolate, shapes};
 use catamaran::base::Rng;
 
 const CORNERS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -128,10 +128,7 @@ fn a_smooth_curve_becomes_edges_of_the_same_surface() {
         // Vertices are at their origins.
         for (p, origin) in finer.vertices().iter().zip(&drawn.refined.vertices) {
             let corners = origin.vertices.map(|v| mesh.vertices()[v as usize]);
-            for k in 0..3 {
-                let x: f64 = (0..3).map(|i| origin.weights[i] * corners[i][k]).sum();
-                assert!((x - p[k]).abs() < 1e-12);
-            }
+            assert!(distance(interpolate(origin.weights, corners), *p) < 1e-12);
         }
         // Faces are on the faces that contain them.
         let areas = drawn.refined.shares(&vec![true; finer.faces().len()]).unwrap();

@@ -1,10 +1,8 @@
 use std::f64::consts::PI;
 
+use crate::mesh::slots::{self, NONE, next, previous};
 use crate::mesh::vector::distance;
 use crate::mesh::{Edges, TriMesh};
-
-/// Marks the absence of a slot.
-const NONE: u32 = u32::MAX;
 
 /// The side of a joint with its smaller wedge, counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,9 +15,8 @@ pub(super) enum Side {
 
 /// A triangulation of the surface by straight lines, represented by their lengths and by their
 /// directions at vertices (Sharp, Soliman and Crane, Navigating Intrinsic Triangulations, 2019).
-/// Slot 3 f + i is the edge of face f from its corner i to the next one.
 pub(super) struct Intrinsic {
-    tails: Vec<u32>,
+    faces: Vec<[u32; 3]>,
     twins: Vec<u32>,
     lengths: Vec<f64>,
     /// The angle of each slot at its tail, counter-clockwise from a fixed slot.
@@ -34,20 +31,10 @@ pub(super) struct Intrinsic {
     open: Vec<bool>,
 }
 
-/// Returns the next slot of the same face.
-pub(super) fn next(slot: u32) -> u32 {
-    if slot % 3 == 2 { slot - 2 } else { slot + 1 }
-}
-
-/// Returns the previous slot of the same face.
-pub(super) fn previous(slot: u32) -> u32 {
-    next(next(slot))
-}
-
 impl Intrinsic {
     /// Creates the triangulation of the faces themselves, which must be manifold and oriented.
     pub fn new(mesh: &TriMesh, edges: &Edges) -> Self {
-        let tails = mesh.faces().as_flattened().to_vec();
+        let tails = mesh.faces().as_flattened();
         let p = mesh.vertices();
         let of_corners = edges.of_corners().to_vec();
         let mut twins = vec![NONE; tails.len()];
@@ -72,19 +59,20 @@ impl Intrinsic {
             flipped: vec![false; count],
             totals: vec![0.0; p.len()],
             open: vec![false; p.len()],
-            tails,
+            faces: mesh.faces().to_vec(),
         };
         all.lay_directions();
         all
     }
 
     fn lay_directions(&mut self) {
-        let all = 0..self.tails.len() as u32;
+        let all = 0..self.twins.len() as u32;
         // At the boundary, the angles start at the slot without a predecessor, elsewhere at any
         // slot.
         let first = all.clone().filter(|&s| self.twins[s as usize] == NONE).collect::<Vec<_>>();
         for &s in &first {
-            self.open[self.tails[s as usize] as usize] = true;
+            let tail = self.tail(s);
+            self.open[tail as usize] = true;
         }
         for start in first.into_iter().chain(all) {
             if !self.directions[start as usize].is_nan() {
@@ -96,7 +84,8 @@ impl Intrinsic {
                 angle += self.corner(s);
                 s = self.twins[previous(s) as usize];
             }
-            self.totals[self.tails[start as usize] as usize] = angle;
+            let tail = self.tail(start);
+            self.totals[tail as usize] = angle;
         }
     }
 
@@ -141,21 +130,21 @@ impl Intrinsic {
     pub fn slot(&self, edge: u32, tail: u32) -> u32 {
         let slot = self.slots[edge as usize];
         let twin = self.twins[slot as usize];
-        if self.tails[slot as usize] != tail && twin != NONE { twin } else { slot }
+        if self.tail(slot) != tail && twin != NONE { twin } else { slot }
     }
 
     /// Returns the other end of an edge.
     pub fn other_end(&self, edge: u32, vertex: u32) -> u32 {
         let slot = self.slots[edge as usize];
-        let [a, b] = [slot, next(slot)].map(|s| self.tails[s as usize]);
+        let [a, b] = [slot, next(slot)].map(|s| self.tail(s));
         if a == vertex { b } else { a }
     }
 
     /// Returns the side on which two slots from one vertex enclose less than pi; `None` if they do
     /// not, or at the boundary, where paths stay.
     pub fn wedge(&self, first: u32, second: u32, straight: f64) -> Option<Side> {
-        let v = self.tails[first as usize];
-        if v != self.tails[second as usize] || self.open[v as usize] {
+        let v = self.tail(first);
+        if v != self.tail(second) || self.open[v as usize] {
             return None;
         }
         let total = self.totals[v as usize];
@@ -180,7 +169,7 @@ impl Intrinsic {
             loop {
                 arc.push(self.edges[next(s) as usize]);
                 let t = self.twins[previous(s) as usize];
-                if t == NONE || arc.len() > self.tails.len() {
+                if t == NONE || arc.len() > self.twins.len() {
                     return None;
                 }
                 if self.edges[t as usize] == to {
@@ -204,51 +193,41 @@ impl Intrinsic {
         if t == NONE || t / 3 == h / 3 {
             return false;
         }
-        let sides = [previous(h), next(t), previous(t), next(h)];
-        let [c, d] = [previous(h), previous(t)].map(|s| self.tails[s as usize]);
+        let [to_a, from_a, to_b, from_b] = [previous(h), next(t), previous(t), next(h)];
+        let [c, d] = [to_a, to_b].map(|s| self.tail(s));
         if c == d {
             return false;
         }
-        let old = sides.map(|s| {
-            let i = s as usize;
-            let places = (self.tails[i], self.twins[i], self.edges[i]);
-            (places, self.lengths[i], self.directions[i])
-        });
-        let [ca, ad, db, bc] = old.map(|side| side.1);
-        let at_a = self.corner(h) + self.corner(next(t));
+        let [ca, ad, db, bc] = [to_a, from_a, to_b, from_b].map(|s| self.length(s));
+        let at_a = self.corner(h) + self.corner(from_a);
         let length = (ca * ca + ad * ad - 2.0 * ca * ad * at_a.cos()).max(0.0).sqrt();
         let edge = self.edges[h as usize];
         // The new edge lies after c to a, and after d to b.
-        let turned = |direction: f64, by: f64, total: f64| (direction + by).rem_euclid(total);
-        let at_c = turned(old[0].2, angle(ca, length, ad), self.totals[c as usize]);
-        let at_d = turned(old[2].2, angle(db, length, bc), self.totals[d as usize]);
-        let (f, g) = (h / 3 * 3, t / 3 * 3);
-        // The faces are d c a and c d b; outer twins may be slots that move themselves.
-        let place = [f + 1, f + 2, g + 1, g + 2];
-        let moved = |twin: u32| sides.iter().position(|&s| s == twin).map_or(twin, |i| place[i]);
-        let old = old.map(|((tail, twin, edge), length, direction)| {
-            ((tail, moved(twin), edge), length, direction)
-        });
-        for (&s, ((tail, twin, edge), length, direction)) in place.iter().zip(old) {
-            self.set(s, tail, twin, edge, length, direction);
+        let turned =
+            |s: u32, by: f64| (self.direction(s) + by).rem_euclid(self.total(self.tail(s)));
+        let at_c = turned(to_a, angle(ca, length, ad));
+        let at_d = turned(to_b, angle(db, length, bc));
+        let moved = slots::flip(&mut self.faces, &mut self.twins, h);
+        let old = moved.map(|(s, _)| (self.edges[s as usize], self.length(s), self.direction(s)));
+        for ((_, s), (edge, length, direction)) in moved.into_iter().zip(old) {
+            self.set(s, edge, length, direction);
         }
-        self.set(f, d, g, edge, length, at_d);
-        self.set(g, c, f, edge, length, at_c);
+        // Slot 0 of both triangles: from c to d, and back.
+        self.set(h / 3 * 3, edge, length, at_c);
+        self.set(t / 3 * 3, edge, length, at_d);
         self.flipped[edge as usize] = true;
         true
     }
 
-    fn set(&mut self, s: u32, tail: u32, twin: u32, edge: u32, length: f64, direction: f64) {
-        let i = s as usize;
-        self.tails[i] = tail;
-        self.twins[i] = twin;
-        if twin != NONE {
-            self.twins[twin as usize] = s;
-        }
-        self.edges[i] = edge;
+    fn set(&mut self, s: u32, edge: u32, length: f64, direction: f64) {
+        self.edges[s as usize] = edge;
         self.slots[edge as usize] = s;
-        self.lengths[i] = length;
-        self.directions[i] = direction;
+        self.lengths[s as usize] = length;
+        self.directions[s as usize] = direction;
+    }
+
+    fn tail(&self, s: u32) -> u32 {
+        self.faces.as_flattened()[s as usize]
     }
 }
 

@@ -1,6 +1,7 @@
 use super::super::result::Waypoint;
-use super::intrinsic::{Intrinsic, next, previous};
+use super::intrinsic::Intrinsic;
 use crate::mesh::TriMesh;
+use crate::mesh::slots::{next, previous};
 use crate::mesh::vector::{Vector, distance};
 
 /// Largest number of faces that a line may cross.

@@ -2,12 +2,10 @@
 
 use std::collections::VecDeque;
 
-use super::super::closest::on_face;
-use super::super::result::Place;
 use super::frame::{Frame, Uv, area};
 use crate::mesh::io::Attribute;
 use crate::mesh::vector::{Vector, dot, sub};
-use crate::mesh::{Edges, TriMesh};
+use crate::mesh::{Edges, SurfacePoint, TriMesh};
 
 /// Marks the absence of a face.
 const NONE: u32 = u32::MAX;
@@ -38,7 +36,7 @@ pub(super) struct Charts<'a> {
 /// The faces near a point that are connected in the texture.
 pub(super) struct Side {
     /// Their point nearest to the given point.
-    pub place: Place,
+    pub place: SurfacePoint,
     pub point: Vector,
     /// Whether they include the face of the given point.
     pub own: bool,
@@ -53,8 +51,8 @@ impl<'a> Charts<'a> {
     }
 
     /// Returns the texture at a place.
-    pub fn at(&self, place: &Place) -> Option<Uv> {
-        Some(place.mix(self.uv.of_face(self.mesh, place.face as usize)?))
+    pub fn at(&self, place: &SurfacePoint) -> Option<Uv> {
+        Some(place.interpolate(self.uv.of_face(self.mesh, place.face as usize)?))
     }
 
     /// Returns the frame of a face.
@@ -85,7 +83,7 @@ impl<'a> Charts<'a> {
     pub fn sides(
         &mut self,
         p: Vector,
-        own: &Place,
+        own: &SurfacePoint,
         radius: f64,
         faces: impl Iterator<Item = u32>,
     ) -> (Vec<Side>, Vec<usize>) {
@@ -103,12 +101,19 @@ impl<'a> Charts<'a> {
         (sides, of_faces)
     }
 
-    fn side(&mut self, p: Vector, own: &Place, radius: f64, first: u32, number: u32) -> Side {
+    fn side(
+        &mut self,
+        p: Vector,
+        own: &SurfacePoint,
+        radius: f64,
+        first: u32,
+        number: u32,
+    ) -> Side {
         let (mut best, mut nearest) = (None, f64::INFINITY);
         let mut has_own = false;
         self.meet(first, number);
         while let Some(face) = self.queue.pop_front() {
-            let (point, weights) = on_face(self.mesh, face, p);
+            let (place, point) = SurfacePoint::nearest(self.mesh, face, p);
             let away = sub(point, p);
             let square = dot(away, away);
             if square > radius * radius && face != first {
@@ -116,7 +121,7 @@ impl<'a> Charts<'a> {
             }
             if square < nearest || best.is_none() {
                 nearest = square;
-                best = Some((Place { face, weights }, point));
+                best = Some((place, point));
             }
             has_own |= face == own.face;
             self.meet_around(face, number);

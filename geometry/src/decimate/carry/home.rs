@@ -1,10 +1,10 @@
 //! Finds for each new face the point of the input from which it takes its attributes.
 
-use super::super::closest::{on_face, on_surface};
-use super::super::result::{Decimation, Place};
+use super::super::closest::on_surface;
+use super::super::result::Decimation;
 use super::super::surface::Surface;
-use crate::mesh::Genus;
 use crate::mesh::vector::{Vector, dot, doubled_normal, sub, unit};
+use crate::mesh::{Genus, SurfacePoint};
 
 /// Cosine between normals (120 degrees) below which a face of the input is on another sheet than a
 /// new face: faces across a crease differ less.
@@ -12,7 +12,7 @@ const OTHER_SHEET: f64 = -0.5;
 
 /// The point of the input nearest to the middle of a new face.
 pub(super) struct Home {
-    pub place: Place,
+    pub place: SurfacePoint,
     pub point: Vector,
     /// Whether the face of the input there has the opposite orientation.
     pub flipped: bool,
@@ -32,13 +32,13 @@ fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: boo
     let normal = unit(doubled_normal(corners));
     // The candidates for homes; the better one is lower in order.
     let of_face = |face: u32| {
-        let (point, weights) = on_face(&input.mesh, face, middle);
+        let (place, point) = SurfacePoint::nearest(&input.mesh, face, middle);
         let there = input.mesh.faces()[face as usize].map(|v| input.position(v));
         let along = dot(normal, unit(doubled_normal(there)));
         let away = sub(point, middle);
         let order = (!either_way && along < OTHER_SHEET, dot(away, away));
         let flipped = either_way && along < 0.0;
-        (order, Home { place: Place { face, weights }, point, flipped })
+        (order, Home { place, point, flipped })
     };
     let places = face.map(|v| &found.places[v as usize]);
     let mut best = of_face(places[0].face);

@@ -12,10 +12,10 @@ mod texture;
 use std::borrow::Cow;
 
 use self::home::{Home, homes};
-use super::result::{Decimation, Place};
+use super::result::Decimation;
 use super::surface::Surface;
-use crate::mesh::TriMesh;
 use crate::mesh::io::{Labels, MeshFile};
+use crate::mesh::{SurfacePoint, TriMesh};
 use catamaran::base::{Error, Par, Result};
 
 impl Decimation {
@@ -87,7 +87,9 @@ impl Decimation {
         let mut carried = Vec::with_capacity(self.places.len() * width);
         for place in &self.places {
             let corners = input.faces()[place.face as usize].map(|v| v as usize * width);
-            carried.extend((0..width).map(|k| place.mix(corners.map(|at| [values[at + k]]))[0]));
+            carried.extend(
+                (0..width).map(|k| place.interpolate(corners.map(|at| [values[at + k]]))[0]),
+            );
         }
         Ok(carried)
     }
@@ -134,9 +136,9 @@ impl Decimation {
     }
 
     fn colors(&self, colors: &[[f64; 4]], input: &MeshFile) -> Vec<[f64; 4]> {
-        let at = |place: &Place| {
+        let at = |place: &SurfacePoint| {
             let given = input.mesh.faces()[place.face as usize].map(|v| colors[v as usize]);
-            let color = place.mix(given);
+            let color = place.interpolate(given);
             // Rounding beyond 1 would make a reader take the colours as from 0 to 255.
             std::array::from_fn(|k| {
                 let [a, b, c] = given.map(|color| color[k]);

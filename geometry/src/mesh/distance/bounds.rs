@@ -60,7 +60,7 @@ impl Bounds {
             let tree = trees.get(&components[v]);
             let source = tree.and_then(|tree| tree.nearest_neighbor(position));
             let below = source.map_or(0.0, |&source| distance(position, source));
-            *found = found.max(below).min(search.distances()[v]);
+            *found = found.max(below).min(search.distance(v as u32));
         }
         Ok(())
     }

@@ -1,14 +1,6 @@
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use super::Graph;
-use catamaran::base::{Error, Result, spend};
-
-/// Marks the absence of a vertex.
-const NONE: u32 = u32::MAX;
-
-/// Operations that a step of a search is equal to: it waits for memory.
-const STEP: f64 = 100.0;
+use super::search::{NONE, Search};
+use catamaran::base::{Error, Result, ask};
 
 /// Limits at which a search of [`Dijkstra`] stops; by default there are none.
 ///
@@ -38,8 +30,8 @@ impl Default for SearchLimits<'_> {
 
 /// Shortest paths along the edges of a graph from the nearest of several sources (Dijkstra 1959).
 ///
-/// One solver serves many searches: a search resets only what the previous search touched, so that
-/// a local search costs O(m log m) for m visited edges, whatever the size of the graph.
+/// One solver serves many searches: a search starts in constant time, so that a local search costs
+/// O(m log m) for m visited edges, whatever the size of the graph.
 ///
 /// ```
 /// use catamaran_geometry::mesh::{Dijkstra, Graph, SearchLimits};
@@ -53,35 +45,18 @@ impl Default for SearchLimits<'_> {
 #[derive(Debug, Clone)]
 pub struct Dijkstra<'g> {
     graph: &'g Graph,
-    distances: Vec<f64>,
-    /// The previous vertex on the path, [`NONE`] at sources.
-    predecessors: Vec<u32>,
-    /// The source at which the path starts.
-    origins: Vec<u32>,
+    search: Search,
     is_target: Vec<bool>,
     /// Vertices whose distance is final, in the order in which they were reached.
     reached: Vec<u32>,
-    /// Vertices that ever had a distance since the last reset.
-    touched: Vec<u32>,
-    /// Distances of vertices, as bits: the bits of non-negative numbers have the order of the
-    /// numbers. Equal distances are ordered by vertex.
-    heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
 impl<'g> Dijkstra<'g> {
-    /// Creates a solver for a graph. The solver takes 17 bytes for each vertex.
+    /// Creates a solver for a graph. The solver takes 25 bytes for each vertex.
     pub fn new(graph: &'g Graph) -> Self {
-        let n = graph.len();
-        Self {
-            graph,
-            distances: vec![f64::INFINITY; n],
-            predecessors: vec![NONE; n],
-            origins: vec![NONE; n],
-            is_target: vec![false; n],
-            reached: Vec::new(),
-            touched: Vec::new(),
-            heap: BinaryHeap::new(),
-        }
+        let mut search = Search::default();
+        search.grow(graph.len());
+        Self { graph, search, is_target: vec![false; graph.len()], reached: Vec::new() }
     }
 
     /// Forgets the previous search and starts from `sources`: vertices, each with an initial
@@ -102,15 +77,7 @@ impl<'g> Dijkstra<'g> {
         }
         self.start(sources, limits.cutoff);
         let done = self.run(limits.cutoff, (missing > 0).then_some(missing));
-        // Vertices that are still in the heap have no final distance.
-        for Reverse((bits, v)) in self.heap.drain() {
-            let v = v as usize;
-            if bits == self.distances[v].to_bits() {
-                self.distances[v] = f64::INFINITY;
-                self.predecessors[v] = NONE;
-                self.origins[v] = NONE;
-            }
-        }
+        self.search.stop();
         for &target in limits.targets {
             self.is_target[target as usize] = false;
         }
@@ -142,7 +109,6 @@ impl<'g> Dijkstra<'g> {
         self.start(sources, limits.cutoff);
         let done = self.run(limits.cutoff, None);
         if done.is_err() {
-            self.heap.clear();
             self.reset();
         }
         done
@@ -151,23 +117,23 @@ impl<'g> Dijkstra<'g> {
     /// Returns the distance of a vertex, infinite if the search did not reach it (or the graph does
     /// not have it).
     pub fn distance(&self, vertex: u32) -> f64 {
-        self.distances.get(vertex as usize).copied().unwrap_or(f64::INFINITY)
+        self.search.known(vertex).map_or(f64::INFINITY, |known| known.0)
     }
 
     /// Returns the distances of all vertices, infinite for vertices that the search did not reach.
-    pub fn distances(&self) -> &[f64] {
-        &self.distances
+    pub fn distances(&self) -> Vec<f64> {
+        (0..self.graph.len() as u32).map(|v| self.distance(v)).collect()
     }
 
     /// Returns the vertex before this one on its shortest path; `None` for sources and for vertices
     /// that the search did not reach.
     pub fn predecessor(&self, vertex: u32) -> Option<u32> {
-        self.predecessors.get(vertex as usize).copied().filter(|&v| v != NONE)
+        self.search.predecessor(vertex)
     }
 
     /// Returns the nearest source of a vertex, `None` if the search did not reach the vertex.
     pub fn origin(&self, vertex: u32) -> Option<u32> {
-        self.origins.get(vertex as usize).copied().filter(|&v| v != NONE)
+        self.search.known(vertex).map(|known| known.1)
     }
 
     /// Returns the vertices that the last search reached, the nearest first.
@@ -178,22 +144,11 @@ impl<'g> Dijkstra<'g> {
     /// Returns the shortest path to a vertex from its source, both included; empty if the search
     /// did not reach the vertex.
     pub fn path(&self, vertex: u32) -> Vec<u32> {
-        let mut path = Vec::new();
-        let mut at = self.origin(vertex).map(|_| vertex);
-        while let Some(v) = at {
-            path.push(v);
-            at = self.predecessor(v);
-        }
-        path.reverse();
-        path
+        self.search.path(vertex)
     }
 
     fn reset(&mut self) {
-        for v in self.touched.drain(..) {
-            self.distances[v as usize] = f64::INFINITY;
-            self.predecessors[v as usize] = NONE;
-            self.origins[v as usize] = NONE;
-        }
+        self.search.clear();
         self.reached.clear();
     }
 
@@ -225,7 +180,7 @@ impl<'g> Dijkstra<'g> {
             // Minus zero, which is allowed, has other bits than zero.
             let start = start + 0.0;
             if start <= cutoff {
-                self.improve(v, start, NONE, v);
+                self.search.offer(v, start, 0.0, NONE, v);
             }
         }
     }
@@ -233,13 +188,8 @@ impl<'g> Dijkstra<'g> {
     /// Takes vertices in the order of their distance until none is left, or none of the `missing`
     /// targets.
     fn run(&mut self, cutoff: f64, mut missing: Option<usize>) -> Result<()> {
-        let graph = self.graph;
-        while let Some(Reverse((bits, v))) = self.heap.pop() {
-            spend(STEP)?;
-            let from = self.distances[v as usize];
-            if bits != from.to_bits() {
-                continue; // a shorter path was found meanwhile
-            }
+        while let Some((v, from)) = self.search.next() {
+            ask()?;
             self.reached.push(v);
             if let Some(missing) = missing.as_mut().filter(|_| self.is_target[v as usize]) {
                 *missing -= 1;
@@ -247,28 +197,15 @@ impl<'g> Dijkstra<'g> {
                     return Ok(());
                 }
             }
-            let origin = self.origins[v as usize];
-            for (neighbour, length) in graph.neighbours(v) {
+            let origin = self.origin(v).unwrap_or(NONE);
+            for (neighbour, length) in self.graph.neighbours(v) {
                 let through = from + length;
-                if through <= cutoff {
-                    self.improve(neighbour, through, v, origin);
+                // A sum that overflows reaches nothing.
+                if through <= cutoff && through.is_finite() {
+                    self.search.offer(neighbour, through, 0.0, v, origin);
                 }
             }
         }
         Ok(())
-    }
-
-    fn improve(&mut self, vertex: u32, distance: f64, predecessor: u32, origin: u32) {
-        let v = vertex as usize;
-        if distance >= self.distances[v] {
-            return;
-        }
-        if self.distances[v] == f64::INFINITY {
-            self.touched.push(vertex);
-        }
-        self.distances[v] = distance;
-        self.predecessors[v] = predecessor;
-        self.origins[v] = origin;
-        self.heap.push(Reverse((distance.to_bits(), vertex)));
     }
 }

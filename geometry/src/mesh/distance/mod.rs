@@ -5,9 +5,11 @@ mod dijkstra;
 mod finer;
 mod graph;
 mod heat;
+mod search;
 #[cfg(test)]
 mod tests;
 
 pub use dijkstra::{Dijkstra, SearchLimits};
 pub use graph::Graph;
 pub use heat::{HeatMethod, HeatOptions};
+pub(crate) use search::Search;

@@ -131,6 +131,15 @@ fn inserted_sources_change_only_what_they_are_nearer_to() {
 }
 
 #[test]
+fn a_path_whose_length_overflows_reaches_nothing() {
+    let graph = Graph::new(3, &[(0, 1, f64::MAX), (1, 2, f64::MAX)]).unwrap();
+    let mut search = Dijkstra::new(&graph);
+    search.search(&[(0, 0.0)], &SearchLimits::default()).unwrap();
+    assert_eq!(search.distances(), [0.0, f64::MAX, f64::INFINITY]);
+    assert_eq!((search.origin(2), search.path(2), search.reached()), (None, vec![], &[0, 1][..]));
+}
+
+#[test]
 fn a_mesh_is_the_graph_of_its_edges() {
     let mesh = families::pages(3).unwrap();
     let graph = Graph::of_mesh(&mesh);
@@ -392,7 +401,7 @@ fn heat_distances_are_between_straight_lines_and_paths_along_edges() {
         for (v, found) in found.iter().enumerate() {
             let straight = |s: u32| distance(p[v], p[s as usize]);
             let below = straight(sources[0]).min(straight(sources[1]));
-            let above = search.distances()[v];
+            let above = search.distance(v as u32);
             assert_eq!(found.is_finite(), above.is_finite(), "seed {seed}, vertex {v}");
             let between = (below - 1e-12..=above + 1e-12).contains(found);
             assert!(between || above == f64::INFINITY, "seed {seed}, vertex {v}: {found}");

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::attributes::{Attribute, MeshFile};
 use super::labels::Labels;
-use crate::mesh::Refined;
+use crate::mesh::{Refined, interpolate};
 use catamaran::base::{Error, Result};
 
 impl MeshFile {
@@ -102,11 +102,7 @@ impl MeshFile {
 fn of_vertices<const N: usize>(values: &[[f64; N]], refined: &Refined) -> Vec<[f64; N]> {
     let mut all = values.to_vec();
     for origin in &refined.vertices[values.len()..] {
-        let between = |k: usize| {
-            let part = |i: usize| origin.weights[i] * values[origin.vertices[i] as usize][k];
-            (0..3).map(part).sum()
-        };
-        all.push(std::array::from_fn(between));
+        all.push(interpolate(origin.weights, origin.vertices.map(|v| values[v as usize])));
     }
     all
 }

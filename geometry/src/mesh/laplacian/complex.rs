@@ -1,10 +1,8 @@
+use super::super::slots::NONE;
 use super::super::vector::{Vector, cross, distance, dot, scale, sub, unit};
 use super::super::{Edges, TriMesh};
 use super::{Element, LaplacianKind, element};
 use catamaran::base::{Error, Result, spend};
-
-/// Marks an edge to which no triangle is glued.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Least slack in the triangle inequality, relative to the mean length of edges (Sharp and Crane
 /// 2020, section 4.5).
@@ -14,8 +12,7 @@ const MOLLIFICATION: f64 = 1e-5;
 const GLUED: f64 = 50.0;
 
 /// Triangles given by the lengths of their edges and glued along them, which determines the
-/// intrinsic geometry of a surface. A triangle may have a vertex twice and be glued to itself. Slot
-/// 3 f + k is the edge of triangle f from its corner k to corner k + 1 (mod 3).
+/// intrinsic geometry of a surface. A triangle may have a vertex twice and be glued to itself.
 #[derive(Debug, Clone)]
 pub(crate) struct Complex {
     /// Vertices of the triangles.

@@ -1,4 +1,5 @@
-use super::complex::{Complex, NONE};
+use super::super::slots::{self, NONE, next, previous};
+use super::complex::Complex;
 use super::element::{Element, area};
 use catamaran::base::{Error, Result, spend};
 
@@ -69,12 +70,9 @@ impl Complex {
         let twin = self.twins[slot as usize];
         let (f, g) = (slot / 3, twin / 3);
         // Triangles (i, j, k) and (j, i, l), with the edge i j in common.
-        let (jk, il) = (next(slot), next(twin));
-        let (ki, lj) = (next(jk), next(il));
-        let (i, j) = (self.origin(slot), self.origin(twin));
-        let (k, l) = (self.origin(ki), self.origin(lj));
+        let sides = [next(slot), previous(slot), next(twin), previous(twin)];
+        let [a_jk, a_ki, a_il, a_lj] = sides.map(|s| self.length(s));
         let common = self.length(slot);
-        let [a_jk, a_ki, a_il, a_lj] = [jk, ki, il, lj].map(|s| self.length(s));
         // i is at the origin, j on the positive axis, k above it, l below.
         let along = |to_i: f64, to_j: f64| {
             (common * common + (to_i - to_j) * (to_i + to_j)) / (2.0 * common)
@@ -86,27 +84,9 @@ impl Complex {
         if !(area(first) > 0.0 && area(second) > 0.0) {
             return false;
         }
-        let moved = [(lj, 3 * f + 1), (jk, 3 * f + 2), (ki, 3 * g + 1), (il, 3 * g + 2)];
-        let others = moved.map(|(old, _)| self.twins[old as usize]);
-        self.faces[f as usize] = [k, l, j];
-        self.faces[g as usize] = [l, k, i];
+        slots::flip(&mut self.faces, &mut self.twins, slot);
         self.lengths[f as usize] = first;
         self.lengths[g as usize] = second;
-        self.twins[3 * f as usize] = 3 * g;
-        self.twins[3 * g as usize] = 3 * f;
-        for ((_, new), other) in moved.into_iter().zip(others) {
-            // Two sides of the quadrilateral may be glued to each other.
-            let other = moved.iter().find(|m| m.0 == other).map_or(other, |m| m.1);
-            self.twins[new as usize] = other;
-            if other != NONE {
-                self.twins[other as usize] = new;
-            }
-        }
         true
     }
-}
-
-/// Returns the next slot of the same triangle.
-fn next(slot: u32) -> u32 {
-    slot / 3 * 3 + (slot % 3 + 1) % 3
 }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::super::TriMesh;
 use super::super::measure::is_flat;
+use super::super::slots;
 use super::super::topology::Edges;
 use super::super::vector::{Vector, distance, doubled_normal, norm};
 use super::rebuild::{Rebuild, corners_of};
@@ -88,9 +89,8 @@ fn simple_loops(mesh: &TriMesh, edges: &Edges, walk: &[u32]) -> Vec<Vec<Rim>> {
     let corner_at = |u: u32, v: u32| -> Option<(u32, bool)> {
         let e = edges.ends().binary_search(&key(u, v)).ok()?;
         let &start = edges.corners().row(e).first()?;
-        let next = if start % 3 == 2 { start - 2 } else { start + 1 };
         let runs = mesh.faces().as_flattened()[start as usize] == u;
-        Some((if runs { start } else { next }, runs))
+        Some((if runs { start } else { slots::next(start) }, runs))
     };
     let mut rings = Vec::new();
     let mut open: Vec<Rim> = Vec::new();

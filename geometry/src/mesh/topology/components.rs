@@ -1,4 +1,4 @@
-use super::super::TriMesh;
+use super::super::{TriMesh, slots};
 use catamaran::base::Sets;
 
 /// The connected components of a mesh: two faces with a common vertex are in the same component.
@@ -111,7 +111,7 @@ impl TriMesh {
         let mut corners = Sets::new(3 * faces.len());
         // The corners of a face at the start and the end of the edge that starts at this corner.
         let both = |corner: u32| {
-            let next = if corner % 3 == 2 { corner - 2 } else { corner + 1 };
+            let next = slots::next(corner);
             let [i, j] = [corner, next].map(|c| faces[c as usize / 3][c as usize % 3]);
             if i < j { [corner, next] } else { [next, corner] }
         };

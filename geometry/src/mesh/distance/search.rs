@@ -1,10 +1,11 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::iter::successors;
 
 use catamaran::base::{Result, count, reserved};
 
 /// Marks the absence of a vertex.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// The state of a vertex, which belongs to the current search only if `stamp` says so.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +13,7 @@ struct Label {
     distance: f64,
     predecessor: u32,
     origin: u32,
-    /// Twice the number of the search, plus one when the distance is final.
+    /// Twice the number of the search, from 1, plus one when the distance is final.
     stamp: u64,
 }
 
@@ -24,7 +25,8 @@ const STEP: f64 = 100.0;
 /// A search for shortest paths (Dijkstra 1959) that the caller drives: [`Search::next`] returns the
 /// next vertex, and the caller passes its neighbours, with any cost, to [`Search::relax`]. A new
 /// search starts in constant time.
-pub(super) struct Search {
+#[derive(Debug, Clone)]
+pub(crate) struct Search {
     labels: Vec<Label>,
     current: u64,
     /// Estimated lengths of whole paths, as bits, which have the order of non-negative numbers;
@@ -33,18 +35,24 @@ pub(super) struct Search {
     settled: usize,
 }
 
+impl Default for Search {
+    fn default() -> Self {
+        Self { labels: Vec::new(), current: 2, heap: BinaryHeap::new(), settled: 0 }
+    }
+}
+
 impl Search {
     /// Creates a search over this number of vertices.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory).
     pub fn new(vertices: usize) -> Result<Self> {
-        let mut labels = reserved(vertices)?;
-        labels.resize(vertices, BLANK);
-        Ok(Self { labels, current: 0, heap: BinaryHeap::new(), settled: 0 })
+        let mut search = Self { labels: reserved(vertices)?, ..Self::default() };
+        search.grow(vertices);
+        Ok(search)
     }
 
-    /// Allocates state for vertices that a refinement added.
+    /// Allocates state for more vertices, such as those that a refinement added.
     pub fn grow(&mut self, vertices: usize) {
         if vertices > self.labels.len() {
             self.labels.resize(vertices, BLANK);
@@ -56,19 +64,33 @@ impl Search {
         self.settled
     }
 
+    /// Forgets the search.
+    pub fn clear(&mut self) {
+        self.current += 2;
+        self.heap.clear();
+    }
+
     /// Starts a new search from these vertices; the origin of a path is the index of its source in
     /// the list.
     pub fn start(&mut self, sources: &[u32]) {
-        self.current += 2;
-        self.heap.clear();
+        self.clear();
         for (origin, &v) in (0..).zip(sources) {
-            self.labels[v as usize] =
-                Label { distance: 0.0, predecessor: NONE, origin, stamp: self.current };
-            self.heap.push(Reverse((0.0_f64.to_bits(), v)));
+            self.offer(v, 0.0, 0.0, NONE, origin);
+        }
+    }
+
+    /// Ends the search: forgets the vertices whose distance is not final.
+    pub fn stop(&mut self) {
+        for Reverse((_, v)) in self.heap.drain() {
+            let label = &mut self.labels[v as usize];
+            if label.stamp == self.current {
+                *label = BLANK;
+            }
         }
     }
 
     /// Returns the next vertex whose distance is final, and the distance.
+    #[inline]
     pub fn next(&mut self) -> Option<(u32, f64)> {
         while let Some(Reverse((_, v))) = self.heap.pop() {
             count(STEP);
@@ -85,36 +107,46 @@ impl Search {
     /// Offers a path of this length to `vertex` by way of `from`. `rest` is a lower bound of the
     /// remaining length from `vertex` to the target of the search (Hart, Nilsson and Raphael 1968),
     /// which must be consistent along edges; 0 without a target.
+    #[inline]
     pub fn relax(&mut self, from: u32, vertex: u32, distance: f64, rest: f64) {
-        let origin = self.labels[from as usize].origin;
-        let current = self.current;
+        if self.labels[vertex as usize].stamp != self.current + 1 {
+            self.offer(vertex, distance, rest, from, self.labels[from as usize].origin);
+        }
+    }
+
+    /// Offers a path of this length from `origin` to `vertex` by way of `from`, [`NONE`] at the
+    /// source itself. Unlike [`Search::relax`], it also changes final distances, which new sources
+    /// can shorten.
+    #[inline]
+    pub fn offer(&mut self, vertex: u32, distance: f64, rest: f64, from: u32, origin: u32) {
         let label = &mut self.labels[vertex as usize];
-        let better = if label.stamp >= current {
-            label.stamp == current && distance < label.distance
-        } else {
-            true
-        };
-        if better {
-            *label = Label { distance, predecessor: from, origin, stamp: current };
+        if label.stamp < self.current || distance < label.distance {
+            *label = Label { distance, predecessor: from, origin, stamp: self.current };
             self.heap.push(Reverse(((distance + rest).to_bits(), vertex)));
         }
     }
 
     /// Returns the distance and the origin of a vertex; `None` unless they are final.
+    #[inline]
     pub fn known(&self, vertex: u32) -> Option<(f64, u32)> {
-        let label = self.labels[vertex as usize];
-        (label.stamp == self.current + 1).then_some((label.distance, label.origin))
+        self.label(vertex).map(|label| (label.distance, label.origin))
     }
 
-    /// Returns the path to a reached vertex from its source, both included.
+    /// Returns the vertex before this one on its path; `None` for sources and for vertices whose
+    /// distance is not final.
+    pub fn predecessor(&self, vertex: u32) -> Option<u32> {
+        self.label(vertex).map(|label| label.predecessor).filter(|&v| v != NONE)
+    }
+
+    /// Returns the path to a vertex from its source, both included; empty unless it is final.
     pub fn path(&self, vertex: u32) -> Vec<u32> {
-        let mut path = vec![vertex];
-        let mut at = vertex;
-        while self.labels[at as usize].predecessor != NONE {
-            at = self.labels[at as usize].predecessor;
-            path.push(at);
-        }
+        let end = self.label(vertex).map(|_| vertex);
+        let mut path: Vec<u32> = successors(end, |&v| self.predecessor(v)).collect();
         path.reverse();
         path
+    }
+
+    fn label(&self, vertex: u32) -> Option<&Label> {
+        self.labels.get(vertex as usize).filter(|label| label.stamp == self.current + 1)
     }
 }
