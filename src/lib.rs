@@ -70,3 +70,17 @@ pub use ata::{
     ahb, ata, ata_scratch_len, ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,
 };
 pub use base::{Error, Par, Real, Result};
+
+/// The structs of options and their fields, for the other crates of this workspace: no part of the
+/// interface.
+#[doc(hidden)]
+pub const OPTIONS: &[(&str, &[base::Field])] = &[
+    ("ata::AtaOptions", AtaOptions::FIELDS),
+    ("ata::RowOptions", ata::RowOptions::<f64>::FIELDS),
+    ("gram::LeastSquaresOptions", gram::LeastSquaresOptions::FIELDS),
+    ("gram::PrincipalComponentsOptions", gram::PrincipalComponentsOptions::FIELDS),
+    ("sparse::EigenOptions", sparse::EigenOptions::FIELDS),
+    ("ortho::GramSchmidtOptions", ortho::GramSchmidtOptions::FIELDS),
+    ("io::ReadOptions", io::ReadOptions::FIELDS),
+    ("io::SourceOptions", io::SourceOptions::FIELDS),
+];

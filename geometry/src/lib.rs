@@ -30,5 +30,22 @@ pub mod spectral;
 #[cfg(feature = "unions")]
 pub mod unions;
 
+/// The structs of options and their fields, for the other crates of this workspace: no part of the
+/// interface.
+#[doc(hidden)]
+pub const OPTIONS: &[(&str, &[catamaran::base::Field])] = &[
+    ("mesh::LaplacianOptions", mesh::LaplacianOptions::FIELDS),
+    ("mesh::HeatOptions", mesh::HeatOptions::FIELDS),
+    ("mesh::CloudOptions", mesh::CloudOptions::FIELDS),
+    ("mesh::RepairOptions", mesh::RepairOptions::FIELDS),
+    ("mesh::io::Material", mesh::io::Material::FIELDS),
+    ("spectral::ProductBasisOptions", spectral::ProductBasisOptions::FIELDS),
+    ("spectral::ShapeOptions", spectral::ShapeOptions::FIELDS),
+    ("decimate::DecimateOptions", decimate::DecimateOptions::FIELDS),
+    ("curve::CurveOptions", curve::CurveOptions::FIELDS),
+    #[cfg(feature = "unions")]
+    ("unions::ShapeDnaOptions", unions::ShapeDnaOptions::FIELDS),
+];
+
 #[cfg(all(test, debug_assertions, feature = "unions"))]
 mod interruption;

@@ -16,3 +16,23 @@ pub mod texture;
 
 #[cfg(feature = "opencl")]
 pub mod opencl;
+
+/// The structs of options and their fields, for the other crates of this workspace: no part of the
+/// interface.
+#[doc(hidden)]
+pub const OPTIONS: &[(&str, &[catamaran::base::Field])] = &[
+    ("plant::families::GrowthOptions", plant::families::GrowthOptions::FIELDS),
+    ("plant::WaterOptions", plant::WaterOptions::FIELDS),
+    ("plant::Stomata", plant::Stomata::FIELDS),
+    ("plant::CurveOptions", plant::CurveOptions::FIELDS),
+    ("plant::RodOptions", plant::RodOptions::FIELDS),
+    ("plant::RelaxOptions", plant::RelaxOptions::FIELDS),
+    ("plant::MotionOptions", plant::MotionOptions::FIELDS),
+    ("plant::WiltOptions", plant::WiltOptions::FIELDS),
+    ("plant::Wind", plant::Wind::FIELDS),
+    ("plant::SwayOptions", plant::SwayOptions::FIELDS),
+    ("plant::FitOptions", plant::FitOptions::FIELDS),
+    ("texture::Finish", texture::Finish::FIELDS),
+    ("texture::newton::NewtonOptions", texture::newton::NewtonOptions::FIELDS),
+    ("texture::slime::Options", texture::slime::Options::FIELDS),
+];

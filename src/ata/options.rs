@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::base::{Error, Par, Pin, Progress, Result};
+use crate::base::{Error, Par, Pin, Progress, Result, options};
 use crate::blas::{self, Backend};
 
 /// Which triangle of the symmetric result is computed.
@@ -89,55 +89,110 @@ impl SchemeChoice {
     ];
 }
 
-/// How [`ata`](super::ata) and its relatives work; the default suits most callers.
-///
-/// ```
-/// use catamaran::{Accuracy, AtaOptions, Uplo};
-///
-/// let options = AtaOptions::new().uplo(Uplo::Both).threads(4).accuracy(Accuracy::Max);
-/// ```
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct AtaOptions<'a> {
-    /// Which triangle of the result. [`AtaOptions::uplo()`] sets it.
-    pub uplo: Uplo,
-    /// Threads. [`AtaOptions::par()`] sets it.
-    pub par: Par,
-    /// Whether threads stay on one core each. [`AtaOptions::pin()`] sets it.
-    pub pin: Pin,
-    /// Which recursion. [`AtaOptions::scheme()`] sets it.
-    pub scheme: SchemeChoice,
-    /// Error that fast products may cause. [`AtaOptions::accuracy()`] sets it.
-    pub accuracy: Accuracy,
-    /// The same bytes on every machine. [`AtaOptions::reproducible()`] sets it.
-    pub reproducible: bool,
-    /// What computes the leaves. [`AtaOptions::backend()`] sets it.
-    pub backend: Arc<dyn Backend>,
-    /// Smallest block side of a fast level. [`AtaOptions::leaf()`] sets it.
-    pub leaf: Option<usize>,
-    /// Number of tasks that C is split into. [`AtaOptions::tasks()`] sets it.
-    pub tasks: Option<usize>,
-    /// Bytes of scratch that plans aim at. [`AtaOptions::memory()`] sets it.
-    pub memory: Option<usize>,
-    /// Progress callback, which may cancel. [`AtaOptions::progress()`] sets it.
-    pub progress: Progress<'a>,
-}
-
-impl Default for AtaOptions<'_> {
-    fn default() -> Self {
-        Self {
-            uplo: Uplo::default(),
-            par: Par::all(),
-            pin: Pin::default(),
-            scheme: SchemeChoice::default(),
-            accuracy: Accuracy::default(),
-            reproducible: false,
-            backend: blas::native(),
-            leaf: None,
-            tasks: None,
-            memory: None,
-            progress: Progress::none(),
-        }
+options! {
+    /// How [`ata`](super::ata) and its relatives work; the default suits most callers.
+    ///
+    /// ```
+    /// use catamaran::{Accuracy, AtaOptions, Uplo};
+    ///
+    /// let options = AtaOptions::new().uplo(Uplo::Both).threads(4).accuracy(Accuracy::Max);
+    /// ```
+    #[derive(Clone)]
+    pub struct AtaOptions<'a> {
+        /// Which triangle of the result is computed.
+        ///
+        /// ```
+        /// use catamaran::{AtaOptions, Uplo, ata, faer::mat};
+        ///
+        /// // The strict lower triangle is not written.
+        /// let (a, mut c) = (mat![[1.0, 2.0]], mat![[0.0, 0.0], [7.0, 0.0]]);
+        /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Upper))?;
+        /// assert_eq!(c, mat![[1.0, 2.0], [7.0, 4.0]]);
+        /// # Ok::<(), catamaran::Error>(())
+        /// ```
+        uplo: Uplo = Uplo::Lower;
+        /// Threads that a call may use. Their number does not change the result.
+        par: Par = Par::all();
+        /// Whether threads stay on one core each. The result does not depend on it.
+        ///
+        /// With [`Pin::Cores`] a call runs on pinned threads of this library, which are kept for
+        /// later calls with as many threads, and the calling thread waits. Calls at the same time
+        /// share these threads, so pin only where one call at a time uses the machine. [`Par::Seq`]
+        /// and the smallest products run on the calling thread, on any core.
+        ///
+        /// ```
+        /// use catamaran::{AtaOptions, Uplo, ata, base::Pin, faer::Mat};
+        ///
+        /// let (a, mut c) = (Mat::<f64>::identity(600, 400), Mat::zeros(400, 400));
+        /// let options = AtaOptions::new().threads(2).pin(Pin::Cores).uplo(Uplo::Both);
+        /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+        /// assert_eq!(c, Mat::<f64>::identity(400, 400));
+        /// # Ok::<(), catamaran::Error>(())
+        /// ```
+        pin: Pin = Pin::No;
+        /// Which recursion runs.
+        ///
+        /// ```
+        /// use catamaran::{AtaOptions, Plan, SchemeChoice};
+        ///
+        /// let options = AtaOptions::new().scheme(SchemeChoice::Exact);
+        /// assert!(Plan::ata::<f64>(100, 50, &options)?.is_exact());
+        /// # Ok::<(), catamaran::Error>(())
+        /// ```
+        scheme: SchemeChoice = SchemeChoice::Auto;
+        /// The error that fast products may cause.
+        ///
+        /// ```
+        /// use catamaran::{Accuracy, AtaOptions, Plan};
+        ///
+        /// let options = AtaOptions::new().accuracy(Accuracy::Classical);
+        /// assert!(!Plan::ata::<f64>(8000, 8000, &options)?.is_fast());
+        /// # Ok::<(), catamaran::Error>(())
+        /// ```
+        accuracy: Accuracy = Accuracy::Default;
+        /// Whether results are the same bytes on every machine, for any number of threads. Every
+        /// product then takes [`SchemeChoice::Exact`], and no other scheme may be set. On CPUs
+        /// without AMX it is slower than the classical algorithm.
+        ///
+        /// ```
+        /// use catamaran::{AtaOptions, Plan, SchemeChoice};
+        ///
+        /// let options = AtaOptions::new().reproducible(true);
+        /// assert!(Plan::ata::<f64>(100, 50, &options)?.is_exact());
+        /// assert!(Plan::ata::<f64>(100, 50, &options.scheme(SchemeChoice::Rxtx)).is_err());
+        /// # Ok::<(), catamaran::Error>(())
+        /// ```
+        reproducible: bool = false;
+        /// The back end that computes the leaves.
+        backend: Arc<dyn Backend> = blas::native();
+        /// The smallest block side (in elements) that a fast level may produce; in
+        /// [`SchemeChoice::Ata2`] any level. `None` leaves it to the planner.
+        leaf: Option<usize> = None, range "at least 1", setter into;
+        /// The number of tasks that C is split into, whatever the number of threads. With `None`
+        /// the shape decides. The native kernels divide C in their own way and need no tasks,
+        /// except for the schemes of the thesis, RXTX and Kgp3.
+        tasks: Option<usize> = None, range "from 1 to 65536", setter into;
+        /// The bytes of scratch that plans over the native kernels and plans of the exact path aim
+        /// at, for all threads together. `None` takes what is fastest.
+        ///
+        /// Products of many rows may need more:
+        /// [`planned_scratch_len`](super::planned_scratch_len) returns the number. A plan with
+        /// smaller steps rounds differently, except on the exact path.
+        memory: Option<usize> = None, setter into;
+        /// The callback that receives progress and may cancel.
+        ///
+        /// ```
+        /// use std::ops::ControlFlow;
+        /// use catamaran::base::Progress;
+        /// use catamaran::{AtaOptions, Error, ata, faer::Mat};
+        ///
+        /// let stop = |_: f64| ControlFlow::Break(());
+        /// let options = AtaOptions::new().progress(Progress::new(&stop));
+        /// let (a, mut c) = (Mat::<f64>::ones(500, 400), Mat::zeros(400, 400));
+        /// let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
+        /// assert!(matches!(result, Err(Error::Cancelled)));
+        /// ```
+        progress: Progress<'a> = Progress::none(), setter own;
     }
 }
 
@@ -193,84 +248,6 @@ impl AtaOptions<'_> {
 }
 
 impl<'a> AtaOptions<'a> {
-    /// Creates the default options.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Sets which triangle of the result is computed; [`Uplo::Lower`] by default.
-    ///
-    /// ```
-    /// use catamaran::{AtaOptions, Uplo, ata, faer::mat};
-    ///
-    /// // The strict lower triangle is not written.
-    /// let (a, mut c) = (mat![[1.0, 2.0]], mat![[0.0, 0.0], [7.0, 0.0]]);
-    /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Upper))?;
-    /// assert_eq!(c, mat![[1.0, 2.0], [7.0, 4.0]]);
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    pub fn uplo(self, uplo: Uplo) -> Self {
-        Self { uplo, ..self }
-    }
-
-    /// Sets how many threads a call may use; those of [`Par::all`] by default. The result
-    /// does not depend on it.
-    pub fn par(self, par: Par) -> Self {
-        Self { par, ..self }
-    }
-
-    /// Sets the number of threads: [`Par::Threads`].
-    pub fn threads(self, threads: usize) -> Self {
-        self.par(Par::Threads(threads))
-    }
-
-    /// Sets whether threads stay on one core each; [`Pin::No`] by default. The result does not
-    /// depend on it.
-    ///
-    /// With [`Pin::Cores`] a call runs on pinned threads of this library, which are kept for later
-    /// calls with as many threads, and the calling thread waits. Calls at the same time share these
-    /// threads, so pin only where one call at a time uses the machine. [`Par::Seq`] and the
-    /// smallest products run on the calling thread, on any core.
-    ///
-    /// ```
-    /// use catamaran::{AtaOptions, Uplo, ata, base::Pin, faer::Mat};
-    ///
-    /// let (a, mut c) = (Mat::<f64>::identity(600, 400), Mat::zeros(400, 400));
-    /// let options = AtaOptions::new().threads(2).pin(Pin::Cores).uplo(Uplo::Both);
-    /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
-    /// assert_eq!(c, Mat::<f64>::identity(400, 400));
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    pub fn pin(self, pin: Pin) -> Self {
-        Self { pin, ..self }
-    }
-
-    /// Sets which recursion runs; [`SchemeChoice::Auto`] by default.
-    ///
-    /// ```
-    /// use catamaran::{AtaOptions, Plan, SchemeChoice};
-    ///
-    /// let options = AtaOptions::new().scheme(SchemeChoice::Exact);
-    /// assert!(Plan::ata::<f64>(100, 50, &options)?.is_exact());
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    pub fn scheme(self, scheme: SchemeChoice) -> Self {
-        Self { scheme, ..self }
-    }
-
-    /// Sets the error that fast products may cause; [`Accuracy::Default`] by default.
-    ///
-    /// ```
-    /// use catamaran::{Accuracy, AtaOptions, Plan};
-    ///
-    /// let options = AtaOptions::new().accuracy(Accuracy::Classical);
-    /// assert!(!Plan::ata::<f64>(8000, 8000, &options)?.is_fast());
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    pub fn accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
-    }
-
     /// Returns whether the exact path is requested by name: by [`AtaOptions::reproducible()`],
     /// [`SchemeChoice::Exact`] or [`Accuracy::Max`]. Sums of blocks of rows are then exact too.
     pub fn asks_for_exact(&self) -> bool {
@@ -279,62 +256,7 @@ impl<'a> AtaOptions<'a> {
             || self.accuracy == Accuracy::Max && self.scheme == SchemeChoice::Auto
     }
 
-    /// Sets whether results are the same bytes on every machine, for any number of threads; false
-    /// by default. Every product then takes [`SchemeChoice::Exact`], and no other scheme may be
-    /// set. On CPUs without AMX it is slower than the classical algorithm.
-    ///
-    /// ```
-    /// use catamaran::{AtaOptions, Plan, SchemeChoice};
-    ///
-    /// let options = AtaOptions::new().reproducible(true);
-    /// assert!(Plan::ata::<f64>(100, 50, &options)?.is_exact());
-    /// assert!(Plan::ata::<f64>(100, 50, &options.scheme(SchemeChoice::Rxtx)).is_err());
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    pub fn reproducible(self, reproducible: bool) -> Self {
-        Self { reproducible, ..self }
-    }
-
-    /// Sets the back end that computes the leaves; [`blas::native()`] by default.
-    pub fn backend(self, backend: Arc<dyn Backend>) -> Self {
-        Self { backend, ..self }
-    }
-
-    /// Sets the smallest block side (in elements, at least 1) that a fast level may produce; in
-    /// [`SchemeChoice::Ata2`] any level. `None`, the default, leaves it to the planner.
-    pub fn leaf(self, leaf: impl Into<Option<usize>>) -> Self {
-        Self { leaf: leaf.into(), ..self }
-    }
-
-    /// Sets the number of tasks that C is split into, whatever the number of threads. With `None`,
-    /// the default, the shape decides. The native kernels divide C in their own way and need no
-    /// tasks, except for the schemes of the thesis, RXTX and Kgp3.
-    pub fn tasks(self, tasks: impl Into<Option<usize>>) -> Self {
-        Self { tasks: tasks.into(), ..self }
-    }
-
-    /// Sets the bytes of scratch that plans over the native kernels and plans of the exact path aim
-    /// at, for all threads together. `None`, the default, takes what is fastest.
-    ///
-    /// Products of many rows may need more: [`planned_scratch_len`](super::planned_scratch_len)
-    /// returns the number. A plan with smaller steps rounds differently, except on the exact path.
-    pub fn memory(self, bytes: impl Into<Option<usize>>) -> Self {
-        Self { memory: bytes.into(), ..self }
-    }
-
-    /// Sets the callback that receives progress and may cancel; none by default.
-    ///
-    /// ```
-    /// use std::ops::ControlFlow;
-    /// use catamaran::base::Progress;
-    /// use catamaran::{AtaOptions, Error, ata, faer::Mat};
-    ///
-    /// let stop = |_: f64| ControlFlow::Break(());
-    /// let options = AtaOptions::new().progress(Progress::new(&stop));
-    /// let (a, mut c) = (Mat::<f64>::ones(500, 400), Mat::zeros(400, 400));
-    /// let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
-    /// assert!(matches!(result, Err(Error::Cancelled)));
-    /// ```
+    /// Sets [`progress`](#structfield.progress), whose lifetime may be a shorter one.
     pub fn progress<'b>(self, progress: impl Into<Progress<'b>>) -> AtaOptions<'b>
     where
         'a: 'b,

@@ -1,41 +1,29 @@
 //! Setters of options.
 
-/// Defines `new`, which returns the defaults, and a setter for each of the listed fields, named
-/// like the field. The setter of a field after `#[into]` takes any value that converts into its
-/// type; the field `par` also gets the setter `threads`. A type parameter of the options is a
-/// [`Real`](crate::Real).
-///
-/// With `setters only` the macro does not define `new`.
+/// Defines a setter for each of the listed fields, named like the field. The setter of a field
+/// after `#[into]` takes any value that converts into its type; the field `par` also gets the
+/// setter `threads`. For structs that have no default, or one that is a choice among several; the
+/// others are declared by [`options!`](crate::options), which uses the rules with `@`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! builder {
-    ($options:ident$(<$generic:lifetime $(, $scalar:ident)?>)? { $($fields:tt)* }) => {
-        impl$(<$generic $(, $scalar: $crate::base::Real)?>)? $options$(<$generic $(, $scalar)?>)? {
-            /// Returns the defaults.
-            pub fn new() -> Self {
-                Self::default()
-            }
-        }
-
-        $crate::base::builder! {
-            setters only $options$(<$generic $(, $scalar)?>)? { $($fields)* }
-        }
-    };
-    (setters only $options:ident$(<$generic:lifetime $(, $scalar:ident)?>)? {
-        $($(#[$into:ident])? $field:ident: $type:ty,)*
-    }) => {
-        impl$(<$generic $(, $scalar: $crate::base::Real)?>)? $options$(<$generic $(, $scalar)?>)? {
+    ($options:ident$(<$generic:lifetime>)? { $($(#[$into:ident])? $field:ident: $type:ty,)* }) => {
+        impl$(<$generic>)? $options$(<$generic>)? {
             $($crate::base::builder! { @ $($into)? $field $type })*
         }
     };
-    (@ into $field:ident $type:ty) => {
-        #[doc = concat!("Sets [`", stringify!($field), "`](#structfield.", stringify!($field), ").")]
+    (@ own $(#[doc = $doc:literal])* $field:ident $type:ty) => {};
+    (@ into $(#[doc = $doc:literal])* $field:ident $type:ty) => {
+        #[doc = concat!(
+            " Sets [`", stringify!($field), "`](#structfield.", stringify!($field), ").\n"
+        )]
+        $(#[doc = $doc])*
         pub fn $field(mut self, $field: impl Into<$type>) -> Self {
             self.$field = $field.into();
             self
         }
     };
-    (@ par $type:ty) => {
+    (@ $(#[doc = $doc:literal])* par $type:ty) => {
         /// Sets the [threads](#structfield.par).
         pub fn par(mut self, par: $type) -> Self {
             self.par = par;
@@ -47,8 +35,11 @@ macro_rules! builder {
             self.par($crate::base::Par::Threads(threads))
         }
     };
-    (@ $field:ident $type:ty) => {
-        #[doc = concat!("Sets [`", stringify!($field), "`](#structfield.", stringify!($field), ").")]
+    (@ $(#[doc = $doc:literal])* $field:ident $type:ty) => {
+        #[doc = concat!(
+            " Sets [`", stringify!($field), "`](#structfield.", stringify!($field), ").\n"
+        )]
+        $(#[doc = $doc])*
         pub fn $field(mut self, $field: $type) -> Self {
             self.$field = $field;
             self

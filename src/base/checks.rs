@@ -1,5 +1,7 @@
 //! Checks of arguments.
 
+use std::fmt::Display;
+
 use super::error::{Error, Result};
 
 /// Checks that `value` is finite and above 0.
@@ -39,11 +41,26 @@ pub fn finite(what: &'static str, value: f64) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Argument`] of `what` otherwise.
-pub fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
+pub fn within<T>(what: &'static str, value: T, low: T, high: T) -> Result<()>
+where
+    T: Copy + PartialOrd + Display,
+{
     if (low..=high).contains(&value) {
         return Ok(());
     }
     Err(Error::Argument { what, why: format!("must be from {low} to {high}, is {value}") })
+}
+
+/// Checks that `value` is above `low` and at most `high`.
+///
+/// # Errors
+/// [`Error::Argument`] of `what` otherwise.
+pub fn above(what: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
+    if value > low && value <= high {
+        return Ok(());
+    }
+    let why = format!("must be above {low} and at most {high}, is {value}");
+    Err(Error::Argument { what, why })
 }
 
 /// Checks that `value` is at least `least`.

@@ -9,6 +9,7 @@ mod float_env;
 mod isa;
 mod memory;
 mod operations;
+mod options;
 mod par;
 mod plain;
 mod pool;
@@ -30,6 +31,7 @@ pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
 pub use memory::{available_memory, check_request, limit_memory};
 pub(crate) use memory::{byte_size, check_allocation};
+pub use options::Field;
 pub(crate) use par::PIECE;
 pub use par::Par;
 pub(crate) use plain::Plain;
@@ -45,9 +47,9 @@ pub use workspace::{Arena, Workspace, release_memory};
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
-pub use crate::builder;
+pub use crate::{builder, options};
 #[doc(hidden)]
-pub use checks::{at_least, at_least_zero, finite, positive, within};
+pub use checks::{above, at_least, at_least_zero, finite, positive, within};
 #[cfg(debug_assertions)]
 #[doc(hidden)]
 pub use operations::measure;

@@ -6,7 +6,7 @@ use super::double::{DoubleDouble, TripleSum, scaled};
 use super::refine::{Outcome, Refined};
 use super::row_space::RowSpace;
 use crate::ata::ExtendedGram;
-use crate::base::{Error, Par, Result, builder};
+use crate::base::{Error, Par, Result, options};
 use crate::dense::zeros;
 
 /// What happens when columns of A depend on others, as far as the precision can tell.
@@ -19,52 +19,30 @@ pub enum RankDeficiency {
     Refuse,
 }
 
-/// How [`LeastSquares`] solves.
-///
-/// ```
-/// use catamaran::gram::{LeastSquaresOptions, RankDeficiency};
-///
-/// let options = LeastSquaresOptions::new()
-///     .intercept(true)
-///     .ridge(0.1)
-///     .rank_deficiency(RankDeficiency::Refuse);
-/// assert!(options.standard_errors);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct LeastSquaresOptions {
-    /// Multiple of `|X|^2` that is added to the minimized sum, at least 0; the intercept is not
-    /// part of X.
-    pub ridge: f64,
-    /// Whether a constant is fitted too; the matrix must be about the mean.
-    pub intercept: bool,
-    /// What happens when columns depend on others.
-    pub rank_deficiency: RankDeficiency,
-    /// Whether standard errors are computed, which takes a few times as long as the solution.
-    pub standard_errors: bool,
-    /// Threads.
-    pub par: Par,
-}
-
-impl Default for LeastSquaresOptions {
-    fn default() -> Self {
-        Self {
-            ridge: 0.0,
-            intercept: false,
-            rank_deficiency: RankDeficiency::default(),
-            standard_errors: true,
-            par: Par::all(),
-        }
-    }
-}
-
-builder! {
-    LeastSquaresOptions {
-        ridge: f64,
-        intercept: bool,
-        rank_deficiency: RankDeficiency,
-        standard_errors: bool,
-        par: Par,
+options! {
+    /// How [`LeastSquares`] solves.
+    ///
+    /// ```
+    /// use catamaran::gram::{LeastSquaresOptions, RankDeficiency};
+    ///
+    /// let options = LeastSquaresOptions::new()
+    ///     .intercept(true)
+    ///     .ridge(0.1)
+    ///     .rank_deficiency(RankDeficiency::Refuse);
+    /// assert!(options.standard_errors);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct LeastSquaresOptions {
+        /// Multiple of `|X|^2` that is added to the minimized sum; the intercept is not part of X.
+        ridge: f64 = 0.0, check(at least 0);
+        /// Whether a constant is fitted too; the matrix must be about the mean.
+        intercept: bool = false;
+        /// What happens when columns depend on others.
+        rank_deficiency: RankDeficiency = RankDeficiency::MinimumNorm;
+        /// Whether standard errors are computed, which takes a few times as long as the solution.
+        standard_errors: bool = true;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
     }
 }
 
@@ -394,9 +372,7 @@ fn checked<'a>(
         let why = format!("must be from 1 to {} (columns), but is {targets}", gram.n());
         return refuse("targets", why);
     }
-    if !options.ridge.is_finite() || options.ridge < 0.0 {
-        return refuse("ridge", format!("must be finite and at least 0, but is {}", options.ridge));
-    }
+    options.check_ranges()?;
     if options.intercept && gram.mean().len() != gram.n() {
         return refuse("intercept", "needs a Gram matrix about the mean".into());
     }

@@ -4,7 +4,7 @@ use super::cholesky::{PivotedCholesky, Pivoting, check_centered};
 use super::double::{DoubleDouble, scaled};
 use super::jacobi::jacobi;
 use crate::ata::ExtendedGram;
-use crate::base::{Error, Par, Result, builder};
+use crate::base::{Error, Par, Result, options};
 
 /// How many principal components are kept; never more than the rank of the centred columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -64,42 +64,28 @@ fn oriented(columns: MatRef<'_, f64>) -> Result<Mat<f64>> {
     Ok(rows)
 }
 
-/// How [`PrincipalComponents`] are computed.
-///
-/// ```
-/// use catamaran::gram::{Components, PrincipalComponentsOptions};
-///
-/// let options = PrincipalComponentsOptions::new()
-///     .components(Components::Share(0.99))
-///     .standardize(true);
-/// assert!(!options.whiten);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct PrincipalComponentsOptions {
-    /// How many are kept.
-    pub components: Components,
-    /// Whether columns are divided by their standard deviations; those without variance are not.
-    pub standardize: bool,
-    /// Whether scores are divided by the root of the variance that they explain.
-    pub whiten: bool,
-    /// Threads.
-    pub par: Par,
-}
-
-impl Default for PrincipalComponentsOptions {
-    fn default() -> Self {
-        let components = Components::default();
-        Self { components, standardize: false, whiten: false, par: Par::all() }
-    }
-}
-
-builder! {
-    PrincipalComponentsOptions {
-        components: Components,
-        standardize: bool,
-        whiten: bool,
-        par: Par,
+options! {
+    /// How [`PrincipalComponents`] are computed.
+    ///
+    /// ```
+    /// use catamaran::gram::{Components, PrincipalComponentsOptions};
+    ///
+    /// let options = PrincipalComponentsOptions::new()
+    ///     .components(Components::Share(0.99))
+    ///     .standardize(true);
+    /// assert!(!options.whiten);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct PrincipalComponentsOptions {
+        /// How many are kept.
+        components: Components = Components::All;
+        /// Whether columns are divided by their standard deviations; those without variance are
+        /// not.
+        standardize: bool = false;
+        /// Whether scores are divided by the root of the variance that they explain.
+        whiten: bool = false;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 
-use crate::base::{Progress, builder, byte_size};
+use crate::base::{Progress, byte_size, options};
 
 /// Memory that a file may always take. A file that asks for more than this, and for more than
 /// [`RATIO`] times its size, is damaged or malicious.
@@ -15,22 +15,18 @@ const RATIO: u64 = 100;
 /// A line takes at most this part of the memory of a file.
 const LINES: u64 = 64;
 
-/// How a file that is not a matrix is read: a mesh, a plant. The default suits usual files.
-#[derive(Debug, Clone, Copy, Default)]
-#[non_exhaustive]
-pub struct SourceOptions<'a> {
-    /// Bytes of memory that the file may take, for what it unpacks to and for what its header
-    /// announces; default a hundred times its size, or 1 GiB if that is more. A line of text may
-    /// take a 64th.
-    pub max_memory: Option<u64>,
-    /// Receives the fraction of the file that has been read; may cancel.
-    pub progress: Progress<'a>,
+options! {
+    /// How a file that is not a matrix is read: a mesh, a plant. The default suits usual files.
+    #[derive(Debug, Clone, Copy)]
+    pub struct SourceOptions<'a> {
+        /// Bytes of memory that the file may take, for what it unpacks to and for what its header
+        /// announces; `None`: a hundred times its size, or 1 GiB if that is more. A line of text
+        /// may take a 64th.
+        max_memory: Option<u64> = None, setter into;
+        /// Receives the fraction of the file that has been read; may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
+    }
 }
-
-builder! { SourceOptions<'a> {
-    #[into] max_memory: Option<u64>,
-    #[into] progress: Progress<'a>,
-}}
 
 /// Returns the bytes of memory that a file of `size` bytes may take; the caller may set a limit.
 pub(super) fn memory_limit(size: u64, max_memory: Option<u64>) -> u64 {

@@ -50,38 +50,33 @@ pub use strips::StripOutput;
 #[doc(hidden)]
 pub use source::{Packing, Source};
 
-use crate::base::{Error, Progress, Real, Result, builder};
+use crate::base::{Error, Progress, Real, Result, options};
 
-/// How [`read`] reads. The default reads everything.
-///
-/// ```
-/// use catamaran::io::{ReadOptions, read};
-///
-/// # let folder = tempfile::tempdir().unwrap();
-/// # let path = &folder.path().join("a.csv");
-/// std::fs::write(path, "1,2,text\n3,4,text\n").unwrap();
-/// let a = read(path, &ReadOptions::new().columns(0..2).max_memory(1_000_000))?;
-/// assert_eq!((a.nrows(), a.ncols()), (2, 2));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-#[derive(Debug, Clone, Default)]
-#[non_exhaustive]
-pub struct ReadOptions<'a> {
-    /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may hold
-    /// anything.
-    pub columns: Option<Range<usize>>,
-    /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the file,
-    /// whichever columns are kept.
-    pub max_memory: Option<u64>,
-    /// Receives the fraction of the file that has been read; may cancel.
-    pub progress: Progress<'a>,
+options! {
+    /// How [`read`] reads. The default reads everything.
+    ///
+    /// ```
+    /// use catamaran::io::{ReadOptions, read};
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("a.csv");
+    /// std::fs::write(path, "1,2,text\n3,4,text\n").unwrap();
+    /// let a = read(path, &ReadOptions::new().columns(0..2).max_memory(1_000_000))?;
+    /// assert_eq!((a.nrows(), a.ncols()), (2, 2));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    #[derive(Debug, Clone)]
+    pub struct ReadOptions<'a> {
+        /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may
+        /// hold anything.
+        columns: Option<Range<usize>> = None, setter into;
+        /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the
+        /// file, whichever columns are kept.
+        max_memory: Option<u64> = None, setter into;
+        /// Receives the fraction of the file that has been read; may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
+    }
 }
-
-builder! { ReadOptions<'a> {
-    #[into] columns: Option<Range<usize>>,
-    #[into] max_memory: Option<u64>,
-    #[into] progress: Progress<'a>,
-}}
 
 /// What a file name says about the content of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,71 +6,54 @@ use faer::{Mat, MatMut, MatRef};
 use super::inner::{Inner, check_finite};
 use super::panel::pass;
 use super::scale::ColumnPowers;
-use crate::base::{Error, Par, Progress, Result, builder};
+use crate::base::{Error, Par, Progress, Result, options};
 use crate::dense::zeros;
 use crate::sparse::{InnerSpace, Mass};
 
 /// Columns that are projected together.
 const PANEL: usize = 256;
 
-/// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalized`] by default.
-///
-/// ```
-/// use catamaran::{faer::mat, prelude::*, sparse::Mass};
-///
-/// // The second column differs from the first by a thousandth.
-/// let a = mat![[1.0, 1.0], [0.0, 1e-3]];
-/// let rank = |options| {
-///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())
-/// };
-/// assert_eq!(rank(GramSchmidtOptions::single_pass())?, 1);
-/// assert_eq!(rank(GramSchmidtOptions::reorthogonalized())?, 2);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct GramSchmidtOptions<'a> {
-    /// A column is dropped if the part of it that is orthogonal to the columns before it is at most
-    /// this fraction of its length; between 1e-13 and 1. A column of zeros is always dropped.
-    pub threshold: f64,
-    /// Whether columns are projected again until they no longer change.
-    pub reorthogonalize: bool,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Progress callback, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for GramSchmidtOptions<'_> {
-    fn default() -> Self {
-        Self::reorthogonalized()
+options! {
+    /// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalized`] by default.
+    ///
+    /// ```
+    /// use catamaran::{faer::mat, prelude::*, sparse::Mass};
+    ///
+    /// // The second column differs from the first by a thousandth.
+    /// let a = mat![[1.0, 1.0], [0.0, 1e-3]];
+    /// let rank = |options| {
+    ///     gram_schmidt(a.as_ref(), &Mass::identity(2), &options).map(|found| found.kept.len())
+    /// };
+    /// assert_eq!(rank(GramSchmidtOptions::single_pass())?, 1);
+    /// assert_eq!(rank(GramSchmidtOptions::reorthogonalized())?, 2);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    #[derive(Debug, Clone)]
+    pub struct GramSchmidtOptions<'a> {
+        /// A column is dropped if the part of it that is orthogonal to the columns before it is at
+        /// most this fraction of its length. A column of zeros is always dropped.
+        threshold: f64 = 1e-9, range "from 1e-13, and below 1";
+        /// Whether columns are projected again until they no longer change.
+        reorthogonalize: bool = true;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
+        /// Progress callback, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { GramSchmidtOptions<'a> {
-    threshold: f64,
-    reorthogonalize: bool,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}
 
 impl GramSchmidtOptions<'_> {
     /// Returns the thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to
     /// about 1e-13 / 1e-2 and the loss of orthogonality of the blocks before: accurate enough for
     /// least squares, but not for inner products.
     pub fn single_pass() -> Self {
-        Self {
-            threshold: 1e-2,
-            reorthogonalize: false,
-            par: Par::all(),
-            progress: Progress::none(),
-        }
+        Self::new().threshold(1e-2).reorthogonalize(false)
     }
 
     /// Returns the thesis' mode `ours*`: threshold 1e-9, re-orthogonalized. `Q^T M Q` is the
     /// identity to rounding.
     pub fn reorthogonalized() -> Self {
-        Self { threshold: 1e-9, reorthogonalize: true, ..Self::single_pass() }
+        Self::new()
     }
 
     pub(super) fn check(&self) -> Result<()> {

@@ -10,7 +10,7 @@ use super::surface::Surface;
 use super::tour::{Costs, tour};
 use crate::mesh::vector::distance;
 use crate::mesh::{Components, Search, TriMesh};
-use catamaran::base::{Error, Progress, Result, at_least, builder, reserved};
+use catamaran::base::{Error, Progress, Result, at_least, options, reserved};
 
 /// Least number of samples of a curve.
 const LEAST: usize = 3;
@@ -41,51 +41,28 @@ pub enum Count {
     Automatic,
 }
 
-/// Options of [`CurveSolver::reconstruct`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct CurveOptions<'a> {
-    /// The method; default robust.
-    pub mode: Mode,
-    /// Whether the curve is open, from one end to the other; default false.
-    pub open: bool,
-    /// The number of curves; default automatic.
-    pub count: Count,
-    /// In the robust mode, whether vertices may be inserted in the middle of edges where there is
-    /// no other path; default true.
-    pub steiner: bool,
-    /// In the faithful mode, l, the number of nearest samples among which the next one is chosen,
-    /// at least 1; default 5.
-    pub candidates: usize,
-    /// In the faithful mode, the index of the sample at which the curve starts; default 0.
-    pub start: usize,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for CurveOptions<'_> {
-    fn default() -> Self {
-        Self {
-            mode: Mode::default(),
-            open: false,
-            count: Count::default(),
-            steiner: true,
-            candidates: 5,
-            start: 0,
-            progress: Progress::none(),
-        }
+options! {
+    /// Options of [`CurveSolver::reconstruct`].
+    #[derive(Debug, Clone)]
+    pub struct CurveOptions<'a> {
+        /// The method.
+        mode: Mode = Mode::Robust;
+        /// Whether the curve is open, from one end to the other.
+        open: bool = false;
+        /// The number of curves.
+        count: Count = Count::Automatic;
+        /// In the robust mode, whether vertices may be inserted in the middle of edges where there
+        /// is no other path.
+        steiner: bool = true;
+        /// In the faithful mode, l, the number of nearest samples among which the next one is
+        /// chosen.
+        candidates: usize = 5, range "at least 1";
+        /// In the faithful mode, the index of the sample at which the curve starts.
+        start: usize = 0, range "below the number of samples";
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { CurveOptions<'a> {
-    mode: Mode,
-    open: bool,
-    count: Count,
-    steiner: bool,
-    candidates: usize,
-    start: usize,
-    #[into] progress: Progress<'a>,
-}}
 
 /// Finds curves on a mesh. The solver is created in O(V + F), and serves many reconstructions,
 /// which visit only the surroundings of the samples.

@@ -9,34 +9,23 @@ use rstar::primitives::GeomWithData;
 
 use super::vector::{Vector, cross, distance, dot, sub, unit};
 use super::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
-use catamaran::base::{Error, Par, Result, Rng, builder};
+use catamaran::base::{Error, Par, Result, Rng, options};
 use catamaran::dense::symmetric_eigen;
 use catamaran::sparse::Mass;
 
-/// Options of [`cloud_laplacian`].
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct CloudOptions {
-    /// Number of nearest points with which each point is triangulated; default 30, at least 3.
-    pub neighbours: usize,
-    /// Condition at the boundary, which consists of the points around which the triangles leave a
-    /// gap. Default [`Boundary::Neumann`].
-    pub boundary: Boundary,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-}
-
-impl Default for CloudOptions {
-    fn default() -> Self {
-        Self { neighbours: 30, boundary: Boundary::Neumann, par: Par::all() }
+options! {
+    /// Options of [`cloud_laplacian`].
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct CloudOptions {
+        /// Number of nearest points with which each point is triangulated.
+        neighbours: usize = 30, check(at least 3);
+        /// Condition at the boundary, which consists of the points around which the triangles leave
+        /// a gap.
+        boundary: Boundary = Boundary::Neumann;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
     }
 }
-
-builder! { CloudOptions {
-    neighbours: usize,
-    boundary: Boundary,
-    par: Par,
-}}
 
 /// Points that a thread triangulates at a time.
 const BLOCK: usize = 256;
@@ -99,10 +88,7 @@ struct Triangles {
 }
 
 fn triangles(points: &[[f64; 3]], options: &CloudOptions) -> Result<Triangles> {
-    if options.neighbours < 3 {
-        let why = format!("must be at least 3, is {}", options.neighbours);
-        return Err(Error::Argument { what: "neighbours", why });
-    }
+    options.check_ranges()?;
     for (i, p) in points.iter().enumerate() {
         if let Some(j) = p.iter().position(|x| !x.is_finite()) {
             return Err(Error::NonFinite { what: "points", index: (i, j) });

@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::basis::Basis;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
-use catamaran::base::{Par, Progress, Result, builder, check_request};
+use catamaran::base::{Par, Progress, Result, check_request, options};
 use catamaran::dense::zeros;
 use catamaran::ortho::{
     Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place,
@@ -30,30 +30,18 @@ pub enum Orthogonalization {
     RankRevealing,
 }
 
-/// Options of [`ProductBasis::new`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct ProductBasisOptions<'a> {
-    /// The method; default [`Orthogonalization::SinglePass`].
-    pub orthogonalization: Orthogonalization,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for ProductBasisOptions<'_> {
-    fn default() -> Self {
-        let orthogonalization = Orthogonalization::default();
-        Self { orthogonalization, par: Par::all(), progress: Progress::none() }
+options! {
+    /// Options of [`ProductBasis::new`].
+    #[derive(Debug, Clone)]
+    pub struct ProductBasisOptions<'a> {
+        /// The method.
+        orthogonalization: Orthogonalization = Orthogonalization::SinglePass;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { ProductBasisOptions<'a> {
-    orthogonalization: Orthogonalization,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}
 
 /// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order,
 /// orthogonalized.

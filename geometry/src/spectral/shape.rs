@@ -7,38 +7,26 @@ use crate::mesh::vector::{add, cross, dot, doubled_normal, norm, scale, sub};
 use crate::mesh::{
     Boundary, Edges, Laplacian, LaplacianOptions, TriMesh, free_components, laplacian,
 };
-use catamaran::base::{Error, Par, Progress, Result, at_least_zero, builder};
+use catamaran::base::{Error, Par, Progress, Result, options};
 use catamaran::dense::{
     cholesky, lower_solve_in_place, transposed_product, upper_solve_in_place, zeros,
 };
 use catamaran::sparse::{EigenOptions, Factor, Inverse, Shifted, Symbolic, eigs};
 
-/// Options of [`shape_from_spectrum`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct ShapeOptions<'a> {
-    /// Maximum number of steps. Default 60.
-    pub steps: usize,
-    /// Mean relative difference of eigenvalues at which the deformation stops. Default 1e-3.
-    pub tolerance: f64,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for ShapeOptions<'_> {
-    fn default() -> Self {
-        Self { steps: 60, tolerance: 1e-3, par: Par::all(), progress: Progress::none() }
+options! {
+    /// Options of [`shape_from_spectrum`].
+    #[derive(Debug, Clone)]
+    pub struct ShapeOptions<'a> {
+        /// Maximum number of steps.
+        steps: usize = 60;
+        /// Mean relative difference of eigenvalues at which the deformation stops.
+        tolerance: f64 = 1e-3, check(at least 0);
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { ShapeOptions<'a> {
-    steps: usize,
-    tolerance: f64,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}
 
 /// A template that [`shape_from_spectrum`] deformed.
 #[derive(Debug, Clone)]
@@ -88,7 +76,7 @@ pub fn shape_from_spectrum(
     options: &ShapeOptions<'_>,
 ) -> Result<ShapeFromSpectrum> {
     check(template, eigenvalues)?;
-    at_least_zero("tolerance", options.tolerance)?;
+    options.check_ranges()?;
     let wanted = Wanted::new(template, eigenvalues, options.par)?;
     let as_given = wanted.shape(template.vertices().to_vec())?;
     // Eigenvalues scale with 1 / length^2.

@@ -4,37 +4,24 @@
 //! solids (2006).
 
 use crate::mesh::{LaplacianOptions, TriMesh, free_components, laplacian};
-use catamaran::base::{Error, Par, Progress, Result, builder};
+use catamaran::base::{Error, Par, Progress, Result, options};
 use catamaran::sparse::{EigenOptions, eigs};
 
-/// Options of [`shape_dna`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct ShapeDnaOptions<'a> {
-    /// Number of eigenvalues, more than there are zeros ([`free_components`]); default 20.
-    pub k: usize,
-    /// Whether the eigenvalues are multiplied by the area, so that they do not depend on the size
-    /// of the shape; default true.
-    pub normalized: bool,
-    /// Options of the Laplacian, including the boundary condition and threads.
-    pub laplacian: LaplacianOptions,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for ShapeDnaOptions<'_> {
-    fn default() -> Self {
-        let laplacian = LaplacianOptions::default();
-        Self { k: 20, normalized: true, laplacian, progress: Progress::none() }
+options! {
+    /// Options of [`shape_dna`].
+    #[derive(Debug, Clone)]
+    pub struct ShapeDnaOptions<'a> {
+        /// Number of eigenvalues; [`free_components`] returns the number of zeros among them.
+        k: usize = 20, range "more than the number of zeros";
+        /// Whether the eigenvalues are multiplied by the area, so that they do not depend on the
+        /// size of the shape.
+        normalized: bool = true;
+        /// Options of the Laplacian, including the boundary condition and threads.
+        laplacian: LaplacianOptions = LaplacianOptions::new();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { ShapeDnaOptions<'a> {
-    k: usize,
-    normalized: bool,
-    laplacian: LaplacianOptions,
-    #[into] progress: Progress<'a>,
-}}
 
 /// Computes the k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or
 /// without unit if they are normalized by the area. As many of them are 0 as the surface has

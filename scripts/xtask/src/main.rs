@@ -7,6 +7,7 @@ mod generated;
 mod header;
 mod msrv;
 mod notice;
+mod options;
 mod packages;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,8 @@ cargo xtask header            write include/catamaran.h and capi/src/absent.rs f
 cargo xtask header --check    fail if they are not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written
+cargo xtask options           write docs/guide/options.md from the structs of options
+cargo xtask options --check   fail if it is not what would be written
 cargo xtask msrv              fail if a dependency needs a newer Rust than we promise";
 
 fn main() -> ExitCode {
@@ -27,6 +30,8 @@ fn main() -> ExitCode {
         ["header", "--check"] => header::HEADER.check(&root()).and(absent::ABSENT.check(&root())),
         ["notice"] => notice::NOTICE.write(&root()),
         ["notice", "--check"] => notice::NOTICE.check(&root()),
+        ["options"] => options::OPTIONS.write(&root()),
+        ["options", "--check"] => options::OPTIONS.check(&root()),
         ["msrv"] => msrv::check(&root()),
         ["help" | "--help"] => {
             println!("{HELP}");

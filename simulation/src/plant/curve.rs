@@ -1,6 +1,6 @@
 use super::soil::{Rewatering, Soil};
 use super::stomata::Stomata;
-use catamaran::base::{Par, Progress, builder};
+use catamaran::base::{Par, Progress, options};
 
 /// The method by which the water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,57 +51,35 @@ impl Interval {
     }
 }
 
-/// Options of [`water_curve`](super::water_curve).
-///
-/// ```
-/// use catamaran_simulation::plant::{CurveOptions, Interval, WaterModel, WaterOptions, families, water_curve};
-///
-/// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
-/// let options = CurveOptions::new().cycle(Interval::day_and_night(1.5e-5));
-/// let curve = water_curve(&model, &model.full(), &[0.0, 86_400.0], &options)?;
-/// assert!(curve[1][0] < curve[0][0]);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct CurveOptions<'a> {
-    /// The method; default [`Method::Auto`].
-    pub method: Method,
-    /// Losses of a cycle that repeats from time 0, such as a day and a night. Empty by default: the
-    /// loss of the model.
-    pub cycle: Vec<Interval>,
-    /// The response of stomata to drought; `None` (default) keeps them open.
-    pub stomata: Option<Stomata>,
-    /// The soil; `None` (default) leaves only [`WaterOptions::intake`](super::WaterOptions).
-    pub soil: Option<Soil>,
-    /// When the soil is watered, in any order; requires a soil.
-    pub rewatering: Vec<Rewatering>,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for CurveOptions<'_> {
-    fn default() -> Self {
-        Self {
-            method: Method::Auto,
-            cycle: vec![],
-            stomata: None,
-            soil: None,
-            rewatering: vec![],
-            par: Par::all(),
-            progress: Progress::none(),
-        }
+options! {
+    /// Options of [`water_curve`](super::water_curve).
+    ///
+    /// ```
+    /// use catamaran_simulation::plant::{CurveOptions, Interval, WaterModel, WaterOptions};
+    /// use catamaran_simulation::plant::{families, water_curve};
+    ///
+    /// let model = WaterModel::new(&families::chain(10, 0.3, 1e-3)?, &WaterOptions::new())?;
+    /// let options = CurveOptions::new().cycle(Interval::day_and_night(1.5e-5));
+    /// let curve = water_curve(&model, &model.full(), &[0.0, 86_400.0], &options)?;
+    /// assert!(curve[1][0] < curve[0][0]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    #[derive(Debug, Clone)]
+    pub struct CurveOptions<'a> {
+        /// The method.
+        method: Method = Method::Auto;
+        /// Losses of a cycle that repeats from time 0, such as a day and a night. Without a cycle,
+        /// leaves lose the loss of the model.
+        cycle: Vec<Interval> = Vec::new();
+        /// The response of stomata to drought; `None` keeps them open.
+        stomata: Option<Stomata> = None;
+        /// The soil; `None` leaves only [`WaterOptions::intake`](super::WaterOptions).
+        soil: Option<Soil> = None;
+        /// When the soil is watered, in any order; requires a soil.
+        rewatering: Vec<Rewatering> = Vec::new();
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { CurveOptions<'a> {
-    method: Method,
-    cycle: Vec<Interval>,
-    stomata: Option<Stomata>,
-    soil: Option<Soil>,
-    rewatering: Vec<Rewatering>,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use super::{Plant, Segment};
-use catamaran::base::{Result, Rng, at_least, builder, check_request, finite, positive, reserved};
+use catamaran::base::{Result, Rng, check_request, options, reserved};
 use catamaran_geometry::mesh::vector::{add, cross, dot, scale, unit};
 
 /// Number of segments of an internode.
@@ -19,35 +19,22 @@ const LIFE: u32 = 24;
 /// The divergence of successive laterals, 137.5 degrees.
 const GOLDEN_ANGLE: f64 = PI * 0.763_932_022_500_210_3;
 
-/// Options of [`grow`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct GrowthOptions {
-    /// Number of nodes, at least 1. Default 500.
-    pub nodes: usize,
-    /// Seed of the variation of angles. Default 0.
-    pub seed: u64,
-    /// The radius of the stem at the ground, in metres. Default 2 mm.
-    pub radius: f64,
-    /// The length of the first internode, in metres. Default 2.5 cm.
-    pub internode: f64,
-    /// The angle between a branch and its axis, in radians. Default 0.9.
-    pub branching: f64,
-}
-
-impl Default for GrowthOptions {
-    fn default() -> Self {
-        Self { nodes: 500, seed: 0, radius: 2e-3, internode: 0.025, branching: 0.9 }
+options! {
+    /// Options of [`grow`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct GrowthOptions {
+        /// Number of nodes.
+        nodes: usize = 500, check(at least 1);
+        /// Seed of the variation of angles.
+        seed: u64 = 0;
+        /// The radius of the stem at the ground.
+        radius: f64 = 2e-3, unit "m", check(positive);
+        /// The length of the first internode.
+        internode: f64 = 0.025, unit "m", check(positive);
+        /// The angle between a branch and its axis.
+        branching: f64 = 0.9, unit "rad", check(finite);
     }
 }
-
-builder! { GrowthOptions {
-    nodes: usize,
-    seed: u64,
-    radius: f64,
-    internode: f64,
-    branching: f64,
-}}
 
 /// A bud: the state of the turtle, and the parameters of the module.
 struct Bud {
@@ -127,10 +114,7 @@ impl Bud {
 /// [`Error::Argument`](catamaran::Error::Argument) names an option out of its range;
 /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory).
 pub fn grow(options: &GrowthOptions) -> Result<Plant> {
-    at_least("nodes", options.nodes, 1)?;
-    positive("radius", options.radius)?;
-    positive("internode", options.internode)?;
-    finite("branching", options.branching)?;
+    options.check_ranges()?;
     /// Bytes of a node while the plant grows: its segment, its place in the tree, and its bud.
     const NODE: f64 = 200.0;
     let request = format_args!("a plant of {} nodes", options.nodes);

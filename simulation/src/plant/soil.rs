@@ -63,7 +63,7 @@ impl Soil {
     }
 }
 
-builder! { setters only Soil {
+builder! { Soil {
     content: f64,
     conductance: Option<f64>,
     half: f64,

@@ -1,40 +1,30 @@
-use catamaran::base::{Error, Result, at_least_zero, builder, finite};
+use catamaran::base::{Error, Result, at_least_zero, finite, options};
 
-/// Stomata that close as the leaf dries. A leaf of relative water content w loses `delta A f(w) w`
-/// instead of `delta A w`, with the logistic function
-///
-/// `f(w) = (1 + exp(s (x - 1))) / (1 + exp(s (x - w)))`,
-///
-/// which is 1 for full cells. One factor for each stimulus of stomata goes back to Jarvis (1976).
-/// This factor is that of Tuzet, Perrier and Leuning (2003) for the water potential, which is
-/// linear in w here. The thesis leaves stomata for future work (section 4.6).
-///
-/// ```
-/// use catamaran_simulation::plant::Stomata;
-///
-/// let stomata = Stomata::new().half(0.8).steepness(25.0);
-/// assert_eq!(stomata.openness(1.0), 1.0);
-/// assert!((stomata.openness(0.8) - 0.5).abs() < 0.01 && stomata.openness(0.5) < 1e-3);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Stomata {
-    /// x, the relative water content at which stomata are about half closed. Default 0.8.
-    pub half: f64,
-    /// s, the steepness of the closing, at least 0; with 0 they stay open. Default 25.
-    pub steepness: f64,
-}
-
-impl Default for Stomata {
-    fn default() -> Self {
-        Self { half: 0.8, steepness: 25.0 }
+options! {
+    /// Stomata that close as the leaf dries. A leaf of relative water content w loses
+    /// `delta A f(w) w` instead of `delta A w`, with the logistic function
+    ///
+    /// `f(w) = (1 + exp(s (x - 1))) / (1 + exp(s (x - w)))`,
+    ///
+    /// which is 1 for full cells. One factor for each stimulus of stomata goes back to Jarvis
+    /// (1976). This factor is that of Tuzet, Perrier and Leuning (2003) for the water potential,
+    /// which is linear in w here. The thesis leaves stomata for future work (section 4.6).
+    ///
+    /// ```
+    /// use catamaran_simulation::plant::Stomata;
+    ///
+    /// let stomata = Stomata::new().half(0.8).steepness(25.0);
+    /// assert_eq!(stomata.openness(1.0), 1.0);
+    /// assert!((stomata.openness(0.8) - 0.5).abs() < 0.01 && stomata.openness(0.5) < 1e-3);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Stomata {
+        /// x, the relative water content at which stomata are about half closed.
+        half: f64 = 0.8, range "finite";
+        /// s, the steepness of the closing; with 0 they stay open.
+        steepness: f64 = 25.0, range "at least 0";
     }
 }
-
-builder! { Stomata {
-    half: f64,
-    steepness: f64,
-}}
 
 impl Stomata {
     /// Returns f: the loss of a leaf of this relative water content relative to its loss with open

@@ -9,73 +9,39 @@ use super::walk::Walk;
 use super::water::WaterModel;
 use super::wilt::{check_frames, settle};
 use super::wind::{Gusts, Wind};
-use catamaran::base::{Error, Par, Progress, Result, at_least, at_least_zero, builder, positive};
+use catamaran::base::{Error, Par, Progress, Result, options};
 
-/// Options of [`sway`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct SwayOptions<'a> {
-    /// Duration of the drought, in seconds. Default 0.
-    pub drought: f64,
-    /// Duration of the motion, in seconds. Default 10.
-    pub seconds: f64,
-    /// Number of frames after the first, at equal times, at least 1. Default 240.
-    pub frames: usize,
-    /// The law from water to stiffness, one for all segments or by classes; default that of
-    /// [`Elasticity`](super::Elasticity).
-    pub elasticity: Tissue,
-    /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
-    pub cycle: Vec<Interval>,
-    /// As [`CurveOptions::stomata`].
-    pub stomata: Option<Stomata>,
-    /// As [`CurveOptions::soil`].
-    pub soil: Option<Soil>,
-    /// As [`CurveOptions::rewatering`].
-    pub rewatering: Vec<Rewatering>,
-    /// The options of the motion. Steps are shortened, if needed, so that frames are at multiples
-    /// of them.
-    pub motion: MotionOptions,
-    /// The wind; by default there is no air.
-    pub wind: Option<Wind>,
-    /// Threads of the water; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for SwayOptions<'_> {
-    fn default() -> Self {
-        Self {
-            drought: 0.0,
-            seconds: 10.0,
-            frames: 240,
-            elasticity: Tissue::default(),
-            cycle: vec![],
-            stomata: None,
-            soil: None,
-            rewatering: vec![],
-            motion: MotionOptions::default(),
-            wind: None,
-            par: Par::all(),
-            progress: Progress::none(),
-        }
+options! {
+    /// Options of [`sway`].
+    #[derive(Debug, Clone)]
+    pub struct SwayOptions<'a> {
+        /// Duration of the drought.
+        drought: f64 = 0.0, unit "s", check(at least 0);
+        /// Duration of the motion.
+        seconds: f64 = 10.0, unit "s", check(positive);
+        /// Number of frames after the first, at equal times.
+        frames: usize = 240, check(at least 1);
+        /// The law from water to stiffness, one for all segments or by classes.
+        elasticity: Tissue = Tissue::default(), setter into;
+        /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
+        cycle: Vec<Interval> = Vec::new();
+        /// As [`CurveOptions::stomata`].
+        stomata: Option<Stomata> = None;
+        /// As [`CurveOptions::soil`].
+        soil: Option<Soil> = None;
+        /// As [`CurveOptions::rewatering`].
+        rewatering: Vec<Rewatering> = Vec::new();
+        /// The options of the motion. Steps are shortened, if needed, so that frames are at
+        /// multiples of them.
+        motion: MotionOptions = MotionOptions::new();
+        /// The wind; `None`: there is no air.
+        wind: Option<Wind> = None;
+        /// Threads of the water. Their number does not change the result.
+        par: Par = Par::all();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { SwayOptions<'a> {
-    drought: f64,
-    seconds: f64,
-    frames: usize,
-    #[into] elasticity: Tissue,
-    cycle: Vec<Interval>,
-    stomata: Option<Stomata>,
-    soil: Option<Soil>,
-    rewatering: Vec<Rewatering>,
-    motion: MotionOptions,
-    wind: Option<Wind>,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}
 
 /// The result of [`sway`]: a plant in motion, frame by frame. In the first frame it is at rest.
 #[derive(Debug, Clone)]
@@ -155,10 +121,8 @@ fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
 /// [`Tissue::moduli`], [`Rods::relax`] and [`Motion::step`]; [`Error::Cancelled`],
 /// [`Error::OutOfMemory`].
 pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Result<Sway> {
-    at_least_zero("drought", options.drought)?;
-    positive("seconds", options.seconds)?;
-    positive("step", options.motion.step)?;
-    at_least("frames", options.frames, 1)?;
+    options.check_ranges()?;
+    options.motion.check_ranges()?;
     let frame = options.seconds / options.frames as f64;
     // A step that exceeds the interval by rounding only counts as fitting.
     let steps = (frame / options.motion.step - 1e-9).ceil().max(1.0);

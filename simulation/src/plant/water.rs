@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::Plant;
 use super::elimination::{Factor, Order};
-use catamaran::base::{Error, Par, Result, at_least_zero, builder, positive, zeros};
+use catamaran::base::{Error, Par, Result, at_least_zero, options, positive, zeros};
 
 /// The law of the conductance of segments along their axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,47 +25,25 @@ pub enum Conductivity {
     },
 }
 
-/// The constants of the water of a plant, in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct WaterOptions {
-    /// Loss of a square metre of leaf with full cells, in kg / (s m^2), at least 0. Typical losses
-    /// are 15 to 250 g / (h m^2) by day and 1 to 20 by night (thesis, section 4.3.1;
-    /// [`grams_per_hour`]). Default 60 g / (h m^2).
-    pub loss: f64,
-    /// The conductance of segments; default [`Conductivity::Pipe`] with scale 1e-9.
-    pub conductivity: Conductivity,
-    /// The pressure in full cells, in Pa: `P = modulus * theta / theta_full`. Default 1 MPa.
-    pub modulus: f64,
-    /// The viscosity of the sap, in Pa s. Default 1e-3.
-    pub viscosity: f64,
-    /// Water in a cubic metre of full tissue, in kg. Default 1000.
-    pub density: f64,
-    /// Intake of the root from the soil, in kg / s. Default 0: drought.
-    pub intake: f64,
-}
-
-impl Default for WaterOptions {
-    fn default() -> Self {
-        Self {
-            loss: grams_per_hour(60.0),
-            conductivity: Conductivity::Pipe { scale: 1e-9 },
-            modulus: 1e6,
-            viscosity: 1e-3,
-            density: 1000.0,
-            intake: 0.0,
-        }
+options! {
+    /// The constants of the water of a plant, in SI units.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct WaterOptions {
+        /// Loss of a square metre of leaf with full cells. Typical losses are 15 to 250 g / (h m^2)
+        /// by day and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]).
+        loss: f64 = grams_per_hour(60.0), unit "kg / (s m^2)", check(at least 0);
+        /// The conductance of segments.
+        conductivity: Conductivity = Conductivity::Pipe { scale: 1e-9 };
+        /// The pressure in full cells: `P = modulus * theta / theta_full`.
+        modulus: f64 = 1e6, unit "Pa", check(positive);
+        /// The viscosity of the sap.
+        viscosity: f64 = 1e-3, unit "Pa s", check(positive);
+        /// Water in a cubic metre of full tissue.
+        density: f64 = 1000.0, unit "kg / m^3", check(positive);
+        /// Intake of the root from the soil; 0 in a drought.
+        intake: f64 = 0.0, unit "kg / s", check(at least 0);
     }
 }
-
-builder! { WaterOptions {
-    loss: f64,
-    conductivity: Conductivity,
-    modulus: f64,
-    viscosity: f64,
-    density: f64,
-    intake: f64,
-}}
 
 /// Converts a loss from g / (h m^2) to kg / (s m^2).
 ///
@@ -120,9 +98,7 @@ impl WaterModel {
     /// conductance or volume is 0 or infinite in `f64`; [`Error::OutOfMemory`].
     pub fn new(plant: &Plant, options: &WaterOptions) -> Result<Self> {
         let WaterOptions { conductivity, modulus, viscosity, density, .. } = *options;
-        positive("modulus", modulus)?;
-        positive("viscosity", viscosity)?;
-        positive("density", density)?;
+        options.check_ranges()?;
         match conductivity {
             Conductivity::Pipe { scale } => positive("conductivity scale", scale)?,
             Conductivity::Power { a, .. } => positive("conductivity a", a)?,

@@ -5,7 +5,7 @@ use super::soil::{Balance, Rewatering, Soil};
 use super::stomata::Stomata;
 use super::tissue::Tissue;
 use super::water::WaterModel;
-use catamaran::base::{Error, Par, Progress, Result, builder, check_request};
+use catamaran::base::{Error, Par, Progress, Result, check_request, options};
 
 /// Torque out of balance, relative to the largest torque of a weight, below which the error of a
 /// pose is invisible.
@@ -14,50 +14,26 @@ const SEEN: f64 = 1e-4;
 /// Share of the progress that the water takes; the rest is for poses.
 const WATER_SHARE: f64 = 0.2;
 
-/// Options of [`wilt`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct WiltOptions<'a> {
-    /// The law from water to stiffness, one for all segments or by classes; default that of
-    /// [`Elasticity`](super::Elasticity).
-    pub elasticity: Tissue,
-    /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
-    pub cycle: Vec<Interval>,
-    /// As [`CurveOptions::stomata`].
-    pub stomata: Option<Stomata>,
-    /// As [`CurveOptions::soil`].
-    pub soil: Option<Soil>,
-    /// As [`CurveOptions::rewatering`].
-    pub rewatering: Vec<Rewatering>,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for WiltOptions<'_> {
-    fn default() -> Self {
-        Self {
-            elasticity: Tissue::default(),
-            cycle: vec![],
-            stomata: None,
-            soil: None,
-            rewatering: vec![],
-            par: Par::all(),
-            progress: Progress::none(),
-        }
+options! {
+    /// Options of [`wilt`].
+    #[derive(Debug, Clone)]
+    pub struct WiltOptions<'a> {
+        /// The law from water to stiffness, one for all segments or by classes.
+        elasticity: Tissue = Tissue::default(), setter into;
+        /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
+        cycle: Vec<Interval> = Vec::new();
+        /// As [`CurveOptions::stomata`].
+        stomata: Option<Stomata> = None;
+        /// As [`CurveOptions::soil`].
+        soil: Option<Soil> = None;
+        /// As [`CurveOptions::rewatering`].
+        rewatering: Vec<Rewatering> = Vec::new();
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { WiltOptions<'a> {
-    #[into] elasticity: Tissue,
-    cycle: Vec<Interval>,
-    stomata: Option<Stomata>,
-    soil: Option<Soil>,
-    rewatering: Vec<Rewatering>,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}
 
 /// The result of [`wilt`], with an entry for each time.
 #[derive(Debug, Clone)]

@@ -1,33 +1,20 @@
-use catamaran::base::{Error, Result, Rng, at_least_zero, builder, positive};
+use catamaran::base::{Error, Result, Rng, options};
 
-/// A wind that is uniform over the plant, with gusts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Wind {
-    /// The mean velocity, in m / s. Default 0: still air, which damps motion.
-    pub velocity: [f64; 3],
-    /// The turbulence intensity: the standard deviation of each component of the velocity, relative
-    /// to the mean speed. Default 0.2.
-    pub turbulence: f64,
-    /// The correlation time of gusts: the time in which a gust decays by a factor of e, in s.
-    /// Default 1.
-    pub memory: f64,
-    /// Seed of the gusts. Default 0.
-    pub seed: u64,
-}
-
-impl Default for Wind {
-    fn default() -> Self {
-        Self { velocity: [0.0; 3], turbulence: 0.2, memory: 1.0, seed: 0 }
+options! {
+    /// A wind that is uniform over the plant, with gusts.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Wind {
+        /// The mean velocity; 0 is still air, which damps motion.
+        velocity: [f64; 3] = [0.0; 3], unit "m / s", range "finite";
+        /// The turbulence intensity: the standard deviation of each component of the velocity,
+        /// relative to the mean speed.
+        turbulence: f64 = 0.2, check(at least 0);
+        /// The correlation time of gusts: the time in which a gust decays by a factor of e.
+        memory: f64 = 1.0, unit "s", check(positive);
+        /// Seed of the gusts.
+        seed: u64 = 0;
     }
 }
-
-builder! { Wind {
-    velocity: [f64; 3],
-    turbulence: f64,
-    memory: f64,
-    seed: u64,
-}}
 
 /// The wind as a function of time: around the mean, each component is an Ornstein-Uhlenbeck
 /// process, stationary from the beginning and exact for every step.
@@ -57,8 +44,7 @@ impl Gusts {
             let why = format!("the velocity must be finite, is {:?}", wind.velocity);
             return Err(Error::Argument { what: "wind", why });
         }
-        at_least_zero("turbulence", wind.turbulence)?;
-        positive("memory", wind.memory)?;
+        wind.check_ranges()?;
         let mut rng = Rng::new(wind.seed);
         let present = [(); 3].map(|()| rng.normal());
         Ok(Self { wind: *wind, rng, present })

@@ -4,44 +4,29 @@
 use super::margin::margin;
 use super::relief::{normal_colors, normal_map};
 use super::slime::{Blur, Options, Parameters, Simulation, diffuse_border, diffuse_row};
-use catamaran::base::{Error, Par, Result, builder, reserved, within, zeros};
+use catamaran::base::{Error, Par, Result, builder, options, reserved, within, zeros};
 
-/// The appearance of a part of a surface: colour, roughness, metalness, height and glow.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Finish {
-    /// Colour in sRGB; for a metal, the colour that it reflects.
-    pub color: [u8; 3],
-    /// From 0, a mirror, to 1, matte.
-    pub roughness: f64,
-    /// 1 for metal, 0 otherwise.
-    pub metalness: f64,
-    /// From -1 to 1; [`Look::depth`] is the height of 1.
-    pub height: f64,
-    /// Share of its colour that the surface emits, from 0 to 1.
-    pub glow: f64,
-}
-
-impl Default for Finish {
-    fn default() -> Self {
-        Self { color: [40, 44, 52], roughness: 0.8, metalness: 0.0, height: 0.0, glow: 0.0 }
+options! {
+    /// The appearance of a part of a surface: colour, roughness, metalness, height and glow.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Finish {
+        /// Colour in sRGB; for a metal, the colour that it reflects.
+        color: [u8; 3] = [40, 44, 52];
+        /// 0 for a mirror, 1 for a matte surface.
+        roughness: f64 = 0.8, check(from 0.0 to 1.0);
+        /// 1 for metal, 0 otherwise.
+        metalness: f64 = 0.0, check(from 0.0 to 1.0);
+        /// The height of the surface, in units of [`Look::depth`].
+        height: f64 = 0.0, check(from -1.0 to 1.0);
+        /// Share of its colour that the surface emits.
+        glow: f64 = 0.0, range "from 0 to 1";
     }
 }
-
-builder! { Finish {
-    color: [u8; 3],
-    roughness: f64,
-    metalness: f64,
-    height: f64,
-    glow: f64,
-}}
 
 impl Finish {
     /// Returns an error unless every number is in its range; the glow may be up to `glow`.
     pub(super) fn check(&self, glow: f64) -> Result<()> {
-        within("roughness", self.roughness, 0.0, 1.0)?;
-        within("metalness", self.metalness, 0.0, 1.0)?;
-        within("height", self.height, -1.0, 1.0)?;
+        self.check_ranges()?;
         within("glow", self.glow, 0.0, glow)
     }
 }
@@ -65,7 +50,7 @@ pub struct Look {
     pub smoothing: u32,
 }
 
-builder! { setters only Look {
+builder! { Look {
     bare: Finish,
     #[into]
     species: Vec<Finish>,
@@ -190,7 +175,7 @@ impl Look {
             return Err(Error::Argument { what: "species", why });
         }
         within("depth", self.depth, 0.0, 100.0)?;
-        within("smoothing", f64::from(self.smoothing), 0.0, 64.0)?;
+        within("smoothing", self.smoothing, 0, 64)?;
         let [low, high] = self.mask;
         within("mask", low, 0.0, 1.0)?;
         within("mask", high, 0.0, 1.0)?;

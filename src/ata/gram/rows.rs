@@ -17,7 +17,7 @@ use super::stream::stream;
 use crate::ata::ata;
 use crate::ata::combine::in_lower;
 use crate::ata::options::AtaOptions;
-use crate::base::{Error, Real, Result, Workspace, builder};
+use crate::base::{Error, Real, Result, Workspace, options};
 use crate::blas::BlasReal;
 
 /// What is subtracted from every row before the product.
@@ -33,28 +33,24 @@ pub enum Center<'a, T> {
     Given(&'a [T]),
 }
 
-/// How [`ata_rows`] treats the rows. The default changes nothing.
-///
-/// ```
-/// use catamaran::ata::{Center, RowOptions};
-///
-/// let weights = vec![1.0, 0.5, 2.0];
-/// let options = RowOptions::new().weights(&weights[..]).center(Center::Mean);
-/// assert_eq!(options.weights, Some(&[1.0, 0.5, 2.0][..]));
-/// ```
-#[derive(Debug, Clone, Copy, Default)]
-#[non_exhaustive]
-pub struct RowOptions<'a, T> {
-    /// m finite weights W, negative ones too: the product is `A^T diag(W) A`.
-    pub weights: Option<&'a [T]>,
-    /// Subtracted first.
-    pub center: Center<'a, T>,
+options! {
+    /// How [`ata_rows`] treats the rows. The default changes nothing.
+    ///
+    /// ```
+    /// use catamaran::ata::{Center, RowOptions};
+    ///
+    /// let weights = vec![1.0, 0.5, 2.0];
+    /// let options = RowOptions::new().weights(&weights[..]).center(Center::Mean);
+    /// assert_eq!(options.weights, Some(&[1.0, 0.5, 2.0][..]));
+    /// ```
+    #[derive(Debug, Clone, Copy)]
+    pub struct RowOptions<'a, T> {
+        /// m finite weights W, negative ones too: the product is `A^T diag(W) A`.
+        weights: Option<&'a [T]> = None, setter into;
+        /// Subtracted first.
+        center: Center<'a, T> = Center::No;
+    }
 }
-
-builder! { RowOptions<'a, T> {
-    #[into] weights: Option<&'a [T]>,
-    center: Center<'a, T>,
-}}
 
 impl<T: Real> RowOptions<'_, T> {
     /// Checks that the options fit m x n rows.

@@ -39,7 +39,7 @@ const OTHERS: [&str; 14] = [
     "classes",
 ];
 
-/// Structs with a builder that are not compared: those whose options must be given or are those of
+/// Structs with setters that are not compared: those whose options must be given or are those of
 /// other structs, and looks. `Options` are those of slime moulds, here `SlimeOptions`.
 const EXEMPT: [&str; 13] = [
     "Finish",
@@ -135,29 +135,37 @@ pub fn structs() -> Vec<&'static str> {
     all().into_iter().map(|(name, _)| name).chain(EXEMPT).collect()
 }
 
-/// The structs of the library that the macro `builder!` makes.
-pub fn builders() -> Vec<String> {
-    let mut found = Vec::new();
+/// The structs that the sources declare with the macro `options!`, and those of `builder!`.
+pub fn declared() -> [Vec<String>; 2] {
+    let mut found = [Vec::new(), Vec::new()];
     for folder in ["../src", "../geometry/src", "../simulation/src"] {
         collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
     }
-    assert!(found.len() > 25, "{found:?}");
     found
 }
 
-fn collect(folder: &Path, found: &mut Vec<String>) {
+fn collect(folder: &Path, found: &mut [Vec<String>; 2]) {
     for entry in std::fs::read_dir(folder).expect("a folder of src") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
             collect(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("builder.rs") {
+        } else if path.extension().is_some_and(|end| end == "rs") {
             let text = std::fs::read_to_string(&path).expect("a source file");
-            let starts = text.split("\nbuilder! {").skip(1);
-            let words = starts.filter_map(|start| {
-                let start = start.trim_start().trim_start_matches("setters only").trim_start();
-                start.split(|c: char| !c.is_alphanumeric()).next()
-            });
-            found.extend(words.map(str::to_owned));
+            let marks = [("\noptions! {", "pub struct "), ("\nbuilder! {", "")];
+            for (found, (start, before)) in found.iter_mut().zip(marks) {
+                let blocks = text.split(start).skip(1);
+                let names = blocks.filter_map(|block| block.split_once(before)).map(|(_, name)| {
+                    name.trim_start().split(|c: char| !c.is_alphanumeric()).next()
+                });
+                found.extend(names.flatten().map(str::to_owned));
+            }
         }
     }
+}
+
+/// The structs in the lists of options of the crates.
+pub fn listed() -> Vec<&'static str> {
+    let crates = [catamaran::OPTIONS, catamaran_geometry::OPTIONS, catamaran_simulation::OPTIONS];
+    let paths = crates.into_iter().flatten().map(|(path, _)| *path);
+    paths.map(|path| path.rsplit("::").next().unwrap_or(path)).collect()
 }

@@ -76,8 +76,19 @@ fn every_default_of_every_face_is_that_of_the_library() {
 
 #[test]
 fn every_struct_of_options_is_compared() {
-    let listed = library::structs();
-    let known = |name: &String| listed.contains(&name.as_str());
-    let forgotten: Vec<String> = library::builders().into_iter().filter(|s| !known(s)).collect();
+    let [with_defaults, others] = library::declared();
+    let known = library::structs();
+    let all = with_defaults.iter().chain(&others);
+    let forgotten: Vec<&String> = all.filter(|name| !known.contains(&name.as_str())).collect();
     assert!(forgotten.is_empty(), "compare or exempt: {forgotten:?}");
+}
+
+#[test]
+fn every_struct_of_options_is_in_the_list_of_its_crate() {
+    let [mut declared, _] = library::declared();
+    let mut listed = library::listed();
+    assert!(listed.len() > 25, "{listed:?}");
+    declared.sort();
+    listed.sort_unstable();
+    assert_eq!(declared, listed);
 }

@@ -8,38 +8,28 @@ use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
 use super::bounds::Bounds;
 use super::finer::finer;
-use catamaran::base::{Error, Par, Result, Sets, builder, positive};
+use catamaran::base::{Error, Par, Result, Sets, options};
 use catamaran::sparse::{Factor, Inverse, Mass, Symbolic};
 
 /// Smallest heat whose direction of flow is reliable: smaller numbers have lost digits.
 const COLD: f64 = 1e-290;
 
-/// Options of [`HeatMethod`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct HeatOptions {
-    /// Time of the heat flow, in units of the squared mean edge length of the triangulation on
-    /// which it flows; positive, default 1. A longer time gives smoother distances.
-    pub time: f64,
-    /// Triangulation on which heat flows; default [`LaplacianKind::Tufted`], the intrinsic Delaunay
-    /// triangulation for any mesh. On the triangles of the mesh itself
-    /// ([`LaplacianKind::Cotangent`]), long triangles can make distances wrong by half and more.
-    pub kind: LaplacianKind,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-}
-
-impl Default for HeatOptions {
-    fn default() -> Self {
-        Self { time: 1.0, kind: LaplacianKind::Tufted, par: Par::all() }
+options! {
+    /// Options of [`HeatMethod`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct HeatOptions {
+        /// Time of the heat flow, in units of the squared mean edge length of the triangulation on
+        /// which it flows. A longer time gives smoother distances.
+        time: f64 = 1.0, check(positive);
+        /// Triangulation on which heat flows: with [`LaplacianKind::Tufted`] the intrinsic Delaunay
+        /// triangulation for any mesh. On the triangles of the mesh itself
+        /// ([`LaplacianKind::Cotangent`]), long triangles can make distances wrong by half and
+        /// more.
+        kind: LaplacianKind = LaplacianKind::Tufted;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
     }
 }
-
-builder! { HeatOptions {
-    time: f64,
-    kind: LaplacianKind,
-    par: Par,
-}}
 
 /// Distances along the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in
 /// Heat (2013), with Neumann conditions at the boundary.
@@ -86,7 +76,7 @@ impl HeatMethod {
     /// [`LaplacianKind::Cotangent`]; those of [`laplacian`](fn@super::super::laplacian);
     /// [`Error::OutOfMemory`].
     pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
-        positive("time", options.time)?;
+        options.check_ranges()?;
         let vertices = mesh.vertices().len();
         let (mut triangles, mut mesh) = (Triangles::new(mesh, options)?, Cow::Borrowed(mesh));
         // Only now, so that errors name vertices and faces of the given mesh.

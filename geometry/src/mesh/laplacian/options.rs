@@ -1,6 +1,6 @@
 //! The options of a Laplacian.
 
-use catamaran::base::{Par, builder};
+use catamaran::base::{Par, options};
 
 /// The triangulation on which the functions are linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,43 +45,26 @@ pub enum Boundary {
     Mixed(Vec<u32>),
 }
 
-/// Options of [`laplacian()`](super::laplacian()).
-///
-/// ```
-/// use catamaran_geometry::mesh::{LaplacianKind, LaplacianOptions, MassKind, families, laplacian};
-///
-/// let options = LaplacianOptions::new().kind(LaplacianKind::Tufted).mass(MassKind::MixedVoronoi);
-/// let matrices = laplacian(&families::icosphere(1)?, &options)?;
-/// assert_eq!(matrices.kept.len(), 42);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct LaplacianOptions {
-    /// Triangulation; default [`LaplacianKind::Cotangent`].
-    pub kind: LaplacianKind,
-    /// Mass; default [`MassKind::Barycentric`].
-    pub mass: MassKind,
-    /// Boundary; default [`Boundary::Neumann`].
-    pub boundary: Boundary,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-}
-
-impl Default for LaplacianOptions {
-    fn default() -> Self {
-        Self {
-            kind: LaplacianKind::default(),
-            mass: MassKind::default(),
-            boundary: Boundary::default(),
-            par: Par::all(),
-        }
+options! {
+    /// Options of [`laplacian()`](super::laplacian()).
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::{LaplacianKind, LaplacianOptions, families, laplacian};
+    ///
+    /// let options = LaplacianOptions::new().kind(LaplacianKind::Tufted);
+    /// let matrices = laplacian(&families::icosphere(1)?, &options)?;
+    /// assert_eq!(matrices.kept.len(), 42);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct LaplacianOptions {
+        /// The triangulation.
+        kind: LaplacianKind = LaplacianKind::Cotangent;
+        /// How masses are distributed.
+        mass: MassKind = MassKind::Barycentric;
+        /// The condition at the boundary.
+        boundary: Boundary = Boundary::Neumann;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
     }
 }
-
-builder! { LaplacianOptions {
-    kind: LaplacianKind,
-    mass: MassKind,
-    boundary: Boundary,
-    par: Par,
-}}

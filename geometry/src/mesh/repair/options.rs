@@ -1,4 +1,4 @@
-use catamaran::base::builder;
+use catamaran::base::options;
 
 /// The vertices that [`repair`](super::repair()) joins.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -16,48 +16,37 @@ pub enum Weld {
     Seams,
 }
 
-/// Options of [`repair`](super::repair()): the steps to take. By default there are none.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[non_exhaustive]
-pub struct RepairOptions {
-    /// The vertices to join; faces that lose a corner thereby are left out.
-    pub weld: Weld,
-    /// Whether faces with the vertices of an earlier face, in any order, are left out.
-    pub drop_duplicates: bool,
-    /// Whether faces without area
-    /// ([`faces_without_area`](crate::mesh::TriMesh::faces_without_area)) are removed: by joining
-    /// two corners in one place, by flipping the longest edge, or, where the result of both would
-    /// not be a manifold, by leaving them out.
-    pub drop_degenerate: bool,
-    /// Whether vertices without a face are left out.
-    pub compact: bool,
-    /// Whether the mesh is cut along edges of more than two faces, and at vertices where the
-    /// surface meets itself.
-    pub cut: bool,
-    /// Number of components to keep: those with the most faces. All by default.
-    pub keep_largest: Option<usize>,
-    /// Components with less than this share of the area of the mesh, from 0 to 1, are left out.
-    /// None by default.
-    pub drop_specks: Option<f64>,
-    /// Holes of at most this many edges are filled. None by default.
-    pub fill_holes: Option<usize>,
-    /// Whether faces are flipped to agree with their neighbours, and in closed components so that
-    /// they are counter-clockwise as seen from outside. A closed component inside of an odd number
-    /// of others bounds a cavity, and its outside is the side of the cavity.
-    pub orient: bool,
+options! {
+    /// Options of [`repair`](super::repair()): the steps to take. By default there are none.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct RepairOptions {
+        /// The vertices to join; faces that lose a corner thereby are left out.
+        weld: Weld = Weld::Never;
+        /// Whether faces with the vertices of an earlier face, in any order, are left out.
+        drop_duplicates: bool = false;
+        /// Whether faces without area
+        /// ([`faces_without_area`](crate::mesh::TriMesh::faces_without_area)) are removed: by
+        /// joining two corners in one place, by flipping the longest edge, or, where the result of
+        /// both would not be a manifold, by leaving them out.
+        drop_degenerate: bool = false;
+        /// Whether vertices without a face are left out.
+        compact: bool = false;
+        /// Whether the mesh is cut along edges of more than two faces, and at vertices where the
+        /// surface meets itself.
+        cut: bool = false;
+        /// Number of components to keep: those with the most faces. `None`: all of them.
+        keep_largest: Option<usize> = None, setter into;
+        /// Components with less than this share of the area of the mesh are left out. `None`: no
+        /// component is.
+        drop_specks: Option<f64> = None, range "from 0 to 1", setter into;
+        /// Holes of at most this many edges are filled. `None`: no hole is.
+        fill_holes: Option<usize> = None, setter into;
+        /// Whether faces are flipped to agree with their neighbours, and in closed components so
+        /// that they are counter-clockwise as seen from outside. A closed component inside of an
+        /// odd number of others bounds a cavity, and its outside is the side of the cavity.
+        orient: bool = false;
+    }
 }
-
-builder! { RepairOptions {
-    weld: Weld,
-    drop_duplicates: bool,
-    drop_degenerate: bool,
-    compact: bool,
-    cut: bool,
-    #[into] keep_largest: Option<usize>,
-    #[into] drop_specks: Option<f64>,
-    #[into] fill_holes: Option<usize>,
-    orient: bool,
-}}
 
 impl RepairOptions {
     /// Returns options with all steps that need no number: [`Weld::Seams`], no components left out

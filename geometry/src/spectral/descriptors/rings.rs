@@ -31,7 +31,7 @@ impl RingOptions<'_> {
     }
 }
 
-builder! { setters only RingOptions<'a> {
+builder! { RingOptions<'a> {
     radius: f64,
     rings: usize,
     par: Par,

@@ -37,7 +37,7 @@ impl ShotOptions<'_> {
     }
 }
 
-builder! { setters only ShotOptions<'a> {
+builder! { ShotOptions<'a> {
     radius: f64,
     par: Par,
     #[into] progress: Progress<'a>,

@@ -3,7 +3,7 @@ use super::super::elasticity::Elasticity;
 use super::super::rods::RodOptions;
 use super::super::tissue::Tissue;
 use super::super::water::{WaterOptions, grams_per_hour};
-use catamaran::base::{Error, Par, Progress, Result, builder};
+use catamaran::base::{Error, Par, Progress, Result, options};
 
 /// The measurements of a plant that dries, beginning with full cells.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,58 +34,32 @@ impl Measurements {
     }
 }
 
-/// Options of [`fit`](super::fit()).
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct FitOptions<'a> {
-    /// Bounds of the loss delta, in kg / (s m^2). Default 0.1 to 5000 g / (h m^2).
-    pub loss: [f64; 2],
-    /// Bounds of the scale chi of the conductance. Default 1e-13 to 1e-4.
-    pub scale: [f64; 2],
-    /// Bounds of the steepness kappa. Default 0.5 to 100.
-    pub steepness: [f64; 2],
-    /// The other constants of the water.
-    pub water: WaterOptions,
-    /// The other constants of the stiffness, [`Elasticity::Relative`], and the start value of the
-    /// steepness. Each class has its own steepness.
-    pub elasticity: Tissue,
-    /// The options of the rods that the heights are computed with.
-    pub rods: RodOptions,
-    /// Whether there were nights ([`Interval::day_and_night`](super::super::Interval)). Default no.
-    pub nights: bool,
-    /// Threads; default [`Par::all`]. Does not change the result.
-    pub par: Par,
-    /// Callback for progress, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for FitOptions<'_> {
-    fn default() -> Self {
-        Self {
-            loss: [grams_per_hour(0.1), grams_per_hour(5000.0)],
-            scale: [1e-13, 1e-4],
-            steepness: [0.5, 100.0],
-            water: WaterOptions::default(),
-            elasticity: Tissue::default(),
-            rods: RodOptions::default(),
-            nights: false,
-            par: Par::all(),
-            progress: Progress::none(),
-        }
+options! {
+    /// Options of [`fit`](super::fit()).
+    #[derive(Debug, Clone)]
+    pub struct FitOptions<'a> {
+        /// Bounds of the loss delta.
+        loss: [f64; 2] = [grams_per_hour(0.1), grams_per_hour(5000.0)],
+            unit "kg / (s m^2)", range "positive and ascend";
+        /// Bounds of the scale chi of the conductance.
+        scale: [f64; 2] = [1e-13, 1e-4], range "positive and ascend";
+        /// Bounds of the steepness kappa.
+        steepness: [f64; 2] = [0.5, 100.0], range "positive and ascend";
+        /// The other constants of the water.
+        water: WaterOptions = WaterOptions::new();
+        /// The other constants of the stiffness, [`Elasticity::Relative`], and the start value of
+        /// the steepness. Each class has its own steepness.
+        elasticity: Tissue = Tissue::default(), setter into;
+        /// The options of the rods that the heights are computed with.
+        rods: RodOptions = RodOptions::new();
+        /// Whether there were nights ([`Interval::day_and_night`](super::super::Interval)).
+        nights: bool = false;
+        /// Threads. Their number does not change the result.
+        par: Par = Par::all();
+        /// Callback for progress, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { FitOptions<'a> {
-    loss: [f64; 2],
-    scale: [f64; 2],
-    steepness: [f64; 2],
-    water: WaterOptions,
-    #[into] elasticity: Tissue,
-    rods: RodOptions,
-    nights: bool,
-    par: Par,
-    #[into] progress: Progress<'a>,
-}}
 
 /// Returns an error that names a value out of its range.
 pub(super) fn check(

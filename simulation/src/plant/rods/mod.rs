@@ -14,32 +14,21 @@ pub use statics::{RelaxOptions, Relaxation};
 use self::small::{Matrix, NO_ROTATION, Quaternion, image, rotation_matrix};
 use super::Plant;
 use super::graph::NONE;
-use catamaran::base::{Error, Result, at_least_zero, builder, positive};
+use catamaran::base::{Error, Result, options, positive};
 use catamaran_geometry::mesh::vector::{Vector, scale, sub};
 
-/// The constants of rods, in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct RodOptions {
-    /// Acceleration of gravity, in m / s^2. Default (0, 0, -9.81).
-    pub gravity: [f64; 3],
-    /// Poisson's ratio nu, in (-1, 0.5]: the shear modulus is `E / (2 (1 + nu))`. Default 0.3.
-    pub poisson: f64,
-    /// Mass of a cubic metre of tissue without its water, in kg. Default 100.
-    pub dry_density: f64,
-}
-
-impl Default for RodOptions {
-    fn default() -> Self {
-        Self { gravity: [0.0, 0.0, -9.81], poisson: 0.3, dry_density: 100.0 }
+options! {
+    /// The constants of rods, in SI units.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct RodOptions {
+        /// Acceleration of gravity.
+        gravity: [f64; 3] = [0.0, 0.0, -9.81], unit "m / s^2", range "finite";
+        /// Poisson's ratio nu: the shear modulus is `E / (2 (1 + nu))`.
+        poisson: f64 = 0.3, check(above -1.0, at most 0.5);
+        /// Mass of a cubic metre of tissue without its water.
+        dry_density: f64 = 100.0, unit "kg / m^3", check(at least 0);
     }
 }
-
-builder! { RodOptions {
-    gravity: [f64; 3],
-    poisson: f64,
-    dry_density: f64,
-}}
 
 /// The positions and rotations of the segments.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,11 +86,7 @@ impl Rods {
     /// # Errors
     /// [`Error::Argument`] names an option out of its range.
     pub fn new(plant: &Plant, options: &RodOptions) -> Result<Self> {
-        at_least_zero("dry density", options.dry_density)?;
-        if !(options.poisson > -1.0 && options.poisson <= 0.5) {
-            let why = format!("must be above -1 and at most 0.5, is {}", options.poisson);
-            return Err(Error::Argument { what: "poisson", why });
-        }
+        options.check_ranges()?;
         if options.gravity.iter().any(|x| !x.is_finite()) {
             let why = format!("must be finite, is {:?}", options.gravity);
             return Err(Error::Argument { what: "gravity", why });

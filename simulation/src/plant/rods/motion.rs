@@ -12,27 +12,22 @@ use super::small::{
     logarithm, product, rotation_matrix, solve, solve_matrix, times, transposed, turned,
 };
 use super::{Pose, Rods, joint};
-use catamaran::base::{Error, Progress, Result, at_least_zero, builder, positive};
+use catamaran::base::{Error, Progress, Result, options};
 use catamaran_geometry::mesh::vector::{Vector, dot, norm, scale, sub};
 
-/// Options of [`Motion`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct MotionOptions {
-    /// Duration of a step, in seconds. Default 1 / 60.
-    pub step: f64,
-    /// Largest number of Newton iterations of a step. Default 3.
-    pub iterations: usize,
-    /// The rate of decay of velocities, in 1 / s. Default 1.
-    pub damping: f64,
-    /// The drag coefficient of segments and leaves in the air of [`Motion::set_wind`]. Default 1.2,
-    /// that of a cylinder across the wind at Reynolds numbers of 10^2 to 10^5.
-    pub drag: f64,
-}
-
-impl Default for MotionOptions {
-    fn default() -> Self {
-        Self { step: 1.0 / 60.0, iterations: 3, damping: 1.0, drag: 1.2 }
+options! {
+    /// Options of [`Motion`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct MotionOptions {
+        /// Duration of a step.
+        step: f64 = 1.0 / 60.0, unit "s", check(positive);
+        /// Largest number of Newton iterations of a step.
+        iterations: usize = 3;
+        /// The rate of decay of velocities.
+        damping: f64 = 1.0, unit "1 / s", check(at least 0);
+        /// The drag coefficient of segments and leaves in the air of [`Motion::set_wind`]; 1.2 is
+        /// that of a cylinder across the wind at Reynolds numbers of 10^2 to 10^5.
+        drag: f64 = 1.2, check(at least 0);
     }
 }
 
@@ -51,13 +46,6 @@ const MORE_ITERATIONS: usize = 4;
 
 /// Largest number of halvings of a step: at most 256 parts.
 const MOST_HALVINGS: usize = 8;
-
-builder! { MotionOptions {
-    step: f64,
-    iterations: usize,
-    damping: f64,
-    drag: f64,
-}}
 
 /// Rods in motion.
 ///
@@ -153,9 +141,7 @@ impl Motion {
     /// range, or a segment without mass.
     pub fn new(rods: &Rods, pose: &Pose, options: &MotionOptions) -> Result<Self> {
         Error::check_shape("pose", (rods.len(), 4), (pose.rotations.len(), 4))?;
-        positive("step", options.step)?;
-        at_least_zero("damping", options.damping)?;
-        at_least_zero("drag", options.drag)?;
+        options.check_ranges()?;
         let mut placed = pose.clone();
         rods.place(&mut placed);
         let middle = |v: usize| [0, 1, 2].map(|i| 0.5 * (placed.heads[v][i] + placed.tails[v][i]));

@@ -14,35 +14,23 @@ use super::small::{
     times, transposed, turned,
 };
 use super::{Pose, Rods, joint};
-use catamaran::base::{Error, Progress, Result, builder};
+use catamaran::base::{Error, Progress, Result, options};
 use catamaran::dense;
 use catamaran_geometry::mesh::vector::{Vector, cross, dot, norm, scale, sub};
 
-/// Options of [`Rods::relax`].
-#[derive(Debug, Clone, Copy)]
-#[non_exhaustive]
-pub struct RelaxOptions<'a> {
-    /// The largest torque out of balance, relative to the largest torque of a weight, and the
-    /// largest rotation of the last step, in radians, that count as converged, between 1e-12 and
-    /// 1e-2. Default 1e-8.
-    pub tolerance: f64,
-    /// Number of iterations after which [`Error::NotConverged`] is returned. Default 200.
-    pub max_iterations: usize,
-    /// Callback for the fraction of the iterations, which may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for RelaxOptions<'_> {
-    fn default() -> Self {
-        Self { tolerance: 1e-8, max_iterations: 200, progress: Progress::none() }
+options! {
+    /// Options of [`Rods::relax`].
+    #[derive(Debug, Clone, Copy)]
+    pub struct RelaxOptions<'a> {
+        /// The largest torque out of balance, relative to the largest torque of a weight, and the
+        /// largest rotation of the last step, in radians, that count as converged.
+        tolerance: f64 = 1e-8, range "from 1e-12 to 1e-2";
+        /// Number of iterations after which [`Error::NotConverged`] is returned.
+        max_iterations: usize = 200;
+        /// Callback for the fraction of the iterations, which may cancel.
+        progress: Progress<'a> = Progress::none(), setter into;
     }
 }
-
-builder! { RelaxOptions<'a> {
-    tolerance: f64,
-    max_iterations: usize,
-    #[into] progress: Progress<'a>,
-}}
 
 /// The report of [`Rods::relax`].
 #[derive(Debug, Clone, Copy, PartialEq)]

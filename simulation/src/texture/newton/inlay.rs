@@ -28,7 +28,7 @@ impl Default for Inlay {
     }
 }
 
-builder! { setters only Inlay {
+builder! { Inlay {
     #[into]
     basins: Vec<Finish>,
     joint: Finish,

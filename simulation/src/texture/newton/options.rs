@@ -1,7 +1,7 @@
 //! The options of a fractal, and the parameters that the loops derive from them.
 
 use super::polynomial::Polynomial;
-use catamaran::base::{Error, Result, builder, within};
+use catamaran::base::{Error, Result, options, within};
 
 /// The measure t of the speed of convergence. With d_k the length of step k, P iterations and
 /// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a step of length 0 and near 0 for a
@@ -17,50 +17,27 @@ pub enum Gradient {
     Shader,
 }
 
-/// Options of a fractal.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct NewtonOptions {
-    /// The polynomial; z^3 - 1 by default.
-    pub polynomial: Polynomial,
-    /// Iterations P, from 1 to 1,000; 32 by default.
-    pub iterations: u32,
-    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger theta, the shorter the
-    /// steps that count as not converged.
-    pub theta: f64,
-    /// The formula of t.
-    pub gradient: Gradient,
-    /// Factor by which points are multiplied, after `offset` and `w` have been added; 1 by default.
-    pub scale: f64,
-    /// Vector that is added to x, y and z of each point; 0 by default.
-    pub offset: [f64; 3],
-    /// The fourth coordinate of each point, a constant or a time; 0 by default.
-    pub w: f64,
-}
-
-impl Default for NewtonOptions {
-    fn default() -> Self {
-        Self {
-            polynomial: Polynomial::Power(3),
-            iterations: 32,
-            theta: 3.5,
-            gradient: Gradient::default(),
-            scale: 1.0,
-            offset: [0.0; 3],
-            w: 0.0,
-        }
+options! {
+    /// Options of a fractal.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct NewtonOptions {
+        /// The polynomial.
+        polynomial: Polynomial = Polynomial::Power(3);
+        /// The number P of iterations.
+        iterations: u32 = 32, range "from 1 to 1,000";
+        /// Theta of [`Gradient`]. The larger theta, the shorter the steps that count as not
+        /// converged.
+        theta: f64 = 3.5, check(from -10.0 to 20.0);
+        /// The formula of t.
+        gradient: Gradient = Gradient::Thesis;
+        /// Factor by which points are multiplied, after `offset` and `w` have been added.
+        scale: f64 = 1.0, check(from -1e9 to 1e9);
+        /// Vector that is added to x, y and z of each point.
+        offset: [f64; 3] = [0.0; 3], range "from -1e9 to 1e9";
+        /// The fourth coordinate of each point, a constant or a time.
+        w: f64 = 0.0, check(from -1e9 to 1e9);
     }
 }
-
-builder! { NewtonOptions {
-    polynomial: Polynomial,
-    iterations: u32,
-    theta: f64,
-    gradient: Gradient,
-    scale: f64,
-    offset: [f64; 3],
-    w: f64,
-}}
 
 /// The parameters of the loops, on the CPU and on devices.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,9 +93,7 @@ impl NewtonOptions {
         if !(1..=1000).contains(&iterations) {
             return out("iterations", format!("must be from 1 to 1,000, is {iterations}"));
         }
-        within("theta", self.theta, -10.0, 20.0)?;
-        within("scale", self.scale, -FARTHEST, FARTHEST)?;
-        within("w", self.w, -FARTHEST, FARTHEST)?;
+        self.check_ranges()?;
         self.offset.iter().try_for_each(|x| within("offset", *x, -FARTHEST, FARTHEST))?;
         let squared = self.gradient == Gradient::Shader;
         let [x, y, z] = self.offset;

@@ -1,4 +1,4 @@
-use catamaran::base::{Error, Result, builder, within};
+use catamaran::base::{Error, Result, options};
 
 /// The method by which an agent moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,94 +25,48 @@ pub enum Blur {
     SeamAware,
 }
 
-/// Options of a simulation. Names and units are those of table 3.1 of the thesis, if it lists them.
-/// Lengths are in hundredths of the square root of the area of the surface, angles are in degrees,
-/// times in seconds of the simulation (docs/decisions/0015). Speeds, distances and rates are at
-/// most 10^6.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Options {
-    /// Number of agents, at most 2^32 - 1. Default 1,000,000.
-    pub agents: usize,
-    /// Number of species, from 1 to 15; agent i belongs to species i modulo this. Default 1.
-    pub species: usize,
-    /// Texels of a side of the texture: a multiple of 32, at most 16384. Default 2048.
-    pub size: usize,
-    /// Seed of all random numbers. Default 0.
-    pub seed: u32,
-    /// Duration of a step in seconds, above 0 and at most 10^6. Default 1 / 30.
-    pub time_step: f64,
-    /// Speed of agents, in hundredths a second, at least 0. Table 3.1: 1 to 2. Default 1.5.
-    pub movement_speed: f64,
-    /// Speed of turns, in degrees a second, at least 0. Default 1800.
-    pub turn_speed: f64,
-    /// Distance from an agent to its sensors, in hundredths, at least 0. Table 3.1: 0.4 to 2.
-    /// Default 1.
-    pub vision_distance: f64,
-    /// Angle between sensors, in degrees, from 0 to 180. Table 3.1: 10 to 50. Default 30.
-    pub vision_angle: f64,
-    /// Pheromone that evaporates in a second, at least 0; an agent deposits 1. Table 3.1: 0.2 to 1.
-    /// Default 0.4.
-    pub evaporation_rate: f64,
-    /// Number of blurs a second, at least 0; a step does at most one. Default 6.
-    pub diffusion_rate: f64,
-    /// Turns vary between 1 minus this and 1 times the turn speed, from 0 to 1. Default 1.
-    pub turn_noise: f64,
-    /// The method by which agents move; default [`TangentStep::Unfold`].
-    pub tangent_step: TangentStep,
-    /// The blur; default [`Blur::SeamAware`].
-    pub blur: Blur,
-    /// Whether lengths are measured on the surface, not in the texture (thesis, section 3.2.2).
-    /// Default yes.
-    pub length_rescaling: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            agents: 1_000_000,
-            species: 1,
-            size: 2048,
-            seed: 0,
-            time_step: 1.0 / 30.0,
-            movement_speed: 1.5,
-            turn_speed: 1800.0,
-            vision_distance: 1.0,
-            vision_angle: 30.0,
-            evaporation_rate: 0.4,
-            diffusion_rate: 6.0,
-            turn_noise: 1.0,
-            tangent_step: TangentStep::default(),
-            blur: Blur::default(),
-            length_rescaling: true,
-        }
+options! {
+    /// Options of a simulation. Names and units are those of table 3.1 of the thesis, if it lists
+    /// them. Lengths are in hundredths of the square root of the area of the surface, angles are in
+    /// degrees, times in seconds of the simulation (docs/decisions/0015).
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Options {
+        /// Number of agents.
+        agents: usize = 1_000_000, range "from 0 to 2^32 - 1";
+        /// Number of species; agent i belongs to species i modulo this.
+        // 32 bits number the entries of their textures, of at most 16384^2 texels each.
+        species: usize = 1, check(from 1 to 15);
+        /// Texels of a side of the texture.
+        size: usize = 2048, range "a multiple of 32 from 32 to 16384";
+        /// Seed of all random numbers.
+        seed: u32 = 0;
+        /// Duration of a step.
+        time_step: f64 = 1.0 / 30.0, unit "s", check(above 0.0, at most 1e6);
+        /// Speed of agents. Table 3.1: 1 to 2.
+        movement_speed: f64 = 1.5, unit "hundredths / s", check(from 0.0 to 1e6);
+        /// Speed of turns.
+        turn_speed: f64 = 1800.0, unit "degrees / s", check(from 0.0 to 1e6);
+        /// Distance from an agent to its sensors. Table 3.1: 0.4 to 2.
+        vision_distance: f64 = 1.0, unit "hundredths", check(from 0.0 to 1e6);
+        /// Angle between sensors. Table 3.1: 10 to 50.
+        vision_angle: f64 = 30.0, unit "degrees", check(from 0.0 to 180.0);
+        /// Pheromone that evaporates; an agent deposits 1. Table 3.1: 0.2 to 1.
+        evaporation_rate: f64 = 0.4, unit "1 / s", check(from 0.0 to 1e6);
+        /// Number of blurs; a step does at most one.
+        diffusion_rate: f64 = 6.0, unit "1 / s", check(from 0.0 to 1e6);
+        /// Turns vary between 1 minus this and 1 times the turn speed.
+        turn_noise: f64 = 1.0, check(from 0.0 to 1.0);
+        /// The method by which agents move.
+        tangent_step: TangentStep = TangentStep::Unfold;
+        /// The blur.
+        blur: Blur = Blur::SeamAware;
+        /// Whether lengths are measured on the surface, not in the texture (thesis, section 3.2.2).
+        length_rescaling: bool = true;
     }
 }
 
-builder! { Options {
-    agents: usize,
-    species: usize,
-    size: usize,
-    seed: u32,
-    time_step: f64,
-    movement_speed: f64,
-    turn_speed: f64,
-    vision_distance: f64,
-    vision_angle: f64,
-    evaporation_rate: f64,
-    diffusion_rate: f64,
-    turn_noise: f64,
-    tangent_step: TangentStep,
-    blur: Blur,
-    length_rescaling: bool,
-}}
-
 /// Largest number of texels of a side.
 const LARGEST: usize = 16384;
-/// Largest duration, speed, distance and rate.
-const MOST: f64 = 1e6;
-/// Largest number of species: 32 bits number the entries of their textures.
-const MOST_SPECIES: usize = 15;
 
 impl Options {
     /// Returns an error unless every value is in its range.
@@ -136,20 +90,7 @@ impl Options {
         if self.size == 0 || !self.size.is_multiple_of(32) || self.size > LARGEST {
             return refused("size", self.size.to_string(), "a multiple of 32 from 32 to 16384");
         }
-        if !(1..=MOST_SPECIES).contains(&self.species) {
-            return refused("species", self.species.to_string(), "from 1 to 15");
-        }
-        if !(self.time_step > 0.0 && self.time_step <= MOST) {
-            let range = format!("above 0 and at most {MOST}");
-            return refused("time_step", self.time_step.to_string(), &range);
-        }
-        within("movement_speed", self.movement_speed, 0.0, MOST)?;
-        within("turn_speed", self.turn_speed, 0.0, MOST)?;
-        within("vision_distance", self.vision_distance, 0.0, MOST)?;
-        within("vision_angle", self.vision_angle, 0.0, 180.0)?;
-        within("evaporation_rate", self.evaporation_rate, 0.0, MOST)?;
-        within("diffusion_rate", self.diffusion_rate, 0.0, MOST)?;
-        within("turn_noise", self.turn_noise, 0.0, 1.0)?;
+        self.check_ranges()?;
         match self.tangent_step {
             TangentStep::Project { substeps: 0 } => refused("substeps", "0".into(), "at least 1"),
             _ => Ok(()),

@@ -4,82 +4,46 @@ use serde_json::{Value, json};
 
 use super::super::attributes::MeshFile;
 use super::picture::Picture;
-use catamaran::base::{Error, Result, builder, reserved};
+use catamaran::base::{Error, Result, options, reserved};
 
-/// A material for physically based rendering, as in glTF 2.0 (section 3.9). Texture coordinates map
-/// a picture onto the mesh; it repeats outside of 0 to 1.
-///
-/// ```
-/// use catamaran_geometry::mesh::io::{Material, Picture};
-///
-/// let red = Picture::rgb(1, &[[200, 30, 20]])?;
-/// let shiny = Material::new().name("paint").base_color(red).roughness(0.2);
-/// assert_eq!(shiny.metalness, 0.0);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Material {
-    /// The name.
-    pub name: String,
-    /// Colours (sRGB), with opacity if the picture has it; white if `None`.
-    pub base_color: Option<Picture>,
-    /// The picture that [`Material::finish`] makes: green is roughness, blue is metalness.
-    pub roughness_metalness: Option<Picture>,
-    /// Roughness where there is no such picture, from 0 to 1. Default 1.
-    pub roughness: f64,
-    /// Metalness where there is no such picture, from 0 to 1. Default 0.
-    pub metalness: f64,
-    /// Normals in the frame of the surface, green up, as from
-    /// `catamaran_simulation::texture::normal_colors`.
-    pub normal: Option<Picture>,
-    /// Ambient light that reaches the surface: red.
-    pub occlusion: Option<Picture>,
-    /// Light that is emitted (sRGB).
-    pub emission: Option<Picture>,
-    /// Pictures that glTF does not define, such as heights, with their names. They are stored in
-    /// the file and listed in the `extras` of the material; viewers skip them.
-    pub extra: Vec<(String, Picture)>,
-    /// Whether the back of faces is shown. Default yes.
-    pub double_sided: bool,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: "material".into(),
-            base_color: None,
-            roughness_metalness: None,
-            roughness: 1.0,
-            metalness: 0.0,
-            normal: None,
-            occlusion: None,
-            emission: None,
-            extra: Vec::new(),
-            double_sided: true,
-        }
+options! {
+    /// A material for physically based rendering, as in glTF 2.0 (section 3.9). Texture coordinates
+    /// map a picture onto the mesh; it repeats outside of 0 to 1.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::{Material, Picture};
+    ///
+    /// let red = Picture::rgb(1, &[[200, 30, 20]])?;
+    /// let shiny = Material::new().name("paint").base_color(red).roughness(0.2);
+    /// assert_eq!(shiny.metalness, 0.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Material {
+        /// The name.
+        name: String = "material".into(), setter into;
+        /// Colours (sRGB), with opacity if the picture has it; white if `None`.
+        base_color: Option<Picture> = None, setter into;
+        /// The picture that [`Material::finish`] makes: green is roughness, blue is metalness.
+        roughness_metalness: Option<Picture> = None, setter into;
+        /// Roughness where there is no such picture.
+        roughness: f64 = 1.0, check(from 0.0 to 1.0);
+        /// Metalness where there is no such picture.
+        metalness: f64 = 0.0, check(from 0.0 to 1.0);
+        /// Normals in the frame of the surface, green up, as from
+        /// `catamaran_simulation::texture::normal_colors`.
+        normal: Option<Picture> = None, setter into;
+        /// Ambient light that reaches the surface: red.
+        occlusion: Option<Picture> = None, setter into;
+        /// Light that is emitted (sRGB).
+        emission: Option<Picture> = None, setter into;
+        /// Pictures that glTF does not define, such as heights, with their names. They are stored
+        /// in the file and listed in the `extras` of the material; viewers skip them.
+        extra: Vec<(String, Picture)> = Vec::new(), setter into;
+        /// Whether the back of faces is shown.
+        double_sided: bool = true;
     }
 }
-
-builder! { Material {
-    #[into]
-    name: String,
-    #[into]
-    base_color: Option<Picture>,
-    #[into]
-    roughness_metalness: Option<Picture>,
-    roughness: f64,
-    metalness: f64,
-    #[into]
-    normal: Option<Picture>,
-    #[into]
-    occlusion: Option<Picture>,
-    #[into]
-    emission: Option<Picture>,
-    #[into]
-    extra: Vec<(String, Picture)>,
-    double_sided: bool,
-}}
 
 impl Material {
     /// Combines roughness and metalness, 255 for 1, into one picture of rows of `width`, in the
@@ -98,12 +62,7 @@ impl Material {
     /// Returns an error unless every number is in its range, and every face of the mesh has
     /// coordinates for the pictures, if there are any.
     pub(in super::super) fn check(&self, file: &MeshFile) -> Result<()> {
-        for (what, value) in [("roughness", self.roughness), ("metalness", self.metalness)] {
-            if !(0.0..=1.0).contains(&value) {
-                let why = format!("must be from 0 to 1, is {value}");
-                return Err(Error::Argument { what, why });
-            }
-        }
+        self.check_ranges()?;
         let slots = [
             &self.base_color,
             &self.roughness_metalness,
