@@ -11,6 +11,7 @@ mod accumulator;
 mod arrays;
 mod columns;
 mod csv;
+mod extents;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod limits;
