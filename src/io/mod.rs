@@ -49,6 +49,8 @@ pub use strips::StripOutput;
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
+pub use limits::LARGER_MAX_MEMORY;
+#[doc(hidden)]
 pub use source::{Packing, Source};
 
 use crate::base::{Error, Progress, Real, Result, builder};

@@ -450,6 +450,8 @@ fn a_header_gets_the_memory_that_its_file_may_take() {
     folder.write("tall.mtx", format!("{header}1000000 3 1\n1 1 2\n"));
     let message = folder.fail("ata tall.mtx -o c.npy --input-limit 0.001");
     assert!(message.contains("this file may take 1.02 MiB"), "{message}");
+    assert!(message.ends_with(": a larger --input-limit allows it\n"), "{message}");
+    assert!(!message.contains("max_memory"), "{message}");
     folder.succeed("ata tall.mtx -o c.npy --input-limit 0.01");
     assert_eq!(folder.read_npy::<f64>("c.npy")[0], 4.0);
 }

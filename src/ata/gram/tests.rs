@@ -459,8 +459,8 @@ impl RowBlocks<f64> for Hollow {
 fn rows_without_columns_take_no_time_however_many_they_are() {
     const ROWS: usize = 1 << 55;
     let mut rows = Hollow(ROWS);
-    let (options, mean) = (AtaOptions::new(), RowOptions::new().center(Center::Mean));
-    let bounds = RowBounds::of(&mut rows, None, 64, &options).unwrap();
+    let (options, mean) = (AtaOptions::new(), RowOptions::<f64>::new().center(Center::Mean));
+    let bounds = RowBounds::<f64>::of(&mut rows, None, 64, &options).unwrap();
     for mut sum in [
         Accumulator::new(0, false).unwrap(),
         Accumulator::new(0, true).unwrap(),
