@@ -466,6 +466,26 @@ fn a_header_gets_the_memory_that_its_file_may_take() {
 }
 
 #[test]
+fn rows_without_columns_are_refused_or_take_no_time() {
+    let folder = Folder::new();
+    for shape in [[1 << 63, 0], [0, 1 << 63]] {
+        folder.write_npy::<f64>("a.npy", &shape, &[]);
+        for command in ["ata a.npy -o c.npy", "pca a.npy", "svd a.npy"] {
+            let message = folder.fail(command);
+            let [m, n] = shape;
+            let why = format!("a.npy: shape too large: ({m}, {n})");
+            assert!(message.contains(&why), "{message}");
+        }
+    }
+    folder.write_npy::<f64>("a.npy", &[1 << 40, 0], &[]);
+    folder.succeed("ata a.npy --verify --require-finite -o c.npy");
+    assert!(folder.read_npy::<f64>("c.npy", &[0, 0]).is_empty());
+    for command in ["pca a.npy", "svd a.npy"] {
+        assert!(folder.fail(command).contains("a.npy: no columns"));
+    }
+}
+
+#[test]
 fn unknown_options_say_what_is_known() {
     let (folder, _) = with_input(M, N);
     let run = folder.run("ata a.npy --scheme magic");
