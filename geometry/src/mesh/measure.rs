@@ -190,8 +190,8 @@ impl TriMesh {
         (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
     }
 
-    /// Returns the mesh moved and uniformly scaled to the size `to`. Coordinates may be of any size,
-    /// those that [`TriMesh::check_size`] refuses included.
+    /// Returns the mesh moved and uniformly scaled to the size `to`. Coordinates may be of any
+    /// size, those that [`TriMesh::check_size`] refuses included.
     ///
     /// ```
     /// use catamaran_geometry::mesh::{Normalization, families};
