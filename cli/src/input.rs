@@ -5,12 +5,12 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::base::Progress;
 use catamaran::io::SourceOptions;
 use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
 use catamaran_geometry::mesh::{
-    RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair,
+    Normalization, RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair,
 };
 
 use crate::parse;
@@ -98,23 +98,55 @@ pub fn source<'a>() -> SourceOptions<'a> {
 /// # Errors
 /// The file can't be read; those of [`accept`].
 pub fn mesh(path: &Path) -> Result<MeshFile> {
-    let bar = Bar::new("reading");
-    let update = |fraction| bar.update(fraction);
-    let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
-    drop(bar);
+    let file = read_mesh(path)?;
     accept(&file, path)?;
     Ok(file)
 }
 
-/// Prints the notes of the reader of a file from `path`.
+/// Reads a mesh as [`mesh`] does; one whose size is out of range is scaled to a bounding box whose
+/// longest side is 1, with a note.
+///
+/// # Errors
+/// The file can't be read; the vertices are in one place.
+pub fn mesh_of_any_size(path: &Path) -> Result<MeshFile> {
+    let mut file = read_mesh(path)?;
+    notes_of(&file, path);
+    if let Err(why) = file.mesh.check_size() {
+        let name = path.display();
+        file.mesh =
+            file.mesh.normalized(Normalization::UnitBox).with_context(|| name.to_string())?;
+        note(format_args!("{name}: {why}; scaled to a box whose longest side is 1 first"));
+    }
+    Ok(file)
+}
+
+fn read_mesh(path: &Path) -> Result<MeshFile> {
+    let bar = Bar::new("reading");
+    let update = |fraction| bar.update(fraction);
+    let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
+    Ok(file)
+}
+
+/// Prints the notes of the reader of a file from `path`, and checks the size of its mesh.
 ///
 /// # Errors
 /// Areas of the mesh would overflow or vanish.
 pub fn accept(file: &MeshFile, path: &Path) -> Result<()> {
+    notes_of(file, path);
+    file.mesh.check_size().map_err(|why| {
+        let word = shell_word(path);
+        anyhow!(
+            "{}: {why}; `catamaran mesh {word} --normalize box -o FILE` scales it",
+            path.display()
+        )
+    })
+}
+
+/// Prints the notes of the reader of a file from `path`.
+fn notes_of(file: &MeshFile, path: &Path) {
     for line in &file.notes {
         note(format_args!("{}: {line}", path.display()));
     }
-    file.mesh.check_size().with_context(|| path.display().to_string())
 }
 
 impl MeshArgs {

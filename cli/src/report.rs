@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
+use catamaran::io::LARGER_MAX_MEMORY;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -200,7 +201,8 @@ pub fn note(line: Arguments<'_>) {
 }
 
 /// Returns the text of an error with its context. An error of the library already contains the text
-/// of its sources.
+/// of its sources, and names the library's option for the memory of a file, in whose place the text
+/// has that of the command line.
 pub fn message(error: &anyhow::Error) -> String {
     let mut message = String::new();
     for cause in error.chain() {
@@ -212,7 +214,7 @@ pub fn message(error: &anyhow::Error) -> String {
             break;
         }
     }
-    message
+    message.replace(LARGER_MAX_MEMORY, "a larger --input-limit allows it")
 }
 
 /// Formats a time with its unit.
@@ -253,6 +255,14 @@ mod tests {
         let fields: &dyn Fn() -> Fields = fields!(one = f64::NEG_INFINITY, all = values, n = 1e300);
         let line = json("row", fields()).unwrap();
         assert_eq!(line, r#"{"record":"row","one":null,"all":[null,null,-1.5],"n":1e+300}"#);
+    }
+
+    #[test]
+    fn a_message_about_memory_names_the_option_of_the_command_line() {
+        let what = format!("too much: {LARGER_MAX_MEMORY}");
+        let error = Err::<(), _>(catamaran::Error::file("a.npy", what)).context("weights");
+        let said = message(&error.unwrap_err());
+        assert_eq!(said, "weights: a.npy: too much: a larger --input-limit allows it");
     }
 
     #[test]

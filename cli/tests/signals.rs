@@ -244,5 +244,5 @@ fn a_hangup_that_the_parent_ignores_stays_ignored() {
     drop(pipe);
     let status = run.child.wait().unwrap();
     assert_eq!((status.code(), status.signal()), (Some(0), None));
-    assert_eq!(run.folder.read_npy::<f64>("c.npy"), [10.0, 14.0, 14.0, 20.0]);
+    assert_eq!(run.folder.read_npy::<f64>("c.npy", &[2, 2]), [10.0, 14.0, 14.0, 20.0]);
 }

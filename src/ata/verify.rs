@@ -102,9 +102,11 @@ pub fn verify_rows<T: Real>(
     let mut z = Mat::<f64>::zeros(n, r);
     let mut norms = vec![0.0; n];
     let mut blocks = AdjustedRows::new(rows, row_options)?;
+    // Rows without columns have no part in C, however many they are.
+    let with_entries = if n == 0 { 0 } else { m };
     let height = block_rows::<f64>(n, false).min(m);
     let mut memory = Workspace::new(height * n)?;
-    for first in (0..m).step_by(height.max(1)) {
+    for first in (0..with_entries).step_by(height.max(1)) {
         let count = height.min(m - first);
         let memory = &mut memory.as_mut_slice()[..count * n];
         let mut block = MatMut::from_row_major_slice_mut(memory, count, n);

@@ -15,6 +15,11 @@ const RATIO: u64 = 100;
 /// A line takes at most this part of the memory of a file.
 const LINES: u64 = 64;
 
+/// The end of a message about a file that takes more memory than it may. The command line puts the
+/// name of its option in the place of this one.
+#[doc(hidden)]
+pub const LARGER_MAX_MEMORY: &str = "a larger max_memory allows it";
+
 options! {
     /// How a file that is not a matrix is read: a mesh, a plant. The default suits usual files.
     #[derive(Debug, Clone, Copy)]
@@ -45,7 +50,6 @@ pub(super) fn check_memory(limit: u64, what: impl Display, bytes: u64) -> Result
     }
     let (needed, limit) = (byte_size(bytes as f64), byte_size(limit as f64));
     Err(format!(
-        "{what} would take {needed} of memory, and this file may take {limit}: a larger max_memory \
-         (--input-limit) allows it"
+        "{what} would take {needed} of memory, and this file may take {limit}: {LARGER_MAX_MEMORY}"
     ))
 }

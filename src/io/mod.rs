@@ -11,6 +11,7 @@ mod accumulator;
 mod arrays;
 mod columns;
 mod csv;
+mod extents;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod limits;
@@ -47,6 +48,8 @@ pub use sprs::CsMat;
 pub use strips::StripOutput;
 
 // For the other crates of this workspace: no part of the interface.
+#[doc(hidden)]
+pub use limits::LARGER_MAX_MEMORY;
 #[doc(hidden)]
 pub use source::{Packing, Source};
 

@@ -9,6 +9,7 @@ use faer::MatRef;
 use sprs::TriMat;
 
 use super::columns::checked_columns;
+use super::extents::padded_bytes;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
 use crate::base::{Result, push, reserved};
@@ -105,6 +106,9 @@ fn coordinate(
     entries: usize,
     columns: &Range<usize>,
 ) -> Result<Matrix> {
+    for extent in [nrows, ncols] {
+        padded_bytes(&[extent], size_of::<f64>()).map_err(|what| source.fail(what))?;
+    }
     let mirrored = header.symmetry != Symmetry::General;
     let most = entries.saturating_mul(if mirrored { 2 } else { 1 });
     let words = nrows.saturating_add(1).saturating_add(most.saturating_mul(WORDS));
@@ -178,7 +182,8 @@ fn array(
     ncols: usize,
     columns: Range<usize>,
 ) -> Result<Matrix> {
-    let len = nrows.checked_mul(ncols).ok_or_else(|| source.fail("shape too large"))?;
+    padded_bytes(&[nrows, ncols], size_of::<f64>()).map_err(|what| source.fail(what))?;
+    let len = nrows * ncols;
     source.check_memory::<f64>(format_args!("a {nrows} x {ncols} matrix"), len)?;
     let mut values: Vec<f64> = reserved(len)?;
     if len == 0 {

@@ -5,12 +5,14 @@ use std::fmt::Display;
 use std::io::{self, Read, Write};
 use std::iter::repeat_n;
 
+use super::extents::{padded_bytes, tuple};
+
 const MAGIC: [u8; 6] = *b"\x93NUMPY";
 
 /// Most bytes of the dict; its three entries take some hundred.
 const LONGEST: usize = 1 << 20;
 
-/// Most characters of a file in a message.
+/// Most characters of a file in a message, escapes included.
 const EXCERPT: usize = 60;
 
 /// The first entry of a file that numpy writes is at a multiple of this.
@@ -45,12 +47,13 @@ impl Header {
 /// # Errors
 /// Those of `source`; [`io::ErrorKind::InvalidData`] says what is wrong with the header.
 pub(super) fn read(source: &mut impl Read) -> io::Result<Header> {
-    let mut start = [0; 8];
-    fill(source, &mut start)?;
-    let [magic @ .., major, minor] = start;
-    if magic != MAGIC {
-        return Err(broken("magic bytes of numpy are missing"));
+    let mut start = Vec::new();
+    source.by_ref().take(8).read_to_end(&mut start)?;
+    // A short file that begins otherwise is no truncated array.
+    if !MAGIC.starts_with(&start[..start.len().min(MAGIC.len())]) {
+        return Err(broken("magic bytes of numpy are missing, so it is not an npy file"));
     }
+    let [.., major, minor] = <[u8; 8]>::try_from(&start[..]).map_err(|_| truncated())?;
     let width = match (major, minor) {
         (1, 0) => 2,
         (2 | 3, 0) => 4,
@@ -70,17 +73,33 @@ pub(super) fn read(source: &mut impl Read) -> io::Result<Header> {
         _ => dict.into_iter().map(char::from).collect(),
     };
     let (descr, by_columns, shape) = Text(&dict).dict()?;
-    let len = shape.iter().try_fold(1_usize, |len, &extent| len.checked_mul(extent));
-    let len = len.ok_or_else(too_large)?;
+    padded_bytes(&shape, entry_bytes(descr)).map_err(too_large)?;
+    let len = shape.iter().product();
     let offset = (start.len() + width + length) as u64;
     Ok(Header { descr: descr.into(), by_columns, shape, len, offset })
 }
 
 fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<()> {
     source.read_exact(bytes).map_err(|e| match e.kind() {
-        io::ErrorKind::UnexpectedEof => broken("truncated: the file ends too early"),
+        io::ErrorKind::UnexpectedEof => truncated(),
         _ => e,
     })
+}
+
+/// Returns the number at the end of a type string such as `<f8`; 1 without one.
+fn entry_bytes(descr: &str) -> usize {
+    let digits = descr.trim_start_matches(|c: char| !c.is_ascii_digit());
+    digits.parse().unwrap_or(1).max(1)
+}
+
+/// Returns the text without the white space and the comments at its start, which Python's tokenizer
+/// skips between the words of a dict and behind it.
+fn skip_blanks(mut text: &str) -> &str {
+    loop {
+        text = text.trim_ascii_start();
+        let Some(comment) = text.strip_prefix('#') else { return text };
+        text = comment.trim_start_matches(|c: char| c != '\n' && c != '\r');
+    }
 }
 
 /// The part of a header that has not been read.
@@ -108,7 +127,7 @@ impl<'a> Text<'a> {
                 break;
             }
         }
-        if !self.0.trim_matches([' ', '\n']).is_empty() {
+        if !skip_blanks(self.0).is_empty() {
             return Err(broken("more than blanks after its dict"));
         }
         let missing = |key: &str| broken(format!("key '{key}' is missing"));
@@ -120,7 +139,7 @@ impl<'a> Text<'a> {
     }
 
     fn descr(&mut self) -> io::Result<&'a str> {
-        let text = self.0.trim_ascii_start();
+        let text = skip_blanks(self.0);
         if text.starts_with('[') {
             let end = text.rfind(']').map_or(text.len(), |last| last + 1);
             let list = excerpt(&text[..end]);
@@ -160,7 +179,7 @@ impl<'a> Text<'a> {
 
     /// Reads a whole number; Python 2 wrote an L behind some.
     fn number(&mut self) -> io::Result<usize> {
-        let text = self.0.trim_ascii_start();
+        let text = skip_blanks(self.0);
         let rest = text.trim_start_matches(|c: char| c.is_ascii_digit());
         let digits = &text[..text.len() - rest.len()];
         // In Python 2 a number that begins with 0 is octal, in Python 3 an error.
@@ -168,16 +187,16 @@ impl<'a> Text<'a> {
             return Err(self.unexpected("a whole number"));
         }
         self.0 = rest.strip_prefix('L').unwrap_or(rest);
-        digits.parse().map_err(|_| too_large())
+        digits.parse().map_err(|_| too_large(format!("shape too large: extent {digits}")))
     }
 
     /// Reads a string; Python 2 wrote a letter before some. Those with escapes are refused.
     fn string(&mut self) -> io::Result<&'a str> {
-        let text = self.0.trim_ascii_start();
+        let text = skip_blanks(self.0);
         let text = text.strip_prefix(['u', 'b']).unwrap_or(text);
         let split = ['\'', '"'].into_iter().find_map(|quote| {
             let (string, rest) = text.strip_prefix(quote)?.split_once(quote)?;
-            (!string.contains(['\\', '\n'])).then_some((string, rest))
+            (!string.contains(['\\', '\n', '\r'])).then_some((string, rest))
         });
         let (string, rest) = split.ok_or_else(|| self.unexpected("a string"))?;
         self.0 = rest;
@@ -186,7 +205,7 @@ impl<'a> Text<'a> {
 
     /// Skips blanks and, if it comes next, `token`; returns whether it does.
     fn skip(&mut self, token: &str) -> bool {
-        self.0 = self.0.trim_ascii_start();
+        self.0 = skip_blanks(self.0);
         let rest = self.0.strip_prefix(token);
         self.0 = rest.unwrap_or(self.0);
         rest.is_some()
@@ -197,19 +216,25 @@ impl<'a> Text<'a> {
     }
 
     fn unexpected(&self, wanted: &str) -> io::Error {
-        match self.0.trim_ascii() {
+        match skip_blanks(self.0).trim_ascii_end() {
             "" => broken(format!("{wanted} expected, but it ends")),
             rest => broken(format!("{wanted} expected, not {}", excerpt(rest))),
         }
     }
 }
 
-/// Returns the start of a part of a file, fit for a message of one line.
+/// Returns the start of a part of a file, fit for a message of one line: control characters and
+/// other line breaks are escaped.
 fn excerpt(text: &str) -> String {
-    let printable = |c: char| if c.is_control() { ' ' } else { c };
-    let mut start: String = text.chars().take(EXCERPT).map(printable).collect();
-    if text.chars().nth(EXCERPT).is_some() {
-        start.push_str("...");
+    let (mut start, mut width) = (String::new(), 0);
+    for c in text.chars() {
+        let is_plain = !c.is_control() && !matches!(c, '\u{2028}' | '\u{2029}');
+        width += if is_plain { 1 } else { c.escape_default().len() };
+        if width > EXCERPT {
+            start.push_str("...");
+            break;
+        }
+        if is_plain { start.push(c) } else { start.extend(c.escape_default()) }
     }
     start
 }
@@ -218,8 +243,13 @@ fn broken(what: impl Display) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, format!("broken npy header: {what}"))
 }
 
-fn too_large() -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, "shape too large")
+fn truncated() -> io::Error {
+    broken("truncated: the file ends too early")
+}
+
+/// Returns the error for a shape; `what` may be as long as the header.
+fn too_large(what: impl AsRef<str>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, excerpt(what.as_ref()))
 }
 
 /// Writes the bytes that `numpy.save` writes before the entries of an array. `code` is the kind and
@@ -236,16 +266,12 @@ pub(super) fn write(
 ) -> io::Result<()> {
     let order = if cfg!(target_endian = "big") { '>' } else { '<' };
     let fortran_order = if by_columns { "True" } else { "False" };
-    let extents: Vec<String> = shape.iter().map(usize::to_string).collect();
-    let tuple = match &extents[..] {
-        [extent] => format!("({extent},)"),
-        extents => format!("({})", extents.join(", ")),
-    };
+    let tuple = tuple(shape);
     let mut dict = format!(
         "{{'descr': '{order}{code}', 'fortran_order': {fortran_order}, 'shape': {tuple}, }}"
     );
-    let grows = if by_columns { extents.last() } else { extents.first() };
-    let room = grows.map_or(0, |extent| GROWTH.saturating_sub(extent.len()));
+    let grows = if by_columns { shape.last() } else { shape.first() };
+    let room = grows.map_or(0, |extent| GROWTH.saturating_sub(extent.to_string().len()));
     dict.extend(repeat_n(' ', room));
     // A header that is aligned without blanks gets 64 of them.
     let end = |start: usize| (start + dict.len() + 1) / ALIGNMENT * ALIGNMENT + ALIGNMENT;
@@ -313,6 +339,12 @@ mod tests {
             "{\"descr\": \">i2\", \"shape\": (3, 4), 'fortran_order': True,}\n",
             "{'descr':'>i2','fortran_order':True,'shape':(3,4)}",
             " {\n\t'descr' : '>i2' ,\r\n 'fortran_order' : True , 'shape' : ( 3 , 4 , ) , } \n\n ",
+            // White space and comments as Python's tokenizer skips them.
+            "{'descr': '>i2', 'fortran_order': True, 'shape': (3, 4)}\t",
+            "{'descr': '>i2', 'fortran_order': True, 'shape': (3, 4)}\r",
+            "{'descr': '>i2', 'fortran_order': True, 'shape': (3, 4)} \x0c\t\r\n\t \n",
+            "{'descr': '>i2', 'fortran_order': True, 'shape': (3, 4)} # saved by hand",
+            "{'descr': '>i2', # big\n\x0c'fortran_order': True, # {\r'shape': (3, 4)}\n# }\n",
             // Of Python 2.
             "{'descr': '>i2', 'fortran_order': True, 'shape': (3L, 4L), }\n",
             "{u'descr': u'>i2', b'fortran_order': True, u\"shape\": (3L, 4), }\n",
@@ -331,7 +363,7 @@ mod tests {
             ("(3,)", &[3], 3),
             ("(3L , )", &[3], 3),
             ("(0,)", &[0], 0),
-            ("(0, 18446744073709551615)", &[0, u64::MAX as usize], 0),
+            ("(0, 4294967296)", &[0, 1 << 32], 0),
             ("(2, 3, 4, 5)", &[2, 3, 4, 5], 120),
         ] {
             let dict = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {tuple}, }}\n");
@@ -352,7 +384,9 @@ mod tests {
             (format!("{{{descr}, {shape}}}"), "key 'fortran_order' is missing"),
             (format!("{{{descr}, {order}}}"), "key 'shape' is missing"),
             (format!("{{{descr}, {order}, {shape}, {order}}}"), "key 'fortran_order' comes twice"),
-            (format!("{{{descr}, {order}, {shape}, 'a\tb': 3}}"), "unknown key 'a b'"),
+            (format!("{{{descr}, {order}, {shape}, 'a\tb': 3}}"), r"unknown key 'a\tb'"),
+            (format!("{{{descr}, {order}, {shape}}}\u{b}"), "more than blanks after its dict"),
+            (format!("{{{descr}, {order}, {shape}}}#\n1"), "more than blanks after its dict"),
             (format!("{{{descr}, {order}, {shape}, 3: 3}}"), "a string expected, not 3: 3}"),
             (format!("{{{descr}, {order}, {shape},,}}"), "a string expected, not ,}"),
             (format!("{{{descr}, {order}, {shape}"), "'}' expected, but it ends"),
@@ -388,10 +422,15 @@ mod tests {
             ("(03,)", "a whole number expected, not 03"),
             ("(3LL,)", "',' expected, not L"),
             ("(3 L,)", "',' expected, not L"),
-            ("(18446744073709551616,)", "shape too large"),
-            ("(0, 99999999999999999999)", "shape too large"),
-            ("(4294967296, 4294967296)", "shape too large"),
-            ("(2, 4294967296, 4294967296)", "shape too large"),
+            ("(18446744073709551616,)", "shape too large: extent 18446744073709551616"),
+            ("(0, 99999999999999999999)", "shape too large: extent 99999999999999999999"),
+            ("(4294967296, 4294967296)", "shape too large: (4294967296, 4294967296)"),
+            ("(2, 4294967296, 4294967296)", "shape too large: (2, 4294967296, 4294967296)"),
+            ("(0, 18446744073709551615)", "shape too large: (0, 18446744073709551615)"),
+            ("(2305843009213693952, 0)", "shape too large: (2305843009213693952, 0)"),
+            ("(0, 9223372036854775808)", "shape too large: (0, 9223372036854775808)"),
+            // Of f8 2^56 entries and more.
+            ("(72057594037927936,)", "shape too large: (72057594037927936,)"),
         ] {
             let dict = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}\n");
             let said = refusal(&file(1, dict.as_bytes()));
@@ -416,8 +455,11 @@ mod tests {
 
     #[test]
     fn other_files_versions_and_truncated_headers_are_refused() {
-        let missing = "broken npy header: magic bytes of numpy are missing";
-        assert_eq!(refusal(b"PK\x03\x04 an archive"), missing);
+        let missing = "broken npy header: magic bytes of numpy are missing, so it is not an npy \
+                       file";
+        for other in [&b"PK\x03\x04 an archive"[..], b"PK\x03\x04", b"1,2\n", b"\x93NUMP\n"] {
+            assert_eq!(refusal(other), missing);
+        }
         let truncated = "broken npy header: truncated: the file ends too early";
         let whole = file(2, b"{'descr': '<f8', 'fortran_order': False, 'shape': (1,)}\n");
         for length in 0..whole.len() - 2 {
@@ -456,12 +498,31 @@ mod tests {
     }
 
     #[test]
+    fn excerpts_of_a_header_are_one_printable_line() {
+        for (c, shown) in [
+            ('\n', r"\n"),
+            ('\0', r"\u{0}"),
+            ('\u{85}', r"\u{85}"),
+            ('\u{2028}', r"\u{2028}"),
+            ('\u{2029}', r"\u{2029}"),
+            ('ä', "ä"),
+        ] {
+            assert_eq!(excerpt(&format!("a{c}b")), format!("a{shown}b"));
+            let long = excerpt(&c.to_string().repeat(EXCERPT + 1));
+            assert!(long.ends_with("...") && long.chars().count() <= EXCERPT + 3, "{long}");
+        }
+        assert_eq!(excerpt(&"x".repeat(EXCERPT)), "x".repeat(EXCERPT));
+        let dict = "{'descr': '<f8', 'fortran_order': False, 'a\u{2028}b': 3}";
+        assert!(refusal(&file(3, dict.as_bytes())).ends_with(r"unknown key 'a\u{2028}b'"));
+    }
+
+    #[test]
     fn a_type_of_any_length_is_named_in_one_line() {
         let descr = format!("<\u{1b}{}", "M8".repeat(1000));
         let dict = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (1,)}}");
         let said = read_dict(dict).unwrap().refusal("real numbers");
-        assert!(said.starts_with("entries of type '< M8M8") && said.len() < 200, "{said}");
-        assert!(said.ends_with("M8...' are not real numbers"), "{said}");
+        assert!(said.starts_with(r"entries of type '<\u{1b}M8M8") && said.len() < 200, "{said}");
+        assert!(said.ends_with("M8M...' are not real numbers"), "{said}");
     }
 
     /// The bytes are those of numpy 2.4.6.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use faer::Mat;
 
 use super::arrays::{Format, format_of};
+use super::extents::{padded_bytes, tuple};
 use super::limits::SourceOptions;
 use super::npy::{Entry, trailing, truncated};
 use super::npy_header;
@@ -74,6 +75,14 @@ pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arra
         #[cfg(feature = "hdf5")]
         Format::Hdf5 => super::hdf5::read(path, &mut begin)?,
     };
+    for (name, Stored { shape, .. }) in &arrays {
+        let bytes = padded_bytes(shape, size_of::<f64>())
+            .map_err(|what| error(path, None, format!("`{name}`: {what}")))?;
+        // Of an array without entries, too: its rows or columns are created one by one.
+        let shape = tuple(shape);
+        let what = format_args!("`{name}` of shape {shape}, where 0 counts as 1,");
+        options.check_memory(path, what, bytes as u64)?;
+    }
     Ok(Arrays { path: path.into(), arrays })
 }
 
@@ -193,7 +202,10 @@ fn values<T>(bytes: &[[u8; 8]], value: fn([u8; 8]) -> T) -> io::Result<Vec<T>> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
+
     use faer::mat;
+    use zip::write::SimpleFileOptions;
 
     use super::*;
     use crate::io::tests::npy;
@@ -256,6 +268,32 @@ mod tests {
         for (content, expected) in [(&product[..], "too large"), (&long[..], "2147483647 bytes")] {
             let said = decode(content).unwrap_err().to_string();
             assert!(said.contains(expected), "{said}");
+        }
+    }
+
+    #[test]
+    fn arrays_without_entries_are_refused_when_their_loops_would_not_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let write = |shape: &str| {
+            let mut archive = zip::ZipWriter::new(File::create(&path).unwrap());
+            archive.start_file("m.npy", SimpleFileOptions::default()).unwrap();
+            archive.write_all(&npy("<f8", "False", shape, &[])).unwrap();
+            archive.finish().unwrap();
+        };
+        for (shape, why) in [
+            ("(2305843009213693952, 0)", "`m`: shape too large: (2305843009213693952, 0)"),
+            ("(0, 9223372036854775808)", "`m`: shape too large: (0, 9223372036854775808)"),
+            ("(0, 4000000000)", "`m` of shape (0, 4000000000), where 0 counts as 1, would take 29"),
+            ("(4000000000, 0)", "`m` of shape (4000000000, 0), where 0 counts as 1, would take 29"),
+        ] {
+            write(shape);
+            let said = read_arrays(&path).unwrap_err().to_string();
+            assert!(said.contains("a.npz: ") && said.contains(why), "{said}");
+        }
+        for (shape, expected) in [("(0, 1000)", (0, 1000)), ("(1000, 0)", (1000, 0))] {
+            write(shape);
+            assert_eq!(read_arrays(&path).unwrap().matrix("m").unwrap().shape(), expected);
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
-use super::limits::{SourceOptions, check_memory, longest_line, memory_limit};
+use super::limits::{LARGER_MAX_MEMORY, SourceOptions, check_memory, longest_line, memory_limit};
 use super::xz::Unpacker;
 use crate::base::{Error, Progress, Result};
 
@@ -199,9 +199,7 @@ impl<'a> Source<'a> {
         match reader.read_until(b'\n', &mut self.buffer) {
             Ok(0) => return Ok(None),
             Ok(count) if count == longest => {
-                let what = format!(
-                    "a line of {count} bytes or more: a larger max_memory (--input-limit) allows it"
-                );
+                let what = format!("a line of {count} bytes or more: {LARGER_MAX_MEMORY}");
                 return Err(self.fail(what));
             }
             Ok(_) => {}
@@ -309,10 +307,9 @@ impl<R: Read> Read for Limited<R> {
         match self.left.checked_sub(count as u64) {
             Some(left) => self.left = left,
             None => {
-                return Err(io::Error::other(
-                    "unpacks to more than this file may take: a larger max_memory (--input-limit) \
-                     allows it",
-                ));
+                return Err(io::Error::other(format!(
+                    "unpacks to more than this file may take: {LARGER_MAX_MEMORY}"
+                )));
             }
         }
         Ok(count)
@@ -354,10 +351,9 @@ impl Read for Watched<'_> {
         let count = self.file.read(out)?;
         self.done += count as u64;
         if self.done > self.memory {
-            return Err(io::Error::other(
-                "is larger than the memory that this file may take: a larger max_memory \
-                 (--input-limit) allows it",
-            ));
+            return Err(io::Error::other(format!(
+                "is larger than the memory that this file may take: {LARGER_MAX_MEMORY}"
+            )));
         }
         let fraction = self.done as f64 / self.size.max(1) as f64;
         self.progress.report(fraction).map_err(|_| io::Error::other(Stopped))?;

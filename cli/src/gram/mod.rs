@@ -94,6 +94,9 @@ impl<'a> Pass<'a> {
         weights: Option<&Path>,
         centered: bool,
     ) -> Result<Self> {
+        if table.ncols() == 0 {
+            bail!("{}: no columns", args.input.display());
+        }
         if centered && table.nrows() == 0 {
             bail!("{}: no rows, so that there is no mean", args.input.display());
         }

@@ -88,7 +88,8 @@ pub struct Args {
     #[arg(long, value_name = "OTHER")]
     compare: Option<PathBuf>,
     /// Move the mesh to the origin and scale it: to a total area of 1 (area), or to a bounding box
-    /// whose longest side is 1 (box).
+    /// whose longest side is 1 (box). A mesh with coordinates above 1e70, or a size below 1e-70, is
+    /// scaled before all other steps, too.
     #[arg(long, value_name = "SIZE", requires = "output")]
     normalize: Option<Size>,
     #[command(flatten)]
@@ -134,7 +135,10 @@ pub fn run(args: &Args) -> Result<()> {
 
     let picture = args.picture.create(args.force)?;
     let start = Instant::now();
-    let mut file = input::mesh(&args.input)?;
+    let mut file = match args.normalize {
+        Some(_) => input::mesh_of_any_size(&args.input)?,
+        None => input::mesh(&args.input)?,
+    };
     let name = args.input.display();
     let (path, time) = (name.to_string(), start.elapsed());
     status!(

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{DenseRows, RowBlocks};
-use catamaran::base::Real;
+use catamaran::base::{Real, zeros};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut, MatRef};
@@ -168,10 +168,13 @@ impl Source {
             return Ok(found.map(|(x, (row, column))| at(*x, row, column)));
         }
         let (m, n) = self.shape();
+        if m == 0 || n == 0 {
+            return Ok(None);
+        }
         let bar = Bar::new("checking");
         let mut rows = Watched { rows: self.rows::<f64>(false)?, bar: &bar };
-        let height = (BLOCK / n.max(1)).clamp(1, m.max(1));
-        let mut entries = vec![0.0; height * n];
+        let height = (BLOCK / n).clamp(1, m);
+        let mut entries = zeros::<f64>(height * n)?;
         for first in (0..m).step_by(height) {
             let count = height.min(m - first);
             let entries = &mut entries[..count * n];

@@ -108,7 +108,7 @@ fn a_region_and_the_rest_are_written_as_meshes_and_tables() {
     );
     assert!(said.contains("region      32 faces, area 0.25, 25.00 % of the surface"), "{said}");
     assert_eq!((area(&folder, "in.ply"), area(&folder, "out.obj")), (0.25, 0.75));
-    let inside: Vec<f64> = folder.read_npy("in.npy");
+    let inside: Vec<f64> = folder.read_npy("in.npy", &[128, 1]);
     assert_eq!((inside.len(), inside.iter().sum::<f64>()), (128, 32.0));
     let outside = std::fs::read_to_string(folder.path("out.csv")).unwrap();
     let outside: Vec<f64> = outside.lines().map(|line| line.parse().unwrap()).collect();
@@ -138,7 +138,7 @@ fn smooth_curves_cut_faces_and_shares_say_how_much_of_them() {
         "curve mesh.obj --samples samples.txt --smooth --region in.obj --region in.npy --rest \
          out.obj",
     );
-    let shares: Vec<f64> = folder.read_npy("in.npy");
+    let shares: Vec<f64> = folder.read_npy("in.npy", &[1280, 1]);
     assert!(shares.iter().any(|&s| s > 0.0 && s < 1.0));
     let mesh = families::icosphere(3).unwrap();
     let sum: f64 = shares.iter().zip(mesh.face_areas()).map(|(s, a)| s * a).sum();

@@ -286,9 +286,9 @@ fn numbers_of_vertices_and_cells_are_integers() {
     folder.succeed("farthest in.ply -n 7 --first 2000 -o few.npy --cells cells.npy");
     folder.succeed("farthest in.ply -n 7 --first 2000 -o few.csv");
     // Entries of another type would not be read as these.
-    let samples: Vec<i64> = folder.read_npy("few.npy");
+    let samples: Vec<i64> = folder.read_npy("few.npy", &[7, 1]);
     assert_eq!((samples.len(), samples[0]), (7, 2000));
-    let cells: Vec<i64> = folder.read_npy("cells.npy");
+    let cells: Vec<i64> = folder.read_npy("cells.npy", &[2562, 1]);
     assert!(cells.iter().all(|cell| (0..7).contains(cell)));
     let lines: String = samples.iter().map(|sample| format!("{sample}\n")).collect();
     assert_eq!(fs::read_to_string(folder.path("few.csv")).unwrap(), lines);

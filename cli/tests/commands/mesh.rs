@@ -389,6 +389,30 @@ fn sizes_at_which_areas_overflow_or_vanish_are_refused_by_every_command() {
 }
 
 #[test]
+fn a_mesh_of_any_size_is_normalized_as_its_error_hints() {
+    let folder = Folder::new();
+    let (points, faces) = families::icosphere(2).unwrap().into_parts();
+    for by in [1e-160, 1e160] {
+        let scaled = points.iter().map(|p| p.map(|x| x * by)).collect();
+        let output = Output::create(&folder.path("far.ply"), Overwrite::Replace).unwrap();
+        io::write(output, &TriMesh::new(scaled, faces.clone()).unwrap().into()).unwrap();
+        let refused = folder.fail("mesh far.ply --repair");
+        let hint = "; `catamaran mesh far.ply --normalize box -o FILE` scales it\n";
+        assert!(refused.ends_with(hint), "{refused}");
+        for size in ["box", "area"] {
+            let line = format!("mesh far.ply --normalize {size} --repair -o near.ply --force");
+            let run = folder.run(&line);
+            assert_eq!(run.code, Some(0), "{}", run.stderr);
+            assert!(
+                run.stderr.contains("note: far.ply: ") && run.stderr.contains("scaled to a box")
+            );
+            let report = folder.succeed("mesh near.ply --check");
+            assert!(size == "box" || report.contains("\narea        1\n"), "{report}");
+        }
+    }
+}
+
+#[test]
 fn a_soup_is_resampled_after_it_is_repaired() {
     let soup = families::soup(&families::torus(24, 12, 2.0, 0.7).unwrap()).unwrap();
     let folder = with("soup.ply", &soup.into());

@@ -84,8 +84,10 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     let read_points = std::fs::read_to_string(folder.path("found.txt")).unwrap();
     let read_points: Vec<u32> = read_points.lines().map(|line| line.parse().unwrap()).collect();
     assert_eq!(read_points, points);
-    let (a, b): (Vec<f64>, Vec<f64>) =
-        (folder.read_npy("by_points.npy"), folder.read_npy("found.npy"));
+    let (a, b): (Vec<f64>, Vec<f64>) = (
+        folder.read_npy("by_points.npy", &[points.len(), 3]),
+        folder.read_npy("found.npy", &[points.len(), 3]),
+    );
     // Other eigenfunctions were computed along, and so with other roundings.
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8));
     // What comes out is near the coordinates of the corresponding vertices.
@@ -216,7 +218,7 @@ fn one_coefficient_changes_by_a_share_of_the_size() {
         folder.succeed(&format!(
             "filter source.ply -k 10 --functions xyz.npy {arguments} -o out.npy --force"
         ));
-        let after: Vec<f64> = folder.read_npy("out.npy");
+        let after: Vec<f64> = folder.read_npy("out.npy", &[source.vertices().len(), 3]);
         after.iter().zip(&before).map(|(a, b)| a - b).collect()
     };
     for order in [1, 2] {
@@ -315,7 +317,8 @@ fn filters_smooth_sharpen_and_split() {
         folder
             .succeed(&format!("filter source.ply {arguments} -k 20 --functions xyz.npy -o {name}"));
     }
-    let [a, b, c]: [Vec<f64>; 3] = ["a.npy", "b.npy", "c.npy"].map(|name| folder.read_npy(name));
+    let [a, b, c]: [Vec<f64>; 3] = ["a.npy", "b.npy", "c.npy"]
+        .map(|name| folder.read_npy(name, &[source.vertices().len(), 3]));
     for (i, x) in source.vertices().concat().into_iter().enumerate() {
         assert!((a[i] + b[i] - x).abs() < 1e-12);
     }
@@ -407,7 +410,7 @@ fn distances_are_over_faces_or_along_edges() {
     assert_eq!(&std::fs::read(folder.path("p.png")).unwrap()[1..4], b"PNG");
     folder.succeed("distance spheres.ply --from 5 --method edges -o edges.npy");
     let (heat, edges): (Vec<f64>, Vec<f64>) =
-        (folder.read_npy("heat.npy"), folder.read_npy("edges.npy"));
+        (folder.read_npy("heat.npy", &[2 * n, 1]), folder.read_npy("edges.npy", &[2 * n, 1]));
     assert_eq!((heat.len(), edges.len(), heat[5], edges[5]), (2 * n, 2 * n, 0.0, 0.0));
     for (v, p) in mesh.vertices().iter().enumerate().take(n) {
         let q = mesh.vertices()[5];
@@ -418,13 +421,13 @@ fn distances_are_over_faces_or_along_edges() {
     assert!(heat[n..].iter().chain(&edges[n..]).all(|distance| *distance == f64::INFINITY));
     // From the nearest of several.
     folder.succeed(&format!("distance spheres.ply --from 5,{n} --method edges -o both.npy"));
-    let both: Vec<f64> = folder.read_npy("both.npy");
+    let both: Vec<f64> = folder.read_npy("both.npy", &[2 * n, 1]);
     assert!(both[..n] == edges[..n] && both[n] == 0.0 && both.iter().all(|x| x.is_finite()));
     for threads in [1, 2] {
         folder.succeed(&format!(
             "distance spheres.ply --from 5 --threads {threads} -o same.npy --force"
         ));
-        assert_eq!(folder.read_npy::<f64>("same.npy"), heat);
+        assert_eq!(folder.read_npy::<f64>("same.npy", &[2 * n, 1]), heat);
     }
     for method in ["heat", "edges"] {
         let refused = folder
@@ -438,7 +441,7 @@ fn distances_are_over_faces_or_along_edges() {
     folder.write("rhombus.obj", "v 0 0 0\nv 1 -3 0\nv 2 0 0\nv 1 3 0\nf 1 2 3\nf 1 3 4\n");
     folder.succeed("distance rhombus.obj --from 2 -o rhombus.npy");
     let exact = [2.0, 10f64.sqrt(), 0.0, 10f64.sqrt()];
-    for (found, exact) in folder.read_npy::<f64>("rhombus.npy").iter().zip(exact) {
+    for (found, exact) in folder.read_npy::<f64>("rhombus.npy", &[4, 1]).iter().zip(exact) {
         assert!((found - exact).abs() < 1e-12, "{found} and not {exact}");
     }
     // Three pages on one edge, of which `intrinsic` makes nothing.
@@ -476,7 +479,7 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
                 "descriptors {name}.ply --kind {kind} -o table.npy --force --threads 2"
             ));
             assert!(said.contains(&format!("{n} vertices, {columns} columns")), "{said}");
-            folder.read_npy::<f64>("table.npy")
+            folder.read_npy::<f64>("table.npy", &[n, columns])
         });
         assert_eq!(tables[0].len(), n * columns, "{kind}");
         let size = tables[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));

@@ -27,9 +27,9 @@ fn blocks_of_any_height_give_the_product() {
             let options =
                 format!("{name} --block-rows {rows} --verify --require-finite -o c.npy --force");
             folder.succeed(&format!("ata {options}"));
-            assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{options}");
+            assert_eq!(folder.read_npy::<f64>("c.npy", &[N; 2]), expected, "{options}");
             folder.succeed(&format!("ata {options} --weights w.npy"));
-            assert_eq!(folder.read_npy::<f64>("c.npy"), weighted, "{options}");
+            assert_eq!(folder.read_npy::<f64>("c.npy", &[N; 2]), weighted, "{options}");
         }
     }
 }
@@ -80,7 +80,7 @@ fn c_larger_than_memory_is_computed_in_strips() {
             report.contains("A is read 2 times") || report.contains("A is read 3 times"),
             "{report}"
         );
-        let c = folder.read_npy::<f64>("c.npy");
+        let c = folder.read_npy::<f64>("c.npy", &[n; 2]);
         for (k, (&found, &wanted)) in c.iter().zip(&expected).enumerate() {
             let (i, j) = (k / n, k % n);
             let given = lower && i >= j || upper && i <= j;
@@ -94,8 +94,10 @@ fn c_larger_than_memory_is_computed_in_strips() {
     // About the mean: the same up to rounding.
     folder.succeed("ata a.npy --covariance -o whole.npy --force");
     folder.succeed(&format!("ata a.npy --covariance {options} -o strips.npy --force"));
-    let (whole, strips) =
-        (folder.read_npy::<f64>("whole.npy"), folder.read_npy::<f64>("strips.npy"));
+    let (whole, strips) = (
+        folder.read_npy::<f64>("whole.npy", &[n; 2]),
+        folder.read_npy::<f64>("strips.npy", &[n; 2]),
+    );
     assert!(whole.iter().zip(&strips).all(|(x, y)| (x - y).abs() < 1e-10));
 
     // What is not finite is counted over all strips.
@@ -283,7 +285,7 @@ fn resume_without_a_checkpoint_begins_and_says_so() {
     let (folder, expected) = with_input(M, N);
     let report = folder.succeed("ata a.npy -o c.npy --checkpoint sums --resume");
     assert!(report.contains("resumed     no sums: the run starts from the first row"), "{report}");
-    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+    assert_eq!(folder.read_npy::<f64>("c.npy", &[N; 2]), expected);
     assert_eq!(folder.names(), ["a.npy", "c.npy"]);
 }
 
@@ -296,7 +298,7 @@ fn checkpoint_is_not_replaced_by_accident() {
     assert!(message.contains("--resume continues from it"), "{message}");
     assert_eq!(fs::read_to_string(folder.path("sums")).unwrap(), "precious");
     folder.succeed("ata a.npy -o c.npy --checkpoint sums --force");
-    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+    assert_eq!(folder.read_npy::<f64>("c.npy", &[N; 2]), expected);
     let message = folder.fail("ata a.npy --checkpoint new");
     assert!(message.contains("--checkpoint needs -o or --accumulator"), "{message}");
     let message = folder.fail("ata a.npy -o d.npy --checkpoint none/sums");
@@ -328,7 +330,7 @@ fn checkpoint_that_can_not_be_written_is_told_and_the_last_one_stays() {
     assert!(run.stderr.contains("sums: can't be written: "), "{}", run.stderr);
     assert_eq!(folder.names(), ["a.npy", "c.npy.gz"]);
     folder.succeed("ata a.npy --block-rows 40 -o d.npy");
-    assert!(folder.read_npy::<f64>("d.npy").iter().all(|&x| x == 100.0));
+    assert!(folder.read_npy::<f64>("d.npy", &[n; 2]).iter().all(|&x| x == 100.0));
 }
 
 /// The rows of `a` from each bound to the next, in files 0.npy, 1.npy, ...
@@ -354,16 +356,17 @@ fn sums_of_parts_merge_to_the_whole() {
         report.contains("sums        4 files: 203 rows, 11 columns, f64, not centred"),
         "{report}"
     );
-    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+    assert_eq!(folder.read_npy::<f64>("c.npy", &[N; 2]), expected);
 
     // In another grouping, by way of a file.
     folder.succeed("ata-merge 3.centred 1.centred --accumulator some.centred");
     folder.succeed("ata-merge 2.centred some.centred 0.centred --covariance -o d.npy");
     folder.succeed("ata a.npy --covariance -o whole.npy");
-    let (found, whole) = (folder.read_npy::<f64>("d.npy"), folder.read_npy::<f64>("whole.npy"));
+    let (found, whole) =
+        (folder.read_npy::<f64>("d.npy", &[N; 2]), folder.read_npy::<f64>("whole.npy", &[N; 2]));
     assert!(found.iter().zip(&whole).all(|(x, y)| (x - y).abs() < 1e-12), "{found:?} {whole:?}");
     folder.succeed("ata-merge 0.sums 1.sums 2.sums 3.sums -o l.npy --uplo lower");
-    let lower = folder.read_npy::<f64>("l.npy");
+    let lower = folder.read_npy::<f64>("l.npy", &[N; 2]);
     assert!((0..N * N).all(|k| lower[k] == if k / N >= k % N { expected[k] } else { 0.0 }));
 }
 
@@ -409,5 +412,5 @@ fn a_pipe_is_read_as_a_whole() {
     let writer = std::thread::spawn(move || fs::write(Path::new(&pipe), whole));
     folder.succeed("ata p.npy -o c.npy --verify");
     writer.join().unwrap().unwrap();
-    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+    assert_eq!(folder.read_npy::<f64>("c.npy", &[N; 2]), expected);
 }

@@ -98,12 +98,24 @@ impl Folder {
         self.write(name, npy("True", shape, &by_columns.collect::<Vec<_>>()));
     }
 
-    /// The entries of an array by rows, which have type T in the file.
-    pub fn read_npy<T: Entry>(&self, name: &str) -> Vec<T> {
+    /// The entries of an array of several dimensions by rows, which has this shape and entries of
+    /// type T in the file.
+    pub fn read_npy<T: Entry>(&self, name: &str, shape: &[usize]) -> Vec<T> {
         let bytes = fs::read(self.path(name)).expect("the output");
         let (header, entries) = bytes.split_at(HEADER);
-        let start = format!("{{'descr': '{}', 'fortran_order': False, ", T::DESCR);
-        assert!(header[10..].starts_with(start.as_bytes()), "{name}: {}", header.escape_ascii());
+        let extents: Vec<String> = shape.iter().map(usize::to_string).collect();
+        let dict = format!(
+            "{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
+            T::DESCR,
+            extents.join(", ")
+        );
+        assert!(
+            header[10..].starts_with(dict.as_bytes()),
+            "{name}: {} instead of {dict}",
+            header.escape_ascii()
+        );
+        let len = shape.iter().product::<usize>();
+        assert_eq!(entries.len(), len * size_of::<T>(), "{name}");
         entries.chunks(size_of::<T>()).map(T::from_bytes).collect()
     }
 

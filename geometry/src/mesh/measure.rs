@@ -14,6 +14,10 @@ const FLAT: f64 = 8.0 * f64::EPSILON;
 const LARGEST: f64 = 1e70;
 const LEAST: f64 = 1e-70;
 
+/// Largest exponent of the factor by which coordinates are scaled before they are measured: larger
+/// powers of two, or their inverses, are not normal.
+const MOST_EXPONENT: f64 = 1000.0;
+
 /// The size to which [`TriMesh::normalized`] scales.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Normalization {
@@ -186,7 +190,8 @@ impl TriMesh {
         (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
     }
 
-    /// Returns the mesh moved and uniformly scaled to the size `to`.
+    /// Returns the mesh moved and uniformly scaled to the size `to`. Coordinates may be of any
+    /// size, those that [`TriMesh::check_size`] refuses included.
     ///
     /// ```
     /// use catamaran_geometry::mesh::{Normalization, families};
@@ -197,8 +202,18 @@ impl TriMesh {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] when the area or the box is zero or too large.
+    /// [`Error::Mesh`] when the area or the box is zero.
     pub fn normalized(&self, to: Normalization) -> Result<TriMesh> {
+        // A power of two rounds nothing, and afterwards no area overflows or vanishes.
+        let largest = self.vertices().as_flattened().iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+        let exponent = largest.log2().floor().clamp(-MOST_EXPONENT, MOST_EXPONENT);
+        let factor = 2f64.powi(-(exponent as i32));
+        let near = self.vertices().iter().map(|&p| vector::scale(p, factor)).collect();
+        TriMesh::new(near, self.faces().to_vec())?.moved_to(to)
+    }
+
+    /// Returns the mesh moved and scaled, if its areas can be computed.
+    fn moved_to(&self, to: Normalization) -> Result<TriMesh> {
         let (centre, size) = match to {
             Normalization::UnitArea => (self.centroid(), self.area().sqrt()),
             Normalization::UnitBox => {

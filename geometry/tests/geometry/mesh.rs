@@ -375,6 +375,29 @@ fn normalized_meshes_have_unit_size_about_the_origin() {
 }
 
 #[test]
+fn meshes_of_any_size_are_normalized() {
+    let shape = families::icosphere(2).unwrap();
+    let scaled = |by: f64| {
+        let vertices = shape.vertices().iter().map(|p| p.map(|x| x * by)).collect();
+        TriMesh::new(vertices, shape.faces().to_vec()).unwrap()
+    };
+    for to in [Normalization::UnitArea, Normalization::UnitBox] {
+        let expected = shape.normalized(to).unwrap();
+        // By powers of two, which change no digit, and by others.
+        for power in [-900, -300, 300, 900] {
+            assert_eq!(scaled(2f64.powi(power)).normalized(to).unwrap(), expected, "2^{power}");
+        }
+        for by in [1e-300, 1e-160, 1e160, 1e308] {
+            let found = scaled(by).normalized(to).unwrap();
+            found.check_size().unwrap();
+            let pairs = found.vertices().iter().zip(expected.vertices());
+            let error = pairs.flat_map(|(p, q)| (0..3).map(|k| (p[k] - q[k]).abs()));
+            assert!(error.fold(0.0, f64::max) < 1e-12, "{by}");
+        }
+    }
+}
+
+#[test]
 fn components_come_out_as_they_went_in() {
     let mesh = families::spheres(3, 1).unwrap();
     let components = Components::new(&mesh);

@@ -116,7 +116,7 @@ fn overlapped<T: Real>(
     })
 }
 
-/// Reads the block from row `first` on.
+/// Reads the block from row `first` on; rows without columns are not read.
 fn fill<'b, T: Real>(
     rows: &mut (dyn RowBlocks<T> + Send),
     first: usize,
@@ -125,6 +125,8 @@ fn fill<'b, T: Real>(
 ) -> Result<&'b mut [T]> {
     let (count, n) = (height.min(rows.nrows() - first), rows.ncols());
     let block = &mut block.as_mut_slice::<T>()[..count * n];
-    rows.read(first, MatMut::from_row_major_slice_mut(block, count, n))?;
+    if n > 0 {
+        rows.read(first, MatMut::from_row_major_slice_mut(block, count, n))?;
+    }
     Ok(block)
 }

@@ -15,7 +15,7 @@ use super::strip::Strip;
 use super::wide::{self, SumInteger};
 use crate::ata::exact::{Columns, Flags, Signs, rows_of_triangle, triangle_len};
 use crate::ata::options::AtaOptions;
-use crate::base::{Error, Par, Real, Result, reserved, widest, zeros};
+use crate::base::{Error, Par, Real, Result, repeated, reserved, widest, zeros};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
 
@@ -144,7 +144,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let ones;
         let weights = match (weights, self.grid.weight) {
             (None, Some(_)) => {
-                ones = vec![T::ONE; count];
+                ones = repeated(T::ONE, count)?;
                 Some(&ones[..])
             }
             (weights, _) => weights,

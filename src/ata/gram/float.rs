@@ -31,6 +31,9 @@ pub(super) fn add<T: BlasReal>(
     memory.reserve::<T>(len)?;
     let weighted = &mut memory.as_mut_slice::<T>()[..len];
     options.on_cores(|| moments.take(count, block, weights, weighted, options.par));
+    if strip.end == 0 {
+        return Ok(());
+    }
     let x = MatRef::from_row_major_slice(block, count, n);
     let wx = weights.map(|_| MatRef::from_row_major_slice(weighted, count, n));
     if let Some(left) = left {

@@ -20,6 +20,7 @@ use super::source::RowBlocks;
 pub(super) const FIRST_PASS: f64 = 0.1;
 
 /// Calls `work(count, block, weights, pass)` for each block of `height` rows from row `start` on.
+/// Rows without columns are one block, as a file may announce any number of them.
 pub(super) fn for_each_block_of<'o, T: BlasReal>(
     rows: &mut (dyn RowBlocks<T> + Send),
     weights: Option<&[T]>,
@@ -29,6 +30,7 @@ pub(super) fn for_each_block_of<'o, T: BlasReal>(
     mut work: impl FnMut(usize, &mut [T], Option<&[T]>, &mut Pass<'o>) -> Result<()>,
 ) -> Result<()> {
     let m = rows.nrows();
+    let height = if rows.ncols() == 0 { m.max(1) } else { height };
     let mut pass = Pass::new(options)?;
     for_each_block(rows, start, height, options.par, |first, block| {
         let count = height.min(m - first);

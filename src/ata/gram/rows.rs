@@ -17,7 +17,7 @@ use super::stream::stream;
 use crate::ata::ata;
 use crate::ata::combine::in_lower;
 use crate::ata::options::AtaOptions;
-use crate::base::{Error, Real, Result, Workspace, options};
+use crate::base::{Error, Real, Result, Workspace, options, zeros};
 use crate::blas::BlasReal;
 
 /// What is subtracted from every row before the product.
@@ -278,8 +278,8 @@ impl<'r, T: BlasReal> AdjustedRows<'r, T> {
 /// Returns the (weighted) mean row. Sums are in f64, block by block.
 fn mean<T: BlasReal>(rows: &mut dyn RowBlocks<T>, weights: Option<&[T]>) -> Result<Vec<T>> {
     let (m, n) = (rows.nrows(), rows.ncols());
-    if m == 0 {
-        return Ok(vec![T::ZERO; n]);
+    if m == 0 || n == 0 {
+        return zeros(n);
     }
     let weight = |i: usize| weights.map_or(1.0, |w| w[i].to_f64());
     let (total, _) = weight_sums(m, weights);

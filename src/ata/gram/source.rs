@@ -83,6 +83,9 @@ impl<S: Real, T: Real> RowBlocks<T> for DenseRows<'_, S> {
         /// Rows that are converted together: entries of a cache line. More rows of a power of two
         /// columns would push each other out of the cache.
         const RUN: usize = 8;
+        if out.ncols() == 0 {
+            return Ok(());
+        }
         let a = self.0.subrows(first, out.nrows());
         if a.col_stride().unsigned_abs() <= a.row_stride().unsigned_abs() {
             for i in 0..a.nrows() {

@@ -1,13 +1,14 @@
 //! Checks that exact sums have the same bytes for any blocks, order, threads, instruction set,
 //! merge and removal, and those of integers of any size.
 
-use faer::Mat;
+use faer::{Mat, MatMut};
 
 use super::accumulator::Sums;
 use super::grid::Capacity;
 use super::pass::Pass;
 use super::*;
 use crate::ata::options::{AtaOptions, Uplo};
+use crate::ata::verify_rows;
 use crate::base::{Error, Par, Result, Rng};
 use crate::blas::BlasReal;
 use crate::kernel::int8::Kernel;
@@ -435,4 +436,42 @@ fn weights_of_both_signs_that_sum_to_zero_have_no_mean() {
     let sum = rows.whole(&rows.bounds(), true);
     let error = sum.finish(1.0, Uplo::Lower).map(drop).unwrap_err();
     assert!(matches!(error, Error::Argument { what: "weights", .. }), "{error}");
+}
+
+/// Any number of rows without columns, which nobody reads.
+struct Hollow(usize);
+
+impl RowBlocks<f64> for Hollow {
+    fn nrows(&self) -> usize {
+        self.0
+    }
+
+    fn ncols(&self) -> usize {
+        0
+    }
+
+    fn read(&mut self, _: usize, _: MatMut<'_, f64>) -> Result<()> {
+        panic!("there is nothing to read");
+    }
+}
+
+#[test]
+fn rows_without_columns_take_no_time_however_many_they_are() {
+    const ROWS: usize = 1 << 55;
+    let mut rows = Hollow(ROWS);
+    let (options, mean) = (AtaOptions::new(), RowOptions::<f64>::new().center(Center::Mean));
+    let bounds = RowBounds::<f64>::of(&mut rows, None, 64, &options).unwrap();
+    for mut sum in [
+        Accumulator::new(0, false).unwrap(),
+        Accumulator::new(0, true).unwrap(),
+        Accumulator::exact(&bounds, true).unwrap(),
+        Accumulator::extended(&bounds, false).unwrap(),
+    ] {
+        stream(&mut rows, None, 64, &mut sum, &options, &mut |_| Ok(())).unwrap();
+        assert_eq!(sum.rows(), ROWS as u64);
+    }
+    assert_eq!(ata_extended(&mut rows, &mean, &options).unwrap().n(), 0);
+    let none = Mat::<f64>::new();
+    let checked = verify_rows(1.0, &mut rows, &mean, none.as_ref(), Uplo::Lower, 2, 0).unwrap();
+    assert!(checked.passed);
 }

@@ -15,6 +15,7 @@ use faer::prelude::ReborrowMut;
 
 use super::file::{BUFFER, Stamp, canonical, seekable};
 use crate::base::{Error, Real, Result, reserved};
+use crate::io::extents::padded_bytes;
 use crate::io::source::{error, error_at};
 
 /// Bytes of unpacked chunks that are kept, and slots of the table that finds them: a prime, as the
@@ -74,6 +75,9 @@ impl DatasetRows {
                 )));
             }
         };
+        let (rows, columns) = shape;
+        padded_bytes(&[rows, columns], size_of::<f64>())
+            .map_err(|what| refuse(format!("has a {what}")))?;
         let kind = dataset.dtype().map_err(|e| refuse(format!("has no type: HDF5 says: {e}")))?;
         let entry = match kind.to_descriptor() {
             Ok(

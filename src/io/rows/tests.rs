@@ -203,14 +203,18 @@ fn broken_arrays_are_refused_when_they_are_opened() {
     assert_eq!(refusal("a.npy", cube), "an array of 3 dimensions, where a matrix has 2");
     let scalar = npy("<f8", "False", "()", &[0; 8]);
     assert_eq!(refusal("a.npy", scalar), "an array of 0 dimensions, where a matrix has 2");
-    let huge = npy("<f8", "False", "(4294967296, 1073741824)", &[]);
+    let huge = npy("<f8", "False", "(4294967296, 1048576)", &[]);
     assert!(refusal("a.npy", huge).starts_with("truncated"));
     let order = "{'shape': (4294967296, 4294967296), 'fortran_order': False, 'descr': '<f8'}\n";
     let beyond_first = [b"\x93NUMPY\x02\x00", &(order.len() as u32).to_le_bytes()[..]].concat();
     let beyond_first = [beyond_first, order.into()].concat();
-    assert_eq!(refusal("a.npy", beyond_first), "shape too large");
+    let too_large = "shape too large: (4294967296, 4294967296)";
+    assert_eq!(refusal("a.npy", beyond_first), too_large);
     let beyond = npy("<f8", "False", "(4294967296, 4294967296)", &[]);
-    assert_eq!(refusal("a.npy", beyond), "shape too large");
+    assert_eq!(refusal("a.npy", beyond), too_large);
+    // Without entries, but rows that no loop could visit.
+    let tall = npy("<f8", "False", "(9223372036854775808, 0)", &[]);
+    assert_eq!(refusal("a.npy", tall), "shape too large: (9223372036854775808, 0)");
 }
 
 #[test]
