@@ -8,15 +8,18 @@ pub mod chart;
 pub mod child;
 pub mod contender;
 pub mod curves;
+#[cfg(feature = "chapters")]
 pub mod decimate;
 pub mod double;
 pub mod exchange;
+#[cfg(feature = "chapters")]
 pub mod gram;
 pub mod grid;
 pub mod host;
 pub mod input;
 pub mod library;
 pub mod peak;
+#[cfg(feature = "chapters")]
 pub mod plant;
 pub mod product;
 pub mod race;
@@ -24,9 +27,12 @@ pub mod record;
 pub mod reference;
 pub mod scale;
 pub mod scatter;
+#[cfg(feature = "chapters")]
 pub mod spectral;
+#[cfg(feature = "chapters")]
 pub mod surface_curves;
 pub mod table;
+#[cfg(feature = "chapters")]
 pub mod textures;
 
 /// The result of all functions here; the message of an error is all that users need.

@@ -1,10 +1,9 @@
-use std::fs::{File, Metadata};
+use std::fs::{File, Metadata, OpenOptions};
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
-
-use tempfile::NamedTempFile;
 
 use super::source::error;
 use crate::base::{Error, Result};
@@ -44,10 +43,10 @@ pub struct Output {
     path: PathBuf,
     /// Where the file appears: the target of the path, if the path is a symbolic link.
     target: PathBuf,
-    file: BufWriter<NamedTempFile>,
+    file: BufWriter<Temporary>,
     overwrite: Overwrite,
     // Dropped after the file, which removes itself from the disk.
-    _listed: Option<Listed>,
+    _listed: Listed,
 }
 
 /// The temporary files of all outputs.
@@ -82,6 +81,94 @@ struct Listed(PathBuf);
 impl Drop for Listed {
     fn drop(&mut self) {
         unfinished().paths.retain(|path| *path != self.0);
+    }
+}
+
+/// Most names that are tried for a temporary file.
+const MOST_NAMES: usize = 1000;
+
+/// An open file that is removed when it is dropped, unless it was renamed.
+#[derive(Debug)]
+struct Temporary {
+    path: PathBuf,
+    file: File,
+    is_renamed: bool,
+}
+
+impl Temporary {
+    /// Creates and lists a file with a random name.
+    fn create(folder: &Path, options: &OpenOptions) -> io::Result<(Self, Listed)> {
+        for _ in 0..MOST_NAMES {
+            // Every `RandomState` has keys of its own.
+            let random = RandomState::new().build_hasher().finish();
+            let path = folder.join(format!(".catamaran-{random:016x}.tmp"));
+            // Allocates before the lock: an abort for lack of memory needs the list.
+            let (line, listed) = (path.clone(), Listed(path.clone()));
+            let mut unfinished = open_list()?;
+            unfinished.paths.try_reserve(1)?;
+            let opened = options.open(&path);
+            if opened.is_ok() {
+                unfinished.paths.push(line);
+            }
+            // `Listed` takes the lock when it is dropped.
+            drop(unfinished);
+            match opened {
+                Ok(file) => return Ok((Self { path, file, is_renamed: false }, listed)),
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Err(io::Error::other("no name is free for a temporary file"))
+    }
+
+    /// Renames the file to `target`, also where there is one.
+    fn replace(mut self, target: &Path) -> io::Result<()> {
+        std::fs::rename(&self.path, target)?;
+        self.is_renamed = true;
+        Ok(())
+    }
+
+    /// Renames the file to `target`, which does not exist.
+    fn appear(self, target: &Path) -> io::Result<()> {
+        match std::fs::hard_link(&self.path, target) {
+            // The first name goes with `self`.
+            Ok(()) => Ok(()),
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Err(e),
+            // Some file systems have no links. There an empty file holds the name meanwhile.
+            Err(_) => {
+                File::create_new(target)?;
+                let renamed = self.replace(target);
+                if renamed.is_err() {
+                    let _ = std::fs::remove_file(target);
+                }
+                renamed
+            }
+        }
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.is_renamed {
+            // It is gone already, or can't be removed.
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+impl Write for Temporary {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Temporary {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
     }
 }
 
@@ -157,8 +244,6 @@ impl Output {
         if path.is_dir() {
             return Err(error(path, None, "is a directory"));
         }
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".catamaran-").suffix(".tmp");
         let target = target_of(path).map_err(|e| write_error(path, e))?;
         let replaced = target.metadata().ok();
         if replaced.as_ref().is_some_and(|about| !about.is_file()) {
@@ -172,20 +257,10 @@ impl Output {
             let mode = if replaced.is_some() { 0o600 } else { 0o666 };
             std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
         }
-        let mut listed = None;
-        let create = |temporary: &Path| {
-            // Allocates before the lock: an abort for lack of memory needs the list.
-            let line = temporary.to_owned();
-            listed = Some(Listed(temporary.to_owned()));
-            let mut unfinished = open_list()?;
-            unfinished.paths.try_reserve(1)?;
-            let file = options.open(temporary)?;
-            unfinished.paths.push(line);
-            Ok(file)
-        };
-        let file = builder.make_in(folder_of(&target), create).map_err(|e| write_error(path, e))?;
+        let (file, listed) =
+            Temporary::create(folder_of(&target), &options).map_err(|e| write_error(path, e))?;
         if let Some(replaced) = replaced {
-            take_over(file.as_file(), &replaced).map_err(|e| write_error(path, e))?;
+            take_over(&file.file, &replaced).map_err(|e| write_error(path, e))?;
         }
         let file = BufWriter::with_capacity(1 << 20, file);
         Ok(Self { path: path.into(), target, file, overwrite, _listed: listed })
@@ -199,7 +274,7 @@ impl Output {
     /// Returns the path of the file until then.
     #[cfg(feature = "hdf5")]
     pub(super) fn temporary_path(&self) -> &Path {
-        self.file.get_ref().path()
+        &self.file.get_ref().path
     }
 
     /// Lets the file appear under its name.
@@ -208,28 +283,28 @@ impl Output {
     /// [`Error::Io`]; no file is left behind then, unless the error is that of flushing the folder
     /// to the disk.
     pub fn commit(mut self) -> Result<()> {
-        let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
+        let flushed = self.file.flush().and_then(|()| self.file.get_ref().file.sync_all());
         flushed.map_err(|e| self.error(e))?;
         let Self { path, target, file, overwrite, _listed } = self;
         let file = file.into_inner().map_err(|e| write_error(&path, e.into_error()))?;
         // Locked, so that no file is committed while the files are discarded, or afterwards.
         let unfinished = open_list().map_err(|e| write_error(&path, e))?;
         let renamed = match overwrite {
-            Overwrite::Replace => file.persist(&target),
-            Overwrite::Never => file.persist_noclobber(&target),
+            Overwrite::Replace => file.replace(&target),
+            Overwrite::Never => file.appear(&target),
         };
         drop(unfinished);
         match renamed {
-            Ok(_) => sync_folder(&target).map_err(|e| write_error(&path, e)),
-            Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),
-            Err(e) => Err(write_error(&path, e.error)),
+            Ok(()) => sync_folder(&target).map_err(|e| write_error(&path, e)),
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),
+            Err(e) => Err(write_error(&path, e)),
         }
     }
 
     /// Sets the length of the file; bytes that were not written are zeros.
     pub(super) fn set_len(&mut self, bytes: u64) -> io::Result<()> {
         self.file.flush()?;
-        self.file.get_ref().as_file().set_len(bytes)
+        self.file.get_ref().file.set_len(bytes)
     }
 
     /// Returns the error of a failed write, with the path of the file.
@@ -240,7 +315,7 @@ impl Output {
 
 /// Returns the error of a failed write to the file that will have this path.
 pub(super) fn write_error(path: &Path, e: io::Error) -> Error {
-    let what = format!("can't be written: {}", reason(&e));
+    let what = format!("can't be written: {e}");
     Error::Io { path: path.into(), line: None, what, cause: Some(e.into()) }
 }
 
@@ -315,13 +390,4 @@ fn sync_folder(path: &Path) -> io::Result<()> {
 
 fn exists(path: &Path) -> Error {
     error(path, None, "exists already and is not replaced")
-}
-
-/// Returns the message without the name of the temporary file, which means nothing to the user.
-fn reason(e: &io::Error) -> String {
-    let text = e.to_string();
-    match text.find(" at path ") {
-        Some(end) => text[..end].to_owned(),
-        None => text,
-    }
 }

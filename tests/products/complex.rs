@@ -408,6 +408,7 @@ fn errors_stay_within_the_stated_bounds() {
 }
 
 #[test]
+#[ignore = "long: scripts/test --long"]
 fn errors_of_blocks_of_rows_add_up_to_a_rounding_for_each() {
     let a = gaussian::<f64>(400_003, 11, 19);
     let options = AtaOptions::new().accuracy(Accuracy::Max);

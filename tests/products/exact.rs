@@ -200,6 +200,11 @@ fn any_pattern_of_infinities_gives_what_the_definition_gives() {
             }
         }
     }
+}
+
+#[test]
+#[ignore = "long: scripts/test --long"]
+fn a_large_product_of_infinities_is_infinite() {
     let a = Mat::from_fn(3000, 3000, |_, _| f64::INFINITY);
     let c = product(a.as_ref(), &reproducible());
     assert!(c[(2999, 0)] == f64::INFINITY && c[(2999, 2999)] == f64::INFINITY);

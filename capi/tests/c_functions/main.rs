@@ -65,7 +65,7 @@ fn parameters_are_refused_by_name() {
 
 /// What `scripts/fuzz 600 c_functions` does, without libFuzzer and AddressSanitizer.
 #[test]
-#[ignore = "takes ten minutes"]
+#[ignore = "long: scripts/test --long"]
 fn ten_minutes_of_calls_are_those_of_plain_loops() {
     let start = Instant::now();
     let mut seed = 0;

@@ -1,26 +1,19 @@
 //! Writes the plant in time as binary glTF: a skinned mesh whose joints are segments, for Blender
 //! and engines.
 
-use std::borrow::Cow;
-use std::io::Write;
-
 use anyhow::{Result, bail};
 use catamaran::io::Output;
+use catamaran_geometry::mesh::io::write_glb;
 use catamaran_simulation::plant::{Plant, Pose, RodOptions, Rods, tubes};
-use gltf::Glb;
-use gltf::binary::Header;
-use gltf::json::accessor::{Accessor, ComponentType, GenericComponentType, Type};
-use gltf::json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
-use gltf::json::buffer::{self, Buffer, View};
-use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
-use gltf::json::scene::UnitQuaternion;
-use gltf::json::validation::Checked::Valid;
-use gltf::json::{Index, Node, Root, Scene, Skin, Value};
+use serde_json::{Value, json};
 
 use crate::report::note;
 
 /// Joints have numbers of 16 bits.
 const MOST_SEGMENTS: usize = 1 << 16;
+
+/// Buffers of more bytes are refused by some readers.
+const MOST_BYTES: usize = 1 << 31;
 
 /// Rounding of coordinates up to this is not noted, in metres.
 const ROUNDING: f64 = 1e-6;
@@ -45,95 +38,110 @@ pub fn write_animation(
     let rest = Rods::new(plant, &RodOptions::default())?.rest_pose();
     let mut file = File::default();
     let mesh = file.mesh(plant, &rest, sides)?;
-    let skin = file.joints(plant, &rest);
-    let skinned = Node {
-        mesh: Some(mesh),
-        skin: Some(skin),
-        name: Some("surface".into()),
-        ..Node::default()
-    };
-    let nodes = vec![Index::new(n as u32), file.root.push(skinned)];
-    let scene = Scene { nodes, name: None, extensions: None, extras: Default::default() };
-    file.root.scene = Some(file.root.push(scene));
-    file.motion(plant, poses, seconds);
-    output.write_all(&file.bytes()?).map_err(|e| output.error(e))?;
+    let mut nodes = joints(plant, &rest);
+    nodes.push(json!({ "name": "surface", "mesh": 0, "skin": 0 }));
+    let skin = file.skin(&rest);
+    let animation = file.motion(plant, poses, seconds);
+    let mut document = json!({
+        "asset": { "version": "2.0", "generator": "catamaran" },
+        "scene": 0,
+        "scenes": [{ "nodes": [n, n + 1] }],
+        "nodes": nodes,
+        "meshes": [mesh],
+        "skins": [skin],
+        "accessors": file.accessors,
+        "bufferViews": file.views,
+    });
+    if let Some(animation) = animation {
+        document["animations"] = json!([animation]);
+    }
+    let mut numbers = file.numbers;
+    if numbers.len() > MOST_BYTES {
+        bail!("--animation: more than 2 GiB of numbers; give fewer --frames");
+    }
+    numbers.resize(numbers.len().next_multiple_of(4), 0);
+    document["buffers"] = json!([{ "byteLength": numbers.len() }]);
+    let text = serde_json::to_vec(&document)?;
+    write_glb(&mut output, text, numbers).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }
 
-/// A document and its binary data.
+/// Codes of glTF 2.0: types of components, and targets of views.
+mod code {
+    pub const U8: u32 = 5121;
+    pub const U16: u32 = 5123;
+    pub const U32: u32 = 5125;
+    pub const F32: u32 = 5126;
+    pub const VERTICES: u32 = 34962;
+    pub const INDICES: u32 = 34963;
+}
+
+/// The binary data of a document, its views and its accessors.
 #[derive(Default)]
 struct File {
-    root: Root,
     numbers: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
 }
 
 impl File {
-    /// Adds binary data, at a multiple of four bytes.
-    fn view(&mut self, bytes: &[u8], target: Option<buffer::Target>) -> Index<View> {
+    /// Adds binary data, at a multiple of four bytes. Returns the index of its view.
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         self.numbers.resize(self.numbers.len().next_multiple_of(4), 0);
-        let view = View {
-            buffer: Index::new(0),
-            byte_length: bytes.len().into(),
-            byte_offset: Some(self.numbers.len().into()),
-            byte_stride: None,
-            name: None,
-            target: target.map(Valid),
-            extensions: None,
-            extras: Default::default(),
-        };
+        let offset = self.numbers.len();
+        let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() });
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
         self.numbers.extend_from_slice(bytes);
-        self.root.push(view)
+        self.views.push(view);
+        self.views.len() - 1
     }
 
+    /// Adds an accessor. Returns its index.
     fn accessor(
         &mut self,
-        view: Index<View>,
+        view: usize,
         offset: usize,
         count: usize,
-        component: ComponentType,
-        kind: Type,
-    ) -> Index<Accessor> {
-        self.root.push(Accessor {
-            buffer_view: Some(view),
-            byte_offset: Some(offset.into()),
-            count: count.into(),
-            component_type: Valid(GenericComponentType(component)),
-            extensions: None,
-            extras: Default::default(),
-            type_: Valid(kind),
-            min: None,
-            max: None,
-            name: None,
-            normalized: component == ComponentType::U8,
-            sparse: None,
-        })
+        component: u32,
+        kind: &str,
+    ) -> usize {
+        let mut accessor = json!({
+            "bufferView": view, "byteOffset": offset, "count": count,
+            "componentType": component, "type": kind,
+        });
+        if component == code::U8 {
+            accessor["normalized"] = true.into();
+        }
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
     }
 
-    /// Adds an accessor with a separate view.
+    /// Adds an accessor with a separate view. Returns its index.
     fn numbers<const N: usize>(
         &mut self,
         values: &[[f32; N]],
-        kind: Type,
-        target: Option<buffer::Target>,
-    ) -> Index<Accessor> {
+        kind: &str,
+        target: Option<u32>,
+    ) -> usize {
         let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let view = self.view(&bytes, target);
-        self.accessor(view, 0, values.len(), ComponentType::F32, kind)
+        self.accessor(view, 0, values.len(), code::F32, kind)
     }
 
-    fn bound<const N: usize>(&mut self, accessor: Index<Accessor>, values: &[[f32; N]]) {
+    fn bound<const N: usize>(&mut self, accessor: usize, values: &[[f32; N]]) {
         let over = |f: fn(f32, f32) -> f32, start: f32| -> Value {
             (0..N).map(|k| values.iter().map(|x| x[k]).fold(start, f)).collect::<Vec<_>>().into()
         };
-        let accessor = &mut self.root.accessors[accessor.value()];
-        accessor.min = Some(over(f32::min, f32::INFINITY));
-        accessor.max = Some(over(f32::max, f32::NEG_INFINITY));
+        self.accessors[accessor]["min"] = over(f32::min, f32::INFINITY);
+        self.accessors[accessor]["max"] = over(f32::max, f32::NEG_INFINITY);
     }
 
-    /// Adds the surface of the plant at rest.
-    fn mesh(&mut self, plant: &Plant, rest: &Pose, sides: usize) -> Result<Index<Mesh>> {
+    /// Returns the mesh of the surface of the plant at rest.
+    fn mesh(&mut self, plant: &Plant, rest: &Pose, sides: usize) -> Result<Value> {
         let (vertices, faces) = tubes(plant, rest, sides, 0.0)?.into_parts();
-        let vertex_data = Some(buffer::Target::ArrayBuffer);
+        let vertex_data = Some(code::VERTICES);
         let positions: Vec<[f32; 3]> = vertices.iter().map(|p| p.map(|x| x as f32)).collect();
         let moved = |x: &f64| (f64::from(*x as f32) - x).abs();
         let moved = vertices.as_flattened().iter().map(moved).fold(0.0, f64::max);
@@ -153,87 +161,45 @@ impl File {
         let weights = [255, 0, 0, 0].repeat(vertices.len());
         let corners: Vec<u8> = faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
 
-        let position = self.numbers(&positions, Type::Vec3, vertex_data);
+        let position = self.numbers(&positions, "VEC3", vertex_data);
         self.bound(position, &positions);
-        let color = self.numbers(&colors, Type::Vec3, vertex_data);
+        let color = self.numbers(&colors, "VEC3", vertex_data);
         let count = vertices.len();
         let view = self.view(&joints, vertex_data);
-        let joint = self.accessor(view, 0, count, ComponentType::U16, Type::Vec4);
+        let joint = self.accessor(view, 0, count, code::U16, "VEC4");
         let view = self.view(&weights, vertex_data);
-        let weight = self.accessor(view, 0, count, ComponentType::U8, Type::Vec4);
-        let view = self.view(&corners, Some(buffer::Target::ElementArrayBuffer));
-        let indices = self.accessor(view, 0, 3 * faces.len(), ComponentType::U32, Type::Scalar);
-        let primitive = Primitive {
-            attributes: [
-                (Valid(Semantic::Positions), position),
-                (Valid(Semantic::Colors(0)), color),
-                (Valid(Semantic::Joints(0)), joint),
-                (Valid(Semantic::Weights(0)), weight),
-            ]
-            .into(),
-            extensions: None,
-            extras: Default::default(),
-            indices: Some(indices),
-            material: None,
-            mode: Valid(Mode::Triangles),
-            targets: None,
-        };
-        Ok(self.root.push(Mesh {
-            extensions: None,
-            extras: Default::default(),
-            name: Some("surface".into()),
-            primitives: vec![primitive],
-            weights: None,
-        }))
+        let weight = self.accessor(view, 0, count, code::U8, "VEC4");
+        let view = self.view(&corners, Some(code::INDICES));
+        let indices = self.accessor(view, 0, 3 * faces.len(), code::U32, "SCALAR");
+        let primitive = json!({
+            "attributes": {
+                "POSITION": position, "COLOR_0": color, "JOINTS_0": joint, "WEIGHTS_0": weight,
+            },
+            "indices": indices,
+        });
+        Ok(json!({ "name": "surface", "primitives": [primitive] }))
     }
 
-    /// Adds nodes 0 to n - 1, the segments, each where it begins, and node n, the plant, turned
-    /// from z upwards to y upwards.
-    fn joints(&mut self, plant: &Plant, rest: &Pose) -> Index<Skin> {
-        let n = plant.len();
-        let mut children: Vec<Vec<Index<Node>>> = vec![vec![]; n + 1];
-        for v in 0..n {
-            children[above(plant, v).unwrap_or(n)].push(Index::new(v as u32));
-        }
-        let ground = children.pop();
-        for (v, children) in children.into_iter().enumerate() {
-            let from = above(plant, v).map_or([0.0; 3], |p| rest.heads[p]);
-            let offset = [0, 1, 2].map(|i| (rest.heads[v][i] - from[i]) as f32);
-            self.root.push(Node {
-                children: (!children.is_empty()).then_some(children),
-                name: Some(format!("segment {v}")),
-                translation: Some(offset),
-                ..Node::default()
-            });
-        }
-        let quarter = std::f32::consts::FRAC_1_SQRT_2;
-        let plant_node = self.root.push(Node {
-            children: ground,
-            name: Some("plant".into()),
-            rotation: Some(UnitQuaternion([-quarter, 0.0, 0.0, quarter])),
-            ..Node::default()
-        });
+    /// Returns the skin, whose joints are the segments.
+    fn skin(&mut self, rest: &Pose) -> Value {
+        let n = rest.heads.len();
         // By columns: from the plant at rest to the segment.
         let inverse = |p: &[f64; 3]| {
             let [x, y, z] = p.map(|x| -x as f32);
             [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, z, 1.0]
         };
         let inverses: Vec<[f32; 16]> = rest.heads.iter().map(inverse).collect();
-        let inverses = self.numbers(&inverses, Type::Mat4, None);
-        self.root.push(Skin {
-            extensions: None,
-            extras: Default::default(),
-            inverse_bind_matrices: Some(inverses),
-            joints: (0..n as u32).map(Index::new).collect(),
-            name: None,
-            skeleton: Some(plant_node),
+        let inverses = self.numbers(&inverses, "MAT4", None);
+        json!({
+            "inverseBindMatrices": inverses, "joints": (0..n).collect::<Vec<_>>(), "skeleton": n,
         })
     }
 
-    /// Adds the rotations of segments relative to their parents.
-    fn motion(&mut self, plant: &Plant, poses: &[Pose], seconds: &[f64]) {
+    /// Returns the animation: the rotations of segments relative to their parents. `None` when all
+    /// are pinned.
+    fn motion(&mut self, plant: &Plant, poses: &[Pose], seconds: &[f64]) -> Option<Value> {
         let times: Vec<[f32; 1]> = seconds.iter().map(|t| [*t as f32]).collect();
-        let input = self.numbers(&times, Type::Scalar, None);
+        let input = self.numbers(&times, "SCALAR", None);
         self.bound(input, &times);
         let moving: Vec<usize> =
             (0..plant.len()).filter(|&v| !plant.segments()[v].pinned).collect();
@@ -250,61 +216,43 @@ impl File {
             }
         }
         if moving.is_empty() {
-            return;
+            return None;
         }
         let view = self.view(&bytes, None);
         let (mut channels, mut samplers) = (vec![], vec![]);
         for (i, &v) in moving.iter().enumerate() {
             let (offset, count) = (16 * i * poses.len(), poses.len());
-            let output = self.accessor(view, offset, count, ComponentType::F32, Type::Vec4);
-            let sampler = Sampler {
-                extensions: None,
-                extras: Default::default(),
-                input,
-                interpolation: Valid(Interpolation::Linear),
-                output,
-            };
-            let target = Target {
-                extensions: None,
-                extras: Default::default(),
-                node: Index::new(v as u32),
-                path: Valid(Property::Rotation),
-            };
-            let sampler = Index::push(&mut samplers, sampler);
-            channels.push(Channel {
-                sampler,
-                target,
-                extensions: None,
-                extras: Default::default(),
-            });
+            let output = self.accessor(view, offset, count, code::F32, "VEC4");
+            samplers.push(json!({ "input": input, "output": output }));
+            channels.push(json!({ "sampler": i, "target": { "node": v, "path": "rotation" } }));
         }
-        self.root.push(Animation {
-            extensions: None,
-            extras: Default::default(),
-            channels,
-            name: Some("wilting".into()),
-            samplers,
-        });
+        Some(json!({ "name": "wilting", "channels": channels, "samplers": samplers }))
     }
+}
 
-    fn bytes(mut self) -> Result<Vec<u8>> {
-        const MOST: usize = 1 << 31;
-        if self.numbers.len() > MOST {
-            bail!("--animation: more than 2 GiB of numbers; give fewer --frames");
-        }
-        self.numbers.resize(self.numbers.len().next_multiple_of(4), 0);
-        self.root.push(Buffer {
-            byte_length: self.numbers.len().into(),
-            name: None,
-            uri: None,
-            extensions: None,
-            extras: Default::default(),
-        });
-        let json = self.root.to_vec()?;
-        let header = Header { magic: *b"glTF", version: 2, length: 0 };
-        let file = Glb { header, json: Cow::Owned(json), bin: Some(Cow::Owned(self.numbers)) };
-        Ok(file.to_vec()?)
+/// Returns nodes 0 to n - 1, the segments, each where it begins, and node n, the plant, turned
+/// from z upwards to y upwards.
+fn joints(plant: &Plant, rest: &Pose) -> Vec<Value> {
+    let n = plant.len();
+    let mut children: Vec<Vec<usize>> = vec![vec![]; n + 1];
+    for v in 0..n {
+        children[above(plant, v).unwrap_or(n)].push(v);
     }
+    let ground = children.pop();
+    let mut nodes: Vec<Value> = Vec::with_capacity(n + 2);
+    for (v, children) in children.into_iter().enumerate() {
+        let from = above(plant, v).map_or([0.0; 3], |p| rest.heads[p]);
+        let offset = [0, 1, 2].map(|i| (rest.heads[v][i] - from[i]) as f32);
+        let mut node = json!({ "name": format!("segment {v}"), "translation": offset });
+        if !children.is_empty() {
+            node["children"] = children.into();
+        }
+        nodes.push(node);
+    }
+    let quarter = std::f32::consts::FRAC_1_SQRT_2;
+    let turn = [-quarter, 0.0, 0.0, quarter];
+    nodes.push(json!({ "name": "plant", "children": ground, "rotation": turn }));
+    nodes
 }
 
 /// Returns the parent joint of a segment; `None` for the root and for a pinned segment.

@@ -198,9 +198,9 @@ fn kill_at_any_moment_and_resume_gives_the_same_bytes() {
     kill_and_resume(3, 1);
 }
 
-/// The same, more often: `cargo test -p catamaran-cli --test stream -- --ignored`.
+/// The same, more often.
 #[test]
-#[ignore = "takes a while"]
+#[ignore = "long: scripts/test --long"]
 fn twenty_kills_and_resume_give_the_same_bytes() {
     kill_and_resume(20, 2);
 }

@@ -31,6 +31,8 @@ use std::path::Path;
 
 pub use attributes::{Attribute, MeshFile};
 pub use format::MeshFormat;
+#[doc(hidden)]
+pub use gltf::write_glb;
 pub use gltf::{GltfEncoding, Material, Picture};
 pub use labels::Labels;
 pub use ply::PlyEncoding;

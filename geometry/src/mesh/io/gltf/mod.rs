@@ -30,6 +30,8 @@ use catamaran::io::Source;
 pub use self::encoding::GltfEncoding;
 pub use self::material::Material;
 pub use self::picture::Picture;
+#[doc(hidden)]
+pub use self::write::write_glb;
 pub(super) use self::write::{write, write_with_material};
 
 /// Bytes of memory for each vertex while meshes are joined.

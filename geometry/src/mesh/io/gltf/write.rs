@@ -64,7 +64,7 @@ fn write_all(
             serde_json::to_writer(&mut *sink, &document)?;
             writeln!(sink)
         }
-        GltfEncoding::Binary => write_binary(sink, &document, bytes),
+        GltfEncoding::Binary => write_glb(sink, serde_json::to_vec(&document)?, bytes),
     }
 }
 
@@ -123,9 +123,14 @@ fn describe(material: &Material, document: &mut Value, numbers: &mut Numbers) ->
     Ok(())
 }
 
-/// Writes a document and its buffer as the two chunks of a .glb file.
-fn write_binary(sink: &mut dyn Write, document: &Value, mut bytes: Vec<u8>) -> io::Result<()> {
-    let mut text = serde_json::to_vec(document)?;
+/// Writes a document of glTF 2.0, as JSON, and its buffer as the two chunks of a .glb file.
+///
+/// Public for the animations of the command line, which are documents of another kind.
+///
+/// # Errors
+/// Those of `sink`, and an error when the file would have more than 4 GiB.
+#[doc(hidden)]
+pub fn write_glb(sink: &mut dyn Write, mut text: Vec<u8>, mut bytes: Vec<u8>) -> io::Result<()> {
     text.resize(text.len().next_multiple_of(4), b' ');
     bytes.resize(bytes.len().next_multiple_of(4), 0);
     let binary = if bytes.is_empty() { 0 } else { 8 + bytes.len() };
