@@ -6,9 +6,9 @@ mod counting;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use catamaran::ata::{Accumulator, DenseRows, StreamPlan, stream};
 use catamaran::base::release_memory;
 use catamaran::faer::Mat;
+use catamaran::rows::{Accumulator, DenseRows, StreamPlan, stream};
 use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
 
 use counting::{held, peak_of};

@@ -13,8 +13,8 @@ use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
 use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut, uplo_from};
 use super::status::cata_status;
-use catamaran::ata::{DenseRows, RowOptions, ata_rows};
 use catamaran::blas::BlasReal;
+use catamaran::rows::{DenseRows, RowOptions, ata_rows};
 use catamaran::{AtaOptions, Uplo};
 
 /// Computes C := alpha A^T A + beta C, for A m x n and C n x n.

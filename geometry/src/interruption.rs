@@ -11,10 +11,10 @@ use crate::mesh::{
     TriMesh, families, laplacian,
 };
 use crate::unions::{ShapeDnaOptions, shape_dna};
-use catamaran::ata::{AtaOptions, SchemeChoice, ata};
 use catamaran::base::{Error, Par, Progress, Result, Rng, measure};
-use catamaran::gram::{LeastSquaresOptions, lstsq, svd};
 use catamaran::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt};
+use catamaran::product::{AtaOptions, SchemeChoice, ata};
+use catamaran::solve::{LeastSquaresOptions, lstsq, svd};
 use catamaran::sparse::{EigenOptions, Mass, count_below, eigs, eigs_sliced};
 
 /// Most operations between two requests.

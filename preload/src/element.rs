@@ -2,10 +2,10 @@
 
 use std::ops::{Add, Mul};
 
-use catamaran::ata::{
+use catamaran::faer::{MatMut, MatRef, c32, c64};
+use catamaran::product::{
     ComplexPlan, aha_planned, ahb_planned, ata_planned, atb_planned, planned_scratch_len,
 };
-use catamaran::faer::{MatMut, MatRef, c32, c64};
 use catamaran::{AtaOptions, Par, Plan, Result};
 
 use crate::request::{Kind, Shape};

@@ -1,5 +1,6 @@
 //! Basics for all modules: scalars, errors, threads, workspaces, progress, random numbers.
 
+mod blocks;
 mod builder;
 mod checks;
 mod cores;
@@ -23,6 +24,8 @@ mod version;
 mod watch;
 mod workspace;
 
+pub use blocks::block_rows;
+pub(crate) use checks::finite_weights;
 pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};

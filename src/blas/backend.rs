@@ -33,7 +33,7 @@ pub trait Backend: Kernels<f32> + Kernels<f64> {
     fn rates(&self) -> Rates;
 
     /// Returns the back end itself if it is the kernels of this crate, which
-    /// [`ata`](mod@crate::ata) then uses without this trait.
+    /// [`product`](crate::product) then uses without this trait.
     fn native(&self) -> Option<&Native> {
         None
     }

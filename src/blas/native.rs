@@ -12,8 +12,8 @@ use crate::kernel::packed::{
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling
 /// thread.
 ///
-/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses more of their features:
-/// threads that share packed operands, and additions fused into packing and writing.
+/// [`product`](crate::product) does not call them through [`Kernels`], but uses more of their
+/// features: threads that share packed operands, and additions fused into packing and writing.
 ///
 /// ```
 /// use catamaran::blas::{Kernels, Native};

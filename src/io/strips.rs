@@ -3,14 +3,15 @@ use std::path::Path;
 
 use super::npy::{encode, write_header};
 use super::{Format, Output, format_of};
-use crate::ata::{Strip, Uplo};
 use crate::base::{Error, Real, Result};
+use crate::product::Uplo;
+use crate::rows::Strip;
 
 /// Writes a symmetric n x n matrix into a `.npy` file, strip by strip, because it is too large for
 /// memory.
 ///
 /// ```
-/// use catamaran::ata::{Accumulator, DenseRows, stream};
+/// use catamaran::rows::{Accumulator, DenseRows, stream};
 /// use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, StripOutput, read};
 /// use catamaran::{AtaOptions, Uplo, faer::Mat};
 ///

@@ -3,10 +3,10 @@
 #[path = "../common/nist.rs"]
 mod nist;
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_extended};
 use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::gram::{
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_extended};
+use catamaran::solve::{
     GramQr, LeastSquares, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions,
     RankDeficiency, SingularValues, correlation, lstsq, orthogonality, pca, sum_of_pairs, svd,
 };

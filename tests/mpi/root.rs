@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use catamaran::ata::block_rows;
-use catamaran::ata::distributed::{Machine, TaskTree, deal, packed_len};
 use catamaran::base::Progress;
+use catamaran::base::block_rows;
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::mpi::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
+use catamaran::ranks::plan::{Machine, TaskTree, deal, packed_len};
+use catamaran::ranks::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 
 use crate::matrices::{SHAPES, check_whole, expected, options, part};

@@ -3,11 +3,12 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify};
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::{Reborrow, ReborrowMut};
 use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::product::verify;
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::{
     Accuracy, AtaOptions, Error, Par, SchemeChoice, Uplo, aat, ata, ata_scratch_len,
     ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use catamaran::ata::{DenseRows, RowOptions, ata_rows};
 use catamaran::blas::{Backend, BlasReal, native_with};
 use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::packed::{Isa, Rates};
+use catamaran::rows::{DenseRows, RowOptions, ata_rows};
 use catamaran::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, ata, atb};
 
 use crate::common::{backends, gaussian};

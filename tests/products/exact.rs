@@ -1,9 +1,9 @@
 //! The exact path as callers see it: special values, limits, and the same bytes whatever happens.
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatRef};
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::{
     Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata, atb, kernel::int8::Isa,
 };

@@ -1,7 +1,7 @@
 //! Plans are data: they can be checked for any number of processes without running anything.
 
-use catamaran::ata::{Node, Task, levels};
 use catamaran::kernel::int8::Isa;
+use catamaran::product::{Node, Task, levels};
 use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice};
 
 /// Equation 8.6 as printed, `P / 2` in integers.
@@ -161,7 +161,7 @@ fn the_faithful_mode_is_fast_only_where_blocks_stay_long() {
 
 #[test]
 fn levels_of_ata_d_are_those_of_equation_8_5_and_messages_those_of_proposition_8_3() {
-    use catamaran::ata::distributed::{TaskTree, levels, proposition_8_3};
+    use catamaran::ranks::plan::{TaskTree, levels, proposition_8_3};
     // Equation 8.5 by hand; P / 4 is 1, 7, 8, 9, 16 and 64 for P from 7 on.
     let expected = [(1, 0), (2, 1), (6, 1), (7, 2), (31, 2), (32, 2), (36, 3), (64, 2), (256, 3)];
     for (ranks, depth) in expected {

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use catamaran::ata::{Stages, exact_stages};
 use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::int8::Isa;
+use catamaran::product::{Stages, exact_stages};
 use catamaran::{AtaOptions, Par};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use criterion::{BenchmarkId, Criterion, Throughput};

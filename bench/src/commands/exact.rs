@@ -4,10 +4,10 @@
 use std::time::Instant;
 
 use catamaran::AtaOptions;
-use catamaran::ata::{Stages, exact_stages};
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
 use catamaran::kernel::int8::{Isa, Ladder, Rung, StepRates};
+use catamaran::product::{Stages, exact_stages};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::{Result, host};
 use faer::{MatMut, MatRef};

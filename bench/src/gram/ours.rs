@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use catamaran::ata::{Center, DenseRows, ExtendedGram, RowOptions, ata_extended};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::gram::{
+use catamaran::io::{Dense, Matrix, ReadOptions, RowFile, read};
+use catamaran::rows::{Center, DenseRows, ExtendedGram, RowOptions, ata_extended};
+use catamaran::solve::{
     GramQr, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions, lstsq, svd,
 };
-use catamaran::io::{Dense, Matrix, ReadOptions, RowFile, read};
 use catamaran::{AtaOptions, Par, SchemeChoice, ata};
 use clap::ValueEnum;
 

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::ata::{DenseRows, RowBlocks};
 use catamaran::base::Real;
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
+use catamaran::rows::{DenseRows, RowBlocks};
 
 use crate::claims::{Purpose, claim};
 use crate::input;

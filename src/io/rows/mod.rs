@@ -18,8 +18,8 @@ use self::file::{CHANGED, Stamp};
 use self::npy::NpyRows;
 use super::columns::checked_columns;
 use super::source::error;
-use crate::ata::RowBlocks;
 use crate::base::{Error, Real, Result};
+use crate::rows::RowBlocks;
 
 /// A matrix in a file whose rows are read block by block, so that the matrix may be larger than
 /// memory. It can be sent to a thread that reads.
@@ -42,7 +42,7 @@ use crate::base::{Error, Real, Result};
 /// replaced by another file of its name, the old rows are still read.
 ///
 /// ```
-/// use catamaran::ata::RowBlocks;
+/// use catamaran::rows::RowBlocks;
 /// use catamaran::faer::Mat;
 /// use catamaran::io::{self, Output, Overwrite, RowFile};
 ///

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use catamaran::ata::distributed::{Chunks, Machine, Mode, difference_cover, packed_len, predict};
+use catamaran::ranks::plan::{Chunks, Machine, Mode, difference_cover, packed_len, predict};
 use catamaran_bench::input::Shape;
 
 use crate::job::Job;
