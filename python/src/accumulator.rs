@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use catamaran::base::FloatEnv;
-use catamaran::base::block_rows;
+use catamaran::base::{FloatEnv, block_rows};
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};

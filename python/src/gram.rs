@@ -1,7 +1,6 @@
 //! Least squares, principal components and singular values.
 
-use catamaran::base::Progress;
-use catamaran::base::block_rows;
+use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatRef};
 use catamaran::rows::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
 use catamaran::solve::{

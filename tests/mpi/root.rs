@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use catamaran::base::Progress;
-use catamaran::base::block_rows;
+use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::ranks::plan::{Machine, TaskTree, deal, packed_len};
 use catamaran::ranks::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};

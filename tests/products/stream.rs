@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use catamaran::base::Rng;
-use catamaran::base::block_rows;
+use catamaran::base::{Rng, block_rows};
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::rows::{

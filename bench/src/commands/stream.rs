@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use catamaran::base::available_cores;
-use catamaran::base::block_rows;
+use catamaran::base::{available_cores, block_rows};
 use catamaran::io::{Output, Overwrite, RowFile, write};
 use catamaran::rows::{Accumulator, RowBlocks, stream};
 use catamaran::{AtaOptions, Par, Uplo};

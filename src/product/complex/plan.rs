@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use crate::base::block_rows;
-use crate::base::{Par, Result};
+use crate::base::{Par, Result, block_rows};
 use crate::blas::BlasReal;
 use crate::product::options::AtaOptions;
 use crate::product::plan::{Op, Plan, block_start};

@@ -11,8 +11,7 @@ use super::rows::sum_symmetric;
 use super::tags::DEALT;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
-use crate::base::block_rows;
-use crate::base::{Result, zeros};
+use crate::base::{Result, block_rows, zeros};
 use crate::product::{AtaOptions, Uplo, ata};
 use crate::ranks::plan::{Machine, deal};
 
