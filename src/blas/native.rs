@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use faer::{MatMut, MatRef};
 
 use super::kernels::Kernels;
-use crate::base::{Par, Progress, Scratch, Tracker};
+use crate::base::{Par, Progress, Scratch, Tracker, triangle_len};
 use crate::kernel::packed::{
     self, Destination, Isa, Job, Kernel, Operand, Part, Product, Shape, Source, is_small, run,
     run_small, scratch_len,
@@ -145,7 +145,7 @@ fn large_product<T: Operand>(
         product_in_pieces(kernel, alpha, a, right, beta, destination, part);
         return ControlFlow::Continue(());
     };
-    let entries = if matches!(part, Part::Lower) { n * (n + 1) / 2 } else { n * k };
+    let entries = if matches!(part, Part::Lower) { triangle_len(n) } else { n * k };
     let work = entries as f64 * a.nrows() as f64;
     let progress = &progress.map_or_else(Tracker::unwatched, |p| Tracker::new(p, work));
     let job = Job { kernel, products: &products, budget: BUDGET, progress };

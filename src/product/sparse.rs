@@ -12,6 +12,7 @@ use sprs::{CsMat, CsMatView};
 
 use crate::base::{
     Disjoint, Error, Real, Result, Tracker, Workspace, finite_weights, reserved, tickets,
+    triangle_len,
 };
 use crate::blas::BlasReal;
 use crate::product::combine::mirror_lower;
@@ -110,7 +111,7 @@ pub fn sparse_is_faster<S: Real>(a: CsMatView<'_, S>) -> bool {
 /// assert_eq!(sparse_multiplications(a.view()), 1 + 3);
 /// ```
 pub fn sparse_multiplications<S: Real>(a: CsMatView<'_, S>) -> usize {
-    a.outer_iterator().map(|row| row.nnz() * (row.nnz() + 1) / 2).sum()
+    a.outer_iterator().map(|row| triangle_len(row.nnz())).sum()
 }
 
 /// Computes [`ata_sparse`] in the lower triangle.

@@ -13,11 +13,11 @@ use super::moments::check_weight;
 use super::pass::{Engine, Pass, Scaling};
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
-use crate::base::{Error, Par, Real, Result, reserved, widest, zeros};
+use crate::base::{Error, Par, Real, Result, reserved, triangle_len, triangle_rows, widest, zeros};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
 use crate::product::AtaOptions;
-use crate::product::exact::{Columns, Flags, Signs, rows_of_triangle, triangle_len};
+use crate::product::exact::{Columns, Flags, Signs};
 
 /// Rows that one thread takes at a time.
 const PIECE: usize = 512;
@@ -410,7 +410,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         if self.flags.is_empty() {
             self.flags = zeros(self.entries.len())?;
         }
-        let rows = rows_of_triangle(&mut self.flags, self.strip.clone());
+        let rows = triangle_rows(&mut self.flags, self.strip.clone());
         par.for_each(rows, |_, (i, row)| {
             for (j, flags) in row.iter_mut().enumerate() {
                 *flags |= signs.flags(i, j).0;

@@ -1,8 +1,7 @@
 use faer::MatRef;
 
-use crate::base::{Error, Par, Result, widest, zeros};
+use crate::base::{Error, Par, Result, triangle_len, triangle_rows, widest, zeros};
 use crate::kernel::int8::I256;
-use crate::product::exact::{rows_of_triangle, triangle_len};
 
 /// A symmetric matrix C (n x n) in extended precision: every entry is an unevaluated sum of three
 /// f64, the largest first, each at most half a unit in the last place of the one before.
@@ -58,7 +57,7 @@ impl ExtendedGram {
         /// Entries that keep one thread busy for less time than another takes to wake up.
         const SMALL: usize = 1 << 12;
         let par = if sums.len() < SMALL { Par::Seq } else { par };
-        par.for_each(rows_of_triangle(&mut sums, 0..n), |_, (i, row)| {
+        par.for_each(triangle_rows(&mut sums, 0..n), |_, (i, row)| {
             widest(
                 #[inline(always)]
                 || {

@@ -3,10 +3,10 @@ use std::ops::Range;
 
 use super::grid::moduli;
 use crate::base::steps::step;
-use crate::base::{Error, Result, block_rows, byte_size};
+use crate::base::{Error, Result, block_rows, byte_size, triangle_len};
 use crate::blas::BlasReal;
 use crate::product::AtaOptions;
-use crate::product::exact::{self, Layout, triangle_len};
+use crate::product::exact::{self, Layout};
 use crate::product::plan::{Op, Plan};
 use crate::product::scratch_len;
 

@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
+use catamaran::base::triangle_len;
 use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::ranks::plan::{Machine, TaskTree, deal, packed_len};
+use catamaran::ranks::plan::{Machine, TaskTree, deal};
 use catamaran::ranks::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 
@@ -221,7 +222,7 @@ fn deal_traffic(world: &World) {
     ata_deal(world, 0, 1.0, a, 0.0, c, &options()).unwrap();
     let parts = deal(world.size(), m, n, &Machine::default());
     let Traffic { words_sent, words_received, .. } = world.traffic();
-    let sums = 2 * packed_len(n);
+    let sums = 2 * triangle_len(n);
     if is_root {
         let dealt = (m - parts[0].len()) * n;
         assert!((dealt..=dealt + sums).contains(&(words_sent as usize)), "{words_sent}");

@@ -1,7 +1,7 @@
 //! Mode (a): rows of A on every rank.
 
+use catamaran::base::triangle_len;
 use catamaran::faer::Mat;
-use catamaran::ranks::plan::packed_len;
 use catamaran::ranks::{MpiReal, World, agree_bounds, ata_rows, merge_accumulators, sum_symmetric};
 use catamaran::rows::{Accumulator, DenseRows, RowBounds, RowOptions, stream};
 use catamaran::{AtaOptions, Par, Uplo};
@@ -58,7 +58,7 @@ fn traffic(world: &World) {
         catamaran::ranks::plan::Layout::Chunks(chunks) => chunks.count(),
         other => panic!("not chunks: {other:?}"),
     };
-    let all = packed_len(n) as u64;
+    let all = triangle_len(n) as u64;
     let kept = c.entries().len() as u64;
     assert_eq!(seen.words_sent, all - kept);
     assert!(seen.words_received.abs_diff(seen.words_sent) <= (chunks * world.size()) as u64);

@@ -5,7 +5,7 @@ use std::thread;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use catamaran::base::{Rng, available_cores};
+use catamaran::base::{Rng, available_cores, triangle_len};
 use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::int8::Isa;
@@ -123,7 +123,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             largest = largest.max(errors[(i, j)]);
             squares += errors[(i, j)].powi(2);
         }
-        let typical = (squares / entries(side) as f64).sqrt();
+        let typical = (squares / triangle_len(side) as f64).sqrt();
         outcomes.push(Outcome { way, seconds, largest, typical });
         bar.step(0.3 + 0.1 * outcomes.len() as f64)?;
     }
@@ -190,7 +190,7 @@ fn describe(
     let has_tiles = isa == Isa::Amx;
     let time_ratio = exact.seconds / classical.seconds;
     let digits = if has_tiles { 2 } else { 1 };
-    let total = entries(side);
+    let total = triangle_len(side);
     let most = |of: fn(&Change) -> usize| changes.iter().map(of).max().unwrap_or(0);
     let values = context! {
         side,
@@ -261,11 +261,6 @@ fn percent(part: usize, total: usize) -> f64 {
 /// Rows and columns of the lower triangle.
 fn lower(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |j| (j..n).map(move |i| (i, j)))
-}
-
-/// How many there are.
-fn entries(n: usize) -> usize {
-    n * (n + 1) / 2
 }
 
 /// A^T A without any error: the lower triangle of the product of the integers `GRID * A`.

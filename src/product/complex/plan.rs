@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use crate::base::{Par, Result, block_rows};
+use crate::base::{Par, Result, block_rows, even_part};
 use crate::blas::BlasReal;
 use crate::product::options::AtaOptions;
-use crate::product::plan::{Op, Plan, block_start};
+use crate::product::plan::{Op, Plan};
 use crate::product::scratch_len;
 
 /// A real product of parts of a [`Stack`](super::stack::Stack) of A and of one of B.
@@ -152,7 +152,7 @@ impl ComplexPlan {
             rows = rows.min(fits.max(LEAST));
         }
         let blocks = m.div_ceil(rows.max(1)).max(1);
-        let heights = [block_start(m, blocks, 1), m - block_start(m, blocks, blocks - 1)];
+        let heights = [0, blocks - 1].map(|block| even_part(0..m, blocks, block).len());
         let stacks = line.saturating_mul(heights[1]).saturating_mul(size_of::<T>());
         let left = options.memory.map(|bytes| bytes.saturating_sub(sums).saturating_sub(stacks));
         let options = options.clone().memory(left);
@@ -166,8 +166,7 @@ impl ComplexPlan {
 
     /// Returns the rows of a block.
     pub(super) fn rows(&self, block: usize) -> Range<usize> {
-        let start = |block| block_start(self.sides[0], self.blocks, block);
-        start(block)..start(block + 1)
+        even_part(0..self.sides[0], self.blocks, block)
     }
 
     /// Returns the numbers of parts of a stack of A and of one of B.

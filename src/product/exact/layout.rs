@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use super::blocking::Blocking;
-use crate::base::first_that;
 use crate::base::steps::step;
+use crate::base::{first_that, triangle_len};
 use crate::kernel::int8::{Block, DEPTH, PANEL, STEP};
 
 /// Memory that residues of the operands may take beyond the size of these; with a batch and a dozen
@@ -256,7 +256,7 @@ impl Layout {
         let (full, rest) = (left / rows, left % rows);
         let last = if rest > 0 { left.div_ceil(cols) } else { 0 };
         let units = sum_of_floors(full, cols, rows, rows + cols - 1) + last;
-        (units, rows * rows * (full * (full + 1) / 2) + rest * left)
+        (units, rows * rows * triangle_len(full) + rest * left)
     }
 
     /// Returns the pairs of panels of C that are computed.
@@ -400,7 +400,7 @@ fn blocks(panels: usize, groups: usize, size: usize) -> usize {
 
 /// Returns the pairs of panels, of the lower triangle or all.
 fn pairs(triangle: bool, left: usize, right: usize) -> usize {
-    if triangle { left * (left + 1) / 2 } else { left * right }
+    if triangle { triangle_len(left) } else { left * right }
 }
 
 /// Returns the sum of `(factor i + summand) / divisor`, rounded down, for all `i < count`, in as

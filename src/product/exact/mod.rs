@@ -40,7 +40,7 @@ pub use self::clock::Stages;
 pub(crate) use self::columns::Columns;
 pub(crate) use self::layout::Layout;
 pub(crate) use self::non_finite::{Flags, Signs};
-pub(crate) use self::sink::{TriangleRows, rows_of_triangle, triangle_len};
+pub(crate) use self::sink::TriangleRows;
 
 /// Returns the expected seconds on one core, if each operand is converted `conversions` times.
 pub(crate) fn estimate(

@@ -6,7 +6,7 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, RowMut};
 
 use super::columns::Columns;
-use crate::base::Disjoint;
+use crate::base::{Disjoint, triangle_len};
 use crate::kernel::int8::{
     Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Next, Operand, PANEL, Square,
     WIDTH, integers, transpose,
@@ -139,24 +139,6 @@ impl<'s, I> TriangleRows<'s, I> {
         // SAFETY: the caller's promise.
         unsafe { self.entries.get(triangle_len(i) + j - self.skipped) }
     }
-}
-
-/// Returns the number of entries of the first `rows` rows of a lower triangle.
-pub(crate) fn triangle_len(rows: usize) -> usize {
-    rows * (rows + 1) / 2
-}
-
-/// Returns these rows of a triangle, whose entries lie one after another from those of the first
-/// row on, and their numbers.
-pub(crate) fn rows_of_triangle<T>(
-    mut entries: &mut [T],
-    rows: Range<usize>,
-) -> impl Iterator<Item = (usize, &mut [T])> {
-    rows.map(move |i| {
-        let (row, rest) = std::mem::take(&mut entries).split_at_mut(i + 1);
-        entries = rest;
-        (i, row)
-    })
 }
 
 /// A sink that computes `S += X` or `S -= X`; the integer product X is a part of the triangle S.

@@ -9,14 +9,12 @@ use std::ops::ControlFlow;
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use crate::base::{Arena, Real, Tracker};
+use crate::base::{Arena, Real, Tracker, even_part};
 use crate::blas::Kernels;
 use crate::product::combine::{
     accumulate, accumulate_lower_lines, combine, mirror_lower, scale, scale_lower,
 };
-use crate::product::plan::{
-    Extent, LevelScratch, Op, Recursion, block_start, cheapest_update, leading,
-};
+use crate::product::plan::{Extent, LevelScratch, Op, Recursion, cheapest_update, leading};
 use crate::product::scheme::{Product, ProductKind, Scheme, Term};
 
 /// Runs a [`Recursion`] over one back end.
@@ -228,15 +226,9 @@ fn small<T: Real>(coefficient: i8) -> T {
 }
 
 fn block_mut<'a, T>(c: MatMut<'a, T>, scheme: &Scheme, out: Term) -> MatMut<'a, T> {
-    let (row, row_end) = (
-        block_start(c.nrows(), scheme.left, out.row),
-        block_start(c.nrows(), scheme.left, out.row + 1),
-    );
-    let (col, col_end) = (
-        block_start(c.ncols(), scheme.right, out.col),
-        block_start(c.ncols(), scheme.right, out.col + 1),
-    );
-    c.submatrix_mut(row, col, row_end - row, col_end - col)
+    let rows = even_part(0..c.nrows(), scheme.left, out.row);
+    let cols = even_part(0..c.ncols(), scheme.right, out.col);
+    c.submatrix_mut(rows.start, cols.start, rows.len(), cols.len())
 }
 
 /// A view cut into blocks.
@@ -258,11 +250,9 @@ impl<'a, T> Grid<'a, T> {
     }
 
     fn block(&self, term: Term) -> MatRef<'a, T> {
-        let row = block_start(self.view.nrows(), self.rows, term.row);
-        let col = block_start(self.view.ncols(), self.cols, term.col);
-        let row_end = block_start(self.view.nrows(), self.rows, term.row + 1);
-        let col_end = block_start(self.view.ncols(), self.cols, term.col + 1);
-        self.view.submatrix(row, col, row_end - row, col_end - col)
+        let rows = even_part(0..self.view.nrows(), self.rows, term.row);
+        let cols = even_part(0..self.view.ncols(), self.cols, term.col);
+        self.view.submatrix(rows.start, cols.start, rows.len(), cols.len())
     }
 }
 

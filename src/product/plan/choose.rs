@@ -4,10 +4,9 @@ use super::cost::{FusedCost, RecursionCost};
 use super::fused::{self, FusedProduct};
 use super::problem::{Op, Problem};
 use super::recursion::{Base, Recursion};
-use super::split::block_start;
 use super::strategy::{Cut, Exact, Fused, Slab, Strategy, Tasks};
 use super::tree::Node;
-use crate::base::Real;
+use crate::base::{Real, even_part};
 use crate::blas::{BlasReal, Native};
 use crate::kernel::int8;
 use crate::product::exact::{self, Layout};
@@ -143,7 +142,7 @@ fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_
         _ => (classical.clone(), classical_seconds),
     };
     let slab = |i: usize| {
-        let rows = block_start(m, slabs, i)..block_start(m, slabs, i + 1);
+        let rows = even_part(0..m, slabs, i);
         let fast = recursion.is_fast(op, rows.len(), n, k);
         let program_of = |recursion| -> Vec<FusedProduct> { program(recursion, rows.len()) };
         Slab {

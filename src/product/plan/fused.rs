@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use super::problem::Op;
 use super::recursion::Recursion;
-use super::split::block_start;
 use crate::base::steps::step;
+use crate::base::{even_start, triangle_len};
 use crate::kernel::packed::Shape;
 use crate::product::scheme::{Product, Scheme, Term};
 
@@ -36,7 +36,7 @@ impl FusedProduct {
     pub fn work(&self, symmetric: bool) -> f64 {
         let Shape { depth, rows, cols, .. } = self.shape;
         let triangle = symmetric && self.outputs.iter().all(|o| o.rows.start == o.cols.start);
-        let entries = if triangle { rows * (rows + 1) / 2 } else { rows * cols };
+        let entries = if triangle { triangle_len(rows) } else { rows * cols };
         entries as f64 * depth as f64
     }
 }
@@ -226,7 +226,7 @@ impl Node {
 /// Returns the part of `block` for `term`, where blocks of these extents are cut into parts.
 fn sub_block(block: &Block, term: Term, extents: (usize, usize), parts: (usize, usize)) -> Block {
     let cut = |range: &Range<usize>, extent, parts, i| {
-        let at = |i| (range.start + block_start(extent, parts, i)).min(range.end);
+        let at = |i| (range.start + even_start(extent, parts, i)).min(range.end);
         at(i)..at(i + 1)
     };
     Block {

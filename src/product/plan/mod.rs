@@ -8,7 +8,6 @@ mod fused;
 mod levels;
 mod problem;
 mod recursion;
-mod split;
 mod strategy;
 mod tree;
 
@@ -20,7 +19,6 @@ pub(crate) use problem::{Op, Problem};
 #[cfg(test)]
 pub(crate) use recursion::Base;
 pub(crate) use recursion::Recursion;
-pub(crate) use split::block_start;
 pub(crate) use strategy::{Exact, Fused, Slab, Strategy, Tasks};
 pub use tree::{Node, Task, levels};
 

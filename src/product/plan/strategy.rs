@@ -4,8 +4,8 @@ use super::fused::FusedProduct;
 use super::levels::scratch_len;
 use super::problem::Op;
 use super::recursion::Recursion;
-use super::split::block_start;
 use super::tree::{Node, Task};
+use crate::base::even_part;
 use crate::kernel::{int8, packed};
 use crate::product::exact::Layout;
 
@@ -84,8 +84,8 @@ impl Cut {
     /// Returns the rows of each chunk of a slab, in order.
     pub fn chunks_of(self, slab: usize) -> impl Iterator<Item = Range<usize>> {
         let Self { rows, slabs, chunks } = self;
-        let start = move |chunk| block_start(rows, slabs * chunks, chunk);
-        (slab * chunks..(slab + 1) * chunks).map(move |chunk| start(chunk)..start(chunk + 1))
+        (slab * chunks..(slab + 1) * chunks)
+            .map(move |chunk| even_part(0..rows, slabs * chunks, chunk))
     }
 
     /// Returns the two lengths of chunks, the shorter one first.

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::problem::Op;
-use super::split::block_start;
+use crate::base::even_part;
 
 /// What a leaf computes: the block `C[rows, cols]`, from columns `rows` of A and `cols` of B.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -123,8 +123,7 @@ fn triangle(span: Range<usize>, processes: Range<usize>, depth: usize) -> Node {
         let (rows, cols) = (span.clone(), span);
         return Node::Leaf(Task { process: processes.start, triangle: true, rows, cols });
     }
-    let middle = span.start + block_start(span.len(), 2, 1);
-    let (upper, lower) = (span.start..middle, middle..span.end);
+    let [upper, lower] = [0, 1].map(|i| even_part(span.clone(), 2, i));
     let first = processes.start;
     // Half to the block below the diagonal; with two processes one takes both triangles.
     let below = if depth == 1 { (p - 2).max(1) } else { p / 2 };
@@ -157,20 +156,14 @@ fn rectangle(
     let depth = depth.min(rectangle_levels(p));
     let parts = if depth <= 1 { p } else { 4 };
     let (down, across) = grid(parts);
-    let sub = |range: &Range<usize>, parts, i| {
-        range.start + block_start(range.len(), parts, i)
-            ..range.start + block_start(range.len(), parts, i + 1)
-    };
     let mut children = Vec::with_capacity(parts);
     for i in 0..down {
         for j in 0..across {
             let child = i * across + j;
-            let share = processes.start + block_start(p, parts, child)
-                ..processes.start + block_start(p, parts, child + 1);
             children.push(rectangle(
-                sub(&rows, down, i),
-                sub(&cols, across, j),
-                share,
+                even_part(rows.clone(), down, i),
+                even_part(cols.clone(), across, j),
+                even_part(processes.clone(), parts, child),
                 depth.saturating_sub(1),
             ));
         }

@@ -10,9 +10,10 @@ use super::symmetric::Symmetric;
 use super::tags::COLUMNS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
+use crate::base::triangle_len;
 use crate::base::{Result, reserved, zeros};
 use crate::product::{AtaOptions, Uplo, ata, atb};
-use crate::ranks::plan::{Blocks, Layout, packed_len, piece_height};
+use crate::ranks::plan::{Blocks, Layout, piece_height};
 
 /// Computes `C = alpha A^T A` where every rank has some `columns` of A, possibly none, in the order
 /// of the ranks.
@@ -68,7 +69,7 @@ pub fn ata_columns<T: MpiReal>(
     let mut piece = 0;
     while let Some(seen) = exchange.next() {
         let beta = if piece == 0 { T::ZERO } else { T::ONE };
-        let mut rest = &mut entries[packed_len(width)..];
+        let mut rest = &mut entries[triangle_len(width)..];
         for (i, product) in products.iter().enumerate() {
             let first = product.rows.start - blocks.columns(product.left).start;
             let left = seen.columns(product.left).subcols(first, product.rows.len());
@@ -99,7 +100,7 @@ pub fn ata_columns<T: MpiReal>(
     }
     for i in 0..width {
         let row = &square[i * width..=i * width + i];
-        entries[packed_len(i)..packed_len(i + 1)].copy_from_slice(row);
+        entries[triangle_len(i)..triangle_len(i + 1)].copy_from_slice(row);
     }
     world.agree(done)?;
     drop(exchange);

@@ -326,7 +326,7 @@ fn add_line<T: Real>(mut sums: RowMut<'_, T>, beta: T, terms: &[T]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranks::plan::packed_len;
+    use crate::base::triangle_len;
 
     #[test]
     fn packed_triangles_are_added_where_they_were() {
@@ -335,7 +335,7 @@ mod tests {
             for by_rows in [false, true] {
                 let mut packed = values.clone();
                 pack(&mut packed, n, by_rows);
-                assert_eq!(packed.len(), packed_len(n));
+                assert_eq!(packed.len(), triangle_len(n));
                 for (beta, stored_by_rows) in
                     [(0.0, true), (0.0, false), (1.0, true), (-2.0, false)]
                 {

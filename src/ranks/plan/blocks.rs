@@ -10,17 +10,19 @@
 use std::ops::Range;
 
 use super::cover::difference_cover;
-use super::segment::{Segment, packed_len};
+use super::segment::Segment;
+use crate::base::triangle_len;
 
 /// The lower triangle of C as blocks of the products of column blocks.
 ///
 /// ```
-/// use catamaran::ranks::plan::{Blocks, packed_len};
+/// use catamaran::base::triangle_len;
+/// use catamaran::ranks::plan::Blocks;
 ///
 /// let blocks = Blocks::new(&[4, 3, 3]);
 /// assert_eq!(blocks.columns(1), 4..7);
 /// // Every entry of the lower triangle is on one rank.
-/// assert_eq!((0..3).map(|rank| blocks.len(rank)).sum::<usize>(), packed_len(10));
+/// assert_eq!((0..3).map(|rank| blocks.len(rank)).sum::<usize>(), triangle_len(10));
 /// // The first product of a rank is the triangle of its own columns.
 /// assert!(blocks.products(2).next().is_some_and(|first| (first.left, first.right) == (2, 2)));
 /// ```
@@ -124,7 +126,7 @@ impl Blocks {
     fn product_len(&self, product: &Product) -> usize {
         let rows = product.rows.len();
         let on_diagonal = product.left == product.right;
-        if on_diagonal { packed_len(rows) } else { rows * self.columns(product.right).len() }
+        if on_diagonal { triangle_len(rows) } else { rows * self.columns(product.right).len() }
     }
 
     pub(super) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
@@ -165,7 +167,7 @@ mod tests {
         for ranks in 1..=23 {
             let widths: Vec<usize> = (0..ranks).map(|r| [3, 0, 5, 1][r % 4]).collect();
             let blocks = Blocks::new(&widths);
-            let mut seen = vec![0; packed_len(blocks.n())];
+            let mut seen = vec![0; triangle_len(blocks.n())];
             for rank in 0..ranks {
                 let sources: Vec<usize> = blocks.sources(rank).chain([rank]).collect();
                 for product in blocks.products(rank) {
@@ -175,7 +177,7 @@ mod tests {
                 for segment in blocks.segments(rank) {
                     assert!(segment.cols.end <= segment.row + 1);
                     for j in segment.cols {
-                        seen[packed_len(segment.row) + j] += 1;
+                        seen[triangle_len(segment.row) + j] += 1;
                         len += 1;
                     }
                 }

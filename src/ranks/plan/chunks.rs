@@ -8,19 +8,19 @@
 
 use std::ops::Range;
 
-use super::segment::{Segment, packed_len};
-use crate::base::first_that;
-use crate::product::plan::block_start;
+use super::segment::Segment;
+use crate::base::{even_part, first_that, triangle_len};
 
 /// The lower triangle of C as chunks of rows; each chunk is shared evenly among all ranks.
 ///
 /// ```
-/// use catamaran::ranks::plan::{Chunks, packed_len};
+/// use catamaran::base::triangle_len;
+/// use catamaran::ranks::plan::Chunks;
 ///
 /// let chunks = Chunks::with_count(100, 4, 5);
 /// assert_eq!((chunks.count(), chunks.rows(4).end), (5, 100));
 /// // Every rank holds a quarter of every chunk.
-/// assert!((chunks.len(0) as f64 / packed_len(100) as f64 - 0.25).abs() < 0.01);
+/// assert!((chunks.len(0) as f64 / triangle_len(100) as f64 - 0.25).abs() < 0.01);
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chunks {
@@ -48,9 +48,9 @@ impl Chunks {
     /// assert!(Chunks::new(4096, 4096, 2).count() > 1);
     /// ```
     pub fn new(m: usize, n: usize, ranks: usize) -> Self {
-        let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
+        let share = (m as f64 * n as f64 + triangle_len(n) as f64) / ranks as f64;
         let most = (n / (2 * SHORTEST)).max(1);
-        let least = if packed_len(n) > WHOLE { most.min(2) } else { 1 };
+        let least = if triangle_len(n) > WHOLE { most.min(2) } else { 1 };
         let fits = |count| Self::with_count(n, ranks, count).scratch() as f64 <= share;
         // More chunks are shorter.
         let count = first_that(least..most, fits);
@@ -95,17 +95,14 @@ impl Chunks {
     /// Returns the number of entries that a rank needs beside its share: the panel being computed,
     /// two chunks in flight, and half a chunk for incoming sums.
     pub fn scratch(&self) -> usize {
-        let len = |chunk| packed_len(self.rows(chunk).end) - packed_len(self.rows(chunk).start);
+        let len = |chunk| triangle_len(self.rows(chunk).end) - triangle_len(self.rows(chunk).start);
         self.longest_panel() + (0..self.count()).map(len).max().unwrap_or(0) * 5 / 2
     }
 
     /// Returns the entries of `chunk` that `rank` holds, counted along the packed triangle.
     pub fn entries(&self, chunk: usize, rank: usize) -> Range<usize> {
         let rows = self.rows(chunk);
-        let start = packed_len(rows.start);
-        let len = packed_len(rows.end) - start;
-        let part = |i| start + block_start(len, self.ranks, i);
-        part(rank)..part(rank + 1)
+        even_part(triangle_len(rows.start)..triangle_len(rows.end), self.ranks, rank)
     }
 
     pub(super) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
@@ -160,7 +157,7 @@ mod tests {
     fn as_few_chunks_as_possible_are_found() {
         for (m, n) in [(1000, 3000), (3000, 3001), (50, 9999), (40_000, 12_000), (1, 30_000)] {
             for ranks in [1, 2, 3, 7, 16, 64, 500, 4096] {
-                let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
+                let share = (m as f64 * n as f64 + triangle_len(n) as f64) / ranks as f64;
                 let fits = |count| Chunks::with_count(n, ranks, count).scratch() as f64 <= share;
                 let most = n / 256;
                 let first = (2..most).find(|&count| fits(count)).unwrap_or(most);
@@ -174,12 +171,12 @@ mod tests {
         for (n, ranks) in [(0, 1), (1, 3), (7, 2), (64, 7), (127, 16), (500, 4), (1031, 5)] {
             for count in [1, 2, 5] {
                 let chunks = Chunks::with_count(n, ranks, count);
-                let mut seen = vec![0; packed_len(n)];
+                let mut seen = vec![0; triangle_len(n)];
                 for rank in 0..ranks {
                     let mut len = 0;
                     for segment in chunks.segments(rank) {
                         for j in segment.cols {
-                            seen[packed_len(segment.row) + j] += 1;
+                            seen[triangle_len(segment.row) + j] += 1;
                             len += 1;
                         }
                     }
@@ -229,7 +226,7 @@ mod tests {
             let chunks = Chunks::new(m, n, ranks);
             assert_eq!(chunks.count(), count, "{m} x {n} on {ranks} ranks");
             let sizes: Vec<usize> = (0..chunks.count())
-                .map(|c| packed_len(chunks.rows(c).end) - packed_len(chunks.rows(c).start))
+                .map(|c| triangle_len(chunks.rows(c).end) - triangle_len(chunks.rows(c).start))
                 .collect();
             let (least, most) = (sizes.iter().min().unwrap(), sizes.iter().max().unwrap());
             assert!(most - least <= 2 * n, "{sizes:?}");

@@ -12,9 +12,8 @@ use super::chunks::{Chunks, rounds};
 use super::cover::difference_cover;
 use super::deal::deal;
 use super::machine::Machine;
-use super::segment::packed_len;
 use super::tree::{PlannedSend, TaskTree, levels};
-use crate::base::block_rows;
+use crate::base::{block_rows, triangle_len};
 
 /// A way to compute A^T A on many ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -224,7 +223,7 @@ impl Reduction {
     fn new(chunks: &Chunks) -> Self {
         let share = 1.0 / chunks.ranks() as f64;
         Self {
-            words: packed_len(chunks.n()) as f64 * (1.0 - share),
+            words: triangle_len(chunks.n()) as f64 * (1.0 - share),
             messages: (rounds(chunks.ranks()).len() * chunks.count()) as f64,
         }
     }
@@ -233,7 +232,7 @@ impl Reduction {
 fn rows(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let chunks = Chunks::new(m, n, ranks);
     let (p, count) = (ranks as f64, chunks.count());
-    let triangle = packed_len(n) as f64;
+    let triangle = triangle_len(n) as f64;
     let height = m.div_ceil(ranks) as f64;
     let Reduction { words, messages } = Reduction::new(&chunks);
     let products = height * triangle;
@@ -282,7 +281,7 @@ fn dealt(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let parts = deal(ranks, m, n, machine);
     let (kept, others) = (parts[0].len(), (ranks - 1) as f64);
     let dealt = parts[1..].iter().map(ExactSizeIterator::len).max().unwrap_or(0);
-    let (triangle, square) = (packed_len(n) as f64, (n * n) as f64);
+    let (triangle, square) = (triangle_len(n) as f64, (n * n) as f64);
     let height = block_rows::<f64>(n, false);
     let blocks = dealt.div_ceil(height);
     let all_blocks: usize = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).sum();
@@ -475,7 +474,7 @@ mod tests {
             for (_, mode) in Mode::NAMES {
                 let cost = predict(mode, 1, m, n, &Machine::default());
                 assert_eq!((cost.words, cost.messages), (0.0, 0.0), "{mode}");
-                assert_eq!(cost.products, (packed_len(n) * m) as f64, "{mode}");
+                assert_eq!(cost.products, (triangle_len(n) * m) as f64, "{mode}");
             }
         }
     }
@@ -515,7 +514,7 @@ mod tests {
         for ranks in [2, 5, 7, 8, 40] {
             let (m, n) = (3000, ranks * 50);
             let chunks = Chunks::new(m, n, ranks);
-            let sent = (0..ranks).map(|rank| packed_len(n) - chunks.len(rank)).max().unwrap();
+            let sent = (0..ranks).map(|rank| triangle_len(n) - chunks.len(rank)).max().unwrap();
             let rows = predict(Mode::Rows, ranks, m, n, &machine);
             assert!((sent as f64 - rows.words).abs() <= chunks.count() as f64);
 
@@ -541,7 +540,7 @@ mod tests {
             let level = levels(ranks);
             let square = |l: usize| (n >> l).pow(2) as f64;
             let below: f64 = (2..=level).map(|l| 7.0 * 3.0 * square(l)).sum();
-            let triangles = 4.0 * packed_len(n / 2) as f64;
+            let triangles = 4.0 * triangle_len(n / 2) as f64;
             assert_eq!(counted, 6.0 * square(1) + square(1) + triangles + below, "{ranks}");
             // As printed it is less: 0.56 to 0.89 of what is counted.
             let (_, printed) = proposition_8_3(ranks, n, n);

@@ -11,10 +11,8 @@ use std::ops::Range;
 
 use super::cover::difference_cover;
 use super::layout::Layout;
-use super::segment::packed_len;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, even_part, triangle_len};
 use crate::product::Uplo;
-use crate::product::plan::block_start;
 
 /// The only type of descriptor that ScaLAPACK has for dense matrices.
 const DENSE: i32 = 1;
@@ -405,7 +403,7 @@ impl Parts {
         let (m, n) = matrix.shape();
         let entries = m as f64 * n as f64;
         let rows = entries * (1.0 - 1.0 / matrix.grid.cols as f64)
-            + packed_len(n) as f64 * (ranks as f64 - 1.0);
+            + triangle_len(n) as f64 * (ranks as f64 - 1.0);
         let columns = entries * difference_cover(ranks).len() as f64;
         Self::with_cut(matrix, ranks, if rows <= columns { Cut::Rows } else { Cut::Columns })
     }
@@ -433,7 +431,7 @@ impl Parts {
     pub fn cols(&self, rank: usize) -> Range<usize> {
         match self.cut {
             Cut::Rows => 0..self.matrix.cols.len,
-            Cut::Columns => share(self.matrix.cols.len, self.ranks, rank),
+            Cut::Columns => even_part(0..self.matrix.cols.len, self.ranks, rank),
         }
     }
 
@@ -445,9 +443,9 @@ impl Parts {
             // So that the ranks of one row of the grid follow each other, however they are
             // numbered.
             (Cut::Rows, Some((row, col))) => {
-                share(m, self.ranks, row * self.matrix.grid.cols + col)
+                even_part(0..m, self.ranks, row * self.matrix.grid.cols + col)
             }
-            (Cut::Rows, None) => share(m, self.ranks, rank),
+            (Cut::Rows, None) => even_part(0..m, self.ranks, rank),
         }
     }
 
@@ -484,11 +482,6 @@ impl Parts {
         let grid_col = self.matrix.grid.place(from).map_or(0, |(_, grid_col)| grid_col);
         self.matrix.cols.global(grid_col, col) - self.cols(to).start
     }
-}
-
-/// Returns the `i`-th of about equal parts of `0..len`.
-fn share(len: usize, parts: usize, i: usize) -> Range<usize> {
-    block_start(len, parts, i)..block_start(len, parts, i + 1)
 }
 
 /// The redistribution of a symmetric result to a block-cyclic C.
@@ -759,7 +752,8 @@ mod tests {
     fn every_wanted_entry_of_c_is_delivered_once() {
         for n in [0, 1, 5, 13] {
             let layouts = |ranks: usize| {
-                let widths: Vec<usize> = (0..ranks).map(|r| share(n, ranks, r).len()).collect();
+                let widths: Vec<usize> =
+                    (0..ranks).map(|r| even_part(0..n, ranks, r).len()).collect();
                 let chunks = Chunks::with_count(n, ranks, 2);
                 [Layout::Chunks(chunks), Layout::Blocks(Blocks::new(&widths))]
             };

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::machine::Machine;
-use super::segment::packed_len;
+use crate::base::triangle_len;
 
 /// Returns the rows of A, m x n, that each of `ranks >= 1` processes gets, in order. Process 0
 /// sends the rows.
@@ -19,7 +19,7 @@ use super::segment::packed_len;
 /// ```
 pub fn deal(ranks: usize, m: usize, n: usize, machine: &Machine) -> Vec<Range<usize>> {
     let others = ranks.saturating_sub(1);
-    let compute = 2.0 * packed_len(n) as f64 / machine.flops;
+    let compute = 2.0 * triangle_len(n) as f64 / machine.flops;
     let travel = n as f64 * machine.seconds_per_word;
     // Seconds for a row of process 0, and for one of each other process: the largest of its
     // transfer, its product, and the transfers of the rows of all others.

@@ -8,12 +8,13 @@ use super::segment::Segment;
 /// layout alone they can be gathered, redistributed or multiplied without further communication.
 ///
 /// ```
-/// use catamaran::ranks::plan::{Blocks, Chunks, Layout, packed_len};
+/// use catamaran::base::triangle_len;
+/// use catamaran::ranks::plan::{Blocks, Chunks, Layout};
 ///
 /// // 10 columns on 3 ranks: every entry of the lower triangle is on one rank.
 /// let (chunks, blocks) = (Chunks::new(50, 10, 3), Blocks::new(&[4, 3, 3]));
 /// for layout in [Layout::Chunks(chunks), Layout::Blocks(blocks)] {
-///     assert_eq!((0..3).map(|rank| layout.len(rank)).sum::<usize>(), packed_len(10));
+///     assert_eq!((0..3).map(|rank| layout.len(rank)).sum::<usize>(), triangle_len(10));
 /// }
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]

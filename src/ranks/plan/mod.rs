@@ -31,7 +31,7 @@ pub use cyclic::{BlockCyclic, Cut, Dealing, Delivery, Grid, GridOrder, Parts, Pi
 pub use deal::deal;
 pub use layout::Layout;
 pub use machine::Machine;
-pub use segment::{Segment, packed_len};
+pub use segment::Segment;
 pub use tree::{Load, PlannedSend, TaskTree, TreeNode, levels};
 #[cfg(feature = "mpi")]
 pub(crate) use tree::{RESULTS_IN_FLIGHT, STRIPS};

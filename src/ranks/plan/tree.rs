@@ -12,8 +12,8 @@
 
 use std::ops::Range;
 
-use super::segment::packed_len;
-use crate::product::plan::{Node, Task, block_start};
+use crate::base::{even_part, triangle_len};
+use crate::product::plan::{Node, Task};
 
 /// The task tree for the lower triangle of A^T A.
 ///
@@ -254,7 +254,7 @@ impl TreeNode {
         } else {
             1
         };
-        (0..count).map(move |i| block_start(rows, count, i)..block_start(rows, count, i + 1))
+        (0..count).map(move |i| even_part(0..rows, count, i))
     }
 
     /// Returns the number of entries of the block, with those above the diagonal.
@@ -264,7 +264,7 @@ impl TreeNode {
 
     /// Returns the number of entries of the result as it travels: a packed triangle, or the block.
     pub fn result_len(&self) -> usize {
-        if self.task.triangle { packed_len(self.task.rows.len()) } else { self.block_len() }
+        if self.task.triangle { triangle_len(self.task.rows.len()) } else { self.block_len() }
     }
 
     /// Returns the number of products of scalars for the whole node.
@@ -305,12 +305,6 @@ struct Child {
     depth: usize,
 }
 
-/// Returns part `i` of `parts` of a range.
-fn part(range: &Range<usize>, parts: usize, i: usize) -> Range<usize> {
-    let start = |i| range.start + block_start(range.len(), parts, i);
-    start(i)..start(i + 1)
-}
-
 /// Returns the children for a triangle of C on the processes `share`, at most `depth` levels.
 fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Child> {
     let p = share.len();
@@ -324,13 +318,14 @@ fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Chi
     // Half of the processes to the block below the diagonal, and at least one to each child.
     let middle = share.start + (p / 2).min(p - 4);
     let (below, triangles) = (share.start..middle, middle..share.end);
-    let half = |i| part(&node.task.rows, 2, i);
+    let half = |i| even_part(node.task.rows.clone(), 2, i);
     let child = |(rows, cols), l, share: Range<usize>| {
         let task = Task { process: share.start, triangle: rows == cols, rows, cols };
-        Child { task, sums: part(&node.sums, 2, l), share, depth: depth - 1 }
+        Child { task, sums: even_part(node.sums.clone(), 2, l), share, depth: depth - 1 }
     };
-    let rectangles = (0..2).map(|l| child((half(1), half(0)), l, part(&below, 2, l)));
-    let squares = (0..4).map(|i| child((half(i / 2), half(i / 2)), i % 2, part(&triangles, 4, i)));
+    let rectangles = (0..2).map(|l| child((half(1), half(0)), l, even_part(below.clone(), 2, l)));
+    let squares = (0..4)
+        .map(|i| child((half(i / 2), half(i / 2)), i % 2, even_part(triangles.clone(), 4, i)));
     rectangles.chain(squares).collect()
 }
 
@@ -346,10 +341,11 @@ fn below_rectangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Ch
         return tiles(node, &Node::general(rows.len(), cols.len(), p), share);
     }
     let child = |i| {
-        let share = part(&share, 8, i);
-        let (rows, cols) = (part(rows, 2, i / 4), part(cols, 2, i / 2 % 2));
+        let share = even_part(share.clone(), 8, i);
+        let (rows, cols) =
+            (even_part(rows.clone(), 2, i / 4), even_part(cols.clone(), 2, i / 2 % 2));
         let task = Task { process: share.start, triangle: false, rows, cols };
-        Child { task, sums: part(&node.sums, 2, i % 2), share, depth: depth - 1 }
+        Child { task, sums: even_part(node.sums.clone(), 2, i % 2), share, depth: depth - 1 }
     };
     (0..8).map(child).collect()
 }
@@ -520,7 +516,7 @@ mod tests {
             assert_eq!(sum(|load| load.words_sent), sum(|load| load.words_received));
             assert_eq!(sum(|load| load.messages_sent), sum(|load| load.messages_received));
             let products: f64 = loads.iter().map(|load| load.products).sum();
-            assert_eq!(products, (300 * packed_len(200)) as f64);
+            assert_eq!(products, (300 * triangle_len(200)) as f64);
         }
     }
 
