@@ -1,6 +1,6 @@
 //! Quotients of integers of 256 bits, rounded once.
 
-use crate::kernel::int8::{I256, Integer, scaled};
+use crate::kernel::int8::{I256, Integer, U256, scaled};
 
 /// An integer type of exact sums.
 pub(crate) trait SumInteger: Integer {
@@ -39,13 +39,13 @@ pub(super) fn centered_parts(
 ) -> Option<[f64; 3]> {
     /// Bits below the unit of c that are enough for three f64.
     const MORE: u32 = 160;
-    let (n, d) = (Wide::product(a.unsigned_abs(), b.unsigned_abs()), w.unsigned_abs());
+    let (n, d) = (U256::product(a.unsigned_abs(), b.unsigned_abs()), w.unsigned_abs());
     // The quotient and c get as many additional bits as there is room for.
     let bits = (256 - n.leading_zeros() + shift + d.leading_zeros() + 1).saturating_sub(u128::BITS);
     let room = c.magnitude().leading_zeros().min(256_u32.checked_sub(bits)?);
     let more = room.checked_sub(2)?.min(MORE);
     let quotient = divided(n, shift + more, d);
-    let quotient = I256 { high: quotient.high as i128, low: quotient.low };
+    let quotient = I256::of_bits(quotient);
     let negative = [a, b, w].iter().filter(|&&x| x < 0).count() % 2 == 1;
     let quotient = if negative { quotient.negated() } else { quotient };
     let value = c.shifted_left(more)?.checked_plus(quotient.negated())?;
@@ -60,7 +60,7 @@ pub(super) fn mean_parts(a: i128, w: i128, exponent: i32) -> [f64; 2] {
 }
 
 /// Returns the largest integer up to `n 2^shift / d`, which has at most 256 bits; d is not zero.
-fn divided(n: Wide, shift: u32, d: u128) -> Wide {
+fn divided(n: U256, shift: u32, d: u128) -> U256 {
     const WORD: u32 = u64::BITS;
     let zeros = d.leading_zeros();
     let d = d << zeros;
@@ -73,7 +73,7 @@ fn divided(n: Wide, shift: u32, d: u128) -> Wide {
         words[skipped + i] |= both as u64;
         words[skipped + i + 1] |= (both >> WORD) as u64;
     }
-    let (mut rest, mut quotient) = (0, Wide { high: 0, low: 0 });
+    let (mut rest, mut quotient) = (0, U256 { high: 0, low: 0 });
     for word in words.into_iter().rev() {
         let digit;
         (digit, rest) = divided_digit(rest, word, d);
@@ -98,57 +98,6 @@ fn divided_digit(rest: u128, word: u64, d: u128) -> (u64, u128) {
     (digit as u64, left)
 }
 
-/// An integer below 2^256.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Wide {
-    high: u128,
-    low: u128,
-}
-
-impl Wide {
-    fn product(a: u128, b: u128) -> Self {
-        const HALF: u128 = u64::MAX as u128;
-        let [a0, a1, b0, b1] = [a & HALF, a >> 64, b & HALF, b >> 64];
-        let (low, cross, other, high) = (a0 * b0, a0 * b1, a1 * b0, a1 * b1);
-        let middle = (low >> 64) + (cross & HALF) + (other & HALF);
-        Self {
-            high: high + (cross >> 64) + (other >> 64) + (middle >> 64),
-            low: low & HALF | middle << 64,
-        }
-    }
-
-    fn leading_zeros(self) -> u32 {
-        match self.high {
-            0 => u128::BITS + self.low.leading_zeros(),
-            high => high.leading_zeros(),
-        }
-    }
-
-    /// Returns the integer shifted left, for `shift` below 256.
-    fn shifted(self, shift: u32) -> Self {
-        match shift {
-            0 => self,
-            128.. => Self { high: self.low << (shift - 128), low: 0 },
-            _ => Self {
-                high: self.high << shift | self.low >> (128 - shift),
-                low: self.low << shift,
-            },
-        }
-    }
-
-    fn plus(self, other: Self) -> Option<Self> {
-        let (low, carry) = self.low.overflowing_add(other.low);
-        let high = self.high.checked_add(other.high)?.checked_add(carry.into())?;
-        Some(Self { high, low })
-    }
-
-    /// Returns `self - other`, for an `other` that is no larger.
-    fn minus(self, other: Self) -> Self {
-        let (low, borrow) = self.low.overflowing_sub(other.low);
-        Self { high: self.high - other.high - u128::from(borrow), low }
-    }
-}
-
 /// Returns `(c - a b 2^shift / w) 2^exponent`, rounded once to an f64, and a second time where it
 /// is subnormal; `None` when an intermediate number has more than 256 bits. `w` is not zero.
 pub(super) fn centered(
@@ -158,8 +107,8 @@ pub(super) fn centered(
     w: i128,
     exponent: i32,
 ) -> Option<f64> {
-    let whole = Wide::product(c.unsigned_abs(), w.unsigned_abs());
-    let part = Wide::product(a.unsigned_abs(), b.unsigned_abs());
+    let whole = U256::product(c.unsigned_abs(), w.unsigned_abs());
+    let part = U256::product(a.unsigned_abs(), b.unsigned_abs());
     if part.leading_zeros() < shift {
         return None;
     }
@@ -167,7 +116,7 @@ pub(super) fn centered(
     let whole_negative = (c < 0) != (w < 0);
     let part_negative = (a < 0) != (b < 0);
     let (size, negative) = if whole_negative != part_negative {
-        (whole.plus(part)?, whole_negative)
+        (whole.checked_plus(part)?, whole_negative)
     } else if whole >= part {
         (whole.minus(part), whole_negative)
     } else {
@@ -178,8 +127,8 @@ pub(super) fn centered(
 }
 
 /// Returns `n / d 2^exponent`, d not zero.
-fn quotient(n: Wide, d: u128, exponent: i32) -> f64 {
-    if n == (Wide { high: 0, low: 0 }) {
+fn quotient(n: U256, d: u128, exponent: i32) -> f64 {
+    if n == (U256 { high: 0, low: 0 }) {
         return 0.0;
     }
     // Both begin with a one, d against the upper half of n: the quotient is between 1/2 and 2.
@@ -298,11 +247,11 @@ mod tests {
             });
             x >> (rng.bits() % 128)
         };
-        let big = |n: Wide| (BigUint::from(n.high) << 128) + n.low;
+        let big = |n: U256| (BigUint::from(n.high) << 128) + n.low;
         let mut longest = 0;
         for _ in 0..200_000 {
             let (a, b, d) = (random(), random(), random().max(1));
-            let n = Wide::product(a, b);
+            let n = U256::product(a, b);
             let room = 383_u32.saturating_sub(d.leading_zeros() + 256 - n.leading_zeros());
             let shift = room.min((a % 200) as u32);
             let expected: BigUint = (big(n) << shift) / d;

@@ -26,7 +26,7 @@ pub(crate) mod tests;
 mod tile;
 
 pub(crate) use direct::{Direct, LANES, MOST_PARTS, MOST_ROWS, Products, Row};
-pub(crate) use integer::{I256, Integer};
+pub(crate) use integer::{I256, Integer, U256};
 pub(crate) use kernel::{Kernel, Next, Operands};
 pub use ladder::{Ladder, Level, Rung, StepRates};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
