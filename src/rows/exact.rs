@@ -11,6 +11,7 @@ use super::extended::{About, ExtendedGram};
 use super::grid::{Capacity, Grid, RowBounds, Shift, first_non_finite};
 use super::moments::check_weight;
 use super::pass::{Engine, Pass, Scaling};
+use super::pieces::{Piece, block_pieces};
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
 use crate::base::{Error, Par, Real, Result, reserved, triangle_len, triangle_rows, widest, zeros};
@@ -56,17 +57,6 @@ struct Found {
     rounded: bool,
     /// Whether all products of rows and weights are exact in f64.
     no_tail: bool,
-}
-
-/// The rows that one thread works on at a time.
-struct Piece<'p, T> {
-    rows: &'p mut [T],
-    weights: Option<&'p [T]>,
-    /// Destination of the rows times their weights; empty without weights.
-    weighted: &'p mut [T],
-    /// Destination of the rounding errors of these products; empty but in extended precision.
-    tail: &'p mut [T],
-    found: Found,
 }
 
 impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
@@ -255,12 +245,13 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 
     /// Checks the bounds of rows, shifts them, multiplies them by their weights, and adds up the
-    /// columns. The products go to the first of `sides`, their rounding errors to the second.
+    /// columns. The products go to the first of `sides`, which is empty without weights, their
+    /// rounding errors to the second, which is empty but in extended precision.
     fn prepare(
         &self,
         block: &mut [T],
         weights: Option<&[T]>,
-        [weighted, tail]: [&mut [T]; 2],
+        sides: [&mut [T]; 2],
         par: Par,
     ) -> Result<Found> {
         let n = self.grid.ncols();
@@ -274,27 +265,18 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         if n == 0 {
             return Ok(none(Vec::new()));
         }
-        let mut weighted = weighted.chunks_mut(PIECE * n);
-        let mut tail = tail.chunks_mut(PIECE * n);
-        let mut weights = weights.map(|w| w.chunks(PIECE));
-        let mut pieces: Vec<_> = block
-            .chunks_mut(PIECE * n)
-            .map(|rows| {
-                let weights = weights.as_mut().and_then(Iterator::next);
-                let weighted = weighted.next().unwrap_or_default();
-                let tail = tail.next().unwrap_or_default();
-                Piece { rows, weights, weighted, tail, found: none(vec![0; self.sums.len()]) }
-            })
-            .collect();
+        let nothing = || none(vec![0; self.sums.len()]);
+        let pieces = block_pieces(block, n, PIECE, weights, sides);
+        let mut pieces: Vec<_> = pieces.map(|piece| (piece, nothing())).collect();
         let factors = [false, true].map(|side| self.grid.factors(side));
-        par.for_each(pieces.iter_mut(), |_, piece| {
+        par.for_each(pieces.iter_mut(), |_, (piece, found)| {
             widest(
                 #[inline(always)]
-                || self.prepare_piece(piece, &factors),
+                || self.prepare_piece(piece, found, &factors),
             );
         });
-        let mut all = none(vec![0; self.sums.len()]);
-        for Piece { found, .. } in pieces {
+        let mut all = nothing();
+        for (_, found) in pieces {
             if let Some((j, x)) = found.beyond {
                 let (lower, upper) = (self.grid.lower[j], self.grid.upper[j]);
                 let why = format!("{x} in column {j} is beyond its bounds {lower}..={upper}");
@@ -316,10 +298,15 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 
     #[inline(always)]
-    fn prepare_piece(&self, piece: &mut Piece<'_, T>, factors: &[Vec<[f64; 2]>; 2]) {
+    fn prepare_piece(
+        &self,
+        piece: &mut Piece<'_, T, 2>,
+        found: &mut Found,
+        factors: &[Vec<[f64; 2]>; 2],
+    ) {
         let Grid { lower, upper, shift, .. } = &self.grid;
         let n = lower.len();
-        let Piece { rows, weights, weighted, tail, found } = piece;
+        let Piece { rows, weights, outputs: [weighted, tail] } = piece;
         let infinity = T::from_f64(f64::INFINITY);
         let (mut inside, mut finite) = (true, true);
         for row in rows.chunks_exact(n) {

@@ -11,6 +11,7 @@ mod format;
 mod grid;
 mod moments;
 mod pass;
+mod pieces;
 mod plan;
 mod source;
 mod stream;

@@ -2,6 +2,7 @@
 
 use faer::MatMut;
 
+use super::pieces::{Piece, block_pieces};
 use crate::base::{Error, Par, Real, Result, widest, zeros};
 
 /// Rows that one thread takes at a time, and whose sums are added up before they go to the total.
@@ -25,16 +26,6 @@ pub(crate) struct Moments<T> {
     pub shift: Vec<T>,
     /// Weighted sum of the rows less the shift: n entries when centred, or none.
     pub sum: Vec<f64>,
-}
-
-/// The rows that one thread works on at a time.
-struct Piece<'p, T> {
-    rows: &'p mut [T],
-    weights: Option<&'p [T]>,
-    /// Destination of the rows times their weights; empty without weights.
-    weighted: &'p mut [T],
-    /// The weighted sum of the rows; empty when it is not needed.
-    sum: Vec<f64>,
 }
 
 impl<T: Real> Moments<T> {
@@ -80,20 +71,12 @@ impl<T: Real> Moments<T> {
         }
         let par = if block.len() < SMALL { Par::Seq } else { par };
         let sums = if self.centered { n } else { 0 };
-        let mut weighted = weighted.chunks_mut(PIECE * n);
-        let mut weights = weights.map(|w| w.chunks(PIECE));
-        let mut pieces: Vec<_> = block
-            .chunks_mut(PIECE * n)
-            .map(|rows| {
-                let weights = weights.as_mut().and_then(Iterator::next);
-                let weighted = weighted.next().unwrap_or_default();
-                Piece { rows, weights, weighted, sum: vec![0.0; sums] }
-            })
-            .collect();
-        par.for_each(pieces.iter_mut(), |_, piece| adjust(piece, n, &self.shift));
+        let pieces = block_pieces(block, n, PIECE, weights, [weighted]);
+        let mut pieces: Vec<_> = pieces.map(|piece| (piece, vec![0.0; sums])).collect();
+        par.for_each(pieces.iter_mut(), |_, (piece, sum)| adjust(piece, sum, n, &self.shift));
         // In the order of the pieces, not of the threads that computed them.
-        for piece in pieces {
-            for (sum, part) in self.sum.iter_mut().zip(piece.sum) {
+        for (_, part) in pieces {
+            for (sum, part) in self.sum.iter_mut().zip(part) {
                 *sum += part;
             }
         }
@@ -162,9 +145,10 @@ fn mean<T: Real>(block: &[T], n: usize, weights: Option<&[T]>) -> Vec<T> {
     sum.into_iter().map(|sum| T::from_f64(sum / total)).collect()
 }
 
-/// Adjusts the rows of a piece as [`Moments::take`] describes.
-fn adjust<T: Real>(piece: &mut Piece<'_, T>, n: usize, shift: &[T]) {
-    let Piece { rows, weights, weighted, sum } = piece;
+/// Adjusts the rows of a piece as [`Moments::take`] describes; their weighted sum goes to `sum`,
+/// which is empty when it is not needed.
+fn adjust<T: Real>(piece: &mut Piece<'_, T, 1>, sum: &mut [f64], n: usize, shift: &[T]) {
+    let Piece { rows, weights, outputs: [weighted] } = piece;
     widest(
         #[inline(always)]
         || {
