@@ -9,6 +9,7 @@ use faer::Mat;
 use tempfile::TempDir;
 
 use super::*;
+use crate::base::Error;
 use crate::product::AtaOptions;
 use crate::rows::{Accumulator, RowBlocks, RowBounds};
 
