@@ -28,7 +28,7 @@ use faer::{MatMut, MatRef};
 pub use complex::{ComplexPlan, aha, aha_planned, ahb, ahb_planned};
 pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
-pub use plan::{Node, Plan, Task, levels};
+pub use plan::{Node, Plan, Task, thread_levels};
 use planned::run;
 pub use planned::{ata_planned, atb_planned, planned_scratch_len};
 pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
@@ -319,11 +319,11 @@ fn run_in<T: BlasReal>(
 ///
 /// ```
 /// use catamaran::product::exact_stages;
-/// use catamaran::{AtaOptions, faer::Mat, kernel::int8::Isa};
+/// use catamaran::{AtaOptions, faer::Mat, kernel::int8::IntegerIsa};
 ///
 /// let a = Mat::<f64>::from_fn(300, 20, |i, j| ((7 * i + j) % 11) as f64);
 /// let mut c = Mat::zeros(20, 20);
-/// let stages = exact_stages(Isa::Portable, a.as_ref(), c.as_mut(), &AtaOptions::new())?;
+/// let stages = exact_stages(IntegerIsa::Portable, a.as_ref(), c.as_mut(), &AtaOptions::new())?;
 /// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
 /// assert!(stages.products > 0.0);
 /// # Ok::<(), catamaran::Error>(())
@@ -332,7 +332,7 @@ fn run_in<T: BlasReal>(
 /// # Errors
 /// As [`ata`]; [`Error::Argument`] when the machine does not support the instruction set.
 pub fn exact_stages<T: BlasReal>(
-    isa: int8::Isa,
+    isa: int8::IntegerIsa,
     a: MatRef<'_, T>,
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,

@@ -40,7 +40,7 @@ pub struct Term {
 
 /// One product of a scheme: `sum(outputs) += (sum left)^T (sum right)`.
 #[derive(Debug, Clone)]
-pub struct Product {
+pub struct SchemeProduct {
     /// The part of the product that is used.
     pub kind: ProductKind,
     /// Sum of blocks of A.
@@ -65,7 +65,7 @@ pub struct Scheme {
     /// Block columns of B and of C.
     pub right: usize,
     /// The products, in the order in which they are computed.
-    pub products: Vec<Product>,
+    pub products: Vec<SchemeProduct>,
 }
 
 /// The name of a scheme.
@@ -153,7 +153,7 @@ impl Scheme {
     /// assert_eq!(SchemeId::Strassen.scheme().flop_ratio(), 7.0 / 8.0);
     /// ```
     pub fn flop_ratio(&self) -> f64 {
-        let cost = |p: &Product| if p.kind == Gemm { 2.0 } else { 1.0 };
+        let cost = |p: &SchemeProduct| if p.kind == Gemm { 2.0 } else { 1.0 };
         let ours: f64 = self.products.iter().map(cost).sum();
         let columns = if self.symmetric { self.left } else { 2 * self.right };
         ours / (self.inner * self.left * columns) as f64
@@ -172,7 +172,7 @@ struct Table {
 impl Table {
     fn parse(&self) -> Scheme {
         let (inner, left, right) = self.blocks;
-        let product = |&(kind, l, r, o): &(ProductKind, &str, &str, &str)| Product {
+        let product = |&(kind, l, r, o): &(ProductKind, &str, &str, &str)| SchemeProduct {
             kind,
             left: parse_sum(l, 'a'),
             right: parse_sum(r, 'b'),

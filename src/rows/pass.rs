@@ -7,9 +7,9 @@ use faer::MatRef;
 
 use crate::base::{Progress, Result, Scratch};
 use crate::blas::BlasReal;
-use crate::kernel::int8::{Integer, Isa, Kernel};
+use crate::kernel::int8::{Integer, IntegerIsa, Kernel};
 use crate::product::AtaOptions;
-use crate::product::exact::{self, Columns, Layout, TriangleRows};
+use crate::product::exact::{self, Columns, ExactLayout, TriangleRows};
 use crate::product::plan::{Op, Plan};
 use crate::product::{Product, execute, scratch_len};
 
@@ -82,7 +82,7 @@ impl<'o> Pass<'o> {
             progress: options.progress,
             weighted: Scratch::default(),
             engine: Engine {
-                kernel: Isa::best().kernel(),
+                kernel: IntegerIsa::best().kernel(),
                 plans: Vec::new(),
                 scratch: Scratch::default(),
             },
@@ -167,7 +167,7 @@ impl Engine {
         options: &AtaOptions<'_>,
     ) -> Result<()> {
         let extents = [left.0.nrows(), left.0.ncols(), right.0.ncols()];
-        let layout = Layout::new(extents, size_of::<T>(), moduli, symmetric, same);
+        let layout = ExactLayout::new(extents, size_of::<T>(), moduli, symmetric, same);
         let len = exact::scratch_len::<T>(extents, &layout, options.par.threads());
         self.scratch.reserve::<T>(len)?;
         let scratch = self.scratch.as_mut_slice();

@@ -6,7 +6,7 @@ use crate::base::steps::step;
 use crate::base::{Error, Result, block_rows, byte_size, triangle_len};
 use crate::blas::BlasReal;
 use crate::product::AtaOptions;
-use crate::product::exact::{self, Layout};
+use crate::product::exact::{self, ExactLayout};
 use crate::product::plan::{Op, Plan};
 use crate::product::scratch_len;
 
@@ -94,7 +94,7 @@ impl StripNeeds<'_> {
             let len = |k: usize, symmetric: bool| {
                 let same = symmetric && !weighted;
                 let (extents, entry) = ([height, own, k], size_of::<T>());
-                let layout = Layout::new(extents, entry, moduli::<T>(), symmetric, same);
+                let layout = ExactLayout::new(extents, entry, moduli::<T>(), symmetric, same);
                 exact::scratch_len::<T>(extents, &layout, options.par.threads())
             };
             return Ok(len(own, true).max(len(strip.start, false)));

@@ -76,7 +76,9 @@ fn rotate(columns: &mut [f64], exponents: &mut [i32], n: usize, par: Par) -> Res
             let of_columns = squares.chunks_mut(BLOCK).zip(exponents.chunks_mut(BLOCK));
             let blocks = columns.chunks_mut(BLOCK * n).zip(of_columns);
             let mut free: Vec<_> = blocks
-                .map(|(columns, (squares, exponents))| Some(Block { columns, squares, exponents }))
+                .map(|(columns, (squares, exponents))| {
+                    Some(ColumnBlock { columns, squares, exponents })
+                })
                 .collect();
             let mut meetings: Vec<_> = pairs(even, round)
                 .map(|(a, b)| {
@@ -117,20 +119,20 @@ fn pairs(even: usize, round: usize) -> impl Iterator<Item = (usize, usize)> {
 /// Some columns, one after another, and their squares, which rotations keep up to date. The actual
 /// columns are these times 2 to the power of their exponents.
 #[derive(Default)]
-struct Block<'c> {
+struct ColumnBlock<'c> {
     columns: &'c mut [f64],
     squares: &'c mut [f64],
     exponents: &'c mut [i32],
 }
 
-/// A column of a [`Block`].
+/// A column of a [`ColumnBlock`].
 struct Column<'c> {
     x: &'c mut [f64],
     square: &'c mut f64,
     exponent: &'c mut i32,
 }
 
-impl Block<'_> {
+impl ColumnBlock<'_> {
     /// Returns the columns, which have length `n`.
     #[inline(always)]
     fn columns(&mut self, n: usize) -> impl Iterator<Item = Column<'_>> {
@@ -147,7 +149,13 @@ impl Block<'_> {
 /// sweep, squares are computed anew and columns of the same block are rotated too. Returns the
 /// largest cosine that was found.
 #[inline(always)]
-fn meet<'c>(a: &mut Block<'c>, b: &mut Block<'c>, n: usize, limit: f64, first: bool) -> f64 {
+fn meet<'c>(
+    a: &mut ColumnBlock<'c>,
+    b: &mut ColumnBlock<'c>,
+    n: usize,
+    limit: f64,
+    first: bool,
+) -> f64 {
     let mut largest = 0.0_f64;
     if first {
         for block in [&mut *a, &mut *b] {

@@ -36,5 +36,5 @@ pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions}
 pub use qr::GramQr;
 #[cfg(feature = "mpi")]
 pub(crate) use rows::named_by_matrix;
-pub use rows::{JoinedRows, check_weights, lstsq, pca, svd};
+pub use rows::{JoinedRows, check_weights, lstsq, pca, singular_values};
 pub use singular::SingularValues;

@@ -158,16 +158,16 @@ pub fn pca(
 /// Computes the singular values and right singular vectors of A (m x n).
 ///
 /// ```
-/// use catamaran::{Par, faer::mat, solve::svd};
+/// use catamaran::{Par, faer::mat, solve::singular_values};
 ///
-/// let found = svd(mat![[3.0, 0.0], [0.0, 1e-9], [0.0, 0.0]].as_ref(), Par::Seq)?;
+/// let found = singular_values(mat![[3.0, 0.0], [0.0, 1e-9], [0.0, 0.0]].as_ref(), Par::Seq)?;
 /// assert_eq!(found.values, [3.0, 1e-9]);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
 /// As [`ata_extended`] and [`SingularValues::from_gram`].
-pub fn svd(a: MatRef<'_, f64>, par: Par) -> Result<SingularValues> {
+pub fn singular_values(a: MatRef<'_, f64>, par: Par) -> Result<SingularValues> {
     let plain = RowOptions::<f64>::new();
     let gram = ata_extended(&mut DenseRows(a), &plain, &AtaOptions::new().par(par))?;
     SingularValues::from_gram(&gram, par)

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use catamaran::base::triangle_len;
 use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::ranks::plan::{Machine, TaskTree, deal};
+use catamaran::ranks::plan::{Machine, TaskTree, row_shares};
 use catamaran::ranks::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 
@@ -220,7 +220,7 @@ fn deal_traffic(world: &World) {
     world.take_traffic();
     let (a, c) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
     ata_deal(world, 0, 1.0, a, 0.0, c, &options()).unwrap();
-    let parts = deal(world.size(), m, n, &Machine::default());
+    let parts = row_shares(world.size(), m, n, &Machine::default());
     let Traffic { words_sent, words_received, .. } = world.traffic();
     let sums = 2 * triangle_len(n);
     if is_root {

@@ -55,7 +55,7 @@ fn traffic(world: &World) {
     let c = ata_rows(world, 1.0, a.as_ref(), &options()).unwrap();
     let seen = world.traffic();
     let chunks = match c.layout() {
-        catamaran::ranks::plan::Layout::Chunks(chunks) => chunks.count(),
+        catamaran::ranks::plan::TriangleLayout::Chunks(chunks) => chunks.count(),
         other => panic!("not chunks: {other:?}"),
     };
     let all = triangle_len(n) as u64;

@@ -5,7 +5,7 @@ use catamaran::blas::{self, Backend, BlasReal, Native};
 use std::sync::Arc;
 
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::kernel::packed::{Isa, Rates};
+use catamaran::kernel::packed::{FloatIsa, Rates};
 use catamaran::{
     AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
     atb_scratch_len, atb_with_scratch,
@@ -21,7 +21,7 @@ const UPLOS: [Uplo; 3] = [Uplo::Lower, Uplo::Upper, Uplo::Both];
 /// Every instruction set that this machine has, with products that seem to cost so much that the
 /// planner takes every fast level it may.
 fn natives() -> impl Iterator<Item = Arc<dyn Backend>> {
-    let usable = Isa::ALL.into_iter().filter(|i| i.refusal().is_none());
+    let usable = FloatIsa::ALL.into_iter().filter(|i| i.refusal().is_none());
     usable.map(|i| -> Arc<dyn Backend> {
         Arc::new(Native::new(i, Rates { flops: 1e8, ..Rates::of(i) }))
     })
@@ -229,7 +229,7 @@ fn repeated<T: BlasReal>(m: usize, a: &Mat<f64>) -> Mat<T> {
 fn built_in_rates_give_the_same_integers() {
     let a = integers::<f64>(211, 97, 11);
     let square = product(&a, None, &a);
-    for isa in Isa::ALL {
+    for isa in FloatIsa::ALL {
         // A refused isa falls back to the portable one.
         let backend = blas::native_on(isa);
         let scheme = SchemeChoice::Float;

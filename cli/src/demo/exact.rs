@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use catamaran::base::{Rng, available_cores, triangle_len};
 use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::kernel::int8::Isa;
+use catamaran::kernel::int8::IntegerIsa;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice};
 use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
 use minijinja::context;
@@ -186,8 +186,8 @@ fn describe(
     scale: picture::Scale,
 ) -> Result<Station> {
     let [classical, _, exact, _] = outcomes else { unreachable!("one outcome a way") };
-    let isa = Isa::best();
-    let has_tiles = isa == Isa::Amx;
+    let isa = IntegerIsa::best();
+    let has_tiles = isa == IntegerIsa::Amx;
     let time_ratio = exact.seconds / classical.seconds;
     let digits = if has_tiles { 2 } else { 1 };
     let total = triangle_len(side);

@@ -6,7 +6,7 @@ use faer::MatRef;
 
 use crate::base::{Arena, Disjoint, Par, widest};
 use crate::kernel::int8::{
-    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, WIDTH,
+    EMPTY, IntegerOperand, Kernel, Moduli, NON_FINITE, NORM_BITS, PANEL, STEP, Tile, WIDTH,
 };
 
 /// How the columns of an operand become integers.
@@ -26,7 +26,7 @@ fn extent<T>(a: MatRef<'_, T>) -> (usize, usize) {
 }
 
 /// Returns the elements of scratch that [`Columns::new`] takes.
-pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
+pub(super) fn scratch_len<T: IntegerOperand>(m: usize, n: usize) -> usize {
     let count = m.div_ceil(STEP) * n.div_ceil(PANEL) * PANEL;
     Arena::<T>::len_of::<i32>(count) + Arena::<T>::len_of::<f64>(count)
 }
@@ -42,7 +42,7 @@ impl Columns {
     /// Chooses the powers so that the integers are as large as products of two columns allow: by
     /// the Cauchy-Schwarz inequality those are below P/2. The norms are sums of integers, and so
     /// the same in any order.
-    pub fn new<T: Operand>(
+    pub fn new<T: IntegerOperand>(
         kernel: &dyn Kernel,
         a: MatRef<'_, T>,
         moduli: &Moduli,
@@ -95,7 +95,7 @@ impl Columns {
     }
 
     /// Makes columns that are not finite zero.
-    pub fn clear_non_finite<T: Operand>(&self, tile: &mut Tile<T>, column: usize) {
+    pub fn clear_non_finite<T: IntegerOperand>(&self, tile: &mut Tile<T>, column: usize) {
         let first = column * WIDTH;
         let from = self.non_finite.partition_point(|&j| j < first);
         for j in self.non_finite[from..].iter().take_while(|&&j| j < first + WIDTH) {
@@ -125,7 +125,7 @@ pub(super) fn limit(moduli: &Moduli, m: usize) -> f64 {
 /// Returns the exponents of W columns from the bounds of 64 rows each, `None` for columns that are
 /// not finite.
 #[inline(always)]
-pub(super) fn combine<T: Operand, const W: usize>(
+pub(super) fn combine<T: IntegerOperand, const W: usize>(
     exponents: &[[i32; W]],
     squares: &[[f64; W]],
     limit: f64,
@@ -194,7 +194,7 @@ fn add_up<const W: usize>(exponents: &[[i32; W]], squares: &[[f64; W]]) -> ([i32
 
 /// Calls `visit(tile, band, column)` for every tile of the bands and tile columns given, each once,
 /// from all threads; along the lines of the matrix.
-pub(super) fn for_tiles<T: Operand>(
+pub(super) fn for_tiles<T: IntegerOperand>(
     a: MatRef<'_, T>,
     bands: Range<usize>,
     columns: Range<usize>,

@@ -4,18 +4,18 @@ use std::cmp::Reverse;
 use std::ops::Range;
 
 use super::clock::Clock;
-use super::layout::{Batch, Layout, Unit};
+use super::layout::{Batch, ExactLayout, Unit};
 use super::product::{Round, Worker};
 use super::sink::Sink;
 use crate::base::{Disjoint, Tracker, tickets};
-use crate::kernel::int8::{Block, Kernel, MOST_MODULI};
+use crate::kernel::int8::{Kernel, MOST_MODULI, PanelBlock};
 
 /// Data that all rounds share.
 pub(super) struct Job<'j, 'm, S> {
-    pub layout: &'j Layout,
+    pub layout: &'j ExactLayout,
     pub sink: S,
     /// Residues of a batch of C, modulus by modulus.
-    pub residues: Disjoint<'m, Block<i8>>,
+    pub residues: Disjoint<'m, PanelBlock<i8>>,
     pub progress: &'j Tracker<'j>,
     pub clock: &'j Clock,
 }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::blocking::Blocking;
 use crate::base::steps::step;
 use crate::base::{first_that, triangle_len};
-use crate::kernel::int8::{Block, DEPTH, PANEL, STEP};
+use crate::kernel::int8::{DEPTH, PANEL, PanelBlock, STEP};
 
 /// Memory that residues of the operands may take beyond the size of these; with a batch and a dozen
 /// threads it stays below 256 MiB.
@@ -21,7 +21,7 @@ const BATCH: usize = 128 << 20;
 
 /// The division of the work. Panels are 32 columns, steps 64 rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Layout {
+pub(crate) struct ExactLayout {
     /// Whether only the lower triangle of C is computed.
     pub symmetric: bool,
     /// Whether B is A.
@@ -133,7 +133,7 @@ pub(crate) struct Batch {
     pub places: usize,
 }
 
-impl Layout {
+impl ExactLayout {
     /// Creates the layout for A m x n and B m x k, with entries of `bytes` bytes.
     pub fn new(
         sides: [usize; 3],
@@ -242,7 +242,7 @@ impl Layout {
 
     /// Returns the pairs of panels that there is memory for in a batch, for each modulus.
     fn most_places(&self) -> usize {
-        self.batch / (self.moduli * size_of::<Block<i8>>())
+        self.batch / (self.moduli * size_of::<PanelBlock<i8>>())
     }
 
     /// Returns the blocks of the largest round, and the pairs of panels in them.
@@ -313,7 +313,7 @@ impl Layout {
     }
 
     /// Returns how often an entry of the operands is converted to residues, on average: the groups
-    /// that the rounds of [`Layout::pairs`] load over those that there are.
+    /// that the rounds of [`ExactLayout::pairs`] load over those that there are.
     pub fn conversions(&self) -> f64 {
         if self.groups == 1 {
             return 1.0;

@@ -33,18 +33,19 @@ use super::combine::{scale, scale_lower};
 use super::options::AtaOptions;
 use crate::base::{Arena, Disjoint, Par, Real, Result, Tracker};
 use crate::kernel::int8::{
-    Block, Integer, IntegerModuli, Isa, Kernel, Moduli, Modulus, Operand, PANEL, Slice,
+    Integer, IntegerIsa, IntegerModuli, IntegerOperand, Kernel, Moduli, Modulus, PANEL, PanelBlock,
+    Slice,
 };
 
 pub use self::clock::Stages;
 pub(crate) use self::columns::Columns;
-pub(crate) use self::layout::Layout;
+pub(crate) use self::layout::ExactLayout;
 pub(crate) use self::non_finite::{Flags, Signs};
 pub(crate) use self::sink::TriangleRows;
 
 /// Returns the expected seconds on one core, if each operand is converted `conversions` times.
 pub(crate) fn estimate(
-    isa: Isa,
+    isa: IntegerIsa,
     [m, n, k]: [usize; 3],
     moduli: usize,
     symmetric: bool,
@@ -63,15 +64,15 @@ pub(crate) fn estimate(
 }
 
 /// Returns the elements of scratch that [`execute`] needs.
-pub(crate) fn scratch_len<T: Operand>(
+pub(crate) fn scratch_len<T: IntegerOperand>(
     [m, n, k]: [usize; 3],
-    layout: &Layout,
+    layout: &ExactLayout,
     threads: usize,
 ) -> usize {
     let layout = &layout.for_threads(threads);
     let norms = columns::scratch_len::<T>(m, n).max(columns::scratch_len::<T>(m, k));
     let slices = layout.stores().map(slices_len::<T>).into_iter().fold(0, usize::saturating_add);
-    let batch = Arena::<T>::len_of::<Block<i8>>(batch_blocks(layout));
+    let batch = Arena::<T>::len_of::<PanelBlock<i8>>(batch_blocks(layout));
     let workers = Worker::scratch_len::<T>(layout) * workers(layout, threads);
     // The memory of the norms is free again when the rest is needed.
     norms.max(slices.saturating_add(batch).saturating_add(workers))
@@ -82,22 +83,22 @@ fn slices_len<T: Real>(bytes: usize) -> usize {
 }
 
 /// Returns the blocks of residues that there is room for in the largest batch.
-fn batch_blocks(layout: &Layout) -> usize {
+fn batch_blocks(layout: &ExactLayout) -> usize {
     let (_, places) = layout.largest_batch();
     layout.moduli * places
 }
 
 /// Returns how many threads can be busy with products.
-fn workers(layout: &Layout, threads: usize) -> usize {
+fn workers(layout: &ExactLayout, threads: usize) -> usize {
     let (units, _) = layout.largest_batch();
     threads.min(layout.moduli * units).max(1)
 }
 
 /// Computes `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is
 /// touched where the layout is symmetric.
-pub(crate) fn execute<T: Operand>(
+pub(crate) fn execute<T: IntegerOperand>(
     kernel: &dyn Kernel,
-    layout: &Layout,
+    layout: &ExactLayout,
     alpha: T,
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
@@ -161,9 +162,9 @@ pub(crate) type Scaled<'a, T> = (MatRef<'a, T>, &'a Columns);
 ///
 /// The caller ensures that all entries of the product are below P/2 ([`IntegerModuli::count_for`]),
 /// and that sums do not overflow.
-pub(crate) fn accumulate<T: Operand, I: Integer>(
+pub(crate) fn accumulate<T: IntegerOperand, I: Integer>(
     kernel: &dyn Kernel,
-    layout: &Layout,
+    layout: &ExactLayout,
     operands: [Scaled<'_, T>; 2],
     sums: &TriangleRows<'_, I>,
     corner: (usize, usize),
@@ -185,14 +186,14 @@ pub(crate) fn accumulate<T: Operand, I: Integer>(
 }
 
 /// Returns the work that progress counts: products of panels, for each step and modulus.
-fn cost(layout: &Layout) -> f64 {
+fn cost(layout: &ExactLayout) -> f64 {
     layout.panel_pairs() as f64 * layout.steps as f64 * layout.moduli as f64
 }
 
 /// Passes the residues of `left^T right` to the sink, block by block, until a request to stop.
-fn multiply<T: Operand>(
+fn multiply<T: IntegerOperand>(
     kernel: &dyn Kernel,
-    layout: &Layout,
+    layout: &ExactLayout,
     moduli: &[Modulus],
     [left, right]: [Scaled<'_, T>; 2],
     sink: impl Sink,
@@ -203,7 +204,7 @@ fn multiply<T: Operand>(
 ) {
     let mut residents =
         Residents::new(layout.stores().map(|bytes| arena.take_as(bytes / size_of::<Slice>())));
-    let residues: &mut [Block<i8>] = arena.take_as(batch_blocks(layout));
+    let residues: &mut [PanelBlock<i8>] = arena.take_as(batch_blocks(layout));
     let mut workers: Vec<_> =
         (0..workers(layout, par.threads())).map(|_| Worker::new(arena, layout)).collect();
     let job = Job { layout, sink, residues: Disjoint::of_slice(residues), progress, clock };

@@ -1,9 +1,9 @@
 //! Blocks of C modulo one number.
 
-use super::layout::{Layout, Unit};
+use super::layout::{ExactLayout, Unit};
 use super::store::Store;
 use crate::base::{Arena, Disjoint, Real};
-use crate::kernel::int8::{Block, Kernel, Modulus, Operands, Slice};
+use crate::kernel::int8::{Kernel, Modulus, Operands, PanelBlock, Slice};
 
 /// The memory of one thread.
 pub(super) struct Worker<'a> {
@@ -13,16 +13,16 @@ pub(super) struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     /// Takes the memory of one thread from `arena`.
-    pub fn new<T: Real>(arena: &mut Arena<'a, T>, layout: &Layout) -> Self {
+    pub fn new<T: Real>(arena: &mut Arena<'a, T>, layout: &ExactLayout) -> Self {
         Self { left: arena.take_as(Self::slices(layout)) }
     }
 
-    fn slices(layout: &Layout) -> usize {
+    fn slices(layout: &ExactLayout) -> usize {
         layout.blocking.rows * layout.blocking.depth.min(layout.chunk)
     }
 
     /// Returns the elements of T that [`Worker::new`] takes.
-    pub fn scratch_len<T: Real>(layout: &Layout) -> usize {
+    pub fn scratch_len<T: Real>(layout: &ExactLayout) -> usize {
         Arena::<T>::len_of::<Slice>(Self::slices(layout))
     }
 }
@@ -30,7 +30,7 @@ impl<'a> Worker<'a> {
 /// Products of the residues of a group of A and one of B, over a chunk of rows.
 pub(super) struct Round<'r, 'm> {
     pub kernel: &'r dyn Kernel,
-    pub layout: &'r Layout,
+    pub layout: &'r ExactLayout,
     pub moduli: &'r [Modulus],
     pub left: &'r Store<'m>,
     pub right: &'r Store<'m>,
@@ -54,7 +54,7 @@ impl Round<'_, '_> {
         unit: &Unit,
         l: usize,
         left: &mut [Slice],
-        residues: &Disjoint<'_, Block<i8>>,
+        residues: &Disjoint<'_, PanelBlock<i8>>,
         place: impl Fn(usize, usize) -> usize,
     ) {
         let Self { kernel, layout, .. } = self;

@@ -8,8 +8,8 @@ use faer::{MatMut, RowMut};
 use super::columns::Columns;
 use crate::base::{Disjoint, triangle_len};
 use crate::kernel::int8::{
-    Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Next, Operand, PANEL, Square,
-    WIDTH, integers, transpose,
+    Integer, IntegerModuli, IntegerOperand, Kernel, MOST_MODULI, Moduli, Next, PANEL, PanelBlock,
+    Square, WIDTH, integers, transpose,
 };
 
 /// Takes the blocks of a product.
@@ -26,7 +26,7 @@ pub(super) trait Sink: Sync {
         &self,
         kernel: &dyn Kernel,
         block: (usize, usize),
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         next: usize,
     );
 }
@@ -43,7 +43,7 @@ pub(super) struct Floats<'c, T> {
     pub c: Disjoint<'c, T>,
 }
 
-impl<T: Operand> Sink for Floats<'_, T> {
+impl<T: IntegerOperand> Sink for Floats<'_, T> {
     fn is_by_rows(&self) -> bool {
         self.c.col_stride().unsigned_abs() <= self.c.row_stride().unsigned_abs()
     }
@@ -52,7 +52,7 @@ impl<T: Operand> Sink for Floats<'_, T> {
         &self,
         kernel: &dyn Kernel,
         (i, j): (usize, usize),
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         next: usize,
     ) {
         let extent = |panel, len: usize| PANEL * panel..len.min(PANEL * (panel + 1));
@@ -77,7 +77,7 @@ impl<T: Operand> Sink for Floats<'_, T> {
     }
 }
 
-impl<T: Operand> Floats<'_, T> {
+impl<T: IntegerOperand> Floats<'_, T> {
     /// Stores at most 32 x 32 values, or their lower triangle.
     fn store(&self, values: &Square<f64>, triangle: bool, c: MatMut<'_, T>) {
         let (rows, cols) = c.shape();
@@ -111,7 +111,7 @@ impl<T: Operand> Floats<'_, T> {
 
 /// Computes `c := alpha value + beta c`; c is not read when beta is zero.
 #[inline(always)]
-pub(super) fn write_entry<T: Operand>(alpha: T, beta: T, value: f64, c: &mut T) {
+pub(super) fn write_entry<T: IntegerOperand>(alpha: T, beta: T, value: f64, c: &mut T) {
     let value = T::from_f64(value);
     let scaled = if alpha == T::ONE { value } else { alpha * value };
     *c = if beta == T::ZERO { scaled } else { scaled + beta * *c };
@@ -163,7 +163,7 @@ impl<I: Integer> Sink for Integers<'_, I> {
         &self,
         _kernel: &dyn Kernel,
         (i, j): (usize, usize),
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         next: usize,
     ) {
         let (n, k) = self.shape;

@@ -9,8 +9,8 @@ use super::non_finite::Signs;
 use super::sink::write_entry;
 use crate::base::{Arena, Par, Result, Tracker, widest};
 use crate::kernel::int8::{
-    Isa, Kernel, LANES, MOST_PARTS, MOST_ROWS, Moduli, Operand, PANEL, Powers, Products, Row, STEP,
-    norms, scaled, transpose,
+    IntegerIsa, IntegerOperand, Kernel, LANES, MOST_PARTS, MOST_ROWS, Moduli, PANEL, Powers,
+    Products, Row, STEP, norms, scaled, transpose,
 };
 use crate::product::options::AtaOptions;
 
@@ -19,8 +19,8 @@ use crate::product::options::AtaOptions;
 ///
 /// The choice does not change the result. The rates were measured with the kernels of this folder
 /// on one core of a Zen 4.
-pub(crate) fn seconds<T: Operand>(
-    isa: Isa,
+pub(crate) fn seconds<T: IntegerOperand>(
+    isa: IntegerIsa,
     [m, n, k]: [usize; 3],
     moduli: usize,
     symmetric: bool,
@@ -51,7 +51,7 @@ pub(crate) fn seconds<T: Operand>(
 }
 
 /// Returns the elements of scratch that [`execute`] needs.
-pub(crate) fn scratch_len<T: Operand>([m, n, k]: [usize; 3], same: bool) -> usize {
+pub(crate) fn scratch_len<T: IntegerOperand>([m, n, k]: [usize; 3], same: bool) -> usize {
     let strips = |columns: usize| {
         Arena::<T>::len_of::<Row>(m.saturating_mul(columns.div_ceil(LANES) * T::PARTS))
     };
@@ -64,7 +64,7 @@ pub(crate) fn scratch_len<T: Operand>([m, n, k]: [usize; 3], same: bool) -> usiz
 
 /// Computes what [`execute`](super::execute) computes with so many moduli; a symmetric product is
 /// the lower triangle.
-pub(crate) fn execute<T: Operand>(
+pub(crate) fn execute<T: IntegerOperand>(
     kernel: &dyn Kernel,
     moduli: usize,
     symmetric: bool,
@@ -102,7 +102,7 @@ struct Strips<'a> {
 }
 
 impl<'a> Strips<'a> {
-    fn new<T: Operand>(a: MatRef<'_, T>, moduli: &Moduli, arena: &mut Arena<'a, T>) -> Self {
+    fn new<T: IntegerOperand>(a: MatRef<'_, T>, moduli: &Moduli, arena: &mut Arena<'a, T>) -> Self {
         let (height, n) = a.shape();
         let count = n.div_ceil(LANES);
         let rows = arena.take_as::<Row>(count * T::PARTS * height);
@@ -136,7 +136,7 @@ impl<'a> Strips<'a> {
 
     /// Returns a strip: its parts one after another.
     #[inline(always)]
-    fn strip<T: Operand>(&self, strip: usize) -> &[Row] {
+    fn strip<T: IntegerOperand>(&self, strip: usize) -> &[Row] {
         let len = T::PARTS * self.height;
         &self.rows[strip * len..(strip + 1) * len]
     }
@@ -144,7 +144,7 @@ impl<'a> Strips<'a> {
 
 /// Reads at most [`LANES`] columns; the last takes the place of those that are missing.
 #[inline(always)]
-fn load<T: Operand>(a: MatRef<'_, T>, entries: &mut [[T; LANES]]) {
+fn load<T: IntegerOperand>(a: MatRef<'_, T>, entries: &mut [[T; LANES]]) {
     let (m, n) = a.shape();
     let column = |j: usize| a.col(j.min(n - 1));
     if a.row_stride() != 1 {
@@ -171,7 +171,11 @@ fn load<T: Operand>(a: MatRef<'_, T>, entries: &mut [[T; LANES]]) {
 /// Writes the parts of the integers of a strip one after another; columns that are not finite count
 /// as zeros.
 #[inline(always)]
-fn convert<T: Operand>(entries: &mut [[T; LANES]], found: [Option<i32>; LANES], rows: &mut [Row]) {
+fn convert<T: IntegerOperand>(
+    entries: &mut [[T; LANES]],
+    found: [Option<i32>; LANES],
+    rows: &mut [Row],
+) {
     for j in (0..LANES).filter(|&j| found[j].is_none()) {
         entries.iter_mut().for_each(|row| row[j] = T::ZERO);
     }
@@ -192,7 +196,7 @@ fn convert<T: Operand>(entries: &mut [[T; LANES]], found: [Option<i32>; LANES], 
 
 /// Computes the entries of C.
 #[inline(always)]
-fn multiply<T: Operand>(
+fn multiply<T: IntegerOperand>(
     kernel: &dyn Kernel,
     [left, right]: [&Strips<'_>; 2],
     symmetric: bool,
@@ -232,7 +236,7 @@ fn multiply<T: Operand>(
 
 /// Computes the sums of products of two strips; `products` is scratch.
 #[inline(always)]
-fn add_up<T: Operand>(
+fn add_up<T: IntegerOperand>(
     kernel: &dyn Kernel,
     [left, right]: [&[Row]; 2],
     height: usize,

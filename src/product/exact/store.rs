@@ -5,9 +5,9 @@ use std::ops::Range;
 use faer::MatRef;
 
 use super::columns::{Columns, for_tiles};
-use super::layout::{Extent, Layout, Need, Pair, Pieces};
+use super::layout::{ExactLayout, Extent, Need, Pair, Pieces};
 use crate::base::{Disjoint, Par};
-use crate::kernel::int8::{Kernel, Modulus, Operand, Powers, Residues, Slice};
+use crate::kernel::int8::{IntegerOperand, Kernel, Modulus, Powers, Residues, Slice};
 
 /// Residues that are still in the last cache when they are multiplied, in bytes.
 const CACHED: usize = 32 << 20;
@@ -25,7 +25,7 @@ impl<'a> Store<'a> {
     }
 
     /// Computes the residues of the part of `a` in `extent`.
-    pub fn fill<T: Operand>(
+    pub fn fill<T: IntegerOperand>(
         &mut self,
         kernel: &dyn Kernel,
         a: MatRef<'_, T>,
@@ -86,7 +86,7 @@ impl<'a> Residents<'a> {
     /// those that are not in memory.
     pub fn load(
         &mut self,
-        layout: &Layout,
+        layout: &ExactLayout,
         pair: Pair,
         chunk: Range<usize>,
         mut fill: impl FnMut(&mut Store<'a>, Need, Extent),

@@ -12,7 +12,7 @@ use crate::product::plan::{Plan, Strategy};
 
 /// Returns uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a
 /// zero column.
-fn random<T: Operand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
+fn random<T: IntegerOperand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
     let mut rng = Rng::new(seed);
     Mat::from_fn(m, n, |i, j| {
         let value = 2.0 * rng.uniform() - 1.0;
@@ -22,7 +22,7 @@ fn random<T: Operand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
     })
 }
 
-fn columns<T: Operand>(kernel: &dyn Kernel, a: MatRef<'_, T>, moduli: &Moduli) -> Columns {
+fn columns<T: IntegerOperand>(kernel: &dyn Kernel, a: MatRef<'_, T>, moduli: &Moduli) -> Columns {
     let mut memory = Workspace::<T>::new(columns::scratch_len::<T>(a.nrows(), a.ncols())).unwrap();
     Columns::new(kernel, a, moduli, Par::Seq, &mut Arena::new(memory.as_mut_slice()))
 }
@@ -33,9 +33,9 @@ fn scaled(v: i128, e: i32) -> f64 {
 }
 
 /// Runs `layout` in dirty memory.
-fn run<T: Operand>(
+fn run<T: IntegerOperand>(
     kernel: &dyn Kernel,
-    layout: &Layout,
+    layout: &ExactLayout,
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
     threads: usize,
@@ -51,7 +51,7 @@ fn run<T: Operand>(
 }
 
 /// Returns divisions of the work that reach every branch: chunks of rows, groups of columns, both.
-fn layouts(whole: &Layout) -> Vec<Layout> {
+fn layouts(whole: &ExactLayout) -> Vec<ExactLayout> {
     let mut found = vec![whole.clone()];
     for (chunk, groups, [rows, cols, depth]) in [
         (whole.steps, 1, [1, 1, 1]),
@@ -61,7 +61,7 @@ fn layouts(whole: &Layout) -> Vec<Layout> {
     ] {
         let groups = groups.min(whole.left.max(whole.right)).max(1);
         let blocking = Blocking { rows, cols, depth };
-        found.push(Layout { chunk, groups, blocking, ..whole.clone() });
+        found.push(ExactLayout { chunk, groups, blocking, ..whole.clone() });
     }
     found
 }
@@ -88,10 +88,10 @@ fn slices_lie_in_the_order_of_the_products() {
     }
 }
 
-fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: i32) {
+fn check_against_integers<T: IntegerOperand>(m: usize, n: usize, count: usize, spread: i32) {
     let a = random::<T>(m, n, spread, count as u64);
     let moduli = Moduli::of(count);
-    let whole = Layout::new([m, n, n], size_of::<T>(), count, true, true);
+    let whole = ExactLayout::new([m, n, n], size_of::<T>(), count, true, true);
     let expected = run(&PORTABLE, &whole, a.as_ref(), None, 1);
     let of_a = columns(&PORTABLE, a.as_ref(), moduli);
     let integer = |i: usize, j: usize| {
@@ -150,7 +150,7 @@ fn every_kernel_and_layout_gives_the_bytes_of_the_integers() {
 
 /// Returns entries that are awkward to round: of very different sizes, next to powers of two and
 /// to the middle between numbers, subnormal, zero, and not finite.
-fn awkward<T: Operand>(m: usize, n: usize, rng: &mut Rng) -> Mat<T> {
+fn awkward<T: IntegerOperand>(m: usize, n: usize, rng: &mut Rng) -> Mat<T> {
     let (least, digits) = if size_of::<T>() == 8 { (-1074, 52) } else { (-149, 23) };
     let finite = rng.bits().is_multiple_of(2);
     Mat::from_fn(m, n, |_, j| {
@@ -172,7 +172,7 @@ fn awkward<T: Operand>(m: usize, n: usize, rng: &mut Rng) -> Mat<T> {
 }
 
 /// Returns the product by its integers, in dirty memory.
-fn run_small<T: Operand>(
+fn run_small<T: IntegerOperand>(
     kernel: &dyn Kernel,
     moduli: usize,
     symmetric: bool,
@@ -191,7 +191,7 @@ fn run_small<T: Operand>(
     c
 }
 
-fn check_small<T: Operand>(moduli: usize, rng: &mut Rng) {
+fn check_small<T: IntegerOperand>(moduli: usize, rng: &mut Rng) {
     for (m, n, k) in [(1, 1, 1), (3, 2, 5), (64, 4, 3), (65, 17, 33), (800, 9, 2), (5, 40, 40)] {
         let (a, b) = (awkward::<T>(m, n, rng), awkward::<T>(k, m, rng));
         let square = awkward::<T>(m, n, rng);
@@ -207,7 +207,7 @@ fn check_small<T: Operand>(moduli: usize, rng: &mut Rng) {
             });
             let small: Vec<_> = small.collect();
             let same = operands.1.is_none();
-            let layout = Layout::new([m, n, cols], size_of::<T>(), moduli, symmetric, same);
+            let layout = ExactLayout::new([m, n, cols], size_of::<T>(), moduli, symmetric, same);
             let extents = [m, n, cols];
             let mut scratch = Workspace::new(scratch_len::<T>(extents, &layout, 1)).unwrap();
             for (name, kernel) in kernels() {
@@ -267,7 +267,7 @@ fn an_entry_next_to_the_middle_between_two_numbers_is_rounded_once_by_every_kern
                 Mat::from_fn(3, 1, |i, _| [1.0, power(-27), f64::from(distance) * power(-55)][i]);
             let b = Mat::from_fn(3, 1, |i, _| [1.0, power(-26), sign * power(-55)][i]);
             let expected = if sign > 0.0 { 1.0 + f64::EPSILON } else { 1.0 };
-            let layout = Layout::new([3, 1, 1], 8, 15, false, false);
+            let layout = ExactLayout::new([3, 1, 1], 8, 15, false, false);
             for (name, kernel) in kernels() {
                 let c = run(kernel, &layout, a.as_ref(), Some(b.as_ref()), 1);
                 assert_eq!(c[(0, 0)], expected, "{name}, {distance} {sign}");
@@ -288,7 +288,7 @@ fn general_products_are_the_same_bytes_for_every_kernel_and_layout() {
     for symmetric in [false, true] {
         let b = if symmetric { random::<f64>(m, n, -3, 2) } else { b.clone() };
         let k = b.ncols();
-        let whole = Layout::new([m, n, k], 8, 14, symmetric, false);
+        let whole = ExactLayout::new([m, n, k], 8, 14, symmetric, false);
         let expected = run(&PORTABLE, &whole, a.as_ref(), Some(b.as_ref()), 1);
         for (name, kernel) in kernels() {
             for layout in layouts(&whole) {
@@ -314,11 +314,11 @@ fn general_products_are_the_same_bytes_for_every_kernel_and_layout() {
 fn only_amx_is_expected_to_beat_a_classical_product_and_only_a_wide_one() {
     // The time of the fastest back end that the planner knows.
     let classical = |m: f64, n: f64| m * n * n / 106e9 * (1.0 + 180.0 / n);
-    for isa in Isa::ALL {
+    for isa in IntegerIsa::ALL {
         let square = [100, 200, 300, 1024, 4096, 16_384].map(|n| (n, n));
         for (m, n) in square.into_iter().chain([(20_000, 200), (20_000, 1024)]) {
             let exact = estimate(isa, [m, n, n], 14, true, 1.0);
-            let wins = isa == Isa::Amx && n >= 1024;
+            let wins = isa == IntegerIsa::Amx && n >= 1024;
             let classical = 0.98 * classical(m as f64, n as f64);
             assert_eq!(exact < classical, wins, "{}, {m} x {n}", isa.name());
         }
@@ -344,11 +344,11 @@ const SHAPES: [[usize; 3]; 14] = [
 ];
 
 /// Returns the batches of all rounds, in order.
-fn all_batches(layout: &Layout) -> impl Iterator<Item = Batch> {
+fn all_batches(layout: &ExactLayout) -> impl Iterator<Item = Batch> {
     layout.pairs().flat_map(|pair| layout.batches(pair))
 }
 
-fn all_layouts() -> impl Iterator<Item = ([usize; 3], usize, Layout)> {
+fn all_layouts() -> impl Iterator<Item = ([usize; 3], usize, ExactLayout)> {
     SHAPES.into_iter().flat_map(|shape| {
         [(8, 13), (8, 15), (4, 6), (4, 8)].into_iter().flat_map(move |(bytes, moduli)| {
             let [_, n, k] = shape;
@@ -356,7 +356,7 @@ fn all_layouts() -> impl Iterator<Item = ([usize; 3], usize, Layout)> {
             let kinds = [(true, true), (true, false), (false, false)];
             kinds.into_iter().filter(move |&(symmetric, _)| square || !symmetric).map(
                 move |(symmetric, same)| {
-                    (shape, bytes, Layout::new(shape, bytes, moduli, symmetric, same))
+                    (shape, bytes, ExactLayout::new(shape, bytes, moduli, symmetric, same))
                 },
             )
         })
@@ -381,10 +381,10 @@ fn memory_is_what_it_was_limited_to() {
     for shape in [[2048, 2048, 2048], [5000, 6000, 6000], [300, 20_000, 20_000], [100_000, 64, 64]]
     {
         for symmetric in [true, false] {
-            let layout = Layout::within(Some(LIMIT), shape, 8, 14, symmetric, symmetric);
+            let layout = ExactLayout::within(Some(LIMIT), shape, 8, 14, symmetric, symmetric);
             let used = 8 * scratch_len::<f64>(shape, &layout, 2);
             assert!(used <= LIMIT, "{shape:?}, {layout:?}: {used}");
-            assert_ne!(layout, Layout::new(shape, 8, 14, symmetric, symmetric));
+            assert_ne!(layout, ExactLayout::new(shape, 8, 14, symmetric, symmetric));
         }
     }
 }
@@ -392,7 +392,7 @@ fn memory_is_what_it_was_limited_to() {
 #[test]
 fn many_threads_get_several_blocks_each() {
     for (shape, _, layout) in all_layouts() {
-        let cost = |layout: &Layout| {
+        let cost = |layout: &ExactLayout| {
             all_batches(layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum::<usize>()
         };
         assert_eq!(layout.for_threads(1), layout);
@@ -431,14 +431,15 @@ fn rounds_cover_c_once_and_load_little() {
         let most = if layout.groups == 1 { 2 } else { pairs.len() + 1 };
         assert!(loads <= most, "{layout:?}: {loads} loads, {} rounds", pairs.len());
     }
-    let single = Layout::new([64, 32, 32], 8, 14, true, true).pairs();
+    let single = ExactLayout::new([64, 32, 32], 8, 14, true, true).pairs();
     assert_eq!(single.collect::<Vec<_>>(), [Pair { left: 0, right: 0 }]);
 }
 
 #[test]
 fn operands_are_converted_again_where_memory_is_short() {
-    let conversions =
-        |memory, same| Layout::within(memory, [4096, 4096, 4096], 8, 14, same, same).conversions();
+    let conversions = |memory, same| {
+        ExactLayout::within(memory, [4096, 4096, 4096], 8, 14, same, same).conversions()
+    };
     assert_eq!(conversions(None, true), 1.0);
     for same in [true, false] {
         let (little, less) =
@@ -451,7 +452,7 @@ fn operands_are_converted_again_where_memory_is_short() {
 fn every_pair_of_panels_has_a_place_of_its_own_in_its_batch() {
     let shapes = [([300, 200, 200], true), ([300, 200, 90], false), ([5000, 300, 300], true)];
     for (shape, symmetric) in shapes {
-        for layout in layouts(&Layout::new(shape, 8, 14, symmetric, symmetric)) {
+        for layout in layouts(&ExactLayout::new(shape, 8, 14, symmetric, symmetric)) {
             for pair in layout.pairs() {
                 let batches = layout.batches(pair);
                 assert!(!layout.accumulates() || batches.len() == 1, "{layout:?}");
@@ -473,7 +474,7 @@ fn every_pair_of_panels_has_a_place_of_its_own_in_its_batch() {
 
 /// Computes the rounds in the order that loads least, one after another from a list, in time that
 /// grows with the square of their number; and how often a group is loaded in all.
-fn rounds_from_a_list(layout: &Layout) -> (Vec<Pair>, usize) {
+fn rounds_from_a_list(layout: &ExactLayout) -> (Vec<Pair>, usize) {
     let wanted = |left: usize| 0..if layout.symmetric { left + 1 } else { layout.groups };
     let mut open: Vec<Pair> = (0..layout.groups)
         .flat_map(|left| wanted(left).map(move |right| Pair { left, right }))
@@ -498,8 +499,8 @@ fn rounds_from_a_list(layout: &Layout) -> (Vec<Pair>, usize) {
 fn rounds_and_conversions_are_those_of_the_search_in_a_list() {
     for (symmetric, same) in [(true, true), (true, false), (false, false)] {
         for groups in 1..=24 {
-            let whole = Layout::new([64, 960, 960], 8, 14, symmetric, same);
-            let layout = Layout { groups, ..whole };
+            let whole = ExactLayout::new([64, 960, 960], 8, 14, symmetric, same);
+            let layout = ExactLayout { groups, ..whole };
             let (order, loaded) = rounds_from_a_list(&layout);
             assert!(layout.pairs().eq(order), "{symmetric}, {same}, {groups}");
             let all = if same { groups } else { 2 * groups };
@@ -513,8 +514,8 @@ fn rounds_and_conversions_are_those_of_the_search_in_a_list() {
 fn as_few_groups_as_fit_are_found() {
     for (n, k, same) in [(5000, 5000, true), (3000, 7000, false), (100, 9000, false)] {
         for memory in (10..30).map(|log| 1 << log) {
-            let layout = Layout::within(Some(memory), [1000, n, k], 8, 14, same, same);
-            let residues = |groups: usize| Layout { groups, ..layout.clone() }.stores();
+            let layout = ExactLayout::within(Some(memory), [1000, n, k], 8, 14, same, same);
+            let residues = |groups: usize| ExactLayout { groups, ..layout.clone() }.stores();
             let bytes = |groups| residues(groups).iter().sum::<usize>();
             let most = layout.left.max(layout.right);
             let first = (1..most).find(|&groups| bytes(groups) <= memory / 2).unwrap_or(most);
@@ -530,12 +531,12 @@ fn no_batch_is_larger_than_the_largest() {
             let kinds = [(true, true), (true, false), (false, false)];
             kinds.into_iter().filter(move |kind| !kind.0 || shape[1] == shape[2]).map(
                 move |(symmetric, same)| {
-                    Layout::within(Some(memory), shape, 8, 14, symmetric, same)
+                    ExactLayout::within(Some(memory), shape, 8, 14, symmetric, same)
                 },
             )
         })
     });
-    let small = |layout: &Layout| layout.left.max(layout.right) < 300;
+    let small = |layout: &ExactLayout| layout.left.max(layout.right) < 300;
     for layout in limited.chain(all_layouts().map(|(_, _, layout)| layout).filter(small)) {
         for layout in layouts(&layout).into_iter().filter(|layout| layout.groups < 30) {
             let (units, places) = layout.largest_batch();

@@ -13,7 +13,7 @@ use crate::blas::BlasReal;
 use crate::kernel::packed::{self, Destination, Job, Part, Source};
 use crate::product::combine::{accumulate, accumulate_lower};
 use crate::product::options::AtaOptions;
-use crate::product::plan::{Block, Fused, FusedProduct, Problem, Slab};
+use crate::product::plan::{Fused, FusedProduct, Problem, SignedBlock, Slab};
 
 /// Products of scalars that are computed before another thread has woken up.
 const WORK_OF_ONE_THREAD: f64 = 4e6;
@@ -158,7 +158,7 @@ fn bind<'a, T: BlasReal>(
     scales: Option<&'a [Scales<T>; 2]>,
     beta: T,
     c: MatMut<'_, T>,
-) -> Vec<packed::Product<'a, T>> {
+) -> Vec<packed::KernelProduct<'a, T>> {
     // Tiles are written by rows.
     let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
     let destination = Destination::new(c, part);
@@ -166,21 +166,21 @@ fn bind<'a, T: BlasReal>(
         Some([left, right]) => destination.unscaling(&left.divisors, &right.divisors),
         None => destination,
     };
-    let sources = |blocks: &[Block], matrix: MatRef<'a, T>, side: usize| {
-        let source = |b: &Block| Source {
+    let sources = |blocks: &[SignedBlock], matrix: MatRef<'a, T>, side: usize| {
+        let source = |b: &SignedBlock| Source {
             coefficient: T::from_f64(f64::from(b.coefficient)),
             matrix: matrix.submatrix(b.rows.start, b.cols.start, b.rows.len(), b.cols.len()),
             scale: scales.map(|s| &s[side].factors[b.cols.clone()]),
         };
         blocks.iter().map(source).collect()
     };
-    let target = |o: &Block| {
+    let target = |o: &SignedBlock| {
         let coefficient = alpha * T::from_f64(f64::from(o.coefficient));
         let beta = if o.first { beta } else { T::ONE };
         destination.block(o.rows.clone(), o.cols.clone(), coefficient, beta)
     };
     let product = |p: &FusedProduct| {
-        let product = packed::Product {
+        let product = packed::KernelProduct {
             left: sources(&p.left, a, 0),
             right: sources(&p.right, b, 1),
             targets: p.outputs.iter().map(target).collect(),

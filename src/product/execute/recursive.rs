@@ -15,7 +15,7 @@ use crate::product::combine::{
     accumulate, accumulate_lower_lines, combine, mirror_lower, scale, scale_lower,
 };
 use crate::product::plan::{Extent, LevelScratch, Op, Recursion, cheapest_update, leading};
-use crate::product::scheme::{Product, ProductKind, Scheme, Term};
+use crate::product::scheme::{ProductKind, Scheme, SchemeProduct, Term};
 
 /// Runs a [`Recursion`] over one back end.
 pub(crate) struct Engine<'a, T> {
@@ -138,7 +138,7 @@ impl<T: Real> Engine<'_, T> {
             if first { beta } else { T::ONE }
         };
 
-        let weight = |product: &Product| match op.of_product(product.kind) {
+        let weight = |product: &SchemeProduct| match op.of_product(product.kind) {
             Op::Gemm => 1.0,
             Op::Syrk | Op::Gemmt => 0.5,
         };
@@ -266,7 +266,7 @@ struct Factors<'a, T> {
 
 impl<T: Real> Factors<'_, T> {
     /// Returns the sign of `product` and its factors, which are equal if `same`.
-    fn of(&mut self, product: &Product, same: bool) -> (T, MatRef<'_, T>, MatRef<'_, T>) {
+    fn of(&mut self, product: &SchemeProduct, same: bool) -> (T, MatRef<'_, T>, MatRef<'_, T>) {
         // A product of which half is computed must be square.
         let widen = product.kind == ProductKind::Gemmt
             && self.left_blocks.width(&product.left) != self.right_blocks.width(&product.right);

@@ -4,12 +4,12 @@ use super::cost::{FusedCost, RecursionCost};
 use super::fused::{self, FusedProduct};
 use super::problem::{Op, Problem};
 use super::recursion::{Base, Recursion};
-use super::strategy::{Cut, Exact, Fused, Slab, Strategy, Tasks};
+use super::strategy::{Exact, Fused, RowSlabs, Slab, Strategy, Tasks};
 use super::tree::Node;
 use crate::base::{Real, even_part};
 use crate::blas::{BlasReal, Native};
 use crate::kernel::int8;
-use crate::product::exact::{self, Layout};
+use crate::product::exact::{self, ExactLayout};
 use crate::product::options::{Accuracy, AtaOptions, SchemeChoice};
 use crate::product::scheme::SchemeId;
 
@@ -202,7 +202,7 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
             (recursion, seconds)
         }
     };
-    let cut = Cut { rows: m, slabs, chunks: chunks_of(&recursion) };
+    let cut = RowSlabs { rows: m, slabs, chunks: chunks_of(&recursion) };
     let rows = m / (slabs * cut.chunks);
     let fast = tasks.iter().any(|t| recursion.is_fast(t.op(op), rows, t.rows.len(), t.cols.len()));
     tasks.sort_by(|a, b| b.cost().total_cmp(&a.cost()));
@@ -217,11 +217,12 @@ fn exact<T: BlasReal>(
     classical_seconds: f64,
 ) -> Choice {
     let Problem { op, m, n, k } = problem;
-    let isa = int8::Isa::best();
+    let isa = int8::IntegerIsa::best();
     let (symmetric, same) = (op.symmetric(), problem.same());
     let moduli = exact_moduli::<T>(options.accuracy, symmetric);
     let sides = [m, n, k];
-    let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
+    let layout =
+        ExactLayout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
     // Without a limit of memory only matrices that take days are converted more than once.
     let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
     let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);

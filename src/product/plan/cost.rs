@@ -89,7 +89,7 @@ impl FusedCost {
         let blocking =
             Blocking::new(self.geometry, self.scalar_bytes, product.shape, self.budget, 1);
         let work = product.work(self.symmetric);
-        let area = |b: &super::fused::Block| b.rows.len() as f64 * b.cols.len() as f64;
+        let area = |b: &super::fused::SignedBlock| b.rows.len() as f64 * b.cols.len() as f64;
         let read: f64 = product.left.iter().chain(&product.right).map(area).sum();
         let packed = (rows + if same { 0 } else { cols }) as f64 * depth as f64;
         let entries = work / depth.max(1) as f64;

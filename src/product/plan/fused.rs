@@ -9,11 +9,11 @@ use super::recursion::Recursion;
 use crate::base::steps::step;
 use crate::base::{even_start, triangle_len};
 use crate::kernel::packed::Shape;
-use crate::product::scheme::{Product, Scheme, Term};
+use crate::product::scheme::{Scheme, SchemeProduct, Term};
 
 /// A signed block of A, B or C.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Block {
+pub(crate) struct SignedBlock {
     pub coefficient: i32,
     pub rows: Range<usize>,
     pub cols: Range<usize>,
@@ -24,10 +24,10 @@ pub(crate) struct Block {
 /// `outputs += (sum left)^T (sum right)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FusedProduct {
-    pub left: Vec<Block>,
+    pub left: Vec<SignedBlock>,
     /// The right side; empty when it is the same as the left side.
-    pub right: Vec<Block>,
-    pub outputs: Vec<Block>,
+    pub right: Vec<SignedBlock>,
+    pub outputs: Vec<SignedBlock>,
     pub shape: Shape,
 }
 
@@ -81,9 +81,9 @@ struct Key {
 /// A product that is still to be divided.
 struct Node {
     op: Op,
-    left: Vec<Block>,
-    right: Vec<Block>,
-    outputs: Vec<Block>,
+    left: Vec<SignedBlock>,
+    right: Vec<SignedBlock>,
+    outputs: Vec<SignedBlock>,
     fast_levels: usize,
 }
 
@@ -91,14 +91,14 @@ struct Node {
 enum Divided {
     /// Nothing of it is wanted.
     Nothing,
-    Product(FusedProduct),
+    SchemeProduct(FusedProduct),
     Nodes(Vec<Node>),
 }
 
 impl Node {
     /// Returns the extents; rows and columns that a block lacks count as zero.
     fn shape(&self) -> Shape {
-        let longest = |blocks: &[Block], of: fn(&Block) -> &Range<usize>| {
+        let longest = |blocks: &[SignedBlock], of: fn(&SignedBlock) -> &Range<usize>| {
             blocks.iter().map(|b| of(b).len()).max().unwrap_or(0)
         };
         let depth = longest(&self.left, |b| &b.rows).max(longest(&self.right, |b| &b.rows));
@@ -112,15 +112,16 @@ impl Node {
     }
 
     fn root(recursion: &Recursion, op: Op, [m, n, k]: [usize; 3]) -> Self {
-        let whole =
-            |rows, cols| vec![Block { coefficient: 1, rows: 0..rows, cols: 0..cols, first: true }];
+        let whole = |rows, cols| {
+            vec![SignedBlock { coefficient: 1, rows: 0..rows, cols: 0..cols, first: true }]
+        };
         let fast_levels = recursion.fast_levels;
         Self { op, left: whole(m, n), right: whole(m, k), outputs: whole(n, k), fast_levels }
     }
 
     fn key(&self) -> Key {
-        let side = |b: &Block| (b.rows.len(), b.cols.len(), 0);
-        let output = |o: &Block| {
+        let side = |b: &SignedBlock| (b.rows.len(), b.cols.len(), 0);
+        let output = |o: &SignedBlock| {
             let is_below = o.rows.start >= o.cols.end;
             let below = o.rows.start.wrapping_sub(o.cols.start);
             (o.rows.len(), o.cols.len(), if is_below { usize::MAX } else { below })
@@ -134,7 +135,7 @@ impl Node {
     fn flatten(self, recursion: &Recursion, symmetric: bool, found: &mut Vec<FusedProduct>) {
         match self.divided(recursion, symmetric) {
             Divided::Nothing => {}
-            Divided::Product(product) => found.push(product),
+            Divided::SchemeProduct(product) => found.push(product),
             Divided::Nodes(nodes) => {
                 nodes.into_iter().for_each(|node| node.flatten(recursion, symmetric, found));
             }
@@ -154,7 +155,7 @@ impl Node {
         }
         let total = match self.divided(recursion, symmetric) {
             Divided::Nothing => 0.0,
-            Divided::Product(product) => price(&product),
+            Divided::SchemeProduct(product) => price(&product),
             Divided::Nodes(nodes) => {
                 nodes.into_iter().map(|node| node.total(recursion, symmetric, price, known)).sum()
             }
@@ -179,7 +180,7 @@ impl Node {
         else {
             let Self { left, right, outputs, .. } = self;
             let right = if same { vec![] } else { right };
-            return Divided::Product(FusedProduct { left, right, outputs, shape });
+            return Divided::SchemeProduct(FusedProduct { left, right, outputs, shape });
         };
         let scheme = id.scheme();
         let mut touched = vec![false; self.outputs.len() * scheme.left * scheme.right];
@@ -190,12 +191,12 @@ impl Node {
     fn child(
         &self,
         scheme: &Scheme,
-        product: &Product,
+        product: &SchemeProduct,
         shape: Shape,
         touched: &mut [bool],
     ) -> Self {
         let Shape { depth, rows, cols, .. } = shape;
-        let of = |blocks: &[Block], terms: &[Term], extents, parts| {
+        let of = |blocks: &[SignedBlock], terms: &[Term], extents, parts| {
             let mut sum = Vec::with_capacity(blocks.len() * terms.len());
             for block in blocks {
                 sum.extend(terms.iter().map(|&t| sub_block(block, t, extents, parts)));
@@ -224,12 +225,17 @@ impl Node {
 }
 
 /// Returns the part of `block` for `term`, where blocks of these extents are cut into parts.
-fn sub_block(block: &Block, term: Term, extents: (usize, usize), parts: (usize, usize)) -> Block {
+fn sub_block(
+    block: &SignedBlock,
+    term: Term,
+    extents: (usize, usize),
+    parts: (usize, usize),
+) -> SignedBlock {
     let cut = |range: &Range<usize>, extent, parts, i| {
         let at = |i| (range.start + even_start(extent, parts, i)).min(range.end);
         at(i)..at(i + 1)
     };
-    Block {
+    SignedBlock {
         coefficient: block.coefficient * i32::from(term.coefficient),
         rows: cut(&block.rows, extents.0, parts.0, term.row),
         cols: cut(&block.cols, extents.1, parts.1, term.col),
@@ -261,7 +267,7 @@ mod tests {
         }
 
         /// Returns the sum of blocks, `depth` x `width`, with zeros where they end.
-        fn sum(&self, blocks: &[Block], depth: usize, width: usize) -> Self {
+        fn sum(&self, blocks: &[SignedBlock], depth: usize, width: usize) -> Self {
             let mut sum = Self { cols: width, entries: vec![0; depth * width] };
             for block in blocks {
                 assert!(block.rows.len() <= depth && block.cols.len() <= width);
@@ -392,7 +398,7 @@ mod tests {
         // Sums of integers are exact in any order.
         let price = |symmetric: bool| {
             move |p: &FusedProduct| {
-                let area = |b: &Block| b.rows.len() * b.cols.len();
+                let area = |b: &SignedBlock| b.rows.len() * b.cols.len();
                 let read: usize = p.left.iter().chain(&p.right).map(area).sum();
                 p.work(symmetric) + (read * p.outputs.len() + p.shape.rows) as f64
             }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::problem::Op;
 use super::recursion::Recursion;
 use crate::base::steps::step;
-use crate::product::scheme::{Product, ProductKind, Scheme, Term};
+use crate::product::scheme::{ProductKind, Scheme, SchemeProduct, Term};
 
 /// Returns the leading dimension of a scratch matrix: page-sized distances collide in the cache.
 pub(crate) fn leading(len: usize) -> usize {
@@ -41,8 +41,9 @@ impl LevelScratch {
         let needs =
             |used: bool, rows, cols| if used { Extent { rows, cols } } else { Extent::default() };
         let products = || scheme.products.iter();
-        let widened = |p: &Product| p.kind == ProductKind::Gemmt && !n.is_multiple_of(scheme.left);
-        let square = |p: &Product| op.of_product(p.kind) == Op::Syrk;
+        let widened =
+            |p: &SchemeProduct| p.kind == ProductKind::Gemmt && !n.is_multiple_of(scheme.left);
+        let square = |p: &SchemeProduct| op.of_product(p.kind) == Op::Syrk;
         Self {
             p: needs(products().any(|p| p.left.len() > 1 || widened(p)), rows, left),
             q: needs(
@@ -109,7 +110,7 @@ pub(crate) struct Traffic {
 
 impl Traffic {
     pub(crate) fn of(scheme: &Scheme, op: Op) -> Self {
-        let sums = |sum_of: fn(&Product) -> &[Term], skip_squares: bool| {
+        let sums = |sum_of: fn(&SchemeProduct) -> &[Term], skip_squares: bool| {
             let mut held: &[Term] = &[];
             let mut moved = 0;
             for product in &scheme.products {

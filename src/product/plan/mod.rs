@@ -11,7 +11,7 @@ mod recursion;
 mod strategy;
 mod tree;
 
-pub(crate) use fused::{Block, FusedProduct};
+pub(crate) use fused::{FusedProduct, SignedBlock};
 #[cfg(test)]
 pub(crate) use levels::scratch_len;
 pub(crate) use levels::{Extent, LevelScratch, cheapest_update, leading};
@@ -20,7 +20,7 @@ pub(crate) use problem::{Op, Problem};
 pub(crate) use recursion::Base;
 pub(crate) use recursion::Recursion;
 pub(crate) use strategy::{Exact, Fused, Slab, Strategy, Tasks};
-pub use tree::{Node, Task, levels};
+pub use tree::{Node, Task, thread_levels};
 
 use super::options::AtaOptions;
 use crate::base::Result;
@@ -118,7 +118,7 @@ impl Plan {
 
     /// Returns the plan on the kernels of an instruction set, even if it is small, when it takes
     /// the exact path.
-    pub(crate) fn on(mut self, isa: int8::Isa) -> Self {
+    pub(crate) fn on(mut self, isa: int8::IntegerIsa) -> Self {
         if let Strategy::Exact(exact) = &mut self.strategy {
             exact.isa = isa;
             exact.small = false;

@@ -7,14 +7,14 @@ use super::recursion::Recursion;
 use super::tree::{Node, Task};
 use crate::base::even_part;
 use crate::kernel::{int8, packed};
-use crate::product::exact::Layout;
+use crate::product::exact::ExactLayout;
 
 /// How a product is computed. Each variant holds all that its executor needs beside the
 /// matrices, boxed where it is large: a small product must not pay for moving it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Strategy {
     /// One product on the calling thread: over before another thread has woken up.
-    Direct(packed::Isa),
+    Direct(packed::FloatIsa),
     /// Packed products of sums of blocks, on our own kernels.
     Fused(Box<Fused>),
     /// A recursion for each block of C, over any back end.
@@ -26,7 +26,7 @@ pub(crate) enum Strategy {
 /// Products on our own kernels, whose additions are made while packing and writing.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fused {
-    pub isa: packed::Isa,
+    pub isa: packed::FloatIsa,
     /// The recursion that the programs come from.
     pub recursion: Recursion,
     /// Scalars that packed operands may take, if that is possible.
@@ -60,7 +60,7 @@ pub(crate) struct Tasks {
     /// The leaves of the tree, the largest first, so that the small ones fill the gaps at the end.
     pub tasks: Vec<Task>,
     /// How rows are cut.
-    pub cut: Cut,
+    pub cut: RowSlabs,
     pub recursion: Recursion,
     /// Whether the recursion has levels with additions.
     pub fast: bool,
@@ -72,7 +72,7 @@ pub(crate) struct Tasks {
 /// Rows in slabs, each with its own partial result, added up in order. A task takes the chunks of a
 /// slab one after another, adding up in C: a tall A would otherwise need sums of blocks as tall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Cut {
+pub(crate) struct RowSlabs {
     /// Rows in all.
     pub rows: usize,
     pub slabs: usize,
@@ -80,7 +80,7 @@ pub(crate) struct Cut {
     pub chunks: usize,
 }
 
-impl Cut {
+impl RowSlabs {
     /// Returns the rows of each chunk of a slab, in order.
     pub fn chunks_of(self, slab: usize) -> impl Iterator<Item = Range<usize>> {
         let Self { rows, slabs, chunks } = self;
@@ -98,8 +98,8 @@ impl Cut {
 /// The exact path.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Exact {
-    pub isa: int8::Isa,
-    pub layout: Layout,
+    pub isa: int8::IntegerIsa,
+    pub layout: ExactLayout,
     /// Whether the product is so small that its integers are multiplied as such; the bytes are the
     /// same.
     pub small: bool,

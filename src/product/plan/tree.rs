@@ -25,11 +25,11 @@ pub struct Task {
 /// A node of the task tree.
 ///
 /// ```
-/// use catamaran::product::{Node, levels};
+/// use catamaran::product::{Node, thread_levels};
 ///
 /// let tree = Node::symmetric(100, 4);
 /// let squares = tree.tasks().into_iter().filter(|task| !task.triangle);
-/// assert_eq!(tree.depth(), levels(4));
+/// assert_eq!(tree.depth(), thread_levels(4));
 /// // Half of the processes compute the block below the diagonal.
 /// assert_eq!(squares.map(|task| task.rows.len() * task.cols.len()).sum::<usize>(), 2500);
 /// ```
@@ -44,7 +44,7 @@ pub enum Node {
 impl Node {
     /// Creates the tree for the lower triangle of an n x n matrix on `processes >= 1` processes.
     pub fn symmetric(n: usize, processes: usize) -> Self {
-        triangle(0..n, 0..processes, levels(processes))
+        triangle(0..n, 0..processes, thread_levels(processes))
     }
 
     /// Creates the tree for an n x k matrix on `processes >= 1` processes.
@@ -94,11 +94,11 @@ impl Task {
 /// down.
 ///
 /// ```
-/// use catamaran::product::levels;
+/// use catamaran::product::thread_levels;
 ///
-/// assert_eq!([1, 2, 4].map(levels), [0, 1, 2]);
+/// assert_eq!([1, 2, 4].map(thread_levels), [0, 1, 2]);
 /// ```
-pub fn levels(p: usize) -> usize {
+pub fn thread_levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,
         2 | 3 => 1,

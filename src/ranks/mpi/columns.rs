@@ -13,7 +13,7 @@ use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
 use crate::base::triangle_len;
 use crate::base::{Result, reserved, zeros};
 use crate::product::{AtaOptions, Uplo, ata, atb};
-use crate::ranks::plan::{Blocks, Layout, piece_height};
+use crate::ranks::plan::{Blocks, TriangleLayout, piece_height};
 
 /// Computes `C = alpha A^T A` where every rank has some `columns` of A, possibly none, in the order
 /// of the ranks.
@@ -104,7 +104,7 @@ pub fn ata_columns<T: MpiReal>(
     }
     world.agree(done)?;
     drop(exchange);
-    Ok(Symmetric::new(Layout::Blocks(blocks), own, entries))
+    Ok(Symmetric::new(TriangleLayout::Blocks(blocks), own, entries))
 }
 
 /// Sends the columns of this rank to the ranks that need them, some rows at a time, and receives

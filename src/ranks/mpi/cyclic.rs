@@ -11,7 +11,7 @@ use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::base::{Error, Real, Result, reserved, zeros};
 use crate::product::{AtaOptions, Uplo};
-use crate::ranks::plan::{BlockCyclic, Cut, Delivery, GridOrder, Parts, Piece};
+use crate::ranks::plan::{BlockCyclic, CutInto, Delivery, GridOrder, Parts, Piece};
 
 /// The part of a block-cyclic matrix that a rank holds.
 #[derive(Debug, Clone, Copy)]
@@ -149,8 +149,8 @@ fn product<T: MpiReal>(
     let (entries, (height, width)) = collection.collect(world, a.entries);
     let part = MatRef::from_column_major_slice(&entries, height, width);
     let result = match cut {
-        Cut::Rows => ata_rows(world, alpha, part, options)?,
-        Cut::Columns => ata_columns(world, alpha, part, options)?,
+        CutInto::Rows => ata_rows(world, alpha, part, options)?,
+        CutInto::Columns => ata_columns(world, alpha, part, options)?,
     };
     drop(entries);
     deliver(world, &result, beta, c, options.uplo)

@@ -13,7 +13,7 @@ use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
 use crate::base::{Result, block_rows, zeros};
 use crate::product::{AtaOptions, Uplo, ata};
-use crate::ranks::plan::{Machine, deal};
+use crate::ranks::plan::{Machine, row_shares};
 
 /// Computes the product: on the root, process 0, `own` is A and the lower triangle of C.
 pub(super) fn run<T: MpiReal>(
@@ -25,7 +25,7 @@ pub(super) fn run<T: MpiReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let size = world.size();
-    let parts = deal(size, form.m, form.n, &Machine::default());
+    let parts = row_shares(size, form.m, form.n, &Machine::default());
     let rows = parts[form.process(world.rank(), size)].len();
     let height = block_rows::<T>(form.n, false);
     let facts = [fact("m", form.m), fact("n", form.n)];

@@ -34,7 +34,7 @@ pub(super) struct SpreadShifts<'c> {
     incoming: Vec<Range<usize>>,
     /// Rows of this rank that are in the interface, and their places there.
     own_interface: Vec<(usize, usize)>,
-    inner: Block,
+    inner: DiagonalBlock,
     symbolic: Symbolic,
     /// `A_si`, of the rows of the interface that touch this rank's domain.
     coupling: Coupling,
@@ -42,12 +42,12 @@ pub(super) struct SpreadShifts<'c> {
 }
 
 /// A diagonal block of the pencil.
-struct Block {
+struct DiagonalBlock {
     stiffness: CsMat<f64>,
     mass: Mass,
 }
 
-impl Block {
+impl DiagonalBlock {
     fn shifted(&self) -> Shifted<'_> {
         Shifted::new(self.stiffness.view(), &self.mass)
     }
@@ -180,7 +180,7 @@ fn factorize(
 
 /// What all ranks know about the interface, and this rank about its own part of it.
 struct Interface {
-    block: Block,
+    block: DiagonalBlock,
     /// The rows that touch this rank's domain.
     touching: Vec<usize>,
     /// Whether this rank adds `A_ss` to the sum that is S.
@@ -192,7 +192,7 @@ struct Interface {
 impl Interface {
     /// Creates the interface from its block of the pencil and the rows that touch each domain,
     /// ascending.
-    fn new(block: Block, touching: &[Vec<usize>], rank: usize) -> Result<Self> {
+    fn new(block: DiagonalBlock, touching: &[Vec<usize>], rank: usize) -> Result<Self> {
         let n = block.stiffness.rows();
         let mut domains = vec![vec![]; n];
         for (domain, rows) in touching.iter().enumerate() {
@@ -433,11 +433,11 @@ impl Places {
     }
 
     /// Returns the block of these rows, which are those that have places.
-    fn block(&self, stiffness: CsMatView<'_, f64>, mass: &Mass, rows: &[usize]) -> Block {
+    fn block(&self, stiffness: CsMatView<'_, f64>, mass: &Mass, rows: &[usize]) -> DiagonalBlock {
         let mass = match mass {
             Mass::Lumped(masses) => Mass::Lumped(rows.iter().map(|&i| masses[i]).collect()),
             Mass::Full(matrix) => Mass::Full(self.select(matrix.view(), rows)),
         };
-        Block { stiffness: self.select(stiffness, rows), mass }
+        DiagonalBlock { stiffness: self.select(stiffness, rows), mass }
     }
 }

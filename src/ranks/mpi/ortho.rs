@@ -9,7 +9,9 @@ use super::spread::{SpreadMass, check_mass, mass_fact};
 use super::world::{Operation, World, fact, flag, number_fact};
 use crate::base::{Par, Progress, Result};
 use crate::dense::zeros;
-use crate::ortho::{Factors, GramSchmidtOptions, Orthonormal, cholesky_qr_of, gram_schmidt_of};
+use crate::ortho::{
+    GramSchmidtOptions, Orthonormal, TriangularFactor, cholesky_qr_of, gram_schmidt_of,
+};
 use crate::sparse::Mass;
 
 /// Computes [`ortho::gram_schmidt`](crate::ortho::gram_schmidt()) of a matrix A (n x c) and an
@@ -49,7 +51,7 @@ pub fn gram_schmidt(
 ) -> Result<Orthonormal> {
     let mut q = zeros(a.nrows(), a.ncols())?;
     q.copy_from(a);
-    let Factors { r, kept } = gram_schmidt_in_place(world, q.as_mut(), mass, options)?;
+    let TriangularFactor { r, kept } = gram_schmidt_in_place(world, q.as_mut(), mass, options)?;
     q.truncate(a.nrows(), kept.len());
     Ok(Orthonormal { q, r, kept })
 }
@@ -79,7 +81,7 @@ pub fn gram_schmidt_in_place(
     a: MatMut<'_, f64>,
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
-) -> Result<Factors> {
+) -> Result<TriangularFactor> {
     let (own, c) = a.shape();
     let facts = [
         fact("the number of columns", c),

@@ -13,7 +13,7 @@ use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fa
 use crate::base::{Error, Progress, Result, Workspace, block_rows, reserved};
 use crate::product::exact::Flags;
 use crate::product::{AtaOptions, Uplo, ata, atb};
-use crate::ranks::plan::{Chunks, Layout};
+use crate::ranks::plan::{Chunks, TriangleLayout};
 use crate::rows::{DenseRows, RowBounds, exact_sums};
 
 /// Computes `C = alpha A^T A` where every rank has some `rows` of A, in any order and number,
@@ -143,7 +143,7 @@ fn reduce<T: MpiReal, S>(
     entries.extend_from_slice(reduction.borrow_mut().finish(world));
     drop(reduction);
     world.agree(done)?;
-    Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
+    Ok(Symmetric::new(TriangleLayout::Chunks(chunks), own, entries))
 }
 
 /// Parts in which a sum is sent: 32 bits each, as floating-point numbers whose sums are exact, and
@@ -228,7 +228,7 @@ fn reduce_exact<T: MpiReal>(
     }
     drop(reduction);
     world.agree(done)?;
-    Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
+    Ok(Symmetric::new(TriangleLayout::Chunks(chunks), own, entries))
 }
 
 /// Computes rows `span` of `alpha A^T A`, up to the diagonal; beyond it the panel is not touched.

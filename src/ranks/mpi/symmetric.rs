@@ -8,7 +8,7 @@ use super::transfer::{receive, send};
 use super::world::{MpiReal, Operation, World, fact};
 use crate::base::{Error, Real, Result, zeros};
 use crate::product::Uplo;
-use crate::ranks::plan::Layout;
+use crate::ranks::plan::TriangleLayout;
 
 /// A symmetric matrix whose lower triangle is distributed over the ranks.
 ///
@@ -28,7 +28,7 @@ use crate::ranks::plan::Layout;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Symmetric<T> {
-    layout: Layout,
+    layout: TriangleLayout,
     rank: usize,
     /// The entries of this rank, in the order of its segments.
     entries: Vec<T>,
@@ -36,7 +36,7 @@ pub struct Symmetric<T> {
 
 impl<T: Real> Symmetric<T> {
     /// Creates the matrix from the `entries` of `rank`.
-    pub(super) fn new(layout: Layout, rank: usize, entries: Vec<T>) -> Self {
+    pub(super) fn new(layout: TriangleLayout, rank: usize, entries: Vec<T>) -> Self {
         debug_assert_eq!(layout.len(rank), entries.len());
         Self { layout, rank, entries }
     }
@@ -47,7 +47,7 @@ impl<T: Real> Symmetric<T> {
     }
 
     /// Returns the layout: which rank holds which entries.
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &TriangleLayout {
         &self.layout
     }
 

@@ -37,7 +37,7 @@ pub struct Blocks {
 
 /// Rows of the block of C that is the product of the column blocks `left >= right`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Product {
+pub struct BlockPair {
     /// Rank whose columns are the rows of the block.
     pub left: usize,
     /// Rank whose columns are the columns of the block; the same for a triangle on the diagonal.
@@ -106,7 +106,7 @@ impl Blocks {
 
     /// Returns the products that `rank` computes and holds, in order; the triangle on the diagonal
     /// comes first.
-    pub fn products(&self, rank: usize) -> impl Iterator<Item = Product> + '_ {
+    pub fn products(&self, rank: usize) -> impl Iterator<Item = BlockPair> + '_ {
         let ranks = self.ranks();
         self.pairs.iter().enumerate().map(move |(d, &(a, b))| {
             let (x, y) = ((rank + a) % ranks, (rank + b) % ranks);
@@ -118,12 +118,12 @@ impl Blocks {
                 let middle = rows.start.midpoint(rows.end);
                 rows = if x < y { rows.start..middle } else { middle..rows.end };
             }
-            Product { left, right, rows }
+            BlockPair { left, right, rows }
         })
     }
 
     /// Returns the number of entries of a product.
-    fn product_len(&self, product: &Product) -> usize {
+    fn product_len(&self, product: &BlockPair) -> usize {
         let rows = product.rows.len();
         let on_diagonal = product.left == product.right;
         if on_diagonal { triangle_len(rows) } else { rows * self.columns(product.right).len() }

@@ -10,9 +10,9 @@ use std::fmt;
 use super::blocks::piece_height;
 use super::chunks::{Chunks, rounds};
 use super::cover::difference_cover;
-use super::deal::deal;
+use super::deal::row_shares;
 use super::machine::Machine;
-use super::tree::{PlannedSend, TaskTree, levels};
+use super::tree::{PlannedSend, TaskTree, rank_levels};
 use crate::base::{block_rows, triangle_len};
 
 /// A way to compute A^T A on many ranks.
@@ -149,7 +149,7 @@ pub fn lower_bound_of_rows(ranks: usize, m: usize, n: usize) -> f64 {
 /// assert_eq!(proposition_8_3(2, 4, 4), (10.0, 36.0));
 /// ```
 pub fn proposition_8_3(ranks: usize, m: usize, n: usize) -> (f64, f64) {
-    let level = levels(ranks) as f64;
+    let level = rank_levels(ranks) as f64;
     if level == 0.0 {
         return (0.0, 0.0);
     }
@@ -278,7 +278,7 @@ fn tree(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
 }
 
 fn dealt(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
-    let parts = deal(ranks, m, n, machine);
+    let parts = row_shares(ranks, m, n, machine);
     let (kept, others) = (parts[0].len(), (ranks - 1) as f64);
     let dealt = parts[1..].iter().map(ExactSizeIterator::len).max().unwrap_or(0);
     let (triangle, square) = (triangle_len(n) as f64, (n * n) as f64);
@@ -537,7 +537,7 @@ mod tests {
             let n = 1_usize << 14;
             let load = TaskTree::new(n, n, ranks).loads()[0];
             let counted = (load.words_sent + load.words_received) as f64;
-            let level = levels(ranks);
+            let level = rank_levels(ranks);
             let square = |l: usize| (n >> l).pow(2) as f64;
             let below: f64 = (2..=level).map(|l| 7.0 * 3.0 * square(l)).sum();
             let triangles = 4.0 * triangle_len(n / 2) as f64;

@@ -10,7 +10,7 @@
 use std::ops::Range;
 
 use super::cover::difference_cover;
-use super::layout::Layout;
+use super::layout::TriangleLayout;
 use crate::base::{Error, Result, even_part, triangle_len};
 use crate::product::Uplo;
 
@@ -337,7 +337,7 @@ impl BlockCyclic {
 
 /// Which product a block-cyclic A is cut for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cut {
+pub enum CutInto {
     /// Every rank gets some rows, for [`Chunks`](super::Chunks).
     Rows,
     /// Every rank gets some columns, for [`Blocks`](super::Blocks).
@@ -352,12 +352,12 @@ pub enum Cut {
 /// message from each rank to another.
 ///
 /// ```
-/// use catamaran::ranks::plan::{BlockCyclic, Cut, Grid, GridOrder, Parts};
+/// use catamaran::ranks::plan::{BlockCyclic, CutInto, Grid, GridOrder, Parts};
 ///
 /// let grid = Grid::new(2, 2, GridOrder::Rows)?;
 /// let a = BlockCyclic::new("A", (1000, 10), (8, 8), (0, 0), grid)?;
 /// let parts = Parts::new(a, 4);
-/// assert_eq!(parts.cut(), Cut::Rows);
+/// assert_eq!(parts.cut(), CutInto::Rows);
 /// assert_eq!((0..4).map(|rank| parts.shape(rank).0).sum::<usize>(), 1000);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -365,7 +365,7 @@ pub enum Cut {
 pub struct Parts {
     matrix: BlockCyclic,
     ranks: usize,
-    cut: Cut,
+    cut: CutInto,
     /// Where the rows of each row of the grid begin in this order, and the end.
     starts: Vec<usize>,
 }
@@ -405,11 +405,15 @@ impl Parts {
         let rows = entries * (1.0 - 1.0 / matrix.grid.cols as f64)
             + triangle_len(n) as f64 * (ranks as f64 - 1.0);
         let columns = entries * difference_cover(ranks).len() as f64;
-        Self::with_cut(matrix, ranks, if rows <= columns { Cut::Rows } else { Cut::Columns })
+        Self::with_cut(
+            matrix,
+            ranks,
+            if rows <= columns { CutInto::Rows } else { CutInto::Columns },
+        )
     }
 
     /// Creates the parts of this cut.
-    pub fn with_cut(matrix: BlockCyclic, ranks: usize, cut: Cut) -> Self {
+    pub fn with_cut(matrix: BlockCyclic, ranks: usize, cut: CutInto) -> Self {
         let mut starts = vec![0];
         for row in 0..matrix.grid.rows {
             starts.push(starts[row] + matrix.rows.count(row));
@@ -418,7 +422,7 @@ impl Parts {
     }
 
     /// Returns whether the parts are rows or columns.
-    pub fn cut(&self) -> Cut {
+    pub fn cut(&self) -> CutInto {
         self.cut
     }
 
@@ -430,8 +434,8 @@ impl Parts {
     /// Returns the columns of A in the part of `rank`.
     pub fn cols(&self, rank: usize) -> Range<usize> {
         match self.cut {
-            Cut::Rows => 0..self.matrix.cols.len,
-            Cut::Columns => even_part(0..self.matrix.cols.len, self.ranks, rank),
+            CutInto::Rows => 0..self.matrix.cols.len,
+            CutInto::Columns => even_part(0..self.matrix.cols.len, self.ranks, rank),
         }
     }
 
@@ -439,13 +443,13 @@ impl Parts {
     fn rows(&self, rank: usize) -> Range<usize> {
         let m = self.matrix.rows.len;
         match (self.cut, self.matrix.grid.place(rank)) {
-            (Cut::Columns, _) => 0..m,
+            (CutInto::Columns, _) => 0..m,
             // So that the ranks of one row of the grid follow each other, however they are
             // numbered.
-            (Cut::Rows, Some((row, col))) => {
+            (CutInto::Rows, Some((row, col))) => {
                 even_part(0..m, self.ranks, row * self.matrix.grid.cols + col)
             }
-            (Cut::Rows, None) => even_part(0..m, self.ranks, rank),
+            (CutInto::Rows, None) => even_part(0..m, self.ranks, rank),
         }
     }
 
@@ -453,12 +457,12 @@ impl Parts {
     /// or `from` is outside of the grid.
     ///
     /// ```
-    /// use catamaran::ranks::plan::{BlockCyclic, Cut, Grid, GridOrder, Parts, Piece};
+    /// use catamaran::ranks::plan::{BlockCyclic, CutInto, Grid, GridOrder, Parts, Piece};
     ///
     /// let grid = Grid::new(1, 2, GridOrder::Rows)?;
     /// let a = BlockCyclic::new("A", (8, 4), (8, 2), (0, 0), grid)?;
     /// // Rank 0 holds the first two columns; the part of rank 1 is the last four rows.
-    /// let parts = Parts::with_cut(a, 2, Cut::Rows);
+    /// let parts = Parts::with_cut(a, 2, CutInto::Rows);
     /// assert_eq!(parts.piece(0, 1), Some(Piece { rows: 4..8, cols: 0..2, first_row: 0 }));
     /// # Ok::<(), catamaran::Error>(())
     /// ```
@@ -488,10 +492,10 @@ impl Parts {
 ///
 /// ```
 /// use catamaran::Uplo;
-/// use catamaran::ranks::plan::{BlockCyclic, Chunks, Delivery, Grid, GridOrder, Layout};
+/// use catamaran::ranks::plan::{BlockCyclic, Chunks, Delivery, Grid, GridOrder, TriangleLayout};
 ///
 /// // Two ranks hold the lower triangle; both triangles of C go to rank 0.
-/// let result = Layout::Chunks(Chunks::with_count(3, 2, 1));
+/// let result = TriangleLayout::Chunks(Chunks::with_count(3, 2, 1));
 /// let grid = Grid::new(1, 1, GridOrder::Rows)?;
 /// let target = BlockCyclic::new("C", (3, 3), (3, 3), (0, 0), grid)?;
 /// let delivery = Delivery { result: &result, target, uplo: Uplo::Both };
@@ -501,7 +505,7 @@ impl Parts {
 #[derive(Debug, Clone)]
 pub struct Delivery<'l> {
     /// Which rank holds which entries of the result.
-    pub result: &'l Layout,
+    pub result: &'l TriangleLayout,
     /// The layout of C, n x n.
     pub target: BlockCyclic,
     /// The triangles of C that are delivered.
@@ -700,7 +704,8 @@ mod tests {
     fn every_entry_of_a_is_sent_to_one_part_and_rows_stay_together() {
         for shape in [(0, 3), (5, 0), (1, 1), (7, 5), (13, 11)] {
             for matrix in matrices(shape) {
-                for (ranks, cut) in [(6, Cut::Rows), (6, Cut::Columns), (7, Cut::Rows)] {
+                for (ranks, cut) in [(6, CutInto::Rows), (6, CutInto::Columns), (7, CutInto::Rows)]
+                {
                     let parts = Parts::with_cut(matrix, ranks, cut);
                     let mut seen = vec![0; shape.0 * shape.1];
                     for to in 0..ranks {
@@ -741,11 +746,11 @@ mod tests {
             let matrix = BlockCyclic::new("A", (m, n), (64, 64), (0, 0), grid).unwrap();
             Parts::new(matrix, side * side).cut()
         };
-        assert_eq!(cut(600_000, 500, 2), Cut::Rows);
-        assert_eq!(cut(600_000, 500, 16), Cut::Rows);
-        assert_eq!(cut(10_000, 10_000, 4), Cut::Columns);
-        assert_eq!(cut(500, 600_000, 4), Cut::Columns);
-        assert_eq!(cut(0, 0, 1), Cut::Rows);
+        assert_eq!(cut(600_000, 500, 2), CutInto::Rows);
+        assert_eq!(cut(600_000, 500, 16), CutInto::Rows);
+        assert_eq!(cut(10_000, 10_000, 4), CutInto::Columns);
+        assert_eq!(cut(500, 600_000, 4), CutInto::Columns);
+        assert_eq!(cut(0, 0, 1), CutInto::Rows);
     }
 
     #[test]
@@ -755,7 +760,7 @@ mod tests {
                 let widths: Vec<usize> =
                     (0..ranks).map(|r| even_part(0..n, ranks, r).len()).collect();
                 let chunks = Chunks::with_count(n, ranks, 2);
-                [Layout::Chunks(chunks), Layout::Blocks(Blocks::new(&widths))]
+                [TriangleLayout::Chunks(chunks), TriangleLayout::Blocks(Blocks::new(&widths))]
             };
             for target in matrices((n, n)) {
                 for ranks in [6, 7] {

@@ -12,12 +12,12 @@ use crate::base::triangle_len;
 /// more rows if messages are slower, and all of them if sending costs more than computing.
 ///
 /// ```
-/// use catamaran::ranks::plan::{Machine, deal};
+/// use catamaran::ranks::plan::{Machine, row_shares};
 ///
-/// let parts = deal(4, 1000, 50, &Machine { seconds_per_word: 0.0, ..Machine::default() });
+/// let parts = row_shares(4, 1000, 50, &Machine { seconds_per_word: 0.0, ..Machine::default() });
 /// assert_eq!(parts, [0..250, 250..500, 500..750, 750..1000]);
 /// ```
-pub fn deal(ranks: usize, m: usize, n: usize, machine: &Machine) -> Vec<Range<usize>> {
+pub fn row_shares(ranks: usize, m: usize, n: usize, machine: &Machine) -> Vec<Range<usize>> {
     let others = ranks.saturating_sub(1);
     let compute = 2.0 * triangle_len(n) as f64 / machine.flops;
     let travel = n as f64 * machine.seconds_per_word;
@@ -40,7 +40,7 @@ mod tests {
     fn every_row_is_dealt_once_and_most_are_kept() {
         for ranks in [1, 2, 3, 4, 7, 64, 1000] {
             for (m, n) in [(0, 5), (1, 1), (7, 0), (1000, 10), (600_000, 500), (4096, 4096)] {
-                let parts = deal(ranks, m, n, &Machine::default());
+                let parts = row_shares(ranks, m, n, &Machine::default());
                 assert_eq!(parts.len(), ranks);
                 assert_eq!((parts[0].start, parts[ranks - 1].end), (0, m));
                 assert!(parts.windows(2).all(|two| two[0].end == two[1].start));
@@ -52,8 +52,8 @@ mod tests {
     #[test]
     fn shares_are_even_where_messages_cost_nothing_and_all_stays_where_they_cost_everything() {
         let free = Machine { seconds_per_word: 0.0, ..Machine::default() };
-        assert!(deal(4, 1000, 50, &free).iter().all(|rows| rows.len() == 250));
+        assert!(row_shares(4, 1000, 50, &free).iter().all(|rows| rows.len() == 250));
         let dear = Machine { seconds_per_word: 1e9, ..Machine::default() };
-        assert_eq!(deal(4, 1000, 50, &dear)[0], 0..1000);
+        assert_eq!(row_shares(4, 1000, 50, &dear)[0], 0..1000);
     }
 }

@@ -4,28 +4,29 @@ use super::segment::Segment;
 
 /// Which rank holds which entries of the lower triangle of C, each exactly once.
 ///
-/// A rank keeps its entries one after another, in the order of [`Layout::segments`]. With the
-/// layout alone they can be gathered, redistributed or multiplied without further communication.
+/// A rank keeps its entries one after another, in the order of [`TriangleLayout::segments`]. With
+/// the layout alone they can be gathered, redistributed or multiplied without further
+/// communication.
 ///
 /// ```
 /// use catamaran::base::triangle_len;
-/// use catamaran::ranks::plan::{Blocks, Chunks, Layout};
+/// use catamaran::ranks::plan::{Blocks, Chunks, TriangleLayout};
 ///
 /// // 10 columns on 3 ranks: every entry of the lower triangle is on one rank.
 /// let (chunks, blocks) = (Chunks::new(50, 10, 3), Blocks::new(&[4, 3, 3]));
-/// for layout in [Layout::Chunks(chunks), Layout::Blocks(blocks)] {
+/// for layout in [TriangleLayout::Chunks(chunks), TriangleLayout::Blocks(blocks)] {
 ///     assert_eq!((0..3).map(|rank| layout.len(rank)).sum::<usize>(), triangle_len(10));
 /// }
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Layout {
+pub enum TriangleLayout {
     /// Ranges of the packed triangle.
     Chunks(Chunks),
     /// Rectangular blocks and triangles on the diagonal.
     Blocks(Blocks),
 }
 
-impl Layout {
+impl TriangleLayout {
     /// Returns the number of rows, and of columns, of C.
     pub fn n(&self) -> usize {
         match self {

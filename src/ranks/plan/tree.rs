@@ -104,7 +104,7 @@ impl TaskTree {
         let root = TreeNode { task, sums: 0..m, parent: None, children: 0..0, is_first: true };
         let mut nodes = vec![root];
         // Processes and levels that a node has for its part of the tree.
-        let mut means = vec![(0..processes, levels(processes))];
+        let mut means = vec![(0..processes, rank_levels(processes))];
         for id in 0.. {
             let Some((share, depth)) = means.get(id).cloned() else { break };
             let before = nodes.len();
@@ -277,12 +277,12 @@ impl TreeNode {
 /// down.
 ///
 /// ```
-/// use catamaran::ranks::plan::levels;
+/// use catamaran::ranks::plan::rank_levels;
 ///
-/// assert_eq!(levels(1), 0);
-/// assert!(levels(64) >= levels(8));
+/// assert_eq!(rank_levels(1), 0);
+/// assert!(rank_levels(64) >= rank_levels(8));
 /// ```
-pub fn levels(p: usize) -> usize {
+pub fn rank_levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,
         2..=6 => 1,
@@ -311,7 +311,7 @@ fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Chi
     if p <= 1 {
         return Vec::new();
     }
-    let depth = depth.min(levels(p));
+    let depth = depth.min(rank_levels(p));
     if depth == 1 && p != 6 {
         return tiles(node, &Node::symmetric(node.task.rows.len(), p), share);
     }
@@ -389,7 +389,7 @@ mod tests {
     #[test]
     fn depth_is_that_of_equation_8_5_and_all_processes_work() {
         for p in 1..=4096 {
-            assert_eq!(levels(p), equation_8_5(p), "P = {p}");
+            assert_eq!(rank_levels(p), equation_8_5(p), "P = {p}");
             let tree = TaskTree::new(1 << 16, 1 << 16, p);
             assert_eq!(tree.depth(), equation_8_5(p), "P = {p}");
             let loads = tree.loads();
