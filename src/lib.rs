@@ -66,7 +66,4 @@ pub mod sparse;
 pub use faer;
 
 pub use base::{Error, Par, Real, Result};
-pub use product::{
-    Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aat_scratch_len, aat_with_scratch, aha,
-    ahb, ata, ata_scratch_len, ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,
-};
+pub use product::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};

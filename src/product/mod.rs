@@ -30,14 +30,14 @@ pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, thread_levels};
 use planned::run;
-pub use planned::{ata_planned, atb_planned, planned_scratch_len};
+pub use planned::{ata_planned, atb_planned};
 pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub(crate) use verify::check_blocks;
 pub use verify::{Verification, verify};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};
 
-pub(crate) use execute::{Product, execute, scratch_len};
+pub(crate) use execute::{Product, execute};
 
 use crate::base::{Error, Result, Scratch};
 use crate::blas::BlasReal;
@@ -68,54 +68,7 @@ pub fn ata<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options)
-}
-
-/// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements with any
-/// contents.
-///
-/// ```
-/// use catamaran::{AtaOptions, ata_scratch_len, ata_with_scratch, faer::Mat};
-///
-/// let options = AtaOptions::new();
-/// let mut scratch = vec![0.0; ata_scratch_len::<f64>(200, 100, &options)?];
-/// let a = Mat::<f64>::from_fn(200, 100, |i, j| (i * j % 7) as f64);
-/// let mut c = Mat::zeros(100, 100);
-/// ata_with_scratch(1.0, a.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
-/// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`ata`]; [`Error::Shape`] too when the scratch is short.
-pub fn ata_with_scratch<T: BlasReal>(
-    alpha: T,
-    a: MatRef<'_, T>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-    scratch: &mut [T],
-) -> Result<()> {
-    let plan = gram_plan(a, c.rb(), options)?;
-    run_in(scratch, &plan, gram(alpha, a, beta, c, options), options)
-}
-
-/// Returns the elements of scratch that [`ata_with_scratch`] needs for A m x n.
-///
-/// ```
-/// use catamaran::{AtaOptions, Plan, product::planned_scratch_len, ata_scratch_len};
-///
-/// let options = AtaOptions::new();
-/// let plan = Plan::ata::<f64>(200, 100, &options)?;
-/// let len = planned_scratch_len::<f64>(&plan, options.par);
-/// assert_eq!(ata_scratch_len::<f64>(200, 100, &options)?, len);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Argument`] for options out of range.
-pub fn ata_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
-    Ok(scratch_len::<T>(&Plan::ata::<T>(m, n, options)?, options.par))
+    run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options, None)
 }
 
 /// Computes `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
@@ -139,49 +92,6 @@ pub fn aat<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     ata(alpha, a.transpose(), beta, c, options)
-}
-
-/// Computes [`aat`] in the caller's scratch of at least [`aat_scratch_len`] elements.
-///
-/// ```
-/// use catamaran::{AtaOptions, aat_scratch_len, aat_with_scratch, faer::{Mat, mat}};
-///
-/// let (a, options) = (mat![[1.0, 2.0, 2.0], [0.0, 3.0, 4.0]], AtaOptions::new());
-/// let mut scratch = vec![f64::NAN; aat_scratch_len::<f64>(2, 3, &options)?];
-/// let mut c = Mat::zeros(2, 2);
-/// aat_with_scratch(1.0, a.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
-/// assert_eq!((c[(0, 0)], c[(1, 0)], c[(1, 1)]), (9.0, 14.0, 25.0));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`ata_with_scratch`].
-pub fn aat_with_scratch<T: BlasReal>(
-    alpha: T,
-    a: MatRef<'_, T>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-    scratch: &mut [T],
-) -> Result<()> {
-    ata_with_scratch(alpha, a.transpose(), beta, c, options, scratch)
-}
-
-/// Returns the elements of scratch that [`aat_with_scratch`] needs for A m x n.
-///
-/// ```
-/// use catamaran::{AtaOptions, aat_scratch_len, ata_scratch_len};
-///
-/// let options = AtaOptions::new();
-/// let transposed = ata_scratch_len::<f64>(100, 200, &options)?;
-/// assert_eq!(aat_scratch_len::<f64>(200, 100, &options)?, transposed);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Argument`] for options out of range.
-pub fn aat_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
-    ata_scratch_len::<T>(n, m, options)
 }
 
 /// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter). With
@@ -212,60 +122,7 @@ pub fn atb<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let plan = atb_plan(a, b, c.rb(), options)?;
-    run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
-}
-
-/// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements with any
-/// contents.
-///
-/// ```
-/// use catamaran::{AtaOptions, atb_scratch_len, atb_with_scratch, faer::{Mat, mat}};
-///
-/// let (a, b) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]]);
-/// let options = AtaOptions::new();
-/// let mut scratch = vec![f64::NAN; atb_scratch_len::<f64>(2, 2, 1, &options)?];
-/// let mut c = Mat::zeros(2, 1);
-/// atb_with_scratch(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
-/// assert_eq!(c, mat![[31.0], [42.0]]);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`atb`]; [`Error::Shape`] too when the scratch is short.
-pub fn atb_with_scratch<T: BlasReal>(
-    alpha: T,
-    a: MatRef<'_, T>,
-    b: MatRef<'_, T>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-    scratch: &mut [T],
-) -> Result<()> {
-    let plan = atb_plan(a, b, c.rb(), options)?;
-    run_in(scratch, &plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
-}
-
-/// Returns the elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
-///
-/// ```
-/// use catamaran::{AtaOptions, Plan, product::planned_scratch_len, atb_scratch_len};
-///
-/// let options = AtaOptions::new();
-/// let plan = Plan::atb::<f64>(200, 100, 50, &options)?;
-/// let len = planned_scratch_len::<f64>(&plan, options.par);
-/// assert_eq!(atb_scratch_len::<f64>(200, 100, 50, &options)?, len);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Argument`] for options out of range.
-pub fn atb_scratch_len<T: BlasReal>(
-    m: usize,
-    n: usize,
-    k: usize,
-    options: &AtaOptions<'_>,
-) -> Result<usize> {
-    Ok(scratch_len::<T>(&Plan::atb::<T>(m, n, k, options)?, options.par))
+    run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options, None)
 }
 
 /// Returns the plan of `A^T A`.
@@ -300,20 +157,6 @@ fn atb_plan<T: BlasReal>(
     Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
 }
 
-/// Executes a plan in the caller's scratch.
-fn run_in<T: BlasReal>(
-    scratch: &mut [T],
-    plan: &Plan,
-    product: Product<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<()> {
-    let len = scratch_len::<T>(plan, options.par);
-    if scratch.len() < len {
-        return Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) });
-    }
-    execute(plan, product, options, scratch)
-}
-
 /// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its
 /// stages took. For benchmarks: [`ata`] does the same on the fastest instruction set.
 ///
@@ -342,7 +185,7 @@ pub fn exact_stages<T: BlasReal>(
     }
     let options = options.clone().scheme(SchemeChoice::Exact).uplo(Uplo::Lower);
     let plan = gram_plan(a, c.rb(), &options)?.on(isa);
-    let mut scratch = Scratch::new::<T>(scratch_len::<T>(&plan, options.par))?;
+    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par))?;
     let product = gram(T::ONE, a, T::ZERO, c, &options);
     execute::exact_stages(&plan, product, &options, scratch.as_mut_slice())
 }

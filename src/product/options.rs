@@ -316,7 +316,7 @@ impl<'a> AtaOptions<'a> {
     /// Sets the bytes of scratch that plans over the native kernels and plans of the exact path aim
     /// at, for all threads together. `None`, the default, takes what is fastest.
     ///
-    /// Products of many rows may need more: [`planned_scratch_len`](super::planned_scratch_len)
+    /// Products of many rows may need more: [`Plan::scratch_len`](super::Plan::scratch_len)
     /// returns the number. A plan with smaller steps rounds differently, except on the exact path.
     pub fn memory(self, bytes: impl Into<Option<usize>>) -> Self {
         Self { memory: bytes.into(), ..self }

@@ -15,9 +15,8 @@ use super::source::RowBlocks;
 use super::stream::stream;
 use crate::base::{Error, Real, Result, Workspace, block_rows, builder, finite_weights};
 use crate::blas::BlasReal;
-use crate::product::AtaOptions;
-use crate::product::ata;
 use crate::product::combine::in_lower;
+use crate::product::{AtaOptions, ata};
 
 /// What is subtracted from every row before the product.
 #[derive(Debug, Clone, Copy, Default)]

@@ -9,8 +9,7 @@ use super::pass::{Pass, part};
 use super::strip::Strip;
 use crate::base::Result;
 use crate::blas::BlasReal;
-use crate::product::Product;
-use crate::product::Uplo;
+use crate::product::{Product, Uplo};
 
 /// Adds a block of `count` rows of n columns: `C := alpha X^T W X + beta C`, for the rows `strip`
 /// of C, which are `left` of the diagonal square and `square`. The entries of the block are

@@ -8,10 +8,9 @@ use faer::MatRef;
 use crate::base::{Progress, Result, Scratch};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{Integer, IntegerIsa, Kernel};
-use crate::product::AtaOptions;
 use crate::product::exact::{self, Columns, ExactLayout, TriangleRows};
 use crate::product::plan::{Op, Plan};
-use crate::product::{Product, execute, scratch_len};
+use crate::product::{AtaOptions, Product, execute};
 
 use super::blocks::for_each_block;
 use super::source::RowBlocks;
@@ -118,7 +117,7 @@ impl Engine {
                 &self.plans[self.plans.len() - 1].1
             }
         };
-        self.scratch.reserve::<T>(scratch_len::<T>(plan, options.par))?;
+        self.scratch.reserve::<T>(plan.scratch_len::<T>(options.par))?;
         execute(plan, product, options, self.scratch.as_mut_slice())
     }
 

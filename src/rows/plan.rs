@@ -8,7 +8,6 @@ use crate::blas::BlasReal;
 use crate::product::AtaOptions;
 use crate::product::exact::{self, ExactLayout};
 use crate::product::plan::{Op, Plan};
-use crate::product::scratch_len;
 
 /// A plan of the stream of an m x n matrix A, as data: blocks, reads, memory. It depends on the
 /// shape and on the allowed memory: C is computed in strips of rows, and each strip reads A once.
@@ -101,12 +100,12 @@ impl StripNeeds<'_> {
         }
         let op = if weighted { Op::Gemmt } else { Op::Syrk };
         let square = Plan::new::<T>(op, height, own, own, options)?;
-        let square = scratch_len::<T>(&square, options.par);
+        let square = square.scratch_len::<T>(options.par);
         if strip.start == 0 {
             return Ok(square);
         }
         let left = Plan::atb::<T>(height, own, strip.start, options)?;
-        Ok(square.max(scratch_len::<T>(&left, options.par)))
+        Ok(square.max(left.scratch_len::<T>(options.par)))
     }
 }
 

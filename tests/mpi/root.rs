@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use catamaran::base::triangle_len;
-use catamaran::base::{Progress, block_rows};
+use catamaran::base::{Progress, block_rows, triangle_len};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::ranks::plan::{Machine, TaskTree, row_shares};
 use catamaran::ranks::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};

@@ -6,10 +6,8 @@ use std::sync::Arc;
 
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::kernel::packed::{FloatIsa, Rates};
-use catamaran::{
-    AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
-    atb_scratch_len, atb_with_scratch,
-};
+use catamaran::product::{ata_planned, atb_planned};
+use catamaran::{AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, atb};
 
 use crate::common::{bits, gaussian, integers, oracle};
 
@@ -119,10 +117,11 @@ fn wanted(uplo: Uplo) -> impl Fn(usize, usize) -> bool {
 /// A^T A in dirty scratch of the very length asked for.
 fn check_ata<T: BlasReal>(a: MatRef<'_, T>, product: &Mat<f64>, options: &AtaOptions<'_>) {
     let (m, n) = a.shape();
-    let len = ata_scratch_len::<T>(m, n, options).unwrap();
+    let plan = Plan::ata::<T>(m, n, options).unwrap();
+    let len = plan.scratch_len::<T>(options.par);
     check::<T>(product, wanted(options.uplo), |alpha, beta, c| {
         let mut scratch = vec![T::from_f64(f64::NAN); len];
-        ata_with_scratch(alpha, a, beta, c, options, &mut scratch).unwrap();
+        ata_planned(&plan, alpha, a, beta, c, options, Some(&mut scratch)).unwrap();
     });
 }
 
@@ -133,13 +132,14 @@ fn check_atb<T: BlasReal>(
     product: &Mat<f64>,
     options: &AtaOptions<'_>,
 ) {
-    let len = atb_scratch_len::<T>(a.nrows(), a.ncols(), b.ncols(), options).unwrap();
+    let plan = Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options).unwrap();
+    let len = plan.scratch_len::<T>(options.par);
     check::<T>(
         product,
         |_, _| true,
         |alpha, beta, c| {
             let mut scratch = vec![T::from_f64(f64::NAN); len];
-            atb_with_scratch(alpha, a, b, beta, c, options, &mut scratch).unwrap();
+            atb_planned(&plan, alpha, a, b, beta, c, options, Some(&mut scratch)).unwrap();
         },
     );
 }

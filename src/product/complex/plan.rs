@@ -6,7 +6,6 @@ use crate::base::{Par, Result, block_rows, even_part};
 use crate::blas::BlasReal;
 use crate::product::options::AtaOptions;
 use crate::product::plan::{Op, Plan};
-use crate::product::scratch_len;
 
 /// A real product of parts of a [`Stack`](super::stack::Stack) of A and of one of B.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,7 +179,7 @@ impl ComplexPlan {
         let height = self.rows(self.blocks - 1).len();
         let parts = self.parts();
         let stack = |side: usize, parts: usize| side.saturating_mul(height).saturating_mul(parts);
-        let scratch = self.plans.iter().flatten().map(|plan| scratch_len::<T>(plan, par)).max();
+        let scratch = self.plans.iter().flatten().map(|plan| plan.scratch_len::<T>(par)).max();
         [n.saturating_mul(k), stack(n, parts[0]), stack(k, parts[1]), scratch.unwrap_or(0)]
     }
 

@@ -76,7 +76,7 @@ impl Plan {
     /// let options = AtaOptions::new();
     /// let plan = Plan::atb::<f64>(2, 2, 1, &options)?;
     /// let (a, b, mut c) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]], mat![[0.0], [0.0]]);
-    /// atb_planned(&plan, 1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options)?;
+    /// atb_planned(&plan, 1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options, None)?;
     /// assert_eq!(c, mat![[31.0], [42.0]]);
     /// # Ok::<(), catamaran::Error>(())
     /// ```

@@ -4,7 +4,7 @@ use super::Plan;
 use crate::base::steps::steps_of;
 use crate::base::{Error, Par};
 use crate::blas::BlasReal;
-use crate::product::{AtaOptions, ComplexPlan, SchemeChoice, planned_scratch_len};
+use crate::product::{AtaOptions, ComplexPlan, SchemeChoice};
 use crate::ranks::plan::Chunks;
 use crate::rows::StreamPlan;
 
@@ -57,7 +57,7 @@ fn most_steps<T: BlasReal>([m, n, k]: [usize; 3], options: &AtaOptions<'_>) -> u
     let real = |plan: Result<Plan, Error>| {
         for threads in [1, 2, 64] {
             plan.iter().for_each(|plan| {
-                planned_scratch_len::<T>(plan, Par::Threads(threads));
+                plan.scratch_len::<T>(Par::Threads(threads));
             });
         }
     };

@@ -10,8 +10,7 @@ use super::symmetric::Symmetric;
 use super::tags::COLUMNS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
-use crate::base::triangle_len;
-use crate::base::{Result, reserved, zeros};
+use crate::base::{Result, reserved, triangle_len, zeros};
 use crate::product::{AtaOptions, Uplo, ata, atb};
 use crate::ranks::plan::{Blocks, TriangleLayout, piece_height};
 
