@@ -24,13 +24,14 @@
 //! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers |
 //! | [`kernel`] | kernels for each instruction set |
 //! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time |
-//! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of results |
+//! | [`product`] | A^T A, A A^T, A^T B, A^H A, A^H B, sparse A, plans, the exact path, checks of results |
+//! | [`rows`] | A^T A of rows from anywhere, in sums that can be saved, continued and merged |
 //! | [`dense`] | small dense factorizations |
-//! | [`gram`] | least squares, principal components, singular values from a Gram matrix in extended precision |
+//! | [`solve`] | least squares, principal components, singular values from a Gram matrix in extended precision |
 //! | [`sparse`] | eigenpairs of sparse pencils |
 //! | [`ortho`] | Gram-Schmidt, Cholesky QR, rank-revealing bases |
 //! | [`io`] | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 |
-//! | `mpi` | the same products and decompositions over many machines (feature `mpi`) |
+//! | [`ranks`] | the same products and decompositions over many machines: plans, and their execution (feature `mpi`) |
 //!
 //! Meshes, spectra of surfaces, decimation and curves are in the crate `catamaran-geometry`, plants
 //! and textures in `catamaran-simulation`, the C interface in `catamaran-capi`.
@@ -42,43 +43,39 @@
 //! | Feature | Adds |
 //! |---|---|
 //! | `openblas` | OpenBLAS, linked at build time (`blas::openblas`) |
-//! | `mpi` | `mpi`, over the MPI of the system |
+//! | `mpi` | the execution in [`ranks`], over the MPI of the system |
 //! | `hdf5` | rows and arrays in HDF5 files |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-pub mod ata;
 pub mod base;
 pub mod blas;
 pub mod kernel;
 pub mod prelude;
+pub mod product;
+pub mod rows;
 
 pub mod dense;
-pub mod gram;
 pub mod io;
 pub mod ortho;
+pub mod ranks;
+pub mod solve;
 pub mod sparse;
-
-#[cfg(feature = "mpi")]
-pub mod mpi;
 
 /// The matrix library whose views ([`faer::MatRef`], [`faer::MatMut`]) the API takes.
 pub use faer;
 
-pub use ata::{
-    Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aat_scratch_len, aat_with_scratch, aha,
-    ahb, ata, ata_scratch_len, ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,
-};
 pub use base::{Error, Par, Real, Result};
+pub use product::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};
 
 /// The structs of options and their fields, for the other crates of this workspace: no part of the
 /// interface.
 #[doc(hidden)]
 pub const OPTIONS: &[(&str, &[base::Field])] = &[
-    ("ata::AtaOptions", AtaOptions::FIELDS),
-    ("ata::RowOptions", ata::RowOptions::<f64>::FIELDS),
-    ("gram::LeastSquaresOptions", gram::LeastSquaresOptions::FIELDS),
-    ("gram::PrincipalComponentsOptions", gram::PrincipalComponentsOptions::FIELDS),
+    ("product::AtaOptions", AtaOptions::FIELDS),
+    ("rows::RowOptions", rows::RowOptions::<f64>::FIELDS),
+    ("solve::LeastSquaresOptions", solve::LeastSquaresOptions::FIELDS),
+    ("solve::PrincipalComponentsOptions", solve::PrincipalComponentsOptions::FIELDS),
     ("sparse::EigenOptions", sparse::EigenOptions::FIELDS),
     ("ortho::GramSchmidtOptions", ortho::GramSchmidtOptions::FIELDS),
     ("io::ReadOptions", io::ReadOptions::FIELDS),

@@ -12,7 +12,7 @@
 
 pub use faer::{Mat, MatMut, MatRef};
 
-pub use crate::ata::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};
 pub use crate::base::{Error, Par, Progress, Result};
 pub use crate::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt};
+pub use crate::product::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};
 pub use crate::sparse::{EigenOptions, Eigenpairs, eigs};

@@ -6,9 +6,9 @@
 use std::fs;
 use std::process::Command;
 
-use catamaran::ata::RowBlocks;
 use catamaran::faer::Mat;
 use catamaran::io::RowFile;
+use catamaran::rows::RowBlocks;
 
 /// Errors of every kind of call: opening, reading attributes and entries, and in several threads,
 /// for HDF5 keeps one state of printing for each.

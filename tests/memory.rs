@@ -6,10 +6,10 @@ mod counting;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use catamaran::ata::{Accumulator, DenseRows, StreamPlan, stream};
 use catamaran::base::release_memory;
 use catamaran::faer::Mat;
-use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
+use catamaran::rows::{Accumulator, DenseRows, StreamPlan, stream};
+use catamaran::{AtaOptions, Par, Plan, SchemeChoice, ata, atb};
 
 use counting::{held, peak_of};
 
@@ -43,7 +43,7 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
     for n in [128, 250, 389] {
         for par in [Par::Seq, Par::Threads(2)] {
             let options = lean().scheme(SchemeChoice::Ata2).leaf(32).par(par);
-            let len = ata_scratch_len::<f64>(n, n, &options).unwrap();
+            let len = Plan::ata::<f64>(n, n, &options).unwrap().scratch_len::<f64>(options.par);
             assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
             let a = Mat::<f64>::ones(n, n);
             let mut c = Mat::<f64>::zeros(n, n);
@@ -87,7 +87,7 @@ fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
     let _turn = turn();
     for n in [128, 255, 300] {
         let options = lean().scheme(SchemeChoice::Ata2).leaf(32).tasks(1).par(Par::Seq);
-        let len = atb_scratch_len::<f64>(n, n, n, &options).unwrap();
+        let len = Plan::atb::<f64>(n, n, n, &options).unwrap().scratch_len::<f64>(options.par);
         assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
         let (a, b) = (Mat::<f64>::ones(n, n), Mat::<f64>::ones(n, n));
         let mut c = Mat::<f64>::zeros(n, n);
@@ -104,7 +104,7 @@ fn every_scheme_stays_within_its_scratch_query() {
     let mut c = Mat::<f32>::zeros(n, n);
     for (name, scheme) in SchemeChoice::NAMES {
         let options = lean().scheme(scheme).leaf(20);
-        let len = ata_scratch_len::<f32>(m, n, &options).unwrap();
+        let len = Plan::ata::<f32>(m, n, &options).unwrap().scratch_len::<f32>(options.par);
         let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
         assert!(used <= 4 * len + SMALL, "{name}: {used} bytes for {len} elements");
     }
@@ -118,7 +118,7 @@ fn the_exact_path_needs_at_most_the_size_of_a_and_256_mib() {
         let mut c = Mat::<f64>::zeros(n, n);
         let par = Par::Threads(threads);
         let options = AtaOptions::new().scheme(SchemeChoice::Exact).par(par);
-        let len = ata_scratch_len::<f64>(m, n, &options).unwrap();
+        let len = Plan::ata::<f64>(m, n, &options).unwrap().scratch_len::<f64>(options.par);
         let used = peak(|| {
             ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             release_memory();
@@ -137,7 +137,7 @@ fn large_scratch_is_kept_for_the_next_call_until_it_is_released() {
     let a = Mat::<f64>::ones(m, n);
     let mut c = Mat::<f64>::zeros(n, n);
     let options = AtaOptions::new().scheme(SchemeChoice::Exact).par(Par::Seq);
-    let len = 8 * ata_scratch_len::<f64>(m, n, &options).unwrap();
+    let len = 8 * Plan::ata::<f64>(m, n, &options).unwrap().scratch_len::<f64>(options.par);
     assert!(len > 4 << 20);
     let mut work = || ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     assert!(peak(&mut work) <= SMALL, "the second call has the memory of the first");

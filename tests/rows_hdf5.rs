@@ -3,10 +3,10 @@
 use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
 
-use catamaran::ata::RowBlocks;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::RowFile;
+use catamaran::rows::RowBlocks;
 use catamaran::{Error, Real};
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Datatype, File, H5Type};

@@ -1,5 +1,6 @@
 //! The computed product and its operands, all of them row-major.
 
+use catamaran::base::triangle_len;
 use faer::MatRef;
 
 use crate::input::Shape;
@@ -42,7 +43,7 @@ impl Operation {
     /// Returns the number of entries of C that are computed.
     pub fn entries(self, n: usize) -> usize {
         match self {
-            Self::Syrk => n * (n + 1) / 2,
+            Self::Syrk => triangle_len(n),
             Self::Gemm => n * n,
         }
     }

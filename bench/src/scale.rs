@@ -1,7 +1,7 @@
 //! Predictions of the plans for A^T A on up to 65,536 ranks: seconds, and words that a rank sends
 //! or receives.
 
-use catamaran::ata::distributed::{Cost, Machine, Mode, lower_bound, predict};
+use catamaran::ranks::plan::{Cost, Machine, Mode, lower_bound, predict};
 use catamaran_charts::{Axis, Chart, Series};
 
 use crate::chart::distinct;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use catamaran::ata::distributed::{Mode, proposition_8_3};
+use catamaran::ranks::plan::{Mode, proposition_8_3};
 
 /// The driver on some ranks.
 fn driver(ranks: usize, arguments: &str) -> Output {

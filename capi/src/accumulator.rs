@@ -12,10 +12,10 @@ use super::pointer::{
 };
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::ata::{Accumulator, DenseRows, ExtendedGram, RowBlocks, RowBounds};
 use catamaran::base::{Par, Progress};
-use catamaran::gram::{LeastSquares, PrincipalComponents};
 use catamaran::io::{Output, Overwrite, RowFile, read_accumulator, write_accumulator};
+use catamaran::rows::{Accumulator, DenseRows, ExtendedGram, RowBlocks, RowBounds};
+use catamaran::solve::{LeastSquares, PrincipalComponents};
 use catamaran::{AtaOptions, Uplo};
 
 /// `sums`: in double, up to rounding.

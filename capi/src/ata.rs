@@ -13,9 +13,10 @@ use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
 use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut, uplo_from};
 use super::status::cata_status;
-use catamaran::ata::{DenseRows, RowOptions, ata_rows};
 use catamaran::blas::BlasReal;
-use catamaran::{AtaOptions, Uplo};
+use catamaran::product::ata_planned;
+use catamaran::rows::{DenseRows, RowOptions, ata_rows};
+use catamaran::{AtaOptions, Plan, Uplo};
 
 /// Computes C := alpha A^T A + beta C, for A m x n and C n x n.
 ///
@@ -351,7 +352,8 @@ unsafe fn ata_with_scratch<T: BlasReal>(
         // SAFETY: the caller's promise.
         let scratch = unsafe { slice_mut("scratch", scratch, scratch_len) }?;
         let work = |options: &AtaOptions<'_>| {
-            Ok(catamaran::ata_with_scratch(alpha, a, beta, c, options, scratch)?)
+            let plan = Plan::ata::<T>(m, n, options)?;
+            Ok(ata_planned(&plan, alpha, a, beta, c, options, Some(scratch))?)
         };
         // SAFETY: the caller's promise.
         unsafe { with_options(params, uplo, work) }
@@ -374,7 +376,7 @@ unsafe fn ata_scratch_len<T: BlasReal>(
         check_size::<T>("a", m, n)?;
         check_size::<T>("c", n, n)?;
         let work = |options: &AtaOptions<'_>| {
-            *len = catamaran::ata_scratch_len::<T>(m, n, options)?;
+            *len = Plan::ata::<T>(m, n, options)?.scratch_len::<T>(options.par);
             Ok(())
         };
         // SAFETY: the caller's promise.

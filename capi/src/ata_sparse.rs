@@ -2,8 +2,8 @@ use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
 use super::pointer::{Layout, matrix_mut, optional_slice, sparse, uplo_from};
 use super::status::cata_status;
-use catamaran::ata::ata_sparse;
 use catamaran::blas::BlasReal;
+use catamaran::product::ata_sparse;
 
 /// Computes C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n,
 /// dense. The sums are those of the classical algorithm, in double and in the order of the rows.

@@ -3,7 +3,8 @@ use super::boundary::boundary;
 use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut};
 use super::status::cata_status;
 use catamaran::blas::BlasReal;
-use catamaran::{AtaOptions, Uplo};
+use catamaran::product::atb_planned;
+use catamaran::{AtaOptions, Plan, Uplo};
 
 /// Computes C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The
 /// rest as in cata_ata_f64, with NaN and infinities of columns of A and of B.
@@ -244,7 +245,8 @@ unsafe fn atb_with_scratch<T: BlasReal>(
         // SAFETY: the caller's promise.
         let scratch = unsafe { slice_mut("scratch", scratch, scratch_len) }?;
         let work = |options: &AtaOptions<'_>| {
-            Ok(catamaran::atb_with_scratch(alpha, a, b, beta, c, options, scratch)?)
+            let plan = Plan::atb::<T>(m, n, k, options)?;
+            Ok(atb_planned(&plan, alpha, a, b, beta, c, options, Some(scratch))?)
         };
         // SAFETY: the caller's promise.
         unsafe { with_options(params, Uplo::Both, work) }
@@ -269,7 +271,7 @@ unsafe fn atb_scratch_len<T: BlasReal>(
         check_size::<T>("b", m, k)?;
         check_size::<T>("c", n, k)?;
         let work = |options: &AtaOptions<'_>| {
-            *len = catamaran::atb_scratch_len::<T>(m, n, k, options)?;
+            *len = Plan::atb::<T>(m, n, k, options)?.scratch_len::<T>(options.par);
             Ok(())
         };
         // SAFETY: the caller's promise.

@@ -1,6 +1,6 @@
 //! The contents of a handle of a distributed matrix.
 
-use catamaran::mpi::{MpiReal, Symmetric};
+use catamaran::ranks::{MpiReal, Symmetric};
 
 /// A distributed matrix of either precision.
 pub enum Entries {

@@ -14,9 +14,9 @@ use super::pointer::{
 use super::progress::{cata_progress, par, watched, watcher};
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::ata::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
 use catamaran::base::Progress;
-use catamaran::gram::{GramQr, SingularValues, correlation, orthogonality};
+use catamaran::rows::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
+use catamaran::solve::{GramQr, SingularValues, correlation, orthogonality};
 use catamaran::{AtaOptions, Error};
 
 /// How a Gram matrix in extended precision is computed.

@@ -21,8 +21,8 @@ use super::params::{Versioned, flag, init, read_or_zeros};
 use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice, optional_slice_mut};
 use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::ata::{Center, DenseRows, RowOptions};
-use catamaran::gram::{
+use catamaran::rows::{Center, DenseRows, RowOptions};
+use catamaran::solve::{
     JoinedRows, LeastSquares, LeastSquaresOptions, RankDeficiency, check_weights,
 };
 

@@ -14,7 +14,7 @@ use super::ranks::{
 use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use super::world::{cata_symmetric, cata_traffic, cata_world};
 use catamaran::base::Progress;
-use catamaran::mpi::{
+use catamaran::ranks::{
     Operation, World, ata_columns, ata_root, eigs, gram_schmidt_in_place, lstsq,
     watched_cholesky_qr,
 };

@@ -9,7 +9,8 @@ use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::base::Progress;
 use catamaran::ortho::{
-    Factors, GramSchmidtOptions, cholesky_qr_of, gram_schmidt_in_place, rank_revealing_in_place,
+    GramSchmidtOptions, TriangularFactor, cholesky_qr_of, gram_schmidt_in_place,
+    rank_revealing_in_place,
 };
 
 /// `method`: orthogonal to rounding; threshold 1e-9.
@@ -180,7 +181,7 @@ impl<'a> FactorsOut<'a> {
     }
 
     /// Writes R, the kept columns and the rank.
-    pub fn write(self, Factors { r, kept }: &Factors) {
+    pub fn write(self, TriangularFactor { r, kept }: &TriangularFactor) {
         if let Some(mut to) = self.r {
             to.fill(0.0);
             to.subrows_mut(0, kept.len()).copy_from(r);

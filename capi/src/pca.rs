@@ -10,8 +10,8 @@ use super::params::{Versioned, flag, init, read_or_zeros};
 use super::pointer::{Layout, optional_matrix_mut, optional_slice_mut};
 use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::ata::Center;
-use catamaran::gram::{Components, PrincipalComponents, PrincipalComponentsOptions};
+use catamaran::rows::Center;
+use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions};
 
 /// How principal components are computed.
 #[repr(C)]

@@ -9,8 +9,8 @@ use super::pointer::{
 };
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_world};
-use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
-use catamaran::mpi::{
+use catamaran::ranks::plan::{BlockCyclic, Grid, GridOrder};
+use catamaran::ranks::{
     CyclicMut, CyclicRef, Distributed, Operation, Symmetric, World, aat_cyclic, ata_cyclic,
     ata_rows, verify,
 };

@@ -14,8 +14,8 @@ use super::boundary::boundary;
 use super::pointer::{Layout, matrix, matrix_mut, optional_slice, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::AtaOptions;
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::blas::BlasReal;
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 
 /// `centering`: nothing is subtracted from the rows.
 pub const CATA_CENTER_NONE: i32 = 0;

@@ -2,7 +2,7 @@ use super::boundary::boundary;
 use super::pointer::{Layout, matrix, optional_output, output, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::Real;
-use catamaran::ata::verify;
+use catamaran::product::verify;
 
 /// Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
 /// vectors (Freivalds 1977), in time proportional to rounds (m n + n^2), on the calling thread.

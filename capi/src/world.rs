@@ -29,7 +29,7 @@ use std::mem::offset_of;
 /// names the rank, except for a world that is NULL. A panic aborts the job (MPI_Abort); so does, by
 /// default, an error of MPI itself.
 pub struct cata_world {
-    pub(super) world: catamaran::mpi::World,
+    pub(super) world: catamaran::ranks::World,
 }
 
 /// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a

@@ -35,16 +35,16 @@ pub fn run(args: &Args) -> Result<()> {
     back_ends.into_iter().try_for_each(back_end)?;
     head(format_args!("{:WIDTH$}any CBLAS library: --backend PATH", ""))?;
 
-    let best = packed::Isa::best();
-    for (i, isa) in packed::Isa::ALL.into_iter().enumerate() {
+    let best = packed::FloatIsa::best();
+    for (i, isa) in packed::FloatIsa::ALL.into_iter().enumerate() {
         kernels(first(i, "native path"), isa.name(), isa.refusal(), isa == best)?;
     }
-    let usable = packed::Isa::ALL.into_iter().filter(|i| i.refusal().is_none());
+    let usable = packed::FloatIsa::ALL.into_iter().filter(|i| i.refusal().is_none());
     for (i, isa) in usable.enumerate() {
         rates(first(i, "rates"), isa)?;
     }
-    let best = int8::Isa::best();
-    for (i, isa) in int8::Isa::ALL.into_iter().enumerate() {
+    let best = int8::IntegerIsa::best();
+    for (i, isa) in int8::IntegerIsa::ALL.into_iter().enumerate() {
         kernels(first(i, "exact path"), isa.name(), isa.refusal(), isa == best)?;
     }
     device::report()
@@ -93,7 +93,7 @@ fn kernels(label: &str, isa: &str, refusal: Option<&'static str>, is_best: bool)
 }
 
 /// Reports where the planner takes the rates of an instruction set from.
-fn rates(label: &str, isa: packed::Isa) -> Result<()> {
+fn rates(label: &str, isa: packed::FloatIsa) -> Result<()> {
     let path = Rates::path(isa).filter(|path| path.exists());
     let loaded = path.as_ref().map(|path| Rates::load(path, isa));
     let path = path.map(|path| path.display().to_string());

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use catamaran::Uplo;
-use catamaran::ata::Accumulator;
 use catamaran::blas::BlasReal;
 use catamaran::io::{self as files};
+use catamaran::rows::Accumulator;
 use clap::ArgGroup;
 
 use crate::ata::{Unbounded, write_matrix};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use catamaran::faer::MatRef;
-use catamaran::gram::{Components, PrincipalComponents, PrincipalComponentsOptions};
 use catamaran::io::{Array, ArraysWriter, Output};
+use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions};
 use catamaran_charts::{Axis, Chart, Line, Series};
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};

@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use anyhow::Result;
-use catamaran::ata::{Accumulator, RowBounds};
 #[cfg(not(feature = "mpi"))]
 pub use catamaran::blas::BlasReal as Scalar;
 #[cfg(feature = "mpi")]
 use catamaran::faer::Mat;
 #[cfg(feature = "mpi")]
-pub use catamaran::mpi::MpiReal as Scalar;
+pub use catamaran::ranks::MpiReal as Scalar;
+use catamaran::rows::{Accumulator, RowBounds};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs_sliced};
 
 use crate::report::status;
@@ -18,7 +18,7 @@ use crate::report::status;
 pub struct Ranks {
     #[cfg(feature = "mpi")]
     // Dropped in this order: MPI ends last.
-    mpi: Option<(catamaran::mpi::World, mpi::environment::Universe)>,
+    mpi: Option<(catamaran::ranks::World, mpi::environment::Universe)>,
 }
 
 /// Variables in which Open MPI, and MPICH and its derivatives, pass the number of processes.
@@ -91,7 +91,7 @@ impl Ranks {
         }
         let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
         let (universe, _) = start.context("MPI is initialized already")?;
-        let world = catamaran::mpi::World::new(&universe.world())?;
+        let world = catamaran::ranks::World::new(&universe.world())?;
         let ranks = Self { mpi: Some((world, universe)) };
         if !ranks.is_first() {
             crate::report::be_silent();
@@ -111,7 +111,7 @@ impl Ranks {
     /// Merges the sums of all processes, and returns them on the first one.
     pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
         match &self.mpi {
-            Some((world, _)) => Ok(catamaran::mpi::merge_accumulators(world, sum)?),
+            Some((world, _)) => Ok(catamaran::ranks::merge_accumulators(world, sum)?),
             None => Ok(Some(sum)),
         }
     }
@@ -119,7 +119,7 @@ impl Ranks {
     /// Returns the bounds of the rows of all processes, on each of them.
     pub fn common_bounds<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
         match &self.mpi {
-            Some((world, _)) => Ok(catamaran::mpi::agree_bounds(world, &bounds)?),
+            Some((world, _)) => Ok(catamaran::ranks::agree_bounds(world, &bounds)?),
             None => Ok(bounds),
         }
     }
@@ -143,8 +143,8 @@ impl Ranks {
             Mass::Lumped(masses) => Mass::Lumped(masses[own.clone()].to_vec()),
             Mass::Full(matrix) => Mass::Full(rows(matrix)),
         };
-        let found = catamaran::mpi::eigs(world, rows(stiffness).view(), &own_mass, options)?;
-        let vectors = catamaran::mpi::gather_rows(world, 0, found.vectors.as_ref())?;
+        let found = catamaran::ranks::eigs(world, rows(stiffness).view(), &own_mass, options)?;
+        let vectors = catamaran::ranks::gather_rows(world, 0, found.vectors.as_ref())?;
         sink(Eigenpairs { vectors: vectors.unwrap_or_else(Mat::new), ..found })
     }
 

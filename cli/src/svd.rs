@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use catamaran::faer::linalg::matmul::matmul;
 use catamaran::faer::{Accum, Mat, MatRef, Par};
-use catamaran::gram::SingularValues;
 use catamaran::io::{Array, ArraysWriter};
+use catamaran::solve::SingularValues;
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;

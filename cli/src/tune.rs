@@ -1,7 +1,7 @@
 //! `catamaran tune`.
 
 use anyhow::Result;
-use catamaran::kernel::packed::{Isa, Rates};
+use catamaran::kernel::packed::{FloatIsa, Rates};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 
@@ -16,16 +16,16 @@ use crate::report::{head, row, status};
 pub struct Args {
     /// Instruction set to measure [default: all that the machine has].
     #[arg(long, value_name = "NAME", value_parser = isa_parser())]
-    isa: Option<Isa>,
+    isa: Option<FloatIsa>,
     /// Print the rates without saving them.
     #[arg(long)]
     dry_run: bool,
 }
 
-fn isa_parser() -> impl clap::builder::TypedValueParser<Value = Isa> {
-    PossibleValuesParser::new(Isa::ALL.map(Isa::name)).map(|name| {
-        let found = Isa::ALL.into_iter().find(|isa| isa.name() == name);
-        found.unwrap_or(Isa::Portable)
+fn isa_parser() -> impl clap::builder::TypedValueParser<Value = FloatIsa> {
+    PossibleValuesParser::new(FloatIsa::ALL.map(FloatIsa::name)).map(|name| {
+        let found = FloatIsa::ALL.into_iter().find(|isa| isa.name() == name);
+        found.unwrap_or(FloatIsa::Portable)
     })
 }
 
@@ -34,7 +34,7 @@ pub fn run(args: &Args) -> Result<()> {
     let isas = match args.isa {
         // The measurement refuses what the machine lacks, and says why.
         Some(isa) => vec![isa],
-        None => Isa::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
+        None => FloatIsa::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
     };
     head(format_args!("Rates of one core: measured (built in)"))?;
     head(format_args!(

@@ -3,8 +3,8 @@
 #![no_main]
 
 use catamaran::Uplo;
-use catamaran::ata::Accumulator;
 use catamaran::io::read_accumulator;
+use catamaran::rows::Accumulator;
 use catamaran_fuzz::file;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

@@ -1,9 +1,9 @@
 //! Any bytes as an array of numpy: a matrix or an error, read as a whole and by rows.
 #![no_main]
 
-use catamaran::ata::RowBlocks;
 use catamaran::faer::Mat;
 use catamaran::io::{RowFile, read};
+use catamaran::rows::RowBlocks;
 use catamaran_fuzz::{file, matrix_options};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

@@ -11,10 +11,10 @@ use crate::mesh::{
     TriMesh, families, laplacian,
 };
 use crate::unions::{ShapeDnaOptions, shape_dna};
-use catamaran::ata::{AtaOptions, SchemeChoice, ata};
 use catamaran::base::{Error, Par, Progress, Result, Rng, measure};
-use catamaran::gram::{LeastSquaresOptions, lstsq, svd};
 use catamaran::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt};
+use catamaran::product::{AtaOptions, SchemeChoice, ata};
+use catamaran::solve::{LeastSquaresOptions, lstsq, singular_values};
 use catamaran::sparse::{EigenOptions, Mass, count_below, eigs, eigs_sliced};
 
 /// Most operations between two requests.
@@ -129,7 +129,7 @@ fn least_squares_and_singular_values_ask() {
     let b = random(700, 2);
     let options = LeastSquaresOptions::new().par(Par::Seq);
     check("lstsq", 2e8, |_| lstsq(a.as_ref(), b.as_ref(), None, &options).map(drop));
-    check("svd", 2e8, |_| svd(a.as_ref(), Par::Seq).map(drop));
+    check("svd", 2e8, |_| singular_values(a.as_ref(), Par::Seq).map(drop));
 }
 
 #[test]

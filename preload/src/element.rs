@@ -2,10 +2,8 @@
 
 use std::ops::{Add, Mul};
 
-use catamaran::ata::{
-    ComplexPlan, aha_planned, ahb_planned, ata_planned, atb_planned, planned_scratch_len,
-};
 use catamaran::faer::{MatMut, MatRef, c32, c64};
+use catamaran::product::{ComplexPlan, aha_planned, ahb_planned, ata_planned, atb_planned};
 use catamaran::{AtaOptions, Par, Plan, Result};
 
 use crate::request::{Kind, Shape};
@@ -103,7 +101,7 @@ macro_rules! real {
 
             fn scratch(plan: &Planned, threads: usize) -> usize {
                 let Planned::Real(plan) = plan else { unreachable!("{OTHER}") };
-                let len = planned_scratch_len::<$t>(plan, Par::Threads(threads));
+                let len = plan.scratch_len::<$t>(Par::Threads(threads));
                 len.saturating_mul(Self::PART)
             }
 
@@ -118,8 +116,8 @@ macro_rules! real {
             ) -> Result<()> {
                 let Planned::Real(plan) = plan else { unreachable!("{OTHER}") };
                 match right {
-                    None => ata_planned(plan, alpha, left, beta, c, options),
-                    Some(right) => atb_planned(plan, alpha, left, right, beta, c, options),
+                    None => ata_planned(plan, alpha, left, beta, c, options, None),
+                    Some(right) => atb_planned(plan, alpha, left, right, beta, c, options, None),
                 }
             }
         }

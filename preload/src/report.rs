@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use catamaran::kernel::packed::Isa;
+use catamaran::kernel::packed::FloatIsa;
 
 use crate::entry::{Entry, called, forwarded_without_gain};
 use crate::host::file_of;
@@ -52,7 +52,7 @@ fn hint(count: u64) -> String {
     format!(
         "nothing gained: auto forwarded all large products ({count}), for which kernels for {} are \
          not expected to be faster (CATAMARAN_BLAS_VERBOSE=1: why, 0: without this line)",
-        Isa::best().name()
+        FloatIsa::best().name()
     )
 }
 

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use catamaran::ata::{
-    Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, block_rows, scalar_of,
-};
-use catamaran::base::FloatEnv;
+use catamaran::base::{FloatEnv, block_rows};
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
+use catamaran::rows::{
+    Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, scalar_of,
+};
 use catamaran::{AtaOptions, Error, Real, Uplo};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

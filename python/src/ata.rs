@@ -1,8 +1,9 @@
 //! A^T A and A^T B.
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, ata_sparse as sparse_product};
 use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
+use catamaran::product::ata_sparse as sparse_product;
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::{AtaOptions, Real, aha, ahb, ata as product, atb};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;

@@ -1,11 +1,9 @@
 //! Least squares, principal components and singular values.
 
-use catamaran::ata::{
-    Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended, block_rows,
-};
-use catamaran::base::Progress;
+use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::gram::{
+use catamaran::rows::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
+use catamaran::solve::{
     Components, GramQr, JoinedRows, LeastSquares, LeastSquaresOptions,
     PrincipalComponents as Principal, PrincipalComponentsOptions, RankDeficiency, SingularValues,
     check_weights, correlation, orthogonality as distance,

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use super::error::{Error, Result};
+use super::scalar::Real;
 
 /// Checks that `value` is finite and above 0.
 ///
@@ -72,4 +73,17 @@ pub fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
         return Ok(());
     }
     Err(Error::Argument { what, why: format!("must be at least {least}, is {value}") })
+}
+
+/// Checks that there are `count` finite weights, if any.
+///
+/// # Errors
+/// [`Error::Shape`] for another number of them, [`Error::NonFinite`] otherwise.
+pub(crate) fn finite_weights<T: Real>(count: usize, weights: Option<&[T]>) -> Result<()> {
+    let Some(weights) = weights else { return Ok(()) };
+    Error::check_shape("weights", (count, 1), (weights.len(), 1))?;
+    match weights.iter().position(|w| !w.is_finite()) {
+        Some(i) => Err(Error::NonFinite { what: "weights", index: (i, 0) }),
+        None => Ok(()),
+    }
 }

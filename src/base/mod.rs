@@ -1,5 +1,6 @@
 //! Basics for all modules: scalars, errors, threads, workspaces, progress, random numbers.
 
+mod blocks;
 mod builder;
 mod checks;
 mod cores;
@@ -19,11 +20,15 @@ mod scalar;
 mod search;
 mod sets;
 mod simd;
+mod split;
 pub(crate) mod steps;
+mod triangle;
 mod version;
 mod watch;
 mod workspace;
 
+pub use blocks::block_rows;
+pub(crate) use checks::finite_weights;
 pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
@@ -41,6 +46,9 @@ pub use rng::Rng;
 pub use scalar::Real;
 pub(crate) use search::first_that;
 pub(crate) use simd::widest;
+pub(crate) use split::{even_part, even_start};
+pub use triangle::triangle_len;
+pub(crate) use triangle::{triangle_row_of, triangle_rows};
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub use workspace::{Arena, Workspace, release_memory};

@@ -33,7 +33,7 @@ pub trait Backend: Kernels<f32> + Kernels<f64> {
     fn rates(&self) -> Rates;
 
     /// Returns the back end itself if it is the kernels of this crate, which
-    /// [`ata`](mod@crate::ata) then uses without this trait.
+    /// [`product`](crate::product) then uses without this trait.
     fn native(&self) -> Option<&Native> {
         None
     }
@@ -66,7 +66,7 @@ impl Drop for ThreadGuard {
 /// f64::kernels(&*backend).gemm(1.0, a.as_ref(), a.as_ref(), 0.0, c.as_mut());
 /// assert_eq!(c[(0, 2)], 5.0);
 /// ```
-pub trait BlasReal: Real + int8::Operand + packed::Operand {
+pub trait BlasReal: Real + int8::IntegerOperand + packed::FloatOperand {
     /// Returns the kernels of this precision.
     fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;
 }

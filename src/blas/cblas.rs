@@ -232,7 +232,7 @@ impl Cblas {
 
 /// The storage order of a view in the terms of CBLAS.
 #[derive(Clone, Copy)]
-struct Layout {
+struct CblasOrder {
     /// Rows are contiguous (else columns are).
     row_major: bool,
     leading: c_int,
@@ -240,7 +240,7 @@ struct Layout {
 
 /// Returns the CBLAS layout of an r x c view with these strides, if it has one. An extent of at
 /// most one makes its stride irrelevant.
-fn layout(rows: usize, cols: usize, row_stride: isize, col_stride: isize) -> Option<Layout> {
+fn layout(rows: usize, cols: usize, row_stride: isize, col_stride: isize) -> Option<CblasOrder> {
     let leading = |stride: isize, lines: usize, length: usize| {
         let stride = if lines <= 1 { length.max(1) } else { usize::try_from(stride).ok()? };
         (stride >= length.max(1)).then(|| c_int::try_from(stride).ok()).flatten()
@@ -251,17 +251,17 @@ fn layout(rows: usize, cols: usize, row_stride: isize, col_stride: isize) -> Opt
     if (col_stride == 1 || cols <= 1)
         && let Some(leading) = leading(row_stride, rows, cols)
     {
-        return Some(Layout { row_major: true, leading });
+        return Some(CblasOrder { row_major: true, leading });
     }
     if (row_stride == 1 || rows <= 1)
         && let Some(leading) = leading(col_stride, cols, rows)
     {
-        return Some(Layout { row_major: false, leading });
+        return Some(CblasOrder { row_major: false, leading });
     }
     None
 }
 
-fn layout_of<T>(view: MatRef<'_, T>) -> Option<Layout> {
+fn layout_of<T>(view: MatRef<'_, T>) -> Option<CblasOrder> {
     layout(view.nrows(), view.ncols(), view.row_stride(), view.col_stride())
 }
 
@@ -459,7 +459,7 @@ fn hold(
 
 /// Returns the back end for operands that CBLAS can't express.
 fn fallback() -> Native {
-    let best = packed::Isa::best();
+    let best = packed::FloatIsa::best();
     Native::new(best, packed::Rates::of(best))
 }
 

@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use crate::base::Result;
-use crate::kernel::packed::{self, Isa};
+use crate::kernel::packed::{self, FloatIsa};
 
 pub use backend::{Backend, BlasReal, Rates, ThreadGuard};
 pub use kernels::Kernels;
@@ -39,7 +39,7 @@ pub use native::Native;
 /// ```
 pub fn native() -> Arc<dyn Backend> {
     // Every call of `ata` with default options uses this back end: one allocation for all calls.
-    static NATIVE: LazyLock<Arc<dyn Backend>> = LazyLock::new(|| native_on(Isa::best()));
+    static NATIVE: LazyLock<Arc<dyn Backend>> = LazyLock::new(|| native_on(FloatIsa::best()));
     NATIVE.clone()
 }
 
@@ -47,15 +47,15 @@ pub fn native() -> Arc<dyn Backend> {
 /// does not support it.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ata, blas, faer::Mat, kernel::packed::Isa};
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat, kernel::packed::FloatIsa};
 ///
-/// let options = AtaOptions::new().backend(blas::native_on(Isa::Portable));
+/// let options = AtaOptions::new().backend(blas::native_on(FloatIsa::Portable));
 /// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
 /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
 /// assert_eq!(c[(2, 1)], 5.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
-pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
+pub fn native_on(isa: FloatIsa) -> Arc<dyn Backend> {
     native_with(isa, packed::Rates::of(isa))
 }
 
@@ -63,13 +63,13 @@ pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
 /// rates for the planner.
 ///
 /// ```
-/// use catamaran::{blas, kernel::packed::{Isa, Rates}};
+/// use catamaran::{blas, kernel::packed::{FloatIsa, Rates}};
 ///
-/// let isa = Isa::best();
+/// let isa = FloatIsa::best();
 /// let backend = blas::native_with(isa, Rates { flops: 1e11, ..Rates::of(isa) });
 /// assert_eq!(backend.rates().gemm_flops, 1e11);
 /// ```
-pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
+pub fn native_with(isa: FloatIsa, rates: packed::Rates) -> Arc<dyn Backend> {
     Arc::new(Native::new(isa, rates))
 }
 
@@ -89,7 +89,7 @@ pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn tuned() -> Arc<dyn Backend> {
-    let isa = Isa::best();
+    let isa = FloatIsa::best();
     let rates = packed::Rates::cached(isa).unwrap_or_else(|| packed::Rates::of(isa));
     native_with(isa, rates)
 }

@@ -3,30 +3,30 @@ use std::ops::ControlFlow;
 use faer::{MatMut, MatRef};
 
 use super::kernels::Kernels;
-use crate::base::{Par, Progress, Scratch, Tracker};
+use crate::base::{Par, Progress, Scratch, Tracker, triangle_len};
 use crate::kernel::packed::{
-    self, Destination, Isa, Job, Kernel, Operand, Part, Product, Shape, Source, is_small, run,
-    run_small, scratch_len,
+    self, Destination, FloatIsa, FloatOperand, Job, Kernel, KernelProduct, Part, Shape, Source,
+    is_small, run, run_small, scratch_len,
 };
 
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling
 /// thread.
 ///
-/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses more of their features:
-/// threads that share packed operands, and additions fused into packing and writing.
+/// [`product`](crate::product) does not call them through [`Kernels`], but uses more of their
+/// features: threads that share packed operands, and additions fused into packing and writing.
 ///
 /// ```
 /// use catamaran::blas::{Kernels, Native};
-/// use catamaran::{faer::Mat, kernel::packed::{Isa, Rates}};
+/// use catamaran::{faer::Mat, kernel::packed::{FloatIsa, Rates}};
 ///
-/// let native = Native::new(Isa::Portable, Rates::of(Isa::Portable));
+/// let native = Native::new(FloatIsa::Portable, Rates::of(FloatIsa::Portable));
 /// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
 /// native.syrk(1.0, a.as_ref(), 0.0, c.as_mut());
 /// assert_eq!((c[(2, 1)], c[(1, 2)]), (5.0, 0.0)); // the lower triangle
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Native {
-    isa: Isa,
+    isa: FloatIsa,
     rates: packed::Rates,
 }
 
@@ -39,13 +39,13 @@ const BUDGET: usize = 1 << 20;
 impl Native {
     /// Creates the kernels for `isa`, or the portable kernels if this machine does not support it.
     /// The planner assumes `rates`.
-    pub fn new(isa: Isa, rates: packed::Rates) -> Self {
+    pub fn new(isa: FloatIsa, rates: packed::Rates) -> Self {
         let usable = isa.refusal().is_none();
-        Self { isa: if usable { isa } else { Isa::Portable }, rates }
+        Self { isa: if usable { isa } else { FloatIsa::Portable }, rates }
     }
 
     /// Returns the instruction set.
-    pub fn isa(&self) -> Isa {
+    pub fn isa(&self) -> FloatIsa {
         self.isa
     }
 
@@ -66,7 +66,7 @@ impl Native {
     /// The function is inlined into its callers, so that a small product is not slowed down
     /// by the differences between them.
     #[inline(always)]
-    fn product<T: Operand>(
+    fn product<T: FloatOperand>(
         self,
         alpha: T,
         a: MatRef<'_, T>,
@@ -112,7 +112,7 @@ impl Native {
 
 /// Computes [`Native::product`] for matrices that are worth packing block by block.
 #[inline(never)]
-fn large_product<T: Operand>(
+fn large_product<T: FloatOperand>(
     kernel: &'static dyn Kernel<T>,
     alpha: T,
     a: MatRef<'_, T>,
@@ -130,7 +130,7 @@ fn large_product<T: Operand>(
         for j in (0..k).step_by(BLOCK) {
             let (rows, cols) = (BLOCK.min(n - i), BLOCK.min(k - j));
             let same = b.is_none() && i == j;
-            let product = Product {
+            let product = KernelProduct {
                 left: side(a, i, rows),
                 right: if same { vec![] } else { side(right, j, cols) },
                 targets: vec![destination.block(i..i + rows, j..j + cols, alpha, beta)],
@@ -145,7 +145,7 @@ fn large_product<T: Operand>(
         product_in_pieces(kernel, alpha, a, right, beta, destination, part);
         return ControlFlow::Continue(());
     };
-    let entries = if matches!(part, Part::Lower) { n * (n + 1) / 2 } else { n * k };
+    let entries = if matches!(part, Part::Lower) { triangle_len(n) } else { n * k };
     let work = entries as f64 * a.nrows() as f64;
     let progress = &progress.map_or_else(Tracker::unwatched, |p| Tracker::new(p, work));
     let job = Job { kernel, products: &products, budget: BUDGET, progress };
@@ -156,7 +156,7 @@ fn large_product<T: Operand>(
 
 /// Computes [`large_product`] without memory, which was refused: by small products, slower and with
 /// other rounding errors.
-fn product_in_pieces<T: Operand>(
+fn product_in_pieces<T: FloatOperand>(
     kernel: &'static dyn Kernel<T>,
     alpha: T,
     a: MatRef<'_, T>,
@@ -189,11 +189,11 @@ fn product_in_pieces<T: Operand>(
 }
 
 /// Returns some columns as one side of a product.
-fn side<T: Operand>(matrix: MatRef<'_, T>, first: usize, count: usize) -> Vec<Source<'_, T>> {
+fn side<T: FloatOperand>(matrix: MatRef<'_, T>, first: usize, count: usize) -> Vec<Source<'_, T>> {
     vec![Source { coefficient: T::ONE, matrix: matrix.subcols(first, count), scale: None }]
 }
 
-impl<T: Operand> Kernels<T> for Native {
+impl<T: FloatOperand> Kernels<T> for Native {
     fn gemm(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
         let _ = self.product(alpha, a, Some(b), beta, c, Part::All, None);
     }
@@ -229,8 +229,8 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    fn kernel<T: Operand>() -> &'static dyn Kernel<T> {
-        T::kernel(Isa::best())
+    fn kernel<T: FloatOperand>() -> &'static dyn Kernel<T> {
+        T::kernel(FloatIsa::best())
     }
 
     #[test]

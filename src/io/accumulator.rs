@@ -6,16 +6,16 @@ use std::path::Path;
 
 use super::Output;
 use super::source::error_at;
-use crate::ata::{Accumulator, scalar_of};
 use crate::base::Result;
 use crate::blas::BlasReal;
+use crate::rows::{Accumulator, scalar_of};
 
 const BUFFER: usize = 1 << 20;
 
 /// Writes an accumulator into `output` and lets it appear.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+/// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
 /// use catamaran::io::{Output, Overwrite, accumulator_scalar};
 /// use catamaran::io::{read_accumulator, write_accumulator};
 ///
@@ -46,7 +46,7 @@ pub fn write_accumulator<T: BlasReal>(
 /// Reads the accumulator of scalars T in the file at `path`.
 ///
 /// ```
-/// use catamaran::ata::Accumulator;
+/// use catamaran::rows::Accumulator;
 /// use catamaran::io::{Output, Overwrite, read_accumulator, write_accumulator};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
@@ -74,7 +74,7 @@ pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
 /// Returns the scalar of the accumulator in the file at `path`: `"f32"` or `"f64"`.
 ///
 /// ```
-/// use catamaran::ata::Accumulator;
+/// use catamaran::rows::Accumulator;
 /// use catamaran::io::{Output, Overwrite, accumulator_scalar, write_accumulator};
 ///
 /// # let folder = tempfile::tempdir().unwrap();

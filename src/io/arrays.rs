@@ -6,31 +6,10 @@ use faer::MatRef;
 
 #[cfg(feature = "hdf5")]
 use super::hdf5::Hdf5Writer;
+use super::names::ArraysFormat;
 use super::npz::{Array, NpzWriter};
 use super::output::Output;
-use super::source::error;
 use crate::base::Result;
-
-pub(super) enum Format {
-    Npz,
-    #[cfg(feature = "hdf5")]
-    Hdf5,
-}
-
-/// Returns the format that the name of a file ends in.
-pub(super) fn format_of(path: &Path) -> Result<Format> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    if name.ends_with(".npz") {
-        return Ok(Format::Npz);
-    }
-    if ![".h5", ".hdf5", ".he5"].iter().any(|end| name.ends_with(end)) {
-        return Err(error(path, None, "the name must end in .npz, .h5, .hdf5 or .he5"));
-    }
-    #[cfg(feature = "hdf5")]
-    return Ok(Format::Hdf5);
-    #[cfg(not(feature = "hdf5"))]
-    Err(error(path, None, "HDF5 is not part of this program: build it with --features hdf5"))
-}
 
 /// Checks that [`write_arrays`] can write a file of this name.
 ///
@@ -45,7 +24,7 @@ pub(super) fn format_of(path: &Path) -> Result<Format> {
 /// [`Error::Io`](crate::Error::Io) for any other end of the name, and for HDF5 without feature
 /// `hdf5`.
 pub fn check_arrays_name(path: &Path) -> Result<()> {
-    format_of(path).map(drop)
+    ArraysFormat::of(path).map(drop)
 }
 
 /// Writes named arrays into `output`, in the format of its name, and lets it appear: `.npz` as
@@ -108,10 +87,10 @@ impl ArraysWriter {
     /// # Errors
     /// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io).
     pub fn new(output: Output) -> Result<Self> {
-        Ok(Self(match format_of(output.path())? {
-            Format::Npz => Writer::Npz(Box::new(NpzWriter::new(output))),
+        Ok(Self(match ArraysFormat::of(output.path())? {
+            ArraysFormat::Npz => Writer::Npz(Box::new(NpzWriter::new(output))),
             #[cfg(feature = "hdf5")]
-            Format::Hdf5 => Writer::Hdf5(Hdf5Writer::new(output)?),
+            ArraysFormat::Hdf5 => Writer::Hdf5(Hdf5Writer::new(output)?),
         }))
     }
 

@@ -3,8 +3,8 @@ use std::ops::Range;
 use faer::{MatMut, MatRef};
 use sprs::CsMat;
 
-use crate::ata::RowBlocks;
 use crate::base::{Real, Result};
+use crate::rows::RowBlocks;
 
 /// A matrix read from a file.
 ///
@@ -86,7 +86,7 @@ impl<T> Dense<T> {
 /// The rows of a sparse matrix (CSR), filled up with zeros block by block.
 ///
 /// ```
-/// use catamaran::{ata::RowBlocks, faer::{Mat, mat}, io::{CsMat, SparseRows}};
+/// use catamaran::{rows::RowBlocks, faer::{Mat, mat}, io::{CsMat, SparseRows}};
 ///
 /// let mut block = Mat::<f64>::zeros(2, 3);
 /// SparseRows(&CsMat::eye(3)).read(1, block.as_mut())?;

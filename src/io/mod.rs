@@ -17,6 +17,7 @@ mod hdf5;
 mod limits;
 mod matrix;
 mod mtx;
+mod names;
 mod npy;
 mod npy_header;
 mod npz;
@@ -53,7 +54,8 @@ pub use limits::LARGER_MAX_MEMORY;
 #[doc(hidden)]
 pub use source::{Packing, Source};
 
-use crate::base::{Error, Progress, Real, Result, options};
+use self::names::MatrixFormat;
+use crate::base::{Progress, Real, Result, options};
 
 options! {
     /// How [`read`] reads. The default reads everything.
@@ -78,33 +80,6 @@ options! {
         max_memory: Option<u64> = None, setter into;
         /// Receives the fraction of the file that has been read; may cancel.
         progress: Progress<'a> = Progress::none(), setter into;
-    }
-}
-
-/// What a file name says about the content of the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Npy,
-    Mtx,
-    Csv,
-}
-
-/// Returns the format of a file, and whether it is gzipped, by its name.
-fn format_of(path: &Path) -> Result<(Format, bool)> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let (stem, gzipped) = match name.strip_suffix(".gz") {
-        Some(stem) => (stem, true),
-        None => (name.as_str(), false),
-    };
-    match stem.rsplit_once('.').map(|(_, extension)| extension) {
-        Some("npy") => Ok((Format::Npy, gzipped)),
-        Some("mtx") => Ok((Format::Mtx, gzipped)),
-        Some("csv" | "tsv" | "txt") => Ok((Format::Csv, gzipped)),
-        _ => Err(Error::file(
-            path,
-            "unknown kind of file: the name must end in .npy, .mtx, .csv, .tsv or .txt, and may \
-             have .gz after it",
-        )),
     }
 }
 
@@ -139,8 +114,9 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] with file and line, [`Error::OutOfMemory`], [`Error::Cancelled`];
-/// [`Error::Argument`] when `options.columns` is not inside the matrix.
+/// [`Error::Io`](crate::Error::Io) with file and line, [`Error::OutOfMemory`](crate::Error),
+/// [`Error::Cancelled`](crate::Error); [`Error::Argument`](crate::Error::Argument) when
+/// `options.columns` is not inside the matrix.
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
     Ok(read_with_names(path, options)?.0)
 }
@@ -163,14 +139,14 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 /// # Errors
 /// As [`read`].
 pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix, Vec<String>)> {
-    let (format, gzipped) = format_of(path)?;
+    let (format, gzipped) = MatrixFormat::of(path)?;
     let packing = if gzipped { Packing::Gzip } else { Packing::None };
     let ReadOptions { max_memory, progress, .. } = *options;
     let mut source = Source::open(path, packing, &SourceOptions { max_memory, progress })?;
     match format {
-        Format::Npy => Ok((npy::read(&mut source, options.columns.as_ref())?, Vec::new())),
-        Format::Mtx => Ok((mtx::read(&mut source, options.columns.as_ref())?, Vec::new())),
-        Format::Csv => csv::read(&mut source, options.columns.as_ref()),
+        MatrixFormat::Npy => Ok((npy::read(&mut source, options.columns.as_ref())?, Vec::new())),
+        MatrixFormat::Mtx => Ok((mtx::read(&mut source, options.columns.as_ref())?, Vec::new())),
+        MatrixFormat::Table(_) => csv::read(&mut source, options.columns.as_ref()),
     }
 }
 
@@ -189,12 +165,12 @@ pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`]; no file is left behind then.
+/// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
-    write_with(output, |sink, format, separator| match format {
-        Format::Npy => npy::write(sink, matrix),
-        Format::Mtx => mtx::write(sink, matrix, "real"),
-        Format::Csv => csv::write(sink, matrix, separator),
+    write_with(output, |sink, format| match format {
+        MatrixFormat::Npy => npy::write(sink, matrix),
+        MatrixFormat::Mtx => mtx::write(sink, matrix, "real"),
+        MatrixFormat::Table(separator) => csv::write(sink, matrix, separator),
     })
 }
 
@@ -213,34 +189,27 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`]; no file is left behind then.
+/// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
-    write_with(output, |sink, format, separator| match format {
-        Format::Npy => npy::write_integers(sink, matrix),
-        Format::Mtx => mtx::write(sink, matrix, "integer"),
-        Format::Csv => csv::write(sink, matrix, separator),
+    write_with(output, |sink, format| match format {
+        MatrixFormat::Npy => npy::write_integers(sink, matrix),
+        MatrixFormat::Mtx => mtx::write(sink, matrix, "integer"),
+        MatrixFormat::Table(separator) => csv::write(sink, matrix, separator),
     })
 }
 
-/// Lets the file appear once `body` has written its content. `body` gets the format and the
-/// separator of text tables.
+/// Lets the file appear once `body` has written its content in the format of its name.
 fn write_with(
     mut output: Output,
-    body: impl Fn(&mut dyn std::io::Write, Format, char) -> std::io::Result<()>,
+    body: impl Fn(&mut dyn std::io::Write, MatrixFormat) -> std::io::Result<()>,
 ) -> Result<()> {
-    let (format, gzipped) = format_of(output.path())?;
-    let name = output.path().file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let separator = match name.strip_suffix(".gz").unwrap_or(&name) {
-        name if name.ends_with(".tsv") => '\t',
-        name if name.ends_with(".txt") => ' ',
-        _ => ',',
-    };
+    let (format, gzipped) = MatrixFormat::of(output.path())?;
     let written = if gzipped {
         let mut encoder =
             flate2::write::GzEncoder::new(&mut output, flate2::Compression::default());
-        body(&mut encoder, format, separator).and_then(|()| encoder.finish().map(|_| ()))
+        body(&mut encoder, format).and_then(|()| encoder.finish().map(|_| ()))
     } else {
-        body(&mut output, format, separator)
+        body(&mut output, format)
     };
     written.map_err(|e| output.error(e))?;
     output.commit()
@@ -256,7 +225,7 @@ fn write_with(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when they do not.
+/// [`Error::Io`](crate::Error::Io) when they do not.
 pub fn check_name(path: &Path) -> Result<()> {
-    format_of(path).map(|_| ())
+    MatrixFormat::of(path).map(|_| ())
 }

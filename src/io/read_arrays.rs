@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use faer::Mat;
 
-use super::arrays::{Format, format_of};
 use super::extents::{padded_bytes, tuple};
 use super::limits::SourceOptions;
+use super::names::ArraysFormat;
 use super::npy::{Entry, trailing, truncated};
 use super::npy_header;
 use super::source::error;
@@ -70,10 +70,10 @@ pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arra
         total = total.saturating_add(bytes);
         options.check_memory(path, "all its arrays", total)
     };
-    let arrays = match format_of(path)? {
-        Format::Npz => read_npz(path, &mut begin)?,
+    let arrays = match ArraysFormat::of(path)? {
+        ArraysFormat::Npz => read_npz(path, &mut begin)?,
         #[cfg(feature = "hdf5")]
-        Format::Hdf5 => super::hdf5::read(path, &mut begin)?,
+        ArraysFormat::Hdf5 => super::hdf5::read(path, &mut begin)?,
     };
     for (name, Stored { shape, .. }) in &arrays {
         let bytes = padded_bytes(shape, size_of::<f64>())

@@ -1,16 +1,18 @@
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use super::names::MatrixFormat;
 use super::npy::{encode, write_header};
-use super::{Format, Output, format_of};
-use crate::ata::{Strip, Uplo};
+use super::output::Output;
 use crate::base::{Error, Real, Result};
+use crate::product::Uplo;
+use crate::rows::Strip;
 
 /// Writes a symmetric n x n matrix into a `.npy` file, strip by strip, because it is too large for
 /// memory.
 ///
 /// ```
-/// use catamaran::ata::{Accumulator, DenseRows, stream};
+/// use catamaran::rows::{Accumulator, DenseRows, stream};
 /// use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, StripOutput, read};
 /// use catamaran::{AtaOptions, Uplo, faer::Mat};
 ///
@@ -105,7 +107,7 @@ impl StripOutput {
 }
 
 fn check_strip_name(path: &Path) -> Result<()> {
-    if format_of(path)? == (Format::Npy, false) {
+    if MatrixFormat::of(path)? == (MatrixFormat::Npy, false) {
         return Ok(());
     }
     let what = "a matrix larger than memory can only be written to a .npy file";

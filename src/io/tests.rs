@@ -9,7 +9,9 @@ use faer::Mat;
 use tempfile::TempDir;
 
 use super::*;
-use crate::ata::{Accumulator, AtaOptions, RowBlocks, RowBounds};
+use crate::base::Error;
+use crate::product::AtaOptions;
+use crate::rows::{Accumulator, RowBlocks, RowBounds};
 
 pub(super) struct Folder(TempDir);
 

@@ -67,7 +67,7 @@ impl GramSchmidtOptions<'_> {
 
 /// The factor R of `A[:, kept] = Q R[:, kept]`. The other columns equal Q R up to the threshold.
 #[derive(Debug, Clone)]
-pub struct Factors {
+pub struct TriangularFactor {
     /// Rank x columns of A: coefficients of every column. Those of the kept columns form an upper
     /// triangle with a positive diagonal.
     pub r: Mat<f64>,
@@ -75,14 +75,14 @@ pub struct Factors {
     pub kept: Vec<usize>,
 }
 
-/// An orthonormal basis Q and its [`Factors`].
+/// An orthonormal basis Q and its [`TriangularFactor`].
 #[derive(Debug, Clone)]
 pub struct Orthonormal {
     /// n x rank, `Q^T M Q = I`.
     pub q: Mat<f64>,
-    /// As [`Factors::r`].
+    /// As [`TriangularFactor::r`].
     pub r: Mat<f64>,
-    /// As [`Factors::kept`].
+    /// As [`TriangularFactor::kept`].
     pub kept: Vec<usize>,
 }
 
@@ -90,11 +90,11 @@ impl Orthonormal {
     /// Applies a method that works in the memory of A to a copy of A.
     pub(super) fn of(
         a: MatRef<'_, f64>,
-        in_place: impl FnOnce(MatMut<'_, f64>) -> Result<Factors>,
+        in_place: impl FnOnce(MatMut<'_, f64>) -> Result<TriangularFactor>,
     ) -> Result<Self> {
         let mut q = zeros(a.nrows(), a.ncols())?;
         q.copy_from(a);
-        let Factors { r, kept } = in_place(q.as_mut())?;
+        let TriangularFactor { r, kept } = in_place(q.as_mut())?;
         q.truncate(a.nrows(), kept.len());
         Ok(Self { q, r, kept })
     }
@@ -155,7 +155,7 @@ pub fn gram_schmidt_in_place(
     a: MatMut<'_, f64>,
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
-) -> Result<Factors> {
+) -> Result<TriangularFactor> {
     mass.check(a.nrows())?;
     options.progress.watch(|| gram_schmidt_of(a, mass, options))
 }
@@ -166,7 +166,7 @@ pub(crate) fn gram_schmidt_of(
     mut a: MatMut<'_, f64>,
     space: &dyn InnerSpace,
     options: &GramSchmidtOptions<'_>,
-) -> Result<Factors> {
+) -> Result<TriangularFactor> {
     let c = a.ncols();
     options.check()?;
     check_finite(a.rb())?;
@@ -184,7 +184,7 @@ pub(crate) fn gram_schmidt_of(
     inner.leave(a.rb_mut().subcols_mut(0, kept.len()));
     r.truncate(kept.len(), c);
     powers.undo(r.as_mut())?;
-    Ok(Factors { r, kept })
+    Ok(TriangularFactor { r, kept })
 }
 
 /// A basis in the first columns of A that grows panel by panel.
@@ -243,7 +243,7 @@ impl Growing<'_> {
 }
 
 /// The result of [`orthonormalize`] for one panel.
-struct Block {
+struct PanelFactors {
     kept: Vec<usize>,
     /// Coefficients of the panel's columns in the basis before it; `own`: in its own columns.
     above: Mat<f64>,
@@ -258,7 +258,7 @@ fn orthonormalize(
     q: MatRef<'_, f64>,
     mut panel: MatMut<'_, f64>,
     options: &GramSchmidtOptions<'_>,
-) -> Result<Option<Block>> {
+) -> Result<Option<PanelFactors>> {
     /// A pass is the last one if it leaves this much of normalized columns (Giraud et al.).
     const ENOUGH: f64 = 0.5;
     const PASSES: usize = 5;
@@ -302,5 +302,5 @@ fn orthonormalize(
             break;
         }
     }
-    Ok(Some(Block { kept, above, own }))
+    Ok(Some(PanelFactors { kept, above, own }))
 }

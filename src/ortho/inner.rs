@@ -1,9 +1,9 @@
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
-use crate::ata::{AtaOptions, SchemeChoice, Uplo, ata, atb};
 use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
+use crate::product::{AtaOptions, SchemeChoice, Uplo, ata, atb};
 use crate::sparse::InnerSpace;
 
 /// An inner product and its work memory. For lumped masses, vectors are scaled by the square roots

@@ -12,7 +12,7 @@ pub use cholesky_qr::cholesky_qr;
 #[cfg(feature = "mpi")]
 pub(crate) use gram_schmidt::gram_schmidt_of;
 pub use gram_schmidt::{
-    Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
+    GramSchmidtOptions, Orthonormal, TriangularFactor, gram_schmidt, gram_schmidt_in_place,
 };
 pub use rank_revealing::{rank_revealing, rank_revealing_in_place};
 

@@ -2,7 +2,7 @@ use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
 
 use super::gram_schmidt::{
-    Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
+    GramSchmidtOptions, Orthonormal, TriangularFactor, gram_schmidt, gram_schmidt_in_place,
 };
 use crate::base::{Progress, Result};
 use crate::dense::{multiply_in_place, pivots, right_singular, transposed_product};
@@ -74,7 +74,7 @@ pub fn rank_revealing_in_place(
     mut a: MatMut<'_, f64>,
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
-) -> Result<Factors> {
+) -> Result<TriangularFactor> {
     options.check()?;
     let finer = GramSchmidtOptions {
         threshold: (FINER * options.threshold).max(FINEST),
@@ -112,5 +112,5 @@ pub fn rank_revealing_in_place(
         // The entries below the diagonal are rounding errors.
         (j + 1..r.nrows()).for_each(|i| r[(i, column)] = 0.0);
     }
-    Ok(Factors { r, kept })
+    Ok(TriangularFactor { r, kept })
 }

@@ -3,12 +3,13 @@
 #[path = "../common/nist.rs"]
 mod nist;
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_extended};
 use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::gram::{
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_extended};
+use catamaran::solve::{
     GramQr, LeastSquares, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions,
-    RankDeficiency, SingularValues, correlation, lstsq, orthogonality, pca, sum_of_pairs, svd,
+    RankDeficiency, SingularValues, correlation, lstsq, orthogonality, pca, singular_values,
+    sum_of_pairs,
 };
 use catamaran::{AtaOptions, Error, Par};
 
@@ -143,7 +144,7 @@ fn small_singular_values_keep_their_digits() {
     let sign = |i: usize, j: usize| if (i & j).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
     let exponents = [0, -10, -20, -30, -40, -49];
     let a = Mat::<f64>::from_fn(16, 6, |i, j| sign(i, j) * f64::from(exponents[j]).exp2());
-    let found = svd(a.as_ref(), Par::Seq).unwrap();
+    let found = singular_values(a.as_ref(), Par::Seq).unwrap();
     for (value, exponent) in found.values.iter().zip(exponents) {
         let right = 4.0 * f64::from(exponent).exp2();
         assert!((value / right - 1.0).abs() <= 4e-16, "{value:e}, not {right:e}");
@@ -153,7 +154,7 @@ fn small_singular_values_keep_their_digits() {
         let other = j ^ 1;
         if j % 2 == 0 { a[(i, j)] + a[(i, other)] } else { a[(i, other)] - a[(i, j)] }
     });
-    let found = svd(mixed.as_ref(), Par::Seq).unwrap();
+    let found = singular_values(mixed.as_ref(), Par::Seq).unwrap();
     for (value, exponent) in found.values.iter().zip(exponents) {
         let right = 2f64.sqrt() * 4.0 * f64::from(exponent).exp2();
         assert!((value / right - 1.0).abs() <= 1e-14, "{value:e}, not {right:e}");

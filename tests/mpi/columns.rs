@@ -1,7 +1,7 @@
 //! Mode (b): columns of A on every rank.
 
 use catamaran::faer::Mat;
-use catamaran::mpi::{MpiReal, World, ata_columns};
+use catamaran::ranks::{MpiReal, World, ata_columns};
 use catamaran::{AtaOptions, Par};
 
 use crate::Case;

@@ -1,8 +1,8 @@
 //! Block-cyclic A and C.
 
-use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
 use catamaran::faer::Mat;
-use catamaran::mpi::{CyclicMut, CyclicRef, MpiReal, World, aat_cyclic, ata_cyclic};
+use catamaran::ranks::plan::{BlockCyclic, Grid, GridOrder};
+use catamaran::ranks::{CyclicMut, CyclicRef, MpiReal, World, aat_cyclic, ata_cyclic};
 use catamaran::{AtaOptions, Par, Real, Uplo};
 
 use crate::matrices::{SHAPES, entry, expected, options};

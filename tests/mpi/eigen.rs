@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::ops::Range;
 
 use catamaran::faer::Mat;
-use catamaran::mpi::{World, eigs, gather_rows};
+use catamaran::ranks::{World, eigs, gather_rows};
 use catamaran::sparse::{self, CsMat, EigenOptions, Eigenpairs, Mass};
 use catamaran::{Error, Par};
 

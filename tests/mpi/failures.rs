@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::faer::Mat;
-use catamaran::mpi::{World, ata_columns, ata_rows, ata_tree};
+use catamaran::ranks::{World, ata_columns, ata_rows, ata_tree};
 
 use crate::Scene;
 use crate::matrices::{options, part, tell};
@@ -147,7 +147,7 @@ fn different_calls(world: &World) {
     let error = if world.rank() == 0 {
         ata_rows(world, 1.0, a.as_ref(), &options()).unwrap_err()
     } else {
-        catamaran::mpi::sum_symmetric(world, a.as_ref()).unwrap_err()
+        catamaran::ranks::sum_symmetric(world, a.as_ref()).unwrap_err()
     };
     tell(world, error);
 }

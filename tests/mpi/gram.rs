@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, mat};
-use catamaran::gram::{self, LeastSquares, LeastSquaresOptions};
-use catamaran::mpi::{World, lstsq};
+use catamaran::ranks::{World, lstsq};
+use catamaran::solve::{self, LeastSquares, LeastSquaresOptions};
 
 use crate::matrices::{tell, uneven};
 use crate::{Case, Scene};
@@ -80,7 +80,7 @@ fn as_alone(world: &World) {
             let options = LeastSquaresOptions::new().intercept(intercept);
             let alone = options.standard_errors(errors);
             let all = weighted.then_some(&weights[..]);
-            let expected = gram::lstsq(a.as_ref(), b.as_ref(), all, &alone).unwrap();
+            let expected = solve::lstsq(a.as_ref(), b.as_ref(), all, &alone).unwrap();
             // One rank that asks for standard errors is enough.
             let options = options.standard_errors(errors && world.rank() + 1 == world.size());
             let weights = all.map(|weights| &weights[own.clone()]);

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-use catamaran::mpi::World;
+use catamaran::ranks::World;
 use mpi::topology::Communicator;
 
 use crate::{Case, Scene};

@@ -21,7 +21,7 @@ mod verify;
 
 use std::process::ExitCode;
 
-use catamaran::mpi::World;
+use catamaran::ranks::World;
 
 /// A named check that all ranks make together; a panic is a failure.
 pub type Case = (&'static str, fn(&World));

@@ -2,7 +2,7 @@
 
 use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mpi::{MpiReal, Symmetric, World};
+use catamaran::ranks::{MpiReal, Symmetric, World};
 use catamaran::{AtaOptions, Error, Par, Real, Uplo};
 
 /// Rows and columns that every mode runs through.

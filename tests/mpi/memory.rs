@@ -1,9 +1,9 @@
 //! No rank holds much more than its share: bytes counted by the allocator.
 
-use catamaran::ata::distributed::TaskTree;
 use catamaran::base::release_memory;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mpi::{Symmetric, World, ata_columns, ata_rows, ata_tree, eigs};
+use catamaran::ranks::plan::TaskTree;
+use catamaran::ranks::{Symmetric, World, ata_columns, ata_rows, ata_tree, eigs};
 use catamaran::sparse::{self, EigenOptions, Mass};
 use catamaran::{AtaOptions, Par, Result, SchemeChoice};
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mpi::{World, cholesky_qr, gather_rows, gram_schmidt};
 use catamaran::ortho::{self, GramSchmidtOptions};
+use catamaran::ranks::{World, cholesky_qr, gather_rows, gram_schmidt};
 use catamaran::sparse::{CsMat, Mass};
 use catamaran::{Error, Par};
 

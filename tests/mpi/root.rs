@@ -3,11 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use catamaran::ata::block_rows;
-use catamaran::ata::distributed::{Machine, TaskTree, deal, packed_len};
-use catamaran::base::Progress;
+use catamaran::base::{Progress, block_rows, triangle_len};
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::mpi::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
+use catamaran::ranks::plan::{Machine, TaskTree, row_shares};
+use catamaran::ranks::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 
 use crate::matrices::{SHAPES, check_whole, expected, options, part};
@@ -220,9 +219,9 @@ fn deal_traffic(world: &World) {
     world.take_traffic();
     let (a, c) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
     ata_deal(world, 0, 1.0, a, 0.0, c, &options()).unwrap();
-    let parts = deal(world.size(), m, n, &Machine::default());
+    let parts = row_shares(world.size(), m, n, &Machine::default());
     let Traffic { words_sent, words_received, .. } = world.traffic();
-    let sums = 2 * packed_len(n);
+    let sums = 2 * triangle_len(n);
     if is_root {
         let dealt = (m - parts[0].len()) * n;
         assert!((dealt..=dealt + sums).contains(&(words_sent as usize)), "{words_sent}");

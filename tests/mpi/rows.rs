@@ -1,9 +1,9 @@
 //! Mode (a): rows of A on every rank.
 
-use catamaran::ata::distributed::packed_len;
-use catamaran::ata::{Accumulator, DenseRows, RowBounds, RowOptions, stream};
+use catamaran::base::triangle_len;
 use catamaran::faer::Mat;
-use catamaran::mpi::{MpiReal, World, agree_bounds, ata_rows, merge_accumulators, sum_symmetric};
+use catamaran::ranks::{MpiReal, World, agree_bounds, ata_rows, merge_accumulators, sum_symmetric};
+use catamaran::rows::{Accumulator, DenseRows, RowBounds, RowOptions, stream};
 use catamaran::{AtaOptions, Par, Uplo};
 
 use crate::Case;
@@ -55,10 +55,10 @@ fn traffic(world: &World) {
     let c = ata_rows(world, 1.0, a.as_ref(), &options()).unwrap();
     let seen = world.traffic();
     let chunks = match c.layout() {
-        catamaran::ata::distributed::Layout::Chunks(chunks) => chunks.count(),
+        catamaran::ranks::plan::TriangleLayout::Chunks(chunks) => chunks.count(),
         other => panic!("not chunks: {other:?}"),
     };
-    let all = packed_len(n) as u64;
+    let all = triangle_len(n) as u64;
     let kept = c.entries().len() as u64;
     assert_eq!(seen.words_sent, all - kept);
     assert!(seen.words_received.abs_diff(seen.words_sent) <= (chunks * world.size()) as u64);
@@ -104,7 +104,7 @@ fn exact_of<T: MpiReal>(world: &World) {
     let mut expected = Mat::from_fn(n, n, |_, _| T::ZERO);
     let (rows, alpha) = (&mut DenseRows(all.as_ref()), T::from_f64(0.3));
     let row_options = RowOptions::new();
-    catamaran::ata::ata_rows(alpha, rows, &row_options, T::ZERO, expected.as_mut(), &options)
+    catamaran::rows::ata_rows(alpha, rows, &row_options, T::ZERO, expected.as_mut(), &options)
         .unwrap();
     c.for_each_segment(|i, first, entries| {
         for (j, value) in (first..).zip(entries) {

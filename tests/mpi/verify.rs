@@ -2,7 +2,7 @@
 
 use catamaran::Real;
 use catamaran::faer::Mat;
-use catamaran::mpi::{Distributed, MpiReal, World, ata_columns, ata_rows, verify};
+use catamaran::ranks::{Distributed, MpiReal, World, ata_columns, ata_rows, verify};
 
 use crate::Case;
 use crate::matrices::{options, uneven};

@@ -3,15 +3,13 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify};
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::{Reborrow, ReborrowMut};
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::{
-    Accuracy, AtaOptions, Error, Par, SchemeChoice, Uplo, aat, ata, ata_scratch_len,
-    ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,
-};
+use catamaran::product::{ata_planned, atb_planned, verify};
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
+use catamaran::{Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, ata, atb};
 
 use crate::common::{AWKWARD, backends, bits, gaussian, integers, oracle};
 
@@ -24,7 +22,7 @@ fn deep(scheme: SchemeChoice) -> AtaOptions<'static> {
     AtaOptions::new().scheme(scheme).leaf(1).accuracy(Accuracy::Fast).threads(2)
 }
 
-/// Checks `ata_with_scratch` in dirty scratch, on a C whose other triangle is poisoned.
+/// Checks `ata_planned` in dirty scratch, on a C whose other triangle is poisoned.
 fn check_ata<T: BlasReal>(a: MatRef<'_, T>, uplo: Uplo, options: &AtaOptions<'_>) {
     let n = a.ncols();
     let nan = T::from_f64(f64::NAN);
@@ -41,9 +39,11 @@ fn check_ata<T: BlasReal>(a: MatRef<'_, T>, uplo: Uplo, options: &AtaOptions<'_>
         let poisoned = |i, j| if wanted(i, j) && beta != 0.0 { start[(i, j)] } else { nan };
         let mut c = Mat::from_fn(n, n, poisoned);
         let options = options.clone().uplo(uplo);
-        let mut scratch = vec![nan; ata_scratch_len::<T>(a.nrows(), n, &options).unwrap()];
+        let plan = Plan::ata::<T>(a.nrows(), n, &options).unwrap();
+        let mut scratch = vec![nan; plan.scratch_len::<T>(options.par)];
         let (alpha, beta) = (T::from_f64(alpha), T::from_f64(beta));
-        ata_with_scratch(alpha, a, beta, c.as_mut(), &options, &mut scratch).unwrap();
+        let scratch = Some(&mut scratch[..]);
+        ata_planned(&plan, alpha, a, beta, c.as_mut(), &options, scratch).unwrap();
         for j in 0..n {
             for i in 0..n {
                 let got = c[(i, j)].to_f64();
@@ -177,10 +177,11 @@ fn atb_is_exact_on_integers_of_awkward_sizes() {
                 let start = integers::<f64>(n, k, 11);
                 let mut c = start.clone();
                 let options = deep(scheme);
-                let len = atb_scratch_len::<f64>(m, n, k, &options).unwrap();
-                let mut scratch = vec![f64::NAN; len];
+                let plan = Plan::atb::<f64>(m, n, k, &options).unwrap();
+                let mut scratch = vec![f64::NAN; plan.scratch_len::<f64>(options.par)];
+                let scratch = Some(&mut scratch[..]);
                 let (av, bv) = (a.as_ref(), b.as_ref());
-                atb_with_scratch(2.0, av, bv, -1.0, c.as_mut(), &options, &mut scratch).unwrap();
+                atb_planned(&plan, 2.0, av, bv, -1.0, c.as_mut(), &options, scratch).unwrap();
                 assert_eq!(
                     c,
                     oracle(2.0, av, None, bv, -1.0, start.as_ref()),
@@ -393,10 +394,12 @@ fn a_scratch_too_short_is_an_error() {
     let mut c = Mat::zeros(64, 64);
     let options = deep(SchemeChoice::Ata2);
     let options = options.leaf(4);
-    let len = ata_scratch_len::<f64>(64, 64, &options).unwrap();
+    let plan = Plan::ata::<f64>(64, 64, &options).unwrap();
+    let len = plan.scratch_len::<f64>(options.par);
     assert!(len > 0);
     let mut scratch = vec![0.0; len - 1];
-    let result = ata_with_scratch(1.0, a.as_ref(), 0.0, c.as_mut(), &options, &mut scratch);
+    let scratch = Some(&mut scratch[..]);
+    let result = ata_planned(&plan, 1.0, a.as_ref(), 0.0, c.as_mut(), &options, scratch);
     assert_eq!(
         result,
         Err(Error::Shape { what: "scratch", expected: (len, 1), got: (len - 1, 1) })
@@ -501,7 +504,7 @@ fn verify_rejects_what_overflows_and_rounds_out_of_range() {
 fn sizes_that_overflow_are_refused() {
     let options = AtaOptions::default();
     for (m, n) in [(1 << 40, 1 << 40), (usize::MAX, 2), (3, usize::MAX)] {
-        let result = ata_scratch_len::<f64>(m, n, &options);
+        let result = Plan::ata::<f64>(m, n, &options);
         assert!(matches!(result, Err(Error::OutOfMemory { .. })), "{m} x {n}");
     }
 }
@@ -510,7 +513,7 @@ fn sizes_that_overflow_are_refused() {
 fn scratch_of_a_tall_matrix_does_not_grow_with_its_rows() {
     for scheme in [SchemeChoice::Classical, SchemeChoice::Winograd, SchemeChoice::Kgp4] {
         let options = AtaOptions::new().scheme(scheme);
-        let len = |m| ata_scratch_len::<f64>(m, 4096, &options).unwrap();
+        let len = |m| Plan::ata::<f64>(m, 4096, &options).unwrap().scratch_len::<f64>(options.par);
         for m in [4096, 40 * 4096] {
             assert!(len(m) <= 4096 * 4096 / 2, "{scheme:?}: more than half of C");
         }

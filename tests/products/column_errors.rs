@@ -3,17 +3,17 @@
 
 use std::sync::Arc;
 
-use catamaran::ata::{DenseRows, RowOptions, ata_rows};
 use catamaran::blas::{Backend, BlasReal, native_with};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::kernel::packed::{Isa, Rates};
+use catamaran::kernel::packed::{FloatIsa, Rates};
+use catamaran::rows::{DenseRows, RowOptions, ata_rows};
 use catamaran::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, ata, atb};
 
 use crate::common::{backends, gaussian};
 
 /// Our own kernels, with products that seem to cost so much that the planner takes every fast level
 /// it may.
-fn costly(isa: Isa) -> Arc<dyn Backend> {
+fn costly(isa: FloatIsa) -> Arc<dyn Backend> {
     native_with(isa, Rates { flops: 1e8, ..Rates::of(isa) })
 }
 
@@ -148,7 +148,7 @@ fn check<T: BlasReal>(options: &AtaOptions<'_>, smallest: i32, what: &str) {
 
 #[test]
 fn small_columns_are_as_accurate_as_large_ones_on_every_instruction_set() {
-    for isa in Isa::ALL {
+    for isa in FloatIsa::ALL {
         for scheme in [SchemeChoice::Float, SchemeChoice::Winograd, SchemeChoice::Kgp4] {
             let options = AtaOptions::new().backend(costly(isa)).scheme(scheme).leaf(8);
             let plan = Plan::ata::<f64>(210, 96, &options).unwrap();
@@ -172,7 +172,7 @@ fn small_columns_are_accurate_on_the_exact_path_and_on_other_back_ends() {
 #[test]
 fn a_column_that_is_not_finite_spoils_its_own_products_alone() {
     let a = gaussian::<f64>(150, 64, 3);
-    for isa in Isa::ALL {
+    for isa in FloatIsa::ALL {
         for scheme in [SchemeChoice::Winograd, SchemeChoice::Kgp4] {
             let options =
                 AtaOptions::new().backend(costly(isa)).scheme(scheme).leaf(8).uplo(Uplo::Both);

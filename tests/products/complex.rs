@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use catamaran::ata::{ComplexPlan, aha_planned, ahb_planned};
 use catamaran::base::{Pin, Rng};
 use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
 use catamaran::faer::{Mat, MatMut, MatRef, Scale, c32, c64};
+use catamaran::product::{ComplexPlan, aha_planned, ahb_planned};
 use catamaran::{Accuracy, AtaOptions, Error, Par, SchemeChoice, Uplo, aha, ahb};
 
 use crate::common::{AWKWARD, backends, bits};

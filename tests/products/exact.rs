@@ -1,11 +1,11 @@
 //! The exact path as callers see it: special values, limits, and the same bytes whatever happens.
 
-use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatRef};
+use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::{
-    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata, atb, kernel::int8::Isa,
+    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata, atb, kernel::int8::IntegerIsa,
 };
 
 use crate::common::{bits, gaussian};
@@ -73,7 +73,7 @@ fn golden<T: BlasReal>(accuracy: Accuracy) -> u64 {
 fn every_machine_finds_the_same_bytes() {
     let found = [Accuracy::Fast, Accuracy::Default, Accuracy::Max]
         .map(|accuracy| [golden::<f64>(accuracy), golden::<f32>(accuracy)]);
-    println!("isa {}: {found:#018x?}", Isa::best().name());
+    println!("isa {}: {found:#018x?}", IntegerIsa::best().name());
     assert_eq!(found, GOLDEN);
 }
 
@@ -412,14 +412,14 @@ fn accuracy_max_is_the_exact_path_and_classical_is_not() {
         let plan = Plan::atb::<f32>(m, n, k, &named).unwrap();
         assert!(plan.is_exact() && !plan.is_fast());
         let text = plan.to_string();
-        assert!(text.contains(way) && text.contains(Isa::best().name()), "{text}");
+        assert!(text.contains(way) && text.contains(IntegerIsa::best().name()), "{text}");
     }
 }
 
 #[test]
 fn without_amx_the_planner_takes_the_exact_path_only_when_asked() {
     let automatic = Plan::ata::<f64>(4096, 4096, &AtaOptions::default()).unwrap();
-    assert_eq!(automatic.is_exact(), Isa::best() == Isa::Amx);
+    assert_eq!(automatic.is_exact(), IntegerIsa::best() == IntegerIsa::Amx);
 }
 
 #[test]

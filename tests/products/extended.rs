@@ -1,9 +1,9 @@
 //! Gram matrices in extended precision, against integers of any size.
 
-use catamaran::ata::{Accumulator, DenseRows, ExtendedGram, RowBounds, stream};
 use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
 use catamaran::faer::Mat;
+use catamaran::rows::{Accumulator, DenseRows, ExtendedGram, RowBounds, stream};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 use num_bigint::BigInt;
 

@@ -5,11 +5,9 @@ use catamaran::blas::{self, Backend, BlasReal, Native};
 use std::sync::Arc;
 
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::kernel::packed::{Isa, Rates};
-use catamaran::{
-    AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
-    atb_scratch_len, atb_with_scratch,
-};
+use catamaran::kernel::packed::{FloatIsa, Rates};
+use catamaran::product::{ata_planned, atb_planned};
+use catamaran::{AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, atb};
 
 use crate::common::{bits, gaussian, integers, oracle};
 
@@ -21,7 +19,7 @@ const UPLOS: [Uplo; 3] = [Uplo::Lower, Uplo::Upper, Uplo::Both];
 /// Every instruction set that this machine has, with products that seem to cost so much that the
 /// planner takes every fast level it may.
 fn natives() -> impl Iterator<Item = Arc<dyn Backend>> {
-    let usable = Isa::ALL.into_iter().filter(|i| i.refusal().is_none());
+    let usable = FloatIsa::ALL.into_iter().filter(|i| i.refusal().is_none());
     usable.map(|i| -> Arc<dyn Backend> {
         Arc::new(Native::new(i, Rates { flops: 1e8, ..Rates::of(i) }))
     })
@@ -119,10 +117,11 @@ fn wanted(uplo: Uplo) -> impl Fn(usize, usize) -> bool {
 /// A^T A in dirty scratch of the very length asked for.
 fn check_ata<T: BlasReal>(a: MatRef<'_, T>, product: &Mat<f64>, options: &AtaOptions<'_>) {
     let (m, n) = a.shape();
-    let len = ata_scratch_len::<T>(m, n, options).unwrap();
+    let plan = Plan::ata::<T>(m, n, options).unwrap();
+    let len = plan.scratch_len::<T>(options.par);
     check::<T>(product, wanted(options.uplo), |alpha, beta, c| {
         let mut scratch = vec![T::from_f64(f64::NAN); len];
-        ata_with_scratch(alpha, a, beta, c, options, &mut scratch).unwrap();
+        ata_planned(&plan, alpha, a, beta, c, options, Some(&mut scratch)).unwrap();
     });
 }
 
@@ -133,13 +132,14 @@ fn check_atb<T: BlasReal>(
     product: &Mat<f64>,
     options: &AtaOptions<'_>,
 ) {
-    let len = atb_scratch_len::<T>(a.nrows(), a.ncols(), b.ncols(), options).unwrap();
+    let plan = Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options).unwrap();
+    let len = plan.scratch_len::<T>(options.par);
     check::<T>(
         product,
         |_, _| true,
         |alpha, beta, c| {
             let mut scratch = vec![T::from_f64(f64::NAN); len];
-            atb_with_scratch(alpha, a, b, beta, c, options, &mut scratch).unwrap();
+            atb_planned(&plan, alpha, a, b, beta, c, options, Some(&mut scratch)).unwrap();
         },
     );
 }
@@ -229,7 +229,7 @@ fn repeated<T: BlasReal>(m: usize, a: &Mat<f64>) -> Mat<T> {
 fn built_in_rates_give_the_same_integers() {
     let a = integers::<f64>(211, 97, 11);
     let square = product(&a, None, &a);
-    for isa in Isa::ALL {
+    for isa in FloatIsa::ALL {
         // A refused isa falls back to the portable one.
         let backend = blas::native_on(isa);
         let scheme = SchemeChoice::Float;

@@ -1,7 +1,7 @@
 //! Plans are data: they can be checked for any number of processes without running anything.
 
-use catamaran::ata::{Node, Task, levels};
-use catamaran::kernel::int8::Isa;
+use catamaran::kernel::int8::IntegerIsa;
+use catamaran::product::{Node, Task, thread_levels};
 use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice};
 
 /// Equation 8.6 as printed, `P / 2` in integers.
@@ -20,7 +20,7 @@ fn equation_8_6(p: usize) -> usize {
 #[test]
 fn levels_of_the_task_tree_are_those_of_equation_8_6() {
     for p in 1..=64 {
-        assert_eq!(levels(p), equation_8_6(p), "P = {p}");
+        assert_eq!(thread_levels(p), equation_8_6(p), "P = {p}");
         assert_eq!(Node::symmetric(4096, p).depth(), equation_8_6(p), "P = {p}");
     }
 }
@@ -120,7 +120,8 @@ fn small_products_are_classical_and_classical_accuracy_always_is() {
 fn large_products_are_fast() {
     let options = AtaOptions::default();
     // With AMX the exact path is faster still.
-    let fast = |plan: Plan| plan.is_fast() || Isa::best() == Isa::Amx && plan.is_exact();
+    let fast =
+        |plan: Plan| plan.is_fast() || IntegerIsa::best() == IntegerIsa::Amx && plan.is_exact();
     assert!(fast(Plan::ata::<f64>(16_384, 16_384, &options).unwrap()));
     assert!(fast(Plan::atb::<f32>(16_384, 16_384, 16_384, &options).unwrap()));
 }
@@ -161,11 +162,11 @@ fn the_faithful_mode_is_fast_only_where_blocks_stay_long() {
 
 #[test]
 fn levels_of_ata_d_are_those_of_equation_8_5_and_messages_those_of_proposition_8_3() {
-    use catamaran::ata::distributed::{TaskTree, levels, proposition_8_3};
+    use catamaran::ranks::plan::{TaskTree, proposition_8_3, rank_levels};
     // Equation 8.5 by hand; P / 4 is 1, 7, 8, 9, 16 and 64 for P from 7 on.
     let expected = [(1, 0), (2, 1), (6, 1), (7, 2), (31, 2), (32, 2), (36, 3), (64, 2), (256, 3)];
     for (ranks, depth) in expected {
-        assert_eq!(levels(ranks), depth, "P = {ranks}");
+        assert_eq!(rank_levels(ranks), depth, "P = {ranks}");
         assert_eq!(TaskTree::new(1024, 1024, ranks).depth(), depth, "P = {ranks}");
     }
     // All levels are complete, except at P = 64.

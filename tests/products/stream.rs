@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use catamaran::ata::{
-    Accumulator, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan, ata_rows,
-    block_rows, scalar_of, stream,
-};
-use catamaran::base::Rng;
+use catamaran::base::{Rng, block_rows};
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::rows::{
+    Accumulator, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan, ata_rows,
+    scalar_of, stream,
+};
 use catamaran::{AtaOptions, Error, Par, Result, SchemeChoice, Uplo};
 
 use crate::common::{bits, gaussian, integers, oracle};

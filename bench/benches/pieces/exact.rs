@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use catamaran::ata::{Stages, exact_stages};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::kernel::int8::Isa;
+use catamaran::kernel::int8::IntegerIsa;
+use catamaran::product::{Stages, exact_stages};
 use catamaran::{AtaOptions, Par};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use criterion::{BenchmarkId, Criterion, Throughput};
@@ -37,7 +37,7 @@ fn stage(
     let options = AtaOptions::new().par(Par::Seq);
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(entries(shape) as u64));
-    for isa in Isa::ALL.into_iter().filter(|isa| isa.refusal().is_none()) {
+    for isa in IntegerIsa::ALL.into_iter().filter(|isa| isa.refusal().is_none()) {
         group.bench_function(BenchmarkId::new(isa.name(), shape), |b| {
             b.iter_custom(|count| {
                 let mut once =

@@ -4,10 +4,10 @@
 use std::time::Instant;
 
 use catamaran::AtaOptions;
-use catamaran::ata::{Stages, exact_stages};
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
-use catamaran::kernel::int8::{Isa, Ladder, Rung, StepRates};
+use catamaran::kernel::int8::{IntegerIsa, Ladder, Rung, StepRates};
+use catamaran::product::{Stages, exact_stages};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::{Result, host};
 use faer::{MatMut, MatRef};
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Prints the rates of the kernel of an instruction set, with operands at every level of the
 /// memory.
-fn show_ladder(isa: Isa) -> Result<()> {
+fn show_ladder(isa: IntegerIsa) -> Result<()> {
     let ladder = Ladder::measure(isa)?;
     // A multiplication and an addition are two operations.
     let rate = |rate: f64| format!("{:.1}", 2e-9 * rate);
@@ -133,12 +133,12 @@ fn one_shape<T: BlasReal>(arguments: &Arguments, shape: Shape, moduli: usize) ->
     Ok(())
 }
 
-fn isas(names: &[String]) -> Result<Vec<Isa>> {
+fn isas(names: &[String]) -> Result<Vec<IntegerIsa>> {
     if names.is_empty() {
-        return Ok(vec![Isa::best()]);
+        return Ok(vec![IntegerIsa::best()]);
     }
     let find = |name: &String| {
-        let found = Isa::ALL.into_iter().find(|i| i.name() == name);
+        let found = IntegerIsa::ALL.into_iter().find(|i| i.name() == name);
         found.ok_or_else(|| format!("{name}: no such instruction set").into())
     };
     names.iter().map(find).collect()

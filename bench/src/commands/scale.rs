@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use catamaran::ata::distributed::{Explanation, Machine};
 use catamaran::io::{Output, Overwrite};
+use catamaran::ranks::plan::{Explanation, Machine};
 use catamaran_bench::input::Shape;
 use catamaran_bench::scale::{CSV_HEADER, rows, svg};
 use catamaran_bench::{Result, record};

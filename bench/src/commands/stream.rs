@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use catamaran::ata::{Accumulator, RowBlocks, block_rows, stream};
-use catamaran::base::available_cores;
+use catamaran::base::{available_cores, block_rows};
 use catamaran::io::{Output, Overwrite, RowFile, write};
+use catamaran::rows::{Accumulator, RowBlocks, stream};
 use catamaran::{AtaOptions, Par, Uplo};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::race::median;

@@ -3,12 +3,13 @@
 use std::path::Path;
 use std::time::Instant;
 
-use catamaran::ata::{Center, DenseRows, ExtendedGram, RowOptions, ata_extended};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::gram::{
-    GramQr, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions, lstsq, svd,
-};
 use catamaran::io::{Dense, Matrix, ReadOptions, RowFile, read};
+use catamaran::rows::{Center, DenseRows, ExtendedGram, RowOptions, ata_extended};
+use catamaran::solve::{
+    GramQr, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions, lstsq,
+    singular_values,
+};
 use catamaran::{AtaOptions, Par, SchemeChoice, ata};
 use clap::ValueEnum;
 
@@ -125,7 +126,7 @@ fn least_squares(a: MatRef<'_, f64>, b: &[f64], par: Par) -> Result<Vec<f64>> {
 
 /// Returns the singular values of A, the largest first.
 fn singular_values(a: MatRef<'_, f64>, par: Par) -> Result<Vec<f64>> {
-    Ok(svd(a, par)?.values)
+    Ok(singular_values(a, par)?.values)
 }
 
 /// Returns the Gram matrix of A in extended precision.

@@ -11,14 +11,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::ata::{
-    Accumulator, Center, Plan, RowBounds, RowOptions, StreamPlan, Strip, ata_sparse,
-    sparse_is_faster, sparse_multiplications, stream, verify_rows,
-};
 use catamaran::base::{Pin, Progress, Workspace};
 use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::{MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Output, StripOutput};
+use catamaran::product::{Plan, ata_sparse, sparse_is_faster, sparse_multiplications};
+use catamaran::rows::{
+    Accumulator, Center, RowBounds, RowOptions, StreamPlan, Strip, stream, verify_rows,
+};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
 use crate::common::{Force, Threads};

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use catamaran::ata::{Node, verify};
 use catamaran::base::{Real, Rng};
 use catamaran::blas;
 use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatRef};
+use catamaran::product::{Node, verify};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
 use minijinja::context;

@@ -5,10 +5,10 @@ use std::thread;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use catamaran::base::{Rng, available_cores};
+use catamaran::base::{Rng, available_cores, triangle_len};
 use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::kernel::int8::Isa;
+use catamaran::kernel::int8::IntegerIsa;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice};
 use catamaran_charts::{Bar as ChartBar, bars as draw_bars};
 use minijinja::context;
@@ -123,7 +123,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             largest = largest.max(errors[(i, j)]);
             squares += errors[(i, j)].powi(2);
         }
-        let typical = (squares / entries(side) as f64).sqrt();
+        let typical = (squares / triangle_len(side) as f64).sqrt();
         outcomes.push(Outcome { way, seconds, largest, typical });
         bar.step(0.3 + 0.1 * outcomes.len() as f64)?;
     }
@@ -186,11 +186,11 @@ fn describe(
     scale: picture::Scale,
 ) -> Result<Station> {
     let [classical, _, exact, _] = outcomes else { unreachable!("one outcome a way") };
-    let isa = Isa::best();
-    let has_tiles = isa == Isa::Amx;
+    let isa = IntegerIsa::best();
+    let has_tiles = isa == IntegerIsa::Amx;
     let time_ratio = exact.seconds / classical.seconds;
     let digits = if has_tiles { 2 } else { 1 };
-    let total = entries(side);
+    let total = triangle_len(side);
     let most = |of: fn(&Change) -> usize| changes.iter().map(of).max().unwrap_or(0);
     let values = context! {
         side,
@@ -261,11 +261,6 @@ fn percent(part: usize, total: usize) -> f64 {
 /// Rows and columns of the lower triangle.
 fn lower(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |j| (j..n).map(move |i| (i, j)))
-}
-
-/// How many there are.
-fn entries(n: usize) -> usize {
-    n * (n + 1) / 2
 }
 
 /// A^T A without any error: the lower triangle of the product of the integers `GRID * A`.

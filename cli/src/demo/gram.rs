@@ -3,7 +3,7 @@
 use anyhow::Result;
 use catamaran::faer::linalg::solvers::{Llt, Qr, SolveCore, SolveLstsqCore};
 use catamaran::faer::{Conj, Mat, MatRef, Side};
-use catamaran::gram::{LeastSquaresOptions, lstsq};
+use catamaran::solve::{LeastSquaresOptions, lstsq};
 use catamaran_charts::{Axis, Chart, Rgb, Series, svg};
 use minijinja::context;
 use minijinja::value::Value;
@@ -33,7 +33,7 @@ struct Way {
 const WAYS: [Way; 3] = [
     Way { name: "normal equations", color: [0xb4, 0x44, 0x3c], solve: normal_equations },
     Way { name: "QR", color: [0x8a, 0x8a, 0x8a], solve: qr },
-    Way { name: "catamaran::gram::lstsq", color: [0x1f, 0x6f, 0xb4], solve: ours },
+    Way { name: "catamaran::solve::lstsq", color: [0x1f, 0x6f, 0xb4], solve: ours },
 ];
 
 /// The fit of one degree: the condition number of its columns, and the largest relative error of a

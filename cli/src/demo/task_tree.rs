@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use catamaran::ata::{Node, Task};
+use catamaran::product::{Node, Task};
 use colorous::{Color, RAINBOW};
 
 /// The lower triangle of C with its owners, and the tree that says so.

@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::ata::{Accumulator, ExtendedGram, RowBounds, block_rows, stream};
-use catamaran::gram::check_weights;
+use catamaran::base::block_rows;
+use catamaran::rows::{Accumulator, ExtendedGram, RowBounds, stream};
+use catamaran::solve::check_weights;
 use catamaran::{AtaOptions, Par};
 
 pub use self::second::second_pass;

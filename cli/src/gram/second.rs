@@ -1,8 +1,7 @@
 //! The second pass over the rows, to a matrix that is written block by block.
 
 use anyhow::Result;
-use catamaran::ata::block_rows;
-use catamaran::base::Workspace;
+use catamaran::base::{Workspace, block_rows};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::ArraysWriter;
 

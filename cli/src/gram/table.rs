@@ -5,10 +5,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use catamaran::ata::RowBlocks;
 use catamaran::faer::MatMut;
 use catamaran::faer::prelude::ReborrowMut;
-use catamaran::gram::JoinedRows;
+use catamaran::rows::RowBlocks;
+use catamaran::solve::JoinedRows;
 
 use crate::rows::{Part, Source};
 

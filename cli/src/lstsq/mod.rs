@@ -6,8 +6,8 @@ mod output;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use catamaran::gram::{LeastSquares, LeastSquaresOptions};
 use catamaran::io::Output;
+use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
 
 use self::output::Solution;

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 use anyhow::Result;
-use catamaran::gram::LeastSquares;
 use catamaran::io::{Array, Output, write_arrays};
+use catamaran::solve::LeastSquares;
 
 use crate::gram::SHOWN;
 use crate::report::{head, report, row, shown, status};

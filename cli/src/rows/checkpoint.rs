@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::ata::Accumulator;
 use catamaran::blas::BlasReal;
 use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::rows::Accumulator;
 
 use crate::claims::{Purpose, claim};
 use crate::common::Force;

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::ata::{DenseRows, RowBlocks};
 use catamaran::base::{Real, zeros};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
+use catamaran::rows::{DenseRows, RowBlocks};
 
 use crate::claims::{Purpose, claim};
 use crate::input;
@@ -66,7 +66,7 @@ impl Source {
             .and_then(|name| name.split_once(":/"))
             .map_or(name, |(file, _)| Path::new(file));
         claim(file, Purpose::Input)?;
-        let (content, names) = if is_file_of_rows(name) {
+        let (content, names) = if RowFile::is_one(name) {
             let file = RowFile::open(name)?;
             let file = match columns {
                 Some(columns) => named(name, file.with_columns(columns))?,
@@ -190,17 +190,6 @@ impl Source {
 
 /// Entries that are read at a time to be checked.
 const BLOCK: usize = 1 << 20;
-
-/// Returns whether the name is that of a file that is read by rows. A file that is not regular,
-/// such as a pipe, is read as a whole.
-fn is_file_of_rows(name: &Path) -> bool {
-    let text = name.to_string_lossy().to_ascii_lowercase();
-    let hdf5 = [".h5", ".hdf5", ".he5"];
-    let is_hdf5 = |text: &str| hdf5.iter().any(|end| text.ends_with(end));
-    is_hdf5(&text)
-        || text.match_indices(':').any(|(at, _)| is_hdf5(&text[..at]))
-        || text.ends_with(".npy") && fs::metadata(name).is_ok_and(|about| about.is_file())
-}
 
 /// Rows that must be finite.
 struct Finite<'a, T> {

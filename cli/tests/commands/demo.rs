@@ -15,12 +15,13 @@ fn info_names_version_cpu_back_ends_and_instances() {
     let state = |refusal: Option<&'static str>, best| {
         refusal.unwrap_or(if best { "used" } else { "available" })
     };
-    let best = packed::Isa::best();
+    let best = packed::FloatIsa::best();
     let native =
-        packed::Isa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+        packed::FloatIsa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
     assert_eq!(block(&text, "native path"), native);
-    let best = int8::Isa::best();
-    let exact = int8::Isa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+    let best = int8::IntegerIsa::best();
+    let exact =
+        int8::IntegerIsa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
     assert_eq!(block(&text, "exact path"), exact);
     for line in block(&text, "rates") {
         assert!(line.ends_with("built in (`catamaran tune` measures them)"), "{line}");

@@ -3,12 +3,12 @@
 use crate::common::Folder;
 
 #[cfg(feature = "hdf5")]
-use catamaran::ata::RowBlocks;
-#[cfg(feature = "hdf5")]
 use catamaran::faer::Mat;
 #[cfg(feature = "hdf5")]
 use catamaran::io::RowFile;
 use catamaran::io::{Output, Overwrite};
+#[cfg(feature = "hdf5")]
+use catamaran::rows::RowBlocks;
 use catamaran_geometry::mesh::{TriMesh, families, io};
 
 fn write(folder: &Folder, name: &str, mesh: TriMesh) {

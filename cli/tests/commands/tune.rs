@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use catamaran::kernel::packed::{Isa, Rates};
+use catamaran::kernel::packed::{FloatIsa, Rates};
 
 use crate::common::{CACHE, Folder};
 
@@ -19,7 +19,7 @@ fn dry_run_prints_a_table_and_writes_nothing() {
     let folder = Folder::new();
     let report = folder.succeed("tune --dry-run --isa portable");
     let rates = table(&report);
-    let of = Rates::of(Isa::Portable);
+    let of = Rates::of(FloatIsa::Portable);
     let built_in = [of.flops, of.read_bytes, of.pack_bytes, of.update_bytes];
     assert_eq!(rates.iter().map(|r| r.1).collect::<Vec<_>>(), built_in.map(|rate| rate / 1e9));
     assert!(rates.iter().all(|r| r.0 >= 0.0), "{report}");
@@ -35,7 +35,7 @@ fn measured_rates_are_kept_and_info_says_where() {
     let report = folder.succeed("tune --isa portable");
     let path = report.lines().find_map(|line| line.strip_prefix("written     ")).expect("a file");
     assert!(path.starts_with(&*folder.path(CACHE).to_string_lossy()), "{path}");
-    let kept = Rates::load(path.as_ref(), Isa::Portable).unwrap();
+    let kept = Rates::load(path.as_ref(), FloatIsa::Portable).unwrap();
     for (rate, (shown, _)) in
         [kept.flops, kept.read_bytes, kept.pack_bytes, kept.update_bytes].iter().zip(table(&report))
     {
@@ -66,7 +66,7 @@ fn unknown_instances_say_what_is_known() {
 #[test]
 fn an_instance_that_the_machine_lacks_is_refused() {
     let folder = Folder::new();
-    for isa in Isa::ALL {
+    for isa in FloatIsa::ALL {
         if let Some(why) = isa.refusal() {
             let run = folder.run(&format!("tune --isa {}", isa.name()));
             assert_eq!(run.code, Some(1));

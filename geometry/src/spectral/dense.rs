@@ -11,9 +11,9 @@ use faer::linalg::svd;
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef, Spec};
 
-use catamaran::ata::{Accuracy, AtaOptions, atb};
 use catamaran::base::{Error, Par, Result, apart};
 use catamaran::dense::{self, zeros};
+use catamaran::product::{Accuracy, AtaOptions, atb};
 
 const SEQ: faer::Par = faer::Par::Seq;
 

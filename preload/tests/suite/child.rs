@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use catamaran::faer::{c32, c64};
-use catamaran::kernel::packed::Isa;
+use catamaran::kernel::packed::FloatIsa;
 
 use super::calls::{Convention, SPELLINGS, Spelling, gemm, syrk};
 use super::library;
@@ -33,7 +33,7 @@ pub fn preloaded(program: &Path, more: &[&Path], variables: &[(&str, &str)]) -> 
 /// Returns whether `auto` computes a product of 300 x 300 on this CPU, within `CATAMARAN_ISA`;
 /// elsewhere it forwards it.
 pub fn auto_computes() -> bool {
-    Isa::best() == Isa::Avx512
+    FloatIsa::best() == FloatIsa::Avx512
 }
 
 /// Runs a task in a process of its own and returns its output; fails when the task does.

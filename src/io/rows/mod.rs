@@ -17,9 +17,12 @@ use self::dataset::DatasetRows;
 use self::file::{CHANGED, Stamp};
 use self::npy::NpyRows;
 use super::columns::checked_columns;
+use super::names::RowsFormat;
+#[cfg(not(feature = "hdf5"))]
+use super::names::without_hdf5;
 use super::source::error;
-use crate::ata::RowBlocks;
 use crate::base::{Error, Real, Result};
+use crate::rows::RowBlocks;
 
 /// A matrix in a file whose rows are read block by block, so that the matrix may be larger than
 /// memory. It can be sent to a thread that reads.
@@ -42,7 +45,7 @@ use crate::base::{Error, Real, Result};
 /// replaced by another file of its name, the old rows are still read.
 ///
 /// ```
-/// use catamaran::ata::RowBlocks;
+/// use catamaran::rows::RowBlocks;
 /// use catamaran::faer::Mat;
 /// use catamaran::io::{self, Output, Overwrite, RowFile};
 ///
@@ -74,12 +77,28 @@ impl RowFile {
     /// bytes, entries that are not real numbers, neither one nor two dimensions.
     pub fn open(name: impl AsRef<Path>) -> Result<Self> {
         let name = name.as_ref();
-        let content = match Kind::of(name)? {
-            Kind::Npy => Content::Npy(NpyRows::open(name)?),
-            Kind::Hdf5 { path, dataset } => open_dataset(&path, dataset.as_deref())?,
+        let content = match RowsFormat::of(name)? {
+            RowsFormat::Npy => Content::Npy(NpyRows::open(name)?),
+            RowsFormat::Hdf5 { path, dataset } => open_dataset(&path, dataset.as_deref())?,
         };
         let columns = 0..content.shape().1;
         Ok(Self { name: name.into(), content, columns })
+    }
+
+    /// Returns whether a file of this name is read by rows: the name is that of an HDF5 file, with
+    /// a dataset or without, or of a `.npy` file that is no folder, pipe or device.
+    ///
+    /// ```
+    /// use catamaran::io::RowFile;
+    ///
+    /// assert!(RowFile::is_one("a.h5:/x".as_ref()) && !RowFile::is_one("a.csv".as_ref()));
+    /// ```
+    pub fn is_one(name: &Path) -> bool {
+        match RowsFormat::of(name) {
+            Ok(RowsFormat::Npy) => name.is_file(),
+            Ok(RowsFormat::Hdf5 { .. }) => true,
+            Err(_) => false,
+        }
     }
 
     /// Keeps only these columns of the file, from 0, half open.
@@ -218,42 +237,6 @@ content! {
     stamp -> Stamp,
 }
 
-/// What a name says about its file.
-#[derive(Debug, PartialEq, Eq)]
-enum Kind {
-    Npy,
-    Hdf5 { path: PathBuf, dataset: Option<String> },
-}
-
-impl Kind {
-    fn of(name: &Path) -> Result<Self> {
-        let fail = |what: &str| Err(error(name, None, what));
-        let text = name.to_string_lossy().to_ascii_lowercase();
-        let is_hdf5 = |text: &str| [".h5", ".hdf5", ".he5"].iter().any(|end| text.ends_with(end));
-        // A name that is not text has no part for a dataset.
-        if let Some(whole) = name.to_str() {
-            let colon = text.match_indices(':').find(|&(at, _)| is_hdf5(&text[..at]));
-            if let Some((at, _)) = colon {
-                let dataset = Some(whole[at + 1..].into());
-                return Ok(Self::Hdf5 { path: whole[..at].into(), dataset });
-            }
-        }
-        if is_hdf5(&text) {
-            return Ok(Self::Hdf5 { path: name.into(), dataset: None });
-        }
-        if text.ends_with(".npy") {
-            return Ok(Self::Npy);
-        }
-        if text.ends_with(".npy.gz") {
-            return fail("gzipped, so rows can't be read from its middle: unpack it first");
-        }
-        fail(
-            "unknown kind of file for reading by rows: the name must end in .npy, .h5, .hdf5 or .he5, \
-             and the last three may have :/path/to/dataset after it",
-        )
-    }
-}
-
 #[cfg(feature = "hdf5")]
 fn open_dataset(path: &Path, name: Option<&str>) -> Result<Content> {
     DatasetRows::open(path, name).map(Content::Hdf5)
@@ -261,5 +244,5 @@ fn open_dataset(path: &Path, name: Option<&str>) -> Result<Content> {
 
 #[cfg(not(feature = "hdf5"))]
 fn open_dataset(path: &Path, _: Option<&str>) -> Result<Content> {
-    Err(error(path, None, "HDF5 is not part of this program: build it with --features hdf5"))
+    Err(without_hdf5(path))
 }

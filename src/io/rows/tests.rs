@@ -219,12 +219,12 @@ fn broken_arrays_are_refused_when_they_are_opened() {
 
 #[test]
 fn names_say_what_is_read() {
-    let hdf5 = |path: &str, dataset: Option<&str>| Kind::Hdf5 {
+    let hdf5 = |path: &str, dataset: Option<&str>| RowsFormat::Hdf5 {
         path: path.into(),
         dataset: dataset.map(Into::into),
     };
-    let kind = |name: &str| Kind::of(Path::new(name)).unwrap();
-    assert_eq!(kind("d/a.NPY"), Kind::Npy);
+    let kind = |name: &str| RowsFormat::of(Path::new(name)).unwrap();
+    assert_eq!(kind("d/a.NPY"), RowsFormat::Npy);
     assert_eq!(kind("d/a.h5"), hdf5("d/a.h5", None));
     assert_eq!(kind("a.he5:/g/x"), hdf5("a.he5", Some("/g/x")));
     assert_eq!(kind("a.HDF5:/b.h5:c"), hdf5("a.HDF5", Some("/b.h5:c")));

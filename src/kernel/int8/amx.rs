@@ -9,7 +9,7 @@ use super::avx512::{Reduction, Sums, Vnni};
 use super::direct::{Products, Row};
 use super::kernel::{Kernel, Next, Operands, Session};
 use super::moduli::{Moduli, Modulus};
-use super::tile::{Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms};
+use super::tile::{DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms};
 use crate::base::IsaLevel;
 
 /// The kernel. A value exists only if AMX works, so the assembly below is sound.
@@ -144,7 +144,7 @@ impl Kernel for Amx {
         self.others.transpose(right, left);
     }
 
-    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+    fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
         // SAFETY: `self` exists, so the CPU has the instructions. The caller holds a session, which
         // configures the tiles; without one the CPU traps.
         unsafe { product(operands, residues) }
@@ -152,7 +152,7 @@ impl Kernel for Amx {
 
     fn recombine(
         &self,
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
         columns: &[i32; PANEL],
@@ -203,11 +203,11 @@ impl Kernel for Amx {
 /// # Safety
 /// The CPU has AMX-INT8, and the tiles are configured.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,fma")]
-unsafe fn product(operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+unsafe fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
     let Operands { right, next, modulus, continued, .. } = *operands;
     let reduction = Reduction::new(modulus);
     let mut sums = Sums::ZERO;
-    let mut before: Option<&mut Block<i8>> = None;
+    let mut before: Option<&mut PanelBlock<i8>> = None;
     for (i, (left, residues)) in operands.left_panels(residues.len()).zip(residues).enumerate() {
         let ahead = next.as_ptr().cast::<i8>().wrapping_add(i * right.len() * AHEAD);
         // SAFETY: the caller's promise; both panels are of the same length, at most `DEPTH`.
@@ -294,7 +294,7 @@ unsafe fn multiply(
     right: &[Slice],
     ahead: *const i8,
     sums: &mut Sums,
-    before: Option<&mut Block<i8>>,
+    before: Option<&mut PanelBlock<i8>>,
     reduction: &Reduction,
     continued: bool,
 ) {

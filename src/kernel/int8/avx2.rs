@@ -7,7 +7,7 @@ use super::direct::{Products, Row};
 use super::kernel::{Kernel, Next, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
-    Block, PANEL, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
+    PANEL, PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
     tile_norms,
 };
 use super::{portable, recombine};
@@ -84,7 +84,7 @@ impl Kernel for Avx2 {
         unsafe { convert_wide(tile, powers, moduli, out) }
     }
 
-    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+    fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
         product_by_pairs(
             operands,
             residues,
@@ -92,14 +92,14 @@ impl Kernel for Avx2 {
             |left, right, sums| unsafe { multiply(left, right, sums) },
             |sums, modulus, out| {
                 enabled!(portable::reduce =>
-                    (sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>))
+                    (sums: &PanelBlock<i32>, modulus: &Modulus, out: &mut PanelBlock<i8>))
             },
         );
     }
 
     fn recombine(
         &self,
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
         columns: &[i32; PANEL],
@@ -107,7 +107,7 @@ impl Kernel for Avx2 {
         out: &mut Square<f64>,
     ) {
         enabled!(recombine::block::<true> => (
-            residues: &[&Block<i8>],
+            residues: &[&PanelBlock<i8>],
             moduli: &Moduli,
             rows: &[i32; PANEL],
             columns: &[i32; PANEL],
@@ -343,7 +343,7 @@ const HELD: usize = 2;
 /// Adds the product of two panels to the sums. A register holds two sums for each entry: of the
 /// first two and of the last two of every four products.
 #[target_feature(enable = "avx2,fma")]
-fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>) {
+fn multiply(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
     for (quarter, sums) in sums.iter_mut().enumerate() {
         for (first, sums) in sums.chunks_exact_mut(HELD).enumerate() {
             let mut held = [[_mm256_setzero_si256(); 4]; HELD];

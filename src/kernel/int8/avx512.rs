@@ -6,7 +6,7 @@ use super::direct::{LANES, Products, Row};
 use super::kernel::{Kernel, Next, Operands};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
-    Block, MAGNITUDE, PANEL, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
+    MAGNITUDE, PANEL, PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
     norm_exponents, power_of_two,
 };
 use crate::base::IsaLevel;
@@ -109,14 +109,14 @@ impl Kernel for Vnni {
         }
     }
 
-    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+    fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
         // SAFETY: `self` exists, so the CPU has the instructions.
         unsafe { product(operands, residues) }
     }
 
     fn recombine(
         &self,
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
         columns: &[i32; PANEL],
@@ -456,7 +456,7 @@ enabled! {
 }
 
 enabled! {
-    fn product(operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+    fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
         let reduction = Reduction::new(operands.modulus);
         let excess = [0, 1].map(|half| excess(operands.right, half));
         let mut sums = Sums::ZERO;
@@ -469,7 +469,7 @@ enabled! {
 
 /// Sums of a pair of panels.
 #[repr(C, align(64))]
-pub(super) struct Sums(pub Block<i32>);
+pub(super) struct Sums(pub PanelBlock<i32>);
 
 impl Sums {
     pub const ZERO: Self = Self([[[0; WIDTH]; WIDTH]; 4]);
@@ -478,7 +478,7 @@ impl Sums {
 impl Reduction {
     enabled! {
         /// Reduces the sums, plus the old residues if `continued`, to residues.
-        pub fn reduce(&self, sums: &Sums, continued: bool, residues: &mut Block<i8>) {
+        pub fn reduce(&self, sums: &Sums, continued: bool, residues: &mut PanelBlock<i8>) {
             let wanted = if continued { !0 } else { 0 };
             let (sums, residues) = (sums.0.as_flattened(), residues.as_flattened_mut());
             for (sums, residues) in sums.chunks_exact(4).zip(residues.chunks_exact_mut(4)) {
@@ -598,7 +598,7 @@ enabled! {
     /// Implements [`Kernel::recombine`] with the first `PARTS` parts of a row in registers (see
     /// [`integers`](super::recombine::integers)); the others are zero.
     fn recombine<const PARTS: usize>(
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
         columns: &[i32; PANEL],

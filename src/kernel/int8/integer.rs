@@ -69,6 +69,59 @@ impl Integer for i128 {
     }
 }
 
+/// An integer from 0 to 2^256 - 1: `high 2^128 + low`.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct U256 {
+    pub high: u128,
+    pub low: u128,
+}
+
+impl U256 {
+    /// Returns `a b`.
+    pub fn product(a: u128, b: u128) -> Self {
+        const HALF: u128 = u64::MAX as u128;
+        let [a0, a1, b0, b1] = [a & HALF, a >> 64, b & HALF, b >> 64];
+        let (low, cross, other, high) = (a0 * b0, a0 * b1, a1 * b0, a1 * b1);
+        let middle = (low >> 64) + (cross & HALF) + (other & HALF);
+        Self {
+            high: high + (cross >> 64) + (other >> 64) + (middle >> 64),
+            low: low & HALF | middle << 64,
+        }
+    }
+
+    /// Returns the number of leading zero bits.
+    #[inline(always)]
+    pub fn leading_zeros(self) -> u32 {
+        match self.high {
+            0 => u128::BITS + self.low.leading_zeros(),
+            high => high.leading_zeros(),
+        }
+    }
+
+    /// Shifts left by `bits`, below 256, and drops the bits shifted out.
+    #[inline(always)]
+    pub fn shifted(self, bits: u32) -> Self {
+        match bits {
+            0 => self,
+            128.. => Self { high: self.low << (bits - 128), low: 0 },
+            _ => Self { high: self.high << bits | self.low >> (128 - bits), low: self.low << bits },
+        }
+    }
+
+    /// Returns `self + other`; `None` if it does not fit.
+    pub fn checked_plus(self, other: Self) -> Option<Self> {
+        let (low, carry) = self.low.overflowing_add(other.low);
+        let high = self.high.checked_add(other.high)?.checked_add(carry.into())?;
+        Some(Self { high, low })
+    }
+
+    /// Returns `self - other`, for an `other` that is no larger.
+    pub fn minus(self, other: Self) -> Self {
+        let (low, borrow) = self.low.overflowing_sub(other.low);
+        Self { high: self.high - other.high - u128::from(borrow), low }
+    }
+}
+
 /// A signed integer of 256 bits, in two's complement: `high 2^128 + low`.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
 pub(crate) struct I256 {
@@ -90,24 +143,27 @@ impl I256 {
         if self.is_negative() { self.negated() } else { self }
     }
 
+    /// Returns the number of these bits in two's complement.
+    #[inline(always)]
+    pub fn of_bits(bits: U256) -> Self {
+        Self { high: bits.high as i128, low: bits.low }
+    }
+
+    #[inline(always)]
+    fn bits(self) -> U256 {
+        U256 { high: self.high as u128, low: self.low }
+    }
+
     /// Returns the number of leading zero bits.
+    #[inline(always)]
     pub fn leading_zeros(self) -> u32 {
-        match self.high {
-            0 => u128::BITS + self.low.leading_zeros(),
-            high => high.leading_zeros(),
-        }
+        self.bits().leading_zeros()
     }
 
     /// Shifts left by `bits`, below 256, and drops the bits shifted out.
+    #[inline(always)]
     fn shl(self, bits: u32) -> Self {
-        match bits {
-            0 => self,
-            128.. => Self { high: (self.low << (bits - 128)) as i128, low: 0 },
-            _ => Self {
-                high: self.high << bits | (self.low >> (128 - bits)) as i128,
-                low: self.low << bits,
-            },
-        }
+        Self::of_bits(self.bits().shifted(bits))
     }
 
     /// Converts an f64 that is an integer below 2^255 in magnitude, or -2^255.
@@ -213,14 +269,8 @@ impl Integer for I256 {
     }
 
     fn product(a: i128, b: i128) -> Option<Self> {
-        const HALF: u128 = u64::MAX as u128;
-        let (x, y) = (a.unsigned_abs(), b.unsigned_abs());
-        let [x0, x1, y0, y1] = [x & HALF, x >> 64, y & HALF, y >> 64];
-        let (low, cross, other, high) = (x0 * y0, x0 * y1, x1 * y0, x1 * y1);
-        let middle = (low >> 64) + (cross & HALF) + (other & HALF);
         // No overflow: both magnitudes are at most 2^127.
-        let high = high + (cross >> 64) + (other >> 64) + (middle >> 64);
-        let magnitude = Self { high: high as i128, low: low & HALF | middle << 64 };
+        let magnitude = Self::of_bits(U256::product(a.unsigned_abs(), b.unsigned_abs()));
         Some(if (a < 0) != (b < 0) { magnitude.negated() } else { magnitude })
     }
 
@@ -271,6 +321,18 @@ mod tests {
             let limbs = [limbs[0], limbs[1], limbs[2], 0, 0, 0];
             assert_eq!(I256::from_limbs(limbs), wide(i128::from_limbs(limbs)));
         }
+    }
+
+    #[test]
+    fn products_without_a_sign_have_all_their_bits() {
+        let most = U256::product(u128::MAX, u128::MAX);
+        assert_eq!(most, U256 { high: u128::MAX - 1, low: 1 });
+        assert_eq!(U256::product(1 << 127, 6), U256 { high: 3, low: 0 });
+        assert_eq!((most.leading_zeros(), U256 { high: 0, low: 1 }.leading_zeros()), (0, 255));
+        let sum = most.checked_plus(U256 { high: 1, low: u128::MAX - 1 });
+        assert_eq!(sum, Some(U256 { high: u128::MAX, low: u128::MAX }));
+        assert_eq!(sum.and_then(|sum| sum.checked_plus(U256 { high: 0, low: 1 })), None);
+        assert_eq!(sum.map(|sum| sum.minus(most)), Some(U256 { high: 1, low: u128::MAX - 1 }));
     }
 
     #[test]

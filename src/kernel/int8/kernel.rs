@@ -1,7 +1,7 @@
 use super::direct::{Products, Row};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
-    Block, DEPTH, PANEL, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,
+    DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,
 };
 
 /// The steps of the exact path, for one instruction set. All implementations agree.
@@ -50,14 +50,14 @@ pub(crate) trait Kernel: Sync {
 
     /// Computes the products of several left panels: `residues[i]` becomes `left_i^T right`, plus
     /// its old value if `continued`, modulo `operands.modulus`, between -128 and 127.
-    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]);
+    fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]);
 
     /// Computes a block of C from its residues: entry (i, j) is the integer of
     /// [`integers`](super::integers), rounded to the nearest f64, times `2^(rows[i] + columns[j])`.
     /// A subnormal result is rounded once more. Prefetches `next` meanwhile.
     fn recombine(
         &self,
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
         columns: &[i32; PANEL],
@@ -101,9 +101,9 @@ impl Next {
     /// Prefetches part `i`, 0..32, of the residues and the entries of the next block: all in one
     /// burst is slower.
     #[inline(always)]
-    pub fn fetch(&self, residues: &[&Block<i8>], i: usize) {
+    pub fn fetch(&self, residues: &[&PanelBlock<i8>], i: usize) {
         for block in residues.iter().skip(i % 2).step_by(2) {
-            let next = std::ptr::from_ref::<Block<i8>>(block).wrapping_add(self.residues);
+            let next = std::ptr::from_ref::<PanelBlock<i8>>(block).wrapping_add(self.residues);
             fetch_lines(next.cast::<u8>().wrapping_add(64 * (i / 2)), 1);
         }
         fetch_lines(self.line.wrapping_offset(i as isize * self.stride), self.len.div_ceil(64));
@@ -153,12 +153,12 @@ impl Drop for Session {
 #[inline(always)]
 pub(super) fn product_by_pairs(
     operands: &Operands<'_>,
-    residues: &mut [Block<i8>],
-    add: impl Fn(&[Slice], &[Slice], &mut Block<i32>),
-    reduce: impl Fn(&Block<i32>, &Modulus, &mut Block<i8>),
+    residues: &mut [PanelBlock<i8>],
+    add: impl Fn(&[Slice], &[Slice], &mut PanelBlock<i32>),
+    reduce: impl Fn(&PanelBlock<i32>, &Modulus, &mut PanelBlock<i8>),
 ) {
     for (left, residues) in operands.left_panels(residues.len()).zip(residues) {
-        let mut sums: Block<i32> = if operands.continued {
+        let mut sums: PanelBlock<i32> = if operands.continued {
             residues.map(|quarter| quarter.map(|row| row.map(i32::from)))
         } else {
             [[[0; WIDTH]; WIDTH]; 4]

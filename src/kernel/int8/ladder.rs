@@ -5,8 +5,8 @@ use std::fmt;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use super::tile::{Block, DEPTH, PANEL, Powers, STEP, Slice, Tile, WIDTH};
-use super::{Isa, Kernel, Moduli, Next, Operands};
+use super::tile::{DEPTH, PANEL, PanelBlock, Powers, STEP, Slice, Tile, WIDTH};
+use super::{IntegerIsa, Kernel, Moduli, Next, Operands};
 use crate::base::{Result, Rng, Workspace};
 
 /// Where an operand comes from.
@@ -71,21 +71,21 @@ pub struct Ladder {
 
 impl Ladder {
     /// Measures each rung for about a tenth of a second and keeps the fastest run; takes 260 MiB of
-    /// memory. Measures the portable kernel if the machine refuses `isa` ([`Isa::refusal`]).
+    /// memory. Measures the portable kernel if the machine refuses `isa` ([`IntegerIsa::refusal`]).
     ///
     /// # Errors
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
     ///
     /// ```no_run
-    /// use catamaran::kernel::int8::{Isa, Ladder};
+    /// use catamaran::kernel::int8::{IntegerIsa, Ladder};
     ///
-    /// let ladder = Ladder::measure(Isa::best())?;
+    /// let ladder = Ladder::measure(IntegerIsa::best())?;
     /// for rung in &ladder.rungs {
     ///     println!("{} x {}: {:.2e} a second", rung.left, rung.right, rung.rate);
     /// }
     /// # Ok::<(), catamaran::Error>(())
     /// ```
-    pub fn measure(isa: Isa) -> Result<Self> {
+    pub fn measure(isa: IntegerIsa) -> Result<Self> {
         let kernel = isa.kernel();
         let _session = kernel.session();
         let registers = kernel.spin(1).map(|_| {
@@ -139,8 +139,8 @@ impl StepRates {
         });
         let mut block =
             || [(); 4].map(|()| [[(); WIDTH]; WIDTH].map(|row| row.map(|()| rng.bits() as i8)));
-        let residues: Vec<Block<i8>> = (0..MODULI).map(|_| block()).collect();
-        let residues: Vec<&Block<i8>> = residues.iter().collect();
+        let residues: Vec<PanelBlock<i8>> = (0..MODULI).map(|_| block()).collect();
+        let residues: Vec<&PanelBlock<i8>> = residues.iter().collect();
         let mut out = [[0.0; PANEL]; PANEL];
         let recombination = fastest(|| {
             for _ in 0..RUN {
@@ -176,7 +176,7 @@ const RUN: usize = 64;
 /// Operands, and residues for 16 x 16 pairs of panels.
 struct Data {
     memory: Workspace<f64>,
-    residues: Vec<Block<i8>>,
+    residues: Vec<PanelBlock<i8>>,
     /// The panel of the right side in memory that comes next.
     next: usize,
 }
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn every_rung_has_a_rate() {
-        let ladder = Ladder::measure(Isa::best()).unwrap();
+        let ladder = Ladder::measure(IntegerIsa::best()).unwrap();
         assert_eq!(ladder.rungs.len(), 20);
         assert!(ladder.rungs.iter().all(|rung| rung.rate > 0.0));
         assert!(ladder.registers.is_none_or(|rate| rate > 0.0));

@@ -3,7 +3,7 @@
 //! Integers up to 2^80 in magnitude are reduced modulo up to 28 moduli of at most 256, the residues
 //! are multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem
 //! reconstructs the products (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). This arithmetic
-//! is exact, so every [`Isa`] and every order of work gives the same bytes.
+//! is exact, so every [`IntegerIsa`] and every order of work gives the same bytes.
 
 #[cfg(target_arch = "x86_64")]
 mod amx;
@@ -26,14 +26,14 @@ pub(crate) mod tests;
 mod tile;
 
 pub(crate) use direct::{Direct, LANES, MOST_PARTS, MOST_ROWS, Products, Row};
-pub(crate) use integer::{I256, Integer};
+pub(crate) use integer::{I256, Integer, U256};
 pub(crate) use kernel::{Kernel, Next, Operands};
 pub use ladder::{Ladder, Level, Rung, StepRates};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
 pub(crate) use tile::{
-    Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Residues, STEP, Slice, Square, Tile,
-    TileNorms, WIDTH, norms, power_of_two, scaled, transpose,
+    DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, PanelBlock, Powers, Residues, STEP, Slice, Square,
+    Tile, TileNorms, WIDTH, norms, power_of_two, scaled, transpose,
 };
 
 use crate::base::Real;
@@ -41,14 +41,15 @@ use crate::base::Real;
 /// An instruction set that the kernels are written for.
 ///
 /// ```
-/// use catamaran::kernel::int8::Isa;
+/// use catamaran::kernel::int8::IntegerIsa;
 ///
-/// let usable: Vec<_> = Isa::ALL.into_iter().filter(|isa| isa.refusal().is_none()).collect();
-/// assert_eq!(usable.first(), Some(&Isa::best()));
-/// assert_eq!(usable.last(), Some(&Isa::Portable));
+/// let all = IntegerIsa::ALL.into_iter();
+/// let usable: Vec<_> = all.filter(|isa| isa.refusal().is_none()).collect();
+/// assert_eq!(usable.first(), Some(&IntegerIsa::best()));
+/// assert_eq!(usable.last(), Some(&IntegerIsa::Portable));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Isa {
+pub enum IntegerIsa {
     /// Intel's matrix tiles (AMX-INT8) for the products, AVX-512 for the rest.
     Amx,
     /// AVX-512 with dot products of bytes (VNNI).
@@ -59,7 +60,7 @@ pub enum Isa {
     Portable,
 }
 
-impl Isa {
+impl IntegerIsa {
     /// All instruction sets, the fastest first.
     pub const ALL: [Self; 4] = [Self::Amx, Self::Vnni, Self::Avx2, Self::Portable];
 
@@ -113,7 +114,7 @@ impl Isa {
         }
     }
 
-    /// Returns the kernel, or that of [`Isa::Portable`] if the machine can't use this one.
+    /// Returns the kernel, or that of [`IntegerIsa::Portable`] if the machine can't use this one.
     pub(crate) fn kernel(self) -> &'static dyn Kernel {
         let portable: &'static dyn Kernel = &portable::Portable;
         match self {
@@ -140,10 +141,10 @@ pub(crate) struct Rates {
 }
 
 /// A scalar of the exact path; it selects the variant of each step.
-pub trait Operand: Real + sealed::Steps {}
+pub trait IntegerOperand: Real + sealed::Steps {}
 
-impl Operand for f32 {}
-impl Operand for f64 {}
+impl IntegerOperand for f32 {}
+impl IntegerOperand for f64 {}
 
 pub(crate) mod sealed {
     use std::borrow::Cow;

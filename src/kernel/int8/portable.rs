@@ -5,7 +5,7 @@ use super::kernel::{Kernel, Next, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{
-    Block, PANEL, Powers, Quarter, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
+    PANEL, PanelBlock, Powers, Quarter, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
     power_of_two, tile_norms,
 };
 use crate::base::Real;
@@ -54,7 +54,7 @@ impl Kernel for Portable {
         convert_wide(tile, powers, moduli, out);
     }
 
-    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+    fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
         product_by_pairs(operands, residues, multiply, reduce);
     }
 
@@ -64,7 +64,7 @@ impl Kernel for Portable {
 
     fn recombine(
         &self,
-        residues: &[&Block<i8>],
+        residues: &[&PanelBlock<i8>],
         moduli: &Moduli,
         rows: &[i32; PANEL],
         columns: &[i32; PANEL],
@@ -158,7 +158,7 @@ fn residues<const D: usize>(
 /// Reduces sums to residues between -128 and 127. Inlined, so that the AVX2 kernel compiles it for
 /// its registers.
 #[inline(always)]
-pub(super) fn reduce(sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
+pub(super) fn reduce(sums: &PanelBlock<i32>, modulus: &Modulus, out: &mut PanelBlock<i8>) {
     let [w0, w1, w2, w3, ..] = modulus.weights.map(i32::from);
     let sums = sums.as_flattened().as_flattened();
     for (out, &sum) in out.as_flattened_mut().as_flattened_mut().iter_mut().zip(sums) {
@@ -177,7 +177,7 @@ fn finish(sum: i32, p: i32) -> i8 {
 }
 
 /// Adds the product of two panels to the sums.
-fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>) {
+fn multiply(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
     for (quarter, sums) in sums.iter_mut().enumerate() {
         for (left, right) in left.iter().zip(right) {
             multiply_tiles(&left[quarter / 2], &right[quarter % 2], sums);

@@ -4,7 +4,7 @@ use super::integer::Integer;
 use super::kernel::Next;
 use super::moduli::{IntegerModuli, LIMBS, Moduli};
 use super::rounding::nearest;
-use super::tile::{Block, PANEL, Quarter, Square, WIDTH, scaled};
+use super::tile::{PANEL, PanelBlock, Quarter, Square, WIDTH, scaled};
 use crate::base::widest;
 
 /// Computes exactly the integers R with these residues, for |R| at most P/2 less one part in 2^20,
@@ -67,7 +67,7 @@ fn integers_of<I: Integer, const L: usize>(
 /// exact, with fused multiply-add (`FUSED`) or without.
 #[inline(always)]
 fn row<const FUSED: bool>(
-    residues: &[&Block<i8>],
+    residues: &[&PanelBlock<i8>],
     moduli: &Moduli,
     quarter: usize,
     i: usize,
@@ -94,7 +94,7 @@ fn row<const FUSED: bool>(
 /// Implements [`Kernel::recombine`](super::Kernel::recombine), with fused multiply-add if `FUSED`.
 #[inline(always)]
 pub(super) fn block<const FUSED: bool>(
-    residues: &[&Block<i8>],
+    residues: &[&PanelBlock<i8>],
     moduli: &Moduli,
     rows: &[i32; PANEL],
     columns: &[i32; PANEL],

@@ -60,7 +60,7 @@ fn entry(panel: &[Slice], k: usize, j: usize) -> i64 {
     tile[64 * (k % STEP / 4) + 4 * (j % WIDTH) + k % 4].into()
 }
 
-fn place<T: Copy>(block: &Block<T>, i: usize, j: usize) -> T {
+fn place<T: Copy>(block: &PanelBlock<T>, i: usize, j: usize) -> T {
     block[2 * (i / WIDTH) + j / WIDTH][i % WIDTH][j % WIDTH]
 }
 
@@ -70,7 +70,7 @@ fn check_product(
     (name, kernel): (&str, &dyn Kernel),
     modulus: &Modulus,
     [left, right]: [&[Slice]; 2],
-    old: &[Block<i8>],
+    old: &[PanelBlock<i8>],
     continued: bool,
 ) {
     let steps = right.len();
@@ -109,7 +109,7 @@ fn products_are_those_of_the_definition() {
             [(0, 1), (1, 1), (2, 3), (7, 2), (DEPTH, 2), (3, 0)].into_iter().enumerate()
         {
             let (left, right) = (slices(panels * steps, &mut rng), slices(steps, &mut rng));
-            let old: Vec<Block<i8>> = (0..panels)
+            let old: Vec<PanelBlock<i8>> = (0..panels)
                 .map(|_| {
                     [(); 4].map(|()| [(); WIDTH].map(|()| [(); WIDTH].map(|()| byte(&mut rng))))
                 })
@@ -138,7 +138,7 @@ fn the_largest_sums_are_reduced_by_every_modulus() {
 }
 
 /// Returns random entries of all sizes up to 2^INTEGER_BITS, among them zeros and ties of rounding.
-fn tile<T: Operand>(rng: &mut Rng) -> Tile<T> {
+fn tile<T: IntegerOperand>(rng: &mut Rng) -> Tile<T> {
     let mut tile = Tile::zeros();
     for (i, row) in tile.0.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
@@ -156,7 +156,7 @@ fn tile<T: Operand>(rng: &mut Rng) -> Tile<T> {
     tile
 }
 
-fn check_conversion<T: Operand>() {
+fn check_conversion<T: IntegerOperand>() {
     let mut rng = Rng::new(2);
     let whole: Tile<T> = tile(&mut rng);
     let exponents: [i32; WIDTH] = std::array::from_fn(|j| 5 * j as i32 - 40);
@@ -311,7 +311,7 @@ fn numbers_come_back_from_their_residues() {
         let product: i128 = moduli.list.iter().map(|m| i128::from(m.p)).product();
         let bits = 128 - product.leading_zeros();
         let mut rng = Rng::new(count as u64);
-        let mut numbers: Block<i128> = [[[0; WIDTH]; WIDTH]; 4];
+        let mut numbers: PanelBlock<i128> = [[[0; WIDTH]; WIDTH]; 4];
         for number in numbers.as_flattened_mut().as_flattened_mut() {
             let random = (i128::from(rng.bits()) << 64 | i128::from(rng.bits())) & i128::MAX;
             let limit = product / 2 - (product >> 20) - 1;
@@ -336,12 +336,12 @@ fn numbers_come_back_from_their_residues() {
             let swap = rng.sign() > 0.0 && other >= -128;
             (if r > 127 || swap { other } else { r }) as i8
         };
-        let residues: Vec<Block<i8>> = moduli
+        let residues: Vec<PanelBlock<i8>> = moduli
             .list
             .iter()
             .map(|m| numbers.map(|quarter| quarter.map(|row| row.map(|v| residue(v, m)))))
             .collect();
-        let residues: Vec<&Block<i8>> = residues.iter().collect();
+        let residues: Vec<&PanelBlock<i8>> = residues.iter().collect();
         let rows: [i32; PANEL] = std::array::from_fn(|i| 30 * i as i32 - 600);
         let columns: [i32; PANEL] = std::array::from_fn(|j| 35 * j as i32 - 560);
         // Prefetched addresses may be any.
@@ -362,7 +362,7 @@ fn numbers_come_back_from_their_residues() {
 
 /// Returns a strip of integers below `largest`, which are often the largest, or have the largest
 /// low part.
-fn strip<T: Operand>(height: usize, largest: f64, rng: &mut Rng) -> Vec<[T; LANES]> {
+fn strip<T: IntegerOperand>(height: usize, largest: f64, rng: &mut Rng) -> Vec<[T; LANES]> {
     let mut entry = |_| {
         let unit = power_of_two(28);
         let value = match rng.bits() % 4 {
@@ -377,7 +377,7 @@ fn strip<T: Operand>(height: usize, largest: f64, rng: &mut Rng) -> Vec<[T; LANE
 }
 
 /// Checks the products of columns whose norms are nearly `2^bits`.
-fn check_strips<T: Operand>(bits: f64, rng: &mut Rng) {
+fn check_strips<T: IntegerOperand>(bits: f64, rng: &mut Rng) {
     for height in [1, 2, 31, MOST_ROWS, MOST_ROWS + 1, 3 * MOST_ROWS + 7] {
         let largest = (bits.exp2() / (height as f64).sqrt()).floor();
         let largest = largest.min(power_of_two(T::INTEGER_BITS) * 0.999);
@@ -519,12 +519,12 @@ fn values_of_256_bits_are_scaled_over_the_whole_range() {
 
 #[test]
 fn a_refused_instruction_set_says_why_and_falls_back() {
-    for isa in Isa::ALL {
+    for isa in IntegerIsa::ALL {
         match isa.refusal() {
             None => println!("{}: used", isa.name()),
             Some(why) => assert!(why.len() > 10, "{why}"),
         }
     }
-    assert_eq!(Isa::best().refusal(), None);
-    assert_eq!(Isa::Portable.refusal(), None);
+    assert_eq!(IntegerIsa::best().refusal(), None);
+    assert_eq!(IntegerIsa::Portable.refusal(), None);
 }

@@ -16,7 +16,7 @@ pub(crate) const DEPTH: usize = 16;
 /// 16 x 16 entries of C, row by row.
 pub(crate) type Quarter<T> = [[T; WIDTH]; WIDTH];
 /// 32 x 32 entries of C: the two quarters of the first 16 rows, then those of the last 16.
-pub(crate) type Block<T> = [Quarter<T>; 4];
+pub(crate) type PanelBlock<T> = [Quarter<T>; 4];
 /// 32 x 32 entries of C, row by row.
 pub(crate) type Square<T> = [[T; PANEL]; PANEL];
 

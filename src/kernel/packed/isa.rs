@@ -6,14 +6,14 @@ use super::x86::{Avx2, Avx512};
 /// An instruction set that the kernels are written for.
 ///
 /// ```
-/// use catamaran::kernel::packed::Isa;
+/// use catamaran::kernel::packed::FloatIsa;
 ///
-/// let usable: Vec<_> = Isa::ALL.into_iter().filter(|isa| isa.refusal().is_none()).collect();
-/// assert_eq!(usable.first(), Some(&Isa::best()));
-/// assert_eq!(usable.last(), Some(&Isa::Portable));
+/// let usable: Vec<_> = FloatIsa::ALL.into_iter().filter(|isa| isa.refusal().is_none()).collect();
+/// assert_eq!(usable.first(), Some(&FloatIsa::best()));
+/// assert_eq!(usable.last(), Some(&FloatIsa::Portable));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Isa {
+pub enum FloatIsa {
     /// AVX-512.
     Avx512,
     /// AVX2 with FMA and BMI2.
@@ -22,7 +22,7 @@ pub enum Isa {
     Portable,
 }
 
-impl Isa {
+impl FloatIsa {
     /// All instruction sets, the fastest first.
     pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
 

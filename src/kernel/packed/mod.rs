@@ -33,10 +33,10 @@ mod x86;
 
 pub(crate) use blocking::Blocking;
 pub(crate) use geometry::Geometry;
-pub use isa::Isa;
+pub use isa::FloatIsa;
 pub(crate) use kernel::Kernel;
-pub use operand::Operand;
-pub(crate) use operands::{Product, Shape, Source};
+pub use operand::FloatOperand;
+pub(crate) use operands::{KernelProduct, Shape, Source};
 pub use rates::Rates;
 pub(crate) use schedule::{Job, run, scratch_len};
 pub(crate) use small::{is_small, run_small};

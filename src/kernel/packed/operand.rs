@@ -1,6 +1,6 @@
 //! The scalars that have kernels.
 
-use super::isa::Isa;
+use super::isa::FloatIsa;
 use super::kernel::Kernel;
 use super::portable::Portable;
 #[cfg(target_arch = "x86_64")]
@@ -8,31 +8,32 @@ use super::x86::{Avx2, Avx512};
 use crate::base::Real;
 
 /// A scalar that the kernels are written for.
-pub trait Operand: Real + sealed::Kernels {}
+pub trait FloatOperand: Real + sealed::Kernels {}
 
-impl Operand for f32 {}
-impl Operand for f64 {}
+impl FloatOperand for f32 {}
+impl FloatOperand for f64 {}
 
 pub(crate) mod sealed {
     use super::*;
 
     pub trait Kernels: Sized {
-        /// Returns the kernel of an isa, or that of [`Isa::Portable`] if this machine can't use it.
+        /// Returns the kernel of an isa, or that of [`FloatIsa::Portable`] if this machine can't
+        /// use it.
         #[allow(private_interfaces)]
-        fn kernel(isa: Isa) -> &'static dyn Kernel<Self>;
+        fn kernel(isa: FloatIsa) -> &'static dyn Kernel<Self>;
     }
 
     macro_rules! kernels {
         ($t:ident) => {
             impl Kernels for $t {
                 #[allow(private_interfaces)]
-                fn kernel(isa: Isa) -> &'static dyn Kernel<Self> {
+                fn kernel(isa: FloatIsa) -> &'static dyn Kernel<Self> {
                     let portable: &'static dyn Kernel<Self> = &Portable;
                     match isa {
                         #[cfg(target_arch = "x86_64")]
-                        Isa::Avx512 => Avx512::new().map_or(portable, |kernel| kernel),
+                        FloatIsa::Avx512 => Avx512::new().map_or(portable, |kernel| kernel),
                         #[cfg(target_arch = "x86_64")]
-                        Isa::Avx2 => Avx2::new().map_or(portable, |kernel| kernel),
+                        FloatIsa::Avx2 => Avx2::new().map_or(portable, |kernel| kernel),
                         _ => portable,
                     }
                 }

@@ -41,7 +41,7 @@ impl<T: Real> Source<'_, T> {
 
 /// `targets += (sum left)^T (sum right)`, over all rows of the sources.
 #[derive(Debug, Clone)]
-pub(crate) struct Product<'a, T> {
+pub(crate) struct KernelProduct<'a, T> {
     /// Sources whose columns are the rows of the product; `shape` gives their number.
     pub left: Vec<Source<'a, T>>,
     /// Sources of the right side; empty if it is the same as the left side.
@@ -68,7 +68,7 @@ pub(crate) struct Shape {
 /// packing pays. Measured on Zen 4.
 const PANELS_IN_PLACE: usize = 2;
 
-impl<'a, T: Real> Product<'a, T> {
+impl<'a, T: Real> KernelProduct<'a, T> {
     /// Returns the sources of the left (0) or right (1) side.
     pub fn sources(&self, side: usize) -> &[Source<'a, T>] {
         if side == 0 || self.shape.same { &self.left } else { &self.right }
@@ -82,7 +82,7 @@ impl<'a, T: Real> Product<'a, T> {
     }
 }
 
-impl<T: Real> Product<'_, T> {
+impl<T: Real> KernelProduct<'_, T> {
     /// Returns the same product for the transposed targets.
     pub fn transposed(self) -> Self {
         let Self { left, right, targets, shape } = self;

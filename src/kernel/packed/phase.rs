@@ -7,7 +7,7 @@ use super::blocking::Blocking;
 use super::geometry::{Area, Geometry, line_len, piece};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
-use super::operands::Product;
+use super::operands::KernelProduct;
 use super::pack::Panels;
 use super::target::{Target, wanted_of};
 use super::tile::{Row, Side};
@@ -22,7 +22,7 @@ pub(super) enum Step {
 
 /// A product and its pieces.
 pub(super) struct Plan<'a, T> {
-    pub product: &'a Product<'a, T>,
+    pub product: &'a KernelProduct<'a, T>,
     geometry: Geometry,
     pub blocking: Blocking,
     /// Panels of each side that are packed: none of sides that are read in place, and none of a
@@ -62,7 +62,7 @@ impl<'a, T: Real> Plan<'a, T> {
     /// Plans a product on `threads` threads; `budget` as for [`Blocking::new`].
     pub fn new(
         geometry: Geometry,
-        product: &'a Product<'a, T>,
+        product: &'a KernelProduct<'a, T>,
         budget: usize,
         threads: usize,
     ) -> Self {
@@ -114,7 +114,7 @@ impl<'a, T: Real> Plan<'a, T> {
     /// none does.
     fn wanted(
         geometry: Geometry,
-        product: &Product<'_, T>,
+        product: &KernelProduct<'_, T>,
         rows: &Range<usize>,
         cols: &Range<usize>,
     ) -> usize {

@@ -12,14 +12,14 @@ use std::ops::ControlFlow;
 use super::blocking::Blocking;
 use super::geometry::{CACHE_LINE, Geometry, line_len};
 use super::kernel::Kernel;
-use super::operands::{Product, Shape};
+use super::operands::{KernelProduct, Shape};
 use super::phase::{Phase, Plan, Step};
 use crate::base::{Arena, Latch, Par, Real, SharedPtr, Tracker, tickets};
 
 /// Products, and how to run them.
 pub(crate) struct Job<'a, T: 'static> {
     pub kernel: &'static dyn Kernel<T>,
-    pub products: &'a [Product<'a, T>],
+    pub products: &'a [KernelProduct<'a, T>],
     /// Scalars that a packed chunk may take, as for [`Blocking::new`].
     pub budget: usize,
     /// Receives the work done, in scalar multiplications.

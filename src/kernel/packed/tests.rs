@@ -12,8 +12,8 @@ use super::*;
 use crate::base::{Arena, Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
 
 /// Returns the isas that this machine supports, and prints why it skips the others.
-fn isas() -> impl Iterator<Item = Isa> {
-    Isa::ALL.into_iter().filter(|isa| match isa.refusal() {
+fn isas() -> impl Iterator<Item = FloatIsa> {
+    FloatIsa::ALL.into_iter().filter(|isa| match isa.refusal() {
         None => true,
         Some(why) => {
             println!("skipped: {}, {why}", isa.name());
@@ -172,8 +172,8 @@ struct Spec<T> {
     transposed: bool,
 }
 
-impl<T: Operand> Spec<T> {
-    fn product<'a>(&'a self, destination: &Destination<'_, T>) -> Product<'a, T> {
+impl<T: FloatOperand> Spec<T> {
+    fn product<'a>(&'a self, destination: &Destination<'_, T>) -> KernelProduct<'a, T> {
         let sources = |side: &'a [(f64, Stored<T>)]| {
             side.iter().map(|(c, matrix)| source(T::from_f64(*c), matrix.view())).collect()
         };
@@ -181,7 +181,7 @@ impl<T: Operand> Spec<T> {
             let [coefficient, beta] = [o.coefficient, o.beta].map(T::from_f64);
             destination.block(o.rows.clone(), o.cols.clone(), coefficient, beta)
         };
-        let product = Product {
+        let product = KernelProduct {
             left: sources(&self.left),
             right: sources(&self.right),
             targets: self.outputs.iter().map(target).collect(),
@@ -230,7 +230,7 @@ struct Case<T> {
     budget: usize,
 }
 
-impl<T: Operand> Case<T> {
+impl<T: FloatOperand> Case<T> {
     fn wants(&self, i: usize, j: usize) -> bool {
         match self.part {
             Part::All => true,
@@ -267,7 +267,7 @@ impl<T: Operand> Case<T> {
 
     /// Returns C after [`run`] in scratch of exactly [`scratch_len`] scalars, filled with NaN; and
     /// whether the run finished.
-    fn run(&self, isa: Isa, threads: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
+    fn run(&self, isa: FloatIsa, threads: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
         /// Elements on either side of the scratch; an odd number, so that nothing is aligned.
         const GUARD: usize = 131;
         let kernel = T::kernel(isa);
@@ -416,7 +416,7 @@ macro_rules! in_both_precisions {
     }};
 }
 
-fn check_shapes<T: Operand>(rng: &mut Rng) {
+fn check_shapes<T: FloatOperand>(rng: &mut Rng) {
     const EXTENTS: [usize; 11] = [0, 1, 2, 7, 8, 23, 24, 25, 47, 49, 97];
     for depth in EXTENTS {
         for rows in EXTENTS {
@@ -434,7 +434,7 @@ fn products_of_every_shape_are_exact() {
     in_both_precisions!(check_shapes);
 }
 
-fn check_layouts<T: Operand>(rng: &mut Rng) {
+fn check_layouts<T: FloatOperand>(rng: &mut Rng) {
     for left in LAYOUTS {
         for right in LAYOUTS {
             for target in LAYOUTS {
@@ -457,7 +457,7 @@ fn any_layout_of_sources_and_targets_is_taken() {
     in_both_precisions!(check_layouts);
 }
 
-fn check_factors<T: Operand>(rng: &mut Rng) {
+fn check_factors<T: FloatOperand>(rng: &mut Rng) {
     for coefficient in [0.0, 1.0, -2.0] {
         for beta in [0.0, 1.0, -2.0] {
             for budget in [1, PLENTY] {
@@ -475,7 +475,7 @@ fn factors_are_applied_once_and_beta_zero_reads_nothing() {
     in_both_precisions!(check_factors);
 }
 
-fn check_depths<T: Operand>(rng: &mut Rng) {
+fn check_depths<T: FloatOperand>(rng: &mut Rng) {
     // Around one and two blocks of rows, and several chunks of one or more blocks.
     for depth in [319, 320, 321, 641, 701] {
         for budget in [1, 70_000, PLENTY] {
@@ -494,7 +494,7 @@ fn depths_of_several_blocks_and_chunks_are_exact() {
 }
 
 /// Checks chunks of more than 16 MiB, of narrow products, so that the reference is fast.
-fn check_past_caches<T: Operand>(rng: &mut Rng) {
+fn check_past_caches<T: FloatOperand>(rng: &mut Rng) {
     for (rows, cols) in [(4, 700), (700, 5)] {
         let product = spec(general(6200, rows, cols), (2, 1), (2, 1), rng);
         case::<T>(vec![product], PLENTY, rng).check(&[1, 3]);
@@ -506,18 +506,18 @@ fn chunks_that_are_written_past_the_caches_are_exact() {
     in_both_precisions!(check_past_caches);
 }
 
-fn check_unwanted<T: Operand>(rng: &mut Rng) {
+fn check_unwanted<T: FloatOperand>(rng: &mut Rng) {
     let mut c = Stored::<T>::integers(Layout::Rows, 130, 130, rng);
     let a = Stored::integers(Layout::Rows, 700, 60, rng);
     let before = c.memory_bits();
     let destination = Destination::new(c.view_mut(), Part::Lower);
-    let product = Product {
+    let product = KernelProduct {
         left: vec![source(T::ONE, a.view())],
         right: Vec::new(),
         targets: vec![destination.block(0..60, 70..130, T::ONE, T::ONE)],
         shape: square(700, 60),
     };
-    let kernel = T::kernel(Isa::Portable);
+    let kernel = T::kernel(FloatIsa::Portable);
     let len = scratch_len::<T>(kernel.geometry(), [product.shape].into_iter(), 1, 1);
     let mut scratch = vec![T::from_f64(f64::NAN); len];
     let progress = &Tracker::new(Progress::none(), WORK);
@@ -535,7 +535,7 @@ fn what_nobody_wants_is_not_packed() {
     in_both_precisions!(check_unwanted);
 }
 
-fn check_sums<T: Operand>(rng: &mut Rng) {
+fn check_sums<T: FloatOperand>(rng: &mut Rng) {
     const COUNTS: [usize; 6] = [1, 2, 3, 4, 5, 16];
     for left in COUNTS {
         for right in COUNTS {
@@ -555,7 +555,7 @@ fn sums_of_unequal_blocks_go_to_many_targets() {
     in_both_precisions!(check_sums);
 }
 
-fn check_same<T: Operand>(rng: &mut Rng) {
+fn check_same<T: FloatOperand>(rng: &mut Rng) {
     for side in [0, 1, 7, 24, 25, 49, 97, 150] {
         for sources in [1, 2, 3, 5, 16] {
             for grid in [(1, 1), (2, 1), (4, 4)] {
@@ -577,7 +577,7 @@ fn one_side_serves_as_both() {
     in_both_precisions!(check_same);
 }
 
-fn check_sequences<T: Operand>(rng: &mut Rng) {
+fn check_sequences<T: FloatOperand>(rng: &mut Rng) {
     for count in 2..8 {
         let mut specs = Vec::new();
         for i in 0..count {
@@ -606,7 +606,7 @@ fn products_with_overlapping_targets_run_in_order() {
 }
 
 /// Returns a case of random reals.
-fn reals<T: Operand>(depth: usize, side: usize, budget: usize, rng: &mut Rng) -> Case<T> {
+fn reals<T: FloatOperand>(depth: usize, side: usize, budget: usize, rng: &mut Rng) -> Case<T> {
     let mut real =
         |layout, rows, cols| Stored::new(layout, rows, cols, f64::NAN, |_, _| rng.normal());
     let (left, right) = (real(Layout::Rows, depth, side), real(Layout::Columns, depth, side + 5));
@@ -622,7 +622,7 @@ fn reals<T: Operand>(depth: usize, side: usize, budget: usize, rng: &mut Rng) ->
     Case { specs: vec![spec], part: Part::Lower, c, budget }
 }
 
-fn check_reals<T: Operand>(rng: &mut Rng) {
+fn check_reals<T: FloatOperand>(rng: &mut Rng) {
     for (depth, budget) in [(1, PLENTY), (50, PLENTY), (331, PLENTY), (700, 1), (700, PLENTY)] {
         let case = reals::<T>(depth, 83, budget, rng);
         let [expected, sizes] = case.expected();
@@ -652,7 +652,7 @@ fn errors_of_reals_stay_within_the_bound_of_dot_products() {
     in_both_precisions!(check_reals);
 }
 
-fn check_threads<T: Operand>(rng: &mut Rng) {
+fn check_threads<T: FloatOperand>(rng: &mut Rng) {
     for budget in [1, 40_000, PLENTY] {
         let case = reals::<T>(500, 151, budget, rng);
         for isa in isas() {
@@ -670,7 +670,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     in_both_precisions!(check_threads);
 }
 
-fn check_cancelling<T: Operand>(rng: &mut Rng) {
+fn check_cancelling<T: FloatOperand>(rng: &mut Rng) {
     let case = reals::<T>(300, 150, 1, rng);
     for isa in isas() {
         for threads in [1, 3] {
@@ -701,7 +701,7 @@ fn a_cancelled_run_says_so_and_returns() {
 fn a_panic_in_progress_reaches_the_caller() {
     let case = reals::<f64>(300, 150, 1, &mut Rng::new(3));
     for threads in [1, 3] {
-        let run = || case.run(Isa::best(), threads, Progress::new(&|_| panic!("told so")));
+        let run = || case.run(FloatIsa::best(), threads, Progress::new(&|_| panic!("told so")));
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
     }
 }
@@ -741,7 +741,7 @@ fn the_work_reported_is_that_of_the_entries_wanted() {
     }
 }
 
-fn check_blocking<T: Operand>(rng: &mut Rng) {
+fn check_blocking<T: FloatOperand>(rng: &mut Rng) {
     for isa in isas() {
         let geometry = T::kernel(isa).geometry();
         for _ in 0..2000 {
@@ -777,7 +777,7 @@ fn blocking_covers_the_depth_within_the_budget() {
     in_both_precisions!(check_blocking);
 }
 
-fn check_whole_panels<T: Operand>(rng: &mut Rng) {
+fn check_whole_panels<T: FloatOperand>(rng: &mut Rng) {
     const DEPTH: usize = 3;
     for isa in isas() {
         let kernel = T::kernel(isa);
@@ -819,7 +819,7 @@ fn panels_are_written_to_their_end() {
     in_both_precisions!(check_whole_panels);
 }
 
-fn check_small<T: Operand>(rng: &mut Rng) {
+fn check_small<T: FloatOperand>(rng: &mut Rng) {
     const EXTENTS: [usize; 11] = [0, 1, 2, 3, 6, 9, 16, 17, 31, 50, 66];
     for depth in [0, 1, 2, 7, 33, 321, 700] {
         for rows in EXTENTS {
@@ -842,7 +842,8 @@ fn check_small<T: Operand>(rng: &mut Rng) {
                 for isa in isas() {
                     let mut c = case.c.clone();
                     let destination = Destination::new(c.view_mut(), case.part);
-                    let Product { left, right, targets, .. } = case.specs[0].product(&destination);
+                    let KernelProduct { left, right, targets, .. } =
+                        case.specs[0].product(&destination);
                     let right = if same { left[0] } else { right[0] };
                     // SAFETY: `c` is ours.
                     unsafe { run_small(T::kernel(isa), left[0], right, targets[0], shape) };
@@ -864,7 +865,7 @@ fn scaled(x: f64, exponent: i32) -> f64 {
     x * f64::from(half).exp2() * f64::from(exponent - half).exp2()
 }
 
-fn check_scales<T: Operand>(rng: &mut Rng) {
+fn check_scales<T: FloatOperand>(rng: &mut Rng) {
     // All quotients are normal numbers, or far out of range.
     let exponents: &[i32] = match size_of::<T>() {
         8 => &[-1000, -990, -500, 0, 3, 500, 990, 1000],
@@ -918,7 +919,7 @@ fn check_scales<T: Operand>(rng: &mut Rng) {
                         matrix: m.view(),
                         scale: Some(&scales),
                     });
-                    let products = [Product {
+                    let products = [KernelProduct {
                         left: left.collect(),
                         right: vec![],
                         targets: vec![destination.block(0..side, 0..side, T::ONE, T::ZERO)],

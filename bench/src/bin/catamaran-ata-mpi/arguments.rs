@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use catamaran::SchemeChoice;
-use catamaran::ata::distributed::{Machine, Mode, Place, choose};
+use catamaran::ranks::plan::{Machine, Mode, Place, choose};
 use catamaran_bench::contender::scheme_named;
 use catamaran_bench::input::Shape;
 use clap::Parser;

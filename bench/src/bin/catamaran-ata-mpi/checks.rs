@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use catamaran::ata::distributed::{Chunks, Machine, Mode, difference_cover, packed_len, predict};
+use catamaran::base::triangle_len;
+use catamaran::ranks::plan::{Chunks, Machine, Mode, difference_cover, predict};
 use catamaran_bench::input::Shape;
 
 use crate::job::Job;
@@ -79,7 +80,7 @@ pub fn of_plan<T>(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
 fn unevenness(mode: Mode, ranks: usize, m: usize, n: usize) -> usize {
     // A part of a chunk may be a word longer or shorter than another one.
     let of_chunks = |chunks: Chunks| {
-        let len = |c| packed_len(chunks.rows(c).end) - packed_len(chunks.rows(c).start);
+        let len = |c| triangle_len(chunks.rows(c).end) - triangle_len(chunks.rows(c).start);
         let uneven = (0..chunks.count()).filter(|&c| !len(c).is_multiple_of(ranks)).count();
         uneven * (ranks - 1)
     };
@@ -112,7 +113,7 @@ mod tests {
     fn planned_thirds_of_a_triangle_are_whole_words() {
         let shape = Shape { m: 531, n: 257 };
         let job = Job { mode: Mode::Rows, shape, seed: 1, threads: 1, scheme: SchemeChoice::Auto };
-        let cost = Cost { words: (packed_len(257) / 3 * 2) as f64, messages: 2.0 };
+        let cost = Cost { words: (triangle_len(257) / 3 * 2) as f64, messages: 2.0 };
         assert!(of_plan::<f64>(&job, 3, cost).iter().all(Check::passed));
     }
 

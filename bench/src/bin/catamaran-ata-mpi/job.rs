@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use catamaran::ata::distributed::Mode;
+use catamaran::ranks::plan::Mode;
 use catamaran::{AtaOptions, Par, Real, SchemeChoice};
 use catamaran_bench::Result;
 use catamaran_bench::input::Shape;

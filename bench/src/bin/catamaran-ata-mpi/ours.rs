@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use catamaran::ata::distributed::{Mode, Place};
-use catamaran::ata::{Verification, verify};
-use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_deal, ata_rows, ata_tree};
-use catamaran::{AtaOptions, Uplo, mpi};
+use catamaran::product::{Verification, verify};
+use catamaran::ranks::plan::{Mode, Place};
+use catamaran::ranks::{MpiReal, Symmetric, World, ata_columns, ata_deal, ata_rows, ata_tree};
+use catamaran::{AtaOptions, Uplo, ranks};
 use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
 
@@ -94,12 +94,14 @@ impl<'w, T: MpiReal> Ours<'w, T> {
     pub fn verify(&self, rounds: u32) -> Result<Option<Verification>> {
         let a = view(&self.a, &self.part);
         let distributed = match self.job.mode {
-            Mode::Rows => mpi::Distributed::Rows(a),
-            _ => mpi::Distributed::Columns(a),
+            Mode::Rows => ranks::Distributed::Rows(a),
+            _ => ranks::Distributed::Columns(a),
         };
         let (n, seed) = (self.job.shape.n, self.job.seed);
         Ok(match &self.result {
-            Some(result) => Some(mpi::verify(self.world, 1.0, distributed, result, rounds, seed)?),
+            Some(result) => {
+                Some(ranks::verify(self.world, 1.0, distributed, result, rounds, seed)?)
+            }
             None if self.world.rank() == ROOT => {
                 let c = MatRef::from_row_major_slice(&self.c, n, n);
                 Some(verify(1.0, a, c, Uplo::Lower, rounds, seed)?)

@@ -4,7 +4,7 @@ use std::thread;
 use std::time::Duration;
 
 use catamaran::base::available_cores;
-use catamaran::mpi::{MpiReal, Traffic, World};
+use catamaran::ranks::{MpiReal, Traffic, World};
 use catamaran_bench::race::Outcome;
 use catamaran_bench::{Result, host, peak, record};
 

@@ -1,6 +1,6 @@
 //! Formats the measurements as lines of the screen.
 
-use catamaran::ata::distributed::{Machine, choose, lower_bound, predict, proposition_8_3};
+use catamaran::ranks::plan::{Machine, choose, lower_bound, predict, proposition_8_3};
 use catamaran_bench::input::Shape;
 use catamaran_bench::race::median;
 

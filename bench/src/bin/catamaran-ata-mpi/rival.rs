@@ -3,7 +3,7 @@
 use std::fmt;
 
 use catamaran::Real;
-use catamaran::ata::distributed::Mode;
+use catamaran::ranks::plan::Mode;
 use catamaran_bench::Result;
 
 use crate::job::Job;

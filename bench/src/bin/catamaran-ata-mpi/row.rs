@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use catamaran::ata::distributed::{Machine, Mode, lower_bound, predict, proposition_8_3};
+use catamaran::ranks::plan::{Machine, Mode, lower_bound, predict, proposition_8_3};
 use catamaran_bench::input::Shape;
 use catamaran_bench::race::Outcome;
 

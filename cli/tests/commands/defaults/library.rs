@@ -4,8 +4,8 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use catamaran::AtaOptions;
-use catamaran::gram::{LeastSquaresOptions, PrincipalComponentsOptions};
 use catamaran::ortho::GramSchmidtOptions;
+use catamaran::solve::{LeastSquaresOptions, PrincipalComponentsOptions};
 use catamaran::sparse::EigenOptions;
 use catamaran_geometry::curve::CurveOptions;
 use catamaran_geometry::decimate::DecimateOptions;

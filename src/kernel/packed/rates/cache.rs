@@ -7,39 +7,39 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Rates;
 use crate::base::{Error, Result};
-use crate::kernel::packed::isa::Isa;
+use crate::kernel::packed::isa::FloatIsa;
 
 impl Rates {
     /// Returns the rates that [`Rates::save`] stored for this isa on this machine; `None` when
     /// there are none, or when [`Rates::load`] refuses the file.
-    pub fn cached(isa: Isa) -> Option<Self> {
+    pub fn cached(isa: FloatIsa) -> Option<Self> {
         Self::load(&Self::path(isa)?, isa).ok()
     }
 
     /// Returns the path of the cache file: `catamaran/rates-<isa>.txt` in `$XDG_CACHE_HOME` or
     /// `~/.cache` (macOS: `~/Library/Caches`, Windows: `%LOCALAPPDATA%`); `None` when the
     /// environment names no such directory. The file need not exist.
-    pub fn path(isa: Isa) -> Option<PathBuf> {
+    pub fn path(isa: FloatIsa) -> Option<PathBuf> {
         Some(file_in(&directory()?, isa))
     }
 
     /// Reads rates from a file.
     ///
     /// ```
-    /// use catamaran::kernel::packed::{Isa, Rates};
+    /// use catamaran::kernel::packed::{FloatIsa, Rates};
     ///
     /// # let folder = tempfile::tempdir().unwrap();
     /// # let path = &folder.path().join("rates.txt");
-    /// let rates = Rates::of(Isa::Portable);
-    /// std::fs::write(path, rates.to_text(Isa::Portable)).unwrap();
-    /// assert_eq!(Rates::load(path, Isa::Portable)?, rates);
+    /// let rates = Rates::of(FloatIsa::Portable);
+    /// std::fs::write(path, rates.to_text(FloatIsa::Portable)).unwrap();
+    /// assert_eq!(Rates::load(path, FloatIsa::Portable)?, rates);
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     ///
     /// # Errors
     /// [`Error::Io`] with the path, and the line if one is at fault, when the file can't be read,
     /// is malformed, or is of another CPU, isa or kind of build ([`Rates::parse`]).
-    pub fn load(path: &Path, isa: Isa) -> Result<Self> {
+    pub fn load(path: &Path, isa: FloatIsa) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
         Self::parse(&text, isa).map_err(|(line, what)| Error::Io {
             path: path.into(),
@@ -52,24 +52,24 @@ impl Rates {
     /// Writes the rates to [`Rates::path`] atomically, and returns the path.
     ///
     /// ```no_run
-    /// use catamaran::kernel::packed::{Isa, Rates};
+    /// use catamaran::kernel::packed::{FloatIsa, Rates};
     ///
-    /// let rates = Rates::measure(Isa::best())?;
-    /// let path = rates.save(Isa::best())?;
-    /// assert_eq!(Rates::load(&path, Isa::best())?, rates);
+    /// let rates = Rates::measure(FloatIsa::best())?;
+    /// let path = rates.save(FloatIsa::best())?;
+    /// assert_eq!(Rates::load(&path, FloatIsa::best())?, rates);
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when the environment names no directory, [`Error::Io`] when the file
     /// can't be written.
-    pub fn save(&self, isa: Isa) -> Result<PathBuf> {
+    pub fn save(&self, isa: FloatIsa) -> Result<PathBuf> {
         let why = "the environment names none: set XDG_CACHE_HOME or HOME (Windows: LOCALAPPDATA)";
         let none = || Error::Argument { what: "cache directory", why: why.into() };
         self.save_in(&directory().ok_or_else(none)?, isa)
     }
 
-    fn save_in(&self, directory: &Path, isa: Isa) -> Result<PathBuf> {
+    fn save_in(&self, directory: &Path, isa: FloatIsa) -> Result<PathBuf> {
         // A temporary file for this call only: other threads and processes may save too.
         static CALLS: AtomicUsize = AtomicUsize::new(0);
         let call = CALLS.fetch_add(1, Ordering::Relaxed);
@@ -91,7 +91,7 @@ impl Rates {
     }
 }
 
-fn file_in(directory: &Path, isa: Isa) -> PathBuf {
+fn file_in(directory: &Path, isa: FloatIsa) -> PathBuf {
     directory.join(format!("rates-{}.txt", isa.name()))
 }
 
@@ -121,13 +121,13 @@ mod tests {
     fn what_is_saved_is_loaded_for_the_same_instance_only() {
         let folder = tempfile::tempdir().unwrap();
         let directory = folder.path().join("not there yet");
-        for rates in [Rates::of(Isa::Avx2), RATES] {
-            let path = rates.save_in(&directory, Isa::Avx2).unwrap();
+        for rates in [Rates::of(FloatIsa::Avx2), RATES] {
+            let path = rates.save_in(&directory, FloatIsa::Avx2).unwrap();
             assert_eq!(path, directory.join("rates-avx2.txt"));
-            assert_eq!(Rates::load(&path, Isa::Avx2), Ok(rates));
+            assert_eq!(Rates::load(&path, FloatIsa::Avx2), Ok(rates));
             // Nothing else stays behind.
             assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);
-            let Err(Error::Io { line, .. }) = Rates::load(&path, Isa::Portable) else {
+            let Err(Error::Io { line, .. }) = Rates::load(&path, FloatIsa::Portable) else {
                 panic!("rates of avx2 for portable");
             };
             assert_eq!(line, Some(1));
@@ -137,13 +137,13 @@ mod tests {
     #[test]
     fn a_file_that_is_broken_or_absent_is_refused_by_path_and_line() {
         let folder = tempfile::tempdir().unwrap();
-        let path = RATES.save_in(folder.path(), Isa::Portable).unwrap();
-        let text = RATES.to_text(Isa::Portable).replace("1250000000", "fast");
+        let path = RATES.save_in(folder.path(), FloatIsa::Portable).unwrap();
+        let text = RATES.to_text(FloatIsa::Portable).replace("1250000000", "fast");
         std::fs::write(&path, text).unwrap();
-        let message = Rates::load(&path, Isa::Portable).unwrap_err().to_string();
+        let message = Rates::load(&path, FloatIsa::Portable).unwrap_err().to_string();
         assert!(message.contains("rates-portable.txt:4: pack_bytes: \"fast\""), "{message}");
         std::fs::remove_file(&path).unwrap();
-        let message = Rates::load(&path, Isa::Portable).unwrap_err().to_string();
+        let message = Rates::load(&path, FloatIsa::Portable).unwrap_err().to_string();
         assert!(message.contains("rates-portable.txt: "), "{message}");
     }
 
@@ -152,7 +152,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "").unwrap();
-        let message = RATES.save_in(&file, Isa::Portable).unwrap_err().to_string();
+        let message = RATES.save_in(&file, FloatIsa::Portable).unwrap_err().to_string();
         assert!(message.contains("file") && message.contains("can't be written"), "{message}");
     }
 }

@@ -7,7 +7,7 @@ use faer::MatRef;
 use super::Rates;
 use crate::base::{Error, Result, Workspace};
 use crate::kernel::packed::geometry::{Area, Geometry};
-use crate::kernel::packed::isa::Isa;
+use crate::kernel::packed::isa::FloatIsa;
 use crate::kernel::packed::kernel::Kernel;
 use crate::kernel::packed::operand::sealed::Kernels;
 use crate::kernel::packed::operands::Source;
@@ -39,17 +39,17 @@ impl Rates {
     /// memory.
     ///
     /// ```no_run
-    /// use catamaran::{AtaOptions, blas, kernel::packed::{Isa, Rates}};
+    /// use catamaran::{AtaOptions, blas, kernel::packed::{FloatIsa, Rates}};
     ///
-    /// let rates = Rates::measure(Isa::best())?;
+    /// let rates = Rates::measure(FloatIsa::best())?;
     /// assert!(rates.flops > 0.0);
-    /// let options = AtaOptions::new().backend(blas::native_with(Isa::best(), rates));
+    /// let options = AtaOptions::new().backend(blas::native_with(FloatIsa::best(), rates));
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     ///
     /// # Errors
     /// [`Error::Argument`] when this machine refuses the isa, [`Error::OutOfMemory`].
-    pub fn measure(isa: Isa) -> Result<Self> {
+    pub fn measure(isa: FloatIsa) -> Result<Self> {
         if let Some(why) = isa.refusal() {
             let why = format!("{}: {why}", isa.name());
             return Err(Error::Argument { what: "isa", why });
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn measured_rates_are_rates_and_refused_instances_are_named() {
-        for isa in Isa::ALL {
+        for isa in FloatIsa::ALL {
             match (isa.refusal(), Rates::measure(isa)) {
                 (None, Ok(rates)) => {
                     let text = rates.to_text(isa);

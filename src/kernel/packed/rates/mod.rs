@@ -5,7 +5,7 @@ mod cpu;
 mod measure;
 mod text;
 
-use super::isa::Isa;
+use super::isa::FloatIsa;
 
 /// Rates of one core with one instruction set, for the planner. A wrong rate costs time, never
 /// correctness.
@@ -29,15 +29,15 @@ impl Rates {
     /// Returns the built-in rates, for machines without measured rates.
     ///
     /// ```
-    /// use catamaran::kernel::packed::{Isa, Rates};
+    /// use catamaran::kernel::packed::{FloatIsa, Rates};
     ///
-    /// assert!(Rates::of(Isa::Avx2).flops > Rates::of(Isa::Portable).flops);
+    /// assert!(Rates::of(FloatIsa::Avx2).flops > Rates::of(FloatIsa::Portable).flops);
     /// ```
-    pub fn of(isa: Isa) -> Self {
+    pub fn of(isa: FloatIsa) -> Self {
         let flops = match isa {
-            Isa::Avx512 => 85e9,
-            Isa::Avx2 => 50e9,
-            Isa::Portable => 14e9,
+            FloatIsa::Avx512 => 85e9,
+            FloatIsa::Avx2 => 50e9,
+            FloatIsa::Portable => 14e9,
         };
         Self { flops, read_bytes: 15e9, pack_bytes: 20e9, update_bytes: 20e9 }
     }

@@ -1,7 +1,7 @@
 //! The text form of rates: a line that names the CPU and the isa, then lines `key = value`.
 
 use super::{Rates, cpu};
-use crate::kernel::packed::isa::Isa;
+use crate::kernel::packed::isa::FloatIsa;
 
 /// A fault of a text: its line (from 1), if any, and the reason.
 pub(super) type Fault = (Option<usize>, String);
@@ -13,11 +13,11 @@ impl Rates {
     /// Returns the rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the
     /// isa, the CPU and the kind of build (debug or not), then a line `key = value` for each field,
     /// in units per second.
-    pub fn to_text(&self, isa: Isa) -> String {
+    pub fn to_text(&self, isa: FloatIsa) -> String {
         self.to_text_of(isa, &cpu::name())
     }
 
-    fn to_text_of(self, isa: Isa, cpu: &str) -> String {
+    fn to_text_of(self, isa: FloatIsa, cpu: &str) -> String {
         let values = [self.flops, self.read_bytes, self.pack_bytes, self.update_bytes];
         let lines = KEYS.iter().zip(values).map(|(key, value)| format!("{key} = {value}\n"));
         header(isa, cpu) + "\n" + &lines.collect::<String>()
@@ -26,22 +26,22 @@ impl Rates {
     /// Parses text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
     ///
     /// ```
-    /// use catamaran::kernel::packed::{Isa, Rates};
+    /// use catamaran::kernel::packed::{FloatIsa, Rates};
     ///
-    /// let rates = Rates { flops: 6e10, ..Rates::of(Isa::Avx2) };
-    /// assert_eq!(Rates::parse(&rates.to_text(Isa::Avx2), Isa::Avx2), Ok(rates));
-    /// assert!(Rates::parse(&rates.to_text(Isa::Avx2), Isa::Portable).is_err());
+    /// let rates = Rates { flops: 6e10, ..Rates::of(FloatIsa::Avx2) };
+    /// assert_eq!(Rates::parse(&rates.to_text(FloatIsa::Avx2), FloatIsa::Avx2), Ok(rates));
+    /// assert!(Rates::parse(&rates.to_text(FloatIsa::Avx2), FloatIsa::Portable).is_err());
     /// ```
     ///
     /// # Errors
     /// The line at fault (from 1; `None` for a missing key) and the reason: another CPU, isa or
     /// kind of build, a line of another form, an unknown, missing or repeated key, or a value that
     /// is not a finite number above 0.
-    pub fn parse(text: &str, isa: Isa) -> Result<Self, (Option<usize>, String)> {
+    pub fn parse(text: &str, isa: FloatIsa) -> Result<Self, (Option<usize>, String)> {
         Self::parse_of(text, isa, &cpu::name())
     }
 
-    fn parse_of(text: &str, isa: Isa, cpu: &str) -> Result<Self, Fault> {
+    fn parse_of(text: &str, isa: FloatIsa, cpu: &str) -> Result<Self, Fault> {
         let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
         let (first, expected) = (lines.next().map_or("", |(_, line)| line), header(isa, cpu));
         if first != expected {
@@ -69,7 +69,7 @@ impl Rates {
 }
 
 /// Returns the first line of the text.
-fn header(isa: Isa, cpu: &str) -> String {
+fn header(isa: FloatIsa, cpu: &str) -> String {
     // Rates of a debug build must not be used by a release build.
     let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
     format!("catamaran rates of {} on {cpu}{build}", isa.name())
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn text_gives_the_same_rates_back() {
-        for isa in Isa::ALL {
+        for isa in FloatIsa::ALL {
             let text = RATES.to_text(isa);
             assert_eq!(Rates::parse(&text, isa), Ok(RATES));
             assert_eq!(Rates::parse(&text.replace('\n', "\r\n\r\n"), isa), Ok(RATES));
@@ -94,9 +94,9 @@ mod tests {
 
     #[test]
     fn text_of_another_cpu_or_instance_is_refused() {
-        let text = RATES.to_text_of(Isa::Avx2, CPU);
-        assert_eq!(Rates::parse_of(&text, Isa::Avx2, CPU), Ok(RATES));
-        for (isa, cpu) in [(Isa::Avx2, "Another"), (Isa::Portable, CPU)] {
+        let text = RATES.to_text_of(FloatIsa::Avx2, CPU);
+        assert_eq!(Rates::parse_of(&text, FloatIsa::Avx2, CPU), Ok(RATES));
+        for (isa, cpu) in [(FloatIsa::Avx2, "Another"), (FloatIsa::Portable, CPU)] {
             let (line, what) = Rates::parse_of(&text, isa, cpu).unwrap_err();
             assert_eq!(line, Some(1));
             assert!(what.contains(CPU) && what.contains("avx2"), "{what}");
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_broken_text_is_refused_by_line_and_key() {
-        let whole = RATES.to_text_of(Isa::Avx2, CPU);
+        let whole = RATES.to_text_of(FloatIsa::Avx2, CPU);
         let changed = |from: &str, to: &str| {
             assert!(whole.contains(from));
             whole.replace(from, to)
@@ -127,7 +127,7 @@ mod tests {
             (changed("= 7", "7"), Some(4), "\"pack_bytes 7\" is not of the form"),
             (whole.clone() + "flops = 1\n", Some(6), "flops: there twice"),
         ] {
-            let (found, what) = Rates::parse_of(&text, Isa::Avx2, CPU).unwrap_err();
+            let (found, what) = Rates::parse_of(&text, FloatIsa::Avx2, CPU).unwrap_err();
             assert_eq!(found, line, "{what}");
             assert!(what.contains(part), "{part:?} in {what}");
         }

@@ -1,0 +1,191 @@
+//! A^T A: options, plans and their execution, and a probabilistic check.
+//!
+//! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. A call makes
+//! a [`Plan`] from the shape and the [`AtaOptions`], and runs it: `plan/` holds the data,
+//! `execute/` one executor for each strategy. See docs/algorithms/ata.md for the mathematics.
+//!
+//! # Accuracy
+//! With k rows, u the unit roundoff and `|a_i|` the Euclidean norm of a column, every entry of a
+//! result of the default options satisfies `|C_ij - exact| <= 4 k u |a_i| |b_j|`, whatever the
+//! norms of the other columns: columns whose norms differ are scaled by powers of two around fast
+//! levels. The bound holds for [`ata()`], [`atb`], [`ata_rows`](crate::rows::ata_rows), streams and
+//! ranks, unless products of the norms leave the range of the numbers.
+
+pub(crate) mod combine;
+mod complex;
+pub(crate) mod exact;
+mod execute;
+mod options;
+pub(crate) mod plan;
+mod planned;
+pub mod scheme;
+mod sparse;
+mod verify;
+
+use faer::prelude::Reborrow;
+use faer::{MatMut, MatRef};
+
+pub use complex::{ComplexPlan, aha, aha_planned, ahb, ahb_planned};
+pub use exact::Stages;
+pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
+pub use plan::{Node, Plan, Task, thread_levels};
+use planned::run;
+pub use planned::{ata_planned, atb_planned};
+pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
+pub(crate) use verify::check_blocks;
+pub use verify::{Verification, verify};
+#[cfg(feature = "mpi")]
+pub(crate) use verify::{check_rounds, signs, verdict};
+
+pub(crate) use execute::{Product, execute};
+
+use crate::base::{Error, Result, Scratch};
+use crate::blas::BlasReal;
+use crate::kernel::int8;
+
+/// Computes `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
+///
+/// A is m x n, C is n x n; any strides; any sizes, 0 included. With `beta == 0` C is not read, with
+/// `alpha == 0` A is not. The result is the same, bit for bit, for every `options.par`.
+///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, faer::{Mat, mat}};
+///
+/// let a = mat![[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]];
+/// let mut c = Mat::zeros(2, 2);
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Both))?;
+/// assert_eq!(c, mat![[35.0, 44.0], [44.0, 56.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
+/// [`Error::OutOfMemory`] when memory for the scratch is refused, [`Error::Cancelled`].
+pub fn ata<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options, None)
+}
+
+/// Computes `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
+///
+/// ```
+/// use catamaran::{AtaOptions, aat, faer::{Mat, mat}};
+///
+/// let mut c = Mat::zeros(1, 1);
+/// aat(1.0, mat![[3.0, 4.0]].as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c[(0, 0)], 25.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`ata`].
+pub fn aat<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    ata(alpha, a.transpose(), beta, c, options)
+}
+
+/// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter). With
+/// [`SchemeChoice::Ata2`] it is FastStrassen of the thesis' algorithm 8.1.
+///
+/// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is
+/// not read, with `alpha == 0` A and B are not. The result is the same, bit for bit, for every
+/// `options.par`.
+///
+/// ```
+/// use catamaran::{AtaOptions, atb, faer::{Mat, mat}};
+///
+/// let (a, b) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]]);
+/// let mut c = Mat::zeros(2, 1);
+/// atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c, mat![[31.0], [42.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`ata`].
+pub fn atb<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let plan = atb_plan(a, b, c.rb(), options)?;
+    run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options, None)
+}
+
+/// Returns the plan of `A^T A`.
+fn gram_plan<T: BlasReal>(
+    a: MatRef<'_, T>,
+    c: MatRef<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Plan> {
+    let (m, n) = a.shape();
+    Error::check_shape("C", (n, n), c.shape())?;
+    Plan::ata::<T>(m, n, options)
+}
+
+fn gram<'p, T>(
+    alpha: T,
+    a: MatRef<'p, T>,
+    beta: T,
+    c: MatMut<'p, T>,
+    options: &AtaOptions<'_>,
+) -> Product<'p, T> {
+    Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) }
+}
+
+fn atb_plan<T: BlasReal>(
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    c: MatRef<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Plan> {
+    Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
+    Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())?;
+    Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
+}
+
+/// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its
+/// stages took. For benchmarks: [`ata`] does the same on the fastest instruction set.
+///
+/// ```
+/// use catamaran::product::exact_stages;
+/// use catamaran::{AtaOptions, faer::Mat, kernel::int8::IntegerIsa};
+///
+/// let a = Mat::<f64>::from_fn(300, 20, |i, j| ((7 * i + j) % 11) as f64);
+/// let mut c = Mat::zeros(20, 20);
+/// let stages = exact_stages(IntegerIsa::Portable, a.as_ref(), c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
+/// assert!(stages.products > 0.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`ata`]; [`Error::Argument`] when the machine does not support the instruction set.
+pub fn exact_stages<T: BlasReal>(
+    isa: int8::IntegerIsa,
+    a: MatRef<'_, T>,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Stages> {
+    if let Some(why) = isa.refusal() {
+        return Err(Error::Argument { what: "isa", why: why.into() });
+    }
+    let options = options.clone().scheme(SchemeChoice::Exact).uplo(Uplo::Lower);
+    let plan = gram_plan(a, c.rb(), &options)?.on(isa);
+    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par))?;
+    let product = gram(T::ONE, a, T::ZERO, c, &options);
+    execute::exact_stages(&plan, product, &options, scratch.as_mut_slice())
+}

@@ -1,0 +1,46 @@
+//! The execution of the plans, over MPI.
+
+mod call;
+mod columns;
+mod cyclic;
+mod deal;
+mod domains;
+mod eigen;
+mod exchange;
+mod factor;
+mod form;
+mod gram;
+mod memory;
+mod ortho;
+mod pending_send;
+mod reduction;
+mod requests;
+mod root;
+mod rows;
+mod spread;
+mod stream;
+mod symmetric;
+mod tags;
+mod transfer;
+mod tree;
+mod verify;
+mod world;
+
+pub use columns::ata_columns;
+pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
+pub use eigen::eigs;
+pub use exchange::gather_rows;
+pub use gram::lstsq;
+pub use ortho::{cholesky_qr, gram_schmidt, gram_schmidt_in_place};
+pub use root::{ata_deal, ata_root, ata_tree};
+pub use rows::{ata_rows, sum_symmetric};
+pub use stream::{agree_bounds, merge_accumulators};
+pub use symmetric::Symmetric;
+pub use verify::{Distributed, verify};
+pub use world::{MpiReal, Traffic, World};
+
+// For the other crates of this workspace: no part of the interface.
+#[doc(hidden)]
+pub use ortho::watched_cholesky_qr;
+#[doc(hidden)]
+pub use world::Operation;

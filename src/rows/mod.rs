@@ -1,0 +1,37 @@
+//! A^T A of rows that come in blocks, from memory, files or other ranks. One accumulator serves all
+//! sources; its sums can be saved, continued and merged. See docs/algorithms/ata.md, "Streaming".
+
+mod accumulator;
+mod ata;
+mod blocks;
+mod exact;
+mod extended;
+mod float;
+mod format;
+mod grid;
+mod moments;
+mod pass;
+mod pieces;
+mod plan;
+mod source;
+mod stream;
+mod strip;
+#[cfg(test)]
+mod tests;
+mod verify;
+mod wide;
+
+pub use accumulator::Accumulator;
+pub use ata::{Center, RowOptions, ata_extended, ata_rows};
+pub use extended::ExtendedGram;
+pub use format::scalar_of;
+pub use grid::RowBounds;
+pub use plan::StreamPlan;
+pub use source::{DenseRows, RowBlocks};
+pub use stream::{AfterBlock, stream};
+pub use strip::Strip;
+pub use verify::verify_rows;
+
+pub(crate) use extended::About;
+#[cfg(feature = "mpi")]
+pub(crate) use stream::exact_sums;

@@ -1,0 +1,40 @@
+//! Results from a Gram matrix in extended precision: least squares, principal components, singular
+//! values, correlations, orthonormal columns.
+//!
+//! All functions start from an [`ExtendedGram`](crate::rows::ExtendedGram) of A, which takes one
+//! pass over the rows. Where the entries of A are exact, results are at least as accurate as those
+//! of an orthogonal factorization of A in f64, as long as the condition number of A with columns of
+//! norm 1 is below 2^48 or so.
+
+mod cholesky;
+mod columns;
+mod condition;
+mod correlation;
+mod double;
+mod jacobi;
+mod least_squares;
+mod orthogonality;
+mod pairs;
+mod principal;
+mod qr;
+mod refine;
+mod row_space;
+mod rows;
+mod singular;
+mod slices;
+#[cfg(test)]
+mod tests;
+mod triangular;
+
+pub use cholesky::{PivotedCholesky, Pivoting};
+pub use correlation::correlation;
+pub use double::DoubleDouble;
+pub use least_squares::{LeastSquares, LeastSquaresOptions, RankDeficiency};
+pub use orthogonality::{Orthogonality, orthogonality};
+pub use pairs::sum_of_pairs;
+pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions};
+pub use qr::GramQr;
+#[cfg(feature = "mpi")]
+pub(crate) use rows::named_by_matrix;
+pub use rows::{JoinedRows, check_weights, lstsq, pca, singular_values};
+pub use singular::SingularValues;
