@@ -8,7 +8,7 @@ use super::eigenproducts::Eigenproducts;
 use catamaran::base::{Par, Progress, Result, builder, check_request};
 use catamaran::dense::zeros;
 use catamaran::ortho::{
-    Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place,
+    GramSchmidtOptions, TriangularFactor, gram_schmidt_in_place, rank_revealing_in_place,
 };
 
 /// The method of orthogonalization of eigenproducts: the two methods of the thesis (section 1.4),
@@ -118,7 +118,7 @@ impl ProductBasis {
             }
         };
         let gram_schmidt = defaults.par(options.par).progress(options.progress);
-        let Factors { r, kept } = match options.orthogonalization {
+        let TriangularFactor { r, kept } = match options.orthogonalization {
             Orthogonalization::RankRevealing => {
                 rank_revealing_in_place(matrix.as_mut(), &mass, &gram_schmidt)?
             }
