@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 import time
-from importlib.metadata import packages_distributions, version
+from importlib.metadata import distribution
 from pathlib import Path
 
 import pytest
@@ -39,8 +39,10 @@ def link_package(site, without=()):
 
 
 def test_the_distribution_has_its_own_name():
-    assert set(packages_distributions()["catamaran"]) == {_distribution.NAME}
-    assert version(_distribution.NAME) == catamaran.__version__
+    found = distribution(_distribution.NAME)
+    assert found.version == catamaran.__version__
+    assert "catamaran/__init__.py" in map(str, found.files)
+    assert _distribution.find_other(str(PACKAGE.parent)) is None
 
 
 def test_without_another_distribution_the_import_is_silent(tmp_path):
