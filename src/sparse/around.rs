@@ -119,6 +119,8 @@ fn beside(error: Error, shift: f64) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use sprs::CsMat;
+
     use super::*;
     use crate::base::Par;
     use crate::sparse::Mass;
@@ -141,6 +143,25 @@ mod tests {
                 assert_eq!(plain.vectors, probed.vectors, "{k} near {shift}");
                 assert_eq!(plain.residuals, probed.residuals, "{k} near {shift}");
                 assert_eq!(plain.solves, probed.solves, "{k} near {shift}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shift_beside_more_equal_eigenvalues_than_the_basis_holds_finds_some_of_them() {
+        // 1, and 300 times 2.
+        let n = 301;
+        let entries = (0..n).map(|i| if i == 0 { 1.0 } else { 2.0 }).collect();
+        let w = CsMat::new((n, n), (0..=n).collect(), (0..n).collect(), entries);
+        let mass = Mass::identity(n);
+        let pencil = WholePencil { stiffness: w.view(), mass: &mass };
+        let problem = Problem::whole(&pencil).unwrap();
+        for (shift, expected) in [(1.0, [1.0, 2.0, 2.0]), (2.0, [2.0, 2.0, 2.0])] {
+            let options = EigenOptions::new().k(3).shift(shift).par(Par::Seq);
+            let values = around(&problem, shift, &options).unwrap().values;
+            assert_eq!(values.len(), 3);
+            for (value, expected) in values.iter().zip(expected) {
+                assert!((value - expected).abs() < 1e-9, "{values:?} near {shift}");
             }
         }
     }
