@@ -44,7 +44,10 @@ pub(crate) fn around(
             options.progress.report(0.02)?;
             if let Some((krylov, nearby)) = probe(problem, sigma, &*factor, options)? {
                 let others = others(&nearby, problem.scale);
-                let is_clear = nearby.clearance >= NEAR * others && step <= FAR * others;
+                // Farther away no place is tried, however far the others are.
+                let is_farthest = step >= BESIDE * problem.scale && nearby.clearance >= 0.5 * step;
+                let is_clear =
+                    (nearby.clearance >= NEAR * others || is_farthest) && step <= FAR * others;
                 if is_clear || attempt == TRIES {
                     return find(problem, krylov, sigma, factor, options)
                         .map_err(|error| if step == 0.0 { error } else { beside(error, shift) });
