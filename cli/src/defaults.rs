@@ -45,7 +45,7 @@ mod tests {
     const TYPED: [&str; 45] = [
         "ata/mod.rs block_rows",
         "ata/mod.rs memory",
-        // The library computes the lower triangle alone.
+        // The command line computes both triangles, the library the lower one.
         "ata/mod.rs uplo",
         "basis.rs k",
         "basis.rs order",
