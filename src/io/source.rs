@@ -97,7 +97,7 @@ impl<'a> Source<'a> {
                 Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
             Packing::Xz => {
-                let inner = Unpacker::new(raw).map_err(|e| error_at(path, None, e))?;
+                let inner = Unpacker::new(raw);
                 Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
         };

@@ -1,77 +1,171 @@
-//! `.xz` through crate lzma-rust2, which has no memory limit of its own.
+//! `.xz` through crate xz4rust, a stream after the other.
 
 use std::io::{self, BufRead, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use lzma_rust2::XzReader;
+use xz4rust::{XzDecoder, XzError};
 
-/// The largest dictionary that a file may need, in the encoding of LZMA2: 256 MiB. `xz -9` takes 64
-/// MiB.
-const LARGEST_DICTIONARY: u8 = 32;
+/// The largest dictionary that a file may need, in bytes: 256 MiB. `xz -9` takes 64 MiB.
+const LARGEST_DICTIONARY: usize = 1 << 28;
 
-/// The identifier of LZMA2 among filters.
-const LZMA2: u64 = 0x21;
+/// The dictionary that is allocated before a file asks for one, in bytes.
+const FIRST_DICTIONARY: usize = 1 << 12;
 
 /// A file being unpacked.
-pub(super) struct Unpacker<R: Read>(XzReader<R>);
+pub(super) struct Unpacker<R> {
+    packed: R,
+    decoder: Box<XzDecoder<'static>>,
+    /// Whether a stream has ended and no other has begun.
+    has_ended: bool,
+    /// The error, once there was one; every later read returns it again.
+    failed: Option<String>,
+}
 
 impl<R: BufRead> Unpacker<R> {
     /// Creates an unpacker of a packed file at its start.
-    pub(super) fn new(mut packed: R) -> io::Result<Self> {
-        if dictionary(packed.fill_buf()?).is_some_and(|size| size > LARGEST_DICTIONARY) {
-            return Err(io::Error::other("needs a dictionary of more than 256 MiB"));
+    pub(super) fn new(packed: R) -> Self {
+        let decoder = XzDecoder::in_heap_with_alloc_dict_size(FIRST_DICTIONARY, LARGEST_DICTIONARY);
+        Self { packed, decoder, has_ended: false, failed: None }
+    }
+
+    fn unpack(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        loop {
+            if self.has_ended && !self.begin_next()? {
+                return Ok(0);
+            }
+            let packed = self.packed.fill_buf()?;
+            if packed.is_empty() {
+                return Err(self.fail("truncated .xz file".into()));
+            }
+            // The crate is safe code, which may panic on unexpected input.
+            let decoded = catch_unwind(AssertUnwindSafe(|| self.decoder.decode(packed, out)));
+            let result = match decoded {
+                Ok(Ok(result)) => result,
+                Ok(Err(e)) => return Err(self.fail(reason(&e))),
+                Err(_) => return Err(self.fail("broken .xz file".into())),
+            };
+            self.packed.consume(result.input_consumed());
+            self.has_ended = result.is_end_of_stream();
+            if result.output_produced() > 0 {
+                return Ok(result.output_produced());
+            }
         }
-        Ok(Self(XzReader::new(packed, true)))
+    }
+
+    /// Skips the zeros behind a stream, a multiple of four. Returns whether another stream follows.
+    fn begin_next(&mut self) -> io::Result<bool> {
+        let mut zeros = 0_usize;
+        loop {
+            let packed = self.packed.fill_buf()?;
+            let length = packed.len();
+            let skipped = packed.iter().take_while(|&&byte| byte == 0).count();
+            self.packed.consume(skipped);
+            zeros += skipped;
+            if skipped == length && length > 0 {
+                continue;
+            }
+            if !zeros.is_multiple_of(4) {
+                return Err(self.fail("broken .xz file".into()));
+            }
+            if length == 0 {
+                return Ok(false);
+            }
+            self.decoder.reset();
+            self.has_ended = false;
+            return Ok(true);
+        }
+    }
+
+    fn fail(&mut self, why: String) -> io::Error {
+        self.failed = Some(why.clone());
+        io::Error::other(why)
     }
 }
 
-impl<R: Read> Read for Unpacker<R> {
+impl<R: BufRead> Read for Unpacker<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        // The crate is safe code, which may panic on unexpected input.
-        catch_unwind(AssertUnwindSafe(|| self.0.read(out)))
-            .unwrap_or_else(|_| Err(io::Error::other("broken .xz file")))
+        match &self.failed {
+            Some(why) => Err(io::Error::other(why.clone())),
+            None if out.is_empty() => Ok(0),
+            None => self.unpack(out),
+        }
     }
 }
 
-/// Returns the size of the dictionary of the first block, in the encoding of LZMA2, or `None` when
-/// there is no such block.
-fn dictionary(file: &[u8]) -> Option<u8> {
-    // After the stream header of 12 bytes: size of the block header, flags, sizes if flagged,
-    // filters.
-    let mut rest = file.get(13..)?;
-    let flags = take(&mut rest)?;
-    for flag in [0x40, 0x80] {
-        if flags & flag != 0 {
-            number(&mut rest)?;
+fn reason(e: &XzError) -> String {
+    match e {
+        XzError::DictionaryTooLarge(_) => "needs a dictionary of more than 256 MiB".into(),
+        XzError::Sha256NotSupported => {
+            "has checks by SHA-256, which are not supported; xz --check=crc64 writes others".into()
         }
+        e => format!("broken .xz file: {e}"),
     }
-    for _ in 0..=flags & 3 {
-        let filter = number(&mut rest)?;
-        let size = usize::try_from(number(&mut rest)?).ok()?;
-        let (properties, after) = rest.split_at_checked(size)?;
-        if filter == LZMA2 {
-            return properties.first().copied();
-        }
-        rest = after;
-    }
-    None
 }
 
-fn take(bytes: &mut &[u8]) -> Option<u8> {
-    let (&first, rest) = bytes.split_first()?;
-    *bytes = rest;
-    Some(first)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Reads a number in groups of seven bits, lowest first.
-fn number(bytes: &mut &[u8]) -> Option<u64> {
-    let mut value = 0;
-    for shift in (0..63).step_by(7) {
-        let byte = take(bytes)?;
-        value |= u64::from(byte & 0x7f) << shift;
-        if byte & 0x80 == 0 {
-            return Some(value);
+    // By Python's lzma: `one` with CRC64, `two` with CRC32, `one` with SHA-256.
+    #[rustfmt::skip]
+    const ONE: [u8; 60] = [
+        0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x04, 0xe6, 0xd6, 0xb4, 0x46, 0x02, 0x00, 0x21, 0x01,
+        0x16, 0x00, 0x00, 0x00, 0x74, 0x2f, 0xe5, 0xa3, 0x01, 0x00, 0x03, 0x6f, 0x6e, 0x65, 0x0a, 0x00,
+        0xf5, 0x5c, 0xbb, 0x56, 0x1f, 0xc6, 0xfd, 0x86, 0x00, 0x01, 0x1c, 0x04, 0x6f, 0x2c, 0x9c, 0xc1,
+        0x1f, 0xb6, 0xf3, 0x7d, 0x01, 0x00, 0x00, 0x00, 0x00, 0x04, 0x59, 0x5a,
+    ];
+
+    #[rustfmt::skip]
+    const TWO: [u8; 56] = [
+        0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x01, 0x69, 0x22, 0xde, 0x36, 0x02, 0x00, 0x21, 0x01,
+        0x16, 0x00, 0x00, 0x00, 0x74, 0x2f, 0xe5, 0xa3, 0x01, 0x00, 0x03, 0x74, 0x77, 0x6f, 0x0a, 0x00,
+        0x74, 0x08, 0x17, 0x96, 0x00, 0x01, 0x18, 0x04, 0x6b, 0xe9, 0xf0, 0xa5, 0x90, 0x42, 0x99, 0x0d,
+        0x01, 0x00, 0x00, 0x00, 0x00, 0x01, 0x59, 0x5a,
+    ];
+
+    #[rustfmt::skip]
+    const WITH_SHA256: [u8; 84] = [
+        0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x0a, 0xe1, 0xfb, 0x0c, 0xa1, 0x02, 0x00, 0x21, 0x01,
+        0x16, 0x00, 0x00, 0x00, 0x74, 0x2f, 0xe5, 0xa3, 0x01, 0x00, 0x03, 0x6f, 0x6e, 0x65, 0x0a, 0x00,
+        0x2c, 0x8b, 0x08, 0xda, 0x5c, 0xe6, 0x03, 0x98, 0xe1, 0xf1, 0x9a, 0xf0, 0xe5, 0xdc, 0xcc, 0x74,
+        0x4d, 0xf2, 0x74, 0xb8, 0x26, 0xab, 0xe5, 0x85, 0xea, 0xba, 0x68, 0xc5, 0x25, 0x43, 0x48, 0x06,
+        0x00, 0x01, 0x34, 0x04, 0xc5, 0x82, 0xc1, 0x9c, 0x18, 0x9b, 0x4b, 0x9a, 0x01, 0x00, 0x00, 0x00,
+        0x00, 0x0a, 0x59, 0x5a,
+    ];
+
+    fn unpacked(packed: &[u8]) -> io::Result<String> {
+        let mut text = String::new();
+        Unpacker::new(packed).read_to_string(&mut text).map(|_| text)
+    }
+
+    #[test]
+    fn streams_follow_one_another_with_zeros_between_them() {
+        assert_eq!(unpacked(&ONE).unwrap(), "one\n");
+        for zeros in 0..9 {
+            let packed = [&ONE[..], &vec![0; zeros], &TWO].concat();
+            match zeros % 4 {
+                0 => assert_eq!(unpacked(&packed).unwrap(), "one\ntwo\n", "{zeros}"),
+                _ => assert!(unpacked(&packed).is_err(), "{zeros}"),
+            }
+            let packed = [&ONE[..], &vec![0; zeros]].concat();
+            assert_eq!(unpacked(&packed).is_ok(), zeros % 4 == 0, "{zeros}");
+        }
+        assert!(unpacked(&[&ONE[..], b"more"].concat()).is_err());
+    }
+
+    #[test]
+    fn a_file_that_ends_early_is_an_error() {
+        for cut in 0..ONE.len() {
+            assert!(unpacked(&ONE[..cut]).is_err(), "{cut}");
         }
     }
-    None
+
+    #[test]
+    fn a_check_by_sha256_is_refused_by_name_again_and_again() {
+        let mut unpacker = Unpacker::new(&WITH_SHA256[..]);
+        for _ in 0..2 {
+            let refused = unpacker.read(&mut [0; 8]).unwrap_err().to_string();
+            assert!(refused.contains("SHA-256"), "{refused}");
+        }
+    }
 }
