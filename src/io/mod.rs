@@ -31,6 +31,7 @@ mod strips;
 mod tests;
 mod unwritten;
 mod xz;
+mod zip;
 
 use std::ops::Range;
 use std::path::Path;
