@@ -89,8 +89,8 @@ impl RowsFormat {
             return fail("gzipped, so rows can't be read from its middle: unpack it first");
         }
         fail(
-            "unknown kind of file for reading by rows: the name must end in .npy, .h5, .hdf5 or .he5, \
-             and the last three may have :/path/to/dataset after it",
+            "unknown kind of file for reading by rows: the name must end in .npy, .h5, .hdf5 or \
+             .he5, and the last three may have :/path/to/dataset after it",
         )
     }
 }

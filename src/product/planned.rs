@@ -1,5 +1,5 @@
-//! Products by a plan that the caller has made, once for many products of one shape, in scratch that
-//! the caller may keep.
+//! Products by a plan that the caller has made, once for many products of one shape, in scratch
+//! that the caller may keep.
 
 use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};

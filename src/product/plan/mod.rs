@@ -20,6 +20,7 @@ pub(crate) use problem::{Op, Problem};
 pub(crate) use recursion::Base;
 pub(crate) use recursion::Recursion;
 pub(crate) use strategy::{Exact, Fused, Slab, Strategy, Tasks};
+pub(crate) use tree::rectangle_levels;
 pub use tree::{Node, Task, thread_levels};
 
 use super::options::AtaOptions;

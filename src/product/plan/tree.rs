@@ -56,7 +56,7 @@ impl Node {
     /// assert_eq!(tasks.iter().map(|task| task.rows.len() * task.cols.len()).sum::<usize>(), 6000);
     /// ```
     pub fn general(n: usize, k: usize, processes: usize) -> Self {
-        rectangle(0..n, 0..k, 0..processes, rectangle_levels(processes))
+        rectangle(0..n, 0..k, 0..processes, rectangle_levels(processes.max(1), 4))
     }
 
     /// Returns the leaves from left to right, without empty blocks.
@@ -102,18 +102,16 @@ pub fn thread_levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,
         2 | 3 => 1,
-        _ => 1 + rectangle_levels(p / 2),
+        _ => 1 + rectangle_levels(p / 2, 4),
     }
 }
 
-/// Returns the part of equation 8.6 for the general block: `k + sign(p mod 4^max(k, 1))`, `k` the
-/// largest with `4^k <= p`.
-fn rectangle_levels(p: usize) -> usize {
-    if p <= 1 {
-        return 0;
-    }
-    let k = p.ilog(4);
-    k as usize + usize::from(!p.is_multiple_of(4_usize.pow(k.max(1))))
+/// Returns the part of equations 8.5 (8 children of a node) and 8.6 (4 children) for the general
+/// block on `p >= 1` processes: `k + sign(p mod children^max(k, 1))`, `k` the largest with
+/// `children^k <= p`. One process too counts as a level.
+pub(crate) fn rectangle_levels(p: usize, children: usize) -> usize {
+    let k = p.ilog(children);
+    k as usize + usize::from(!p.is_multiple_of(children.pow(k.max(1))))
 }
 
 /// Returns the tree of `C[span, span]`, lower triangle, on `processes`, at most `depth` levels.
@@ -153,7 +151,7 @@ fn rectangle(
         return Node::Leaf(Task { process: processes.start, triangle: false, rows, cols });
     }
     // The last level takes all processes at once, in as square a grid as divides them.
-    let depth = depth.min(rectangle_levels(p));
+    let depth = depth.min(rectangle_levels(p, 4));
     let parts = if depth <= 1 { p } else { 4 };
     let (down, across) = grid(parts);
     let mut children = Vec::with_capacity(parts);

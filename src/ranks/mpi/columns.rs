@@ -10,7 +10,7 @@ use super::symmetric::Symmetric;
 use super::tags::COLUMNS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
-use crate::base::{Result, reserved, triangle_len, zeros};
+use crate::base::{Result, reserved, triangle_len, triangle_rows, zeros};
 use crate::product::{AtaOptions, Uplo, ata, atb};
 use crate::ranks::plan::{Blocks, TriangleLayout, piece_height};
 
@@ -97,9 +97,8 @@ pub fn ata_columns<T: MpiReal>(
         exchange.start(piece + 2);
         piece += 1;
     }
-    for i in 0..width {
-        let row = &square[i * width..=i * width + i];
-        entries[triangle_len(i)..triangle_len(i + 1)].copy_from_slice(row);
+    for (i, row) in triangle_rows(&mut entries, 0..width) {
+        row.copy_from_slice(&square[i * width..=i * width + i]);
     }
     world.agree(done)?;
     drop(exchange);

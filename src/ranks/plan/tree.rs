@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use crate::base::{even_part, triangle_len};
-use crate::product::plan::{Node, Task};
+use crate::product::plan::{Node, Task, rectangle_levels};
 
 /// The task tree for the lower triangle of A^T A.
 ///
@@ -286,15 +286,8 @@ pub fn rank_levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,
         2..=6 => 1,
-        _ => 1 + rectangle_levels(p / 4),
+        _ => 1 + rectangle_levels(p / 4, 8),
     }
-}
-
-/// Returns the part of equation 8.5 for the general block: `k + sign(p mod 8^max(k, 1))`, `k` the
-/// largest with `8^k <= p`, for `p >= 1`. One process too counts as a level: others have two.
-fn rectangle_levels(p: usize) -> usize {
-    let k = p.ilog(8);
-    k as usize + usize::from(!p.is_multiple_of(8_usize.pow(k.max(1))))
 }
 
 /// A planned node, and the processes and levels for its part of the tree.
@@ -335,7 +328,7 @@ fn below_rectangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Ch
     if p <= 1 {
         return Vec::new();
     }
-    let depth = depth.min(rectangle_levels(p));
+    let depth = depth.min(rectangle_levels(p, 8));
     let Task { rows, cols, .. } = &node.task;
     if depth == 1 && p != 8 {
         return tiles(node, &Node::general(rows.len(), cols.len(), p), share);
