@@ -31,7 +31,6 @@ mod strips;
 mod tests;
 mod unwritten;
 mod xz;
-mod zip;
 
 use std::ops::Range;
 use std::path::Path;

@@ -1,14 +1,15 @@
 //! Several arrays in one file, as `numpy.load` reads them: NumPy `.npz`, a zip archive of `.npy`
 //! files, not packed.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
 use faer::MatRef;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 use super::output::write_error;
 use super::unwritten::Unwritten;
-use super::zip::ZipWriter;
 use super::{Output, npy, npy_header};
 use crate::base::Result;
 
@@ -66,17 +67,73 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub struct NpzWriter {
-    archive: ZipWriter,
+    archive: ZipWriter<Sink>,
     path: PathBuf,
     /// The matrix that was begun last.
     matrix: Unwritten,
+}
+
+/// The destination of the archive. After the first error it discards what is written and reports
+/// success: an archive that is dropped still writes its end, and prints to stderr when it can't.
+struct Sink {
+    output: Output,
+    failed: bool,
+    /// The position that the archive assumes.
+    position: u64,
+}
+
+impl Sink {
+    fn new(output: Output) -> Self {
+        Self { output, failed: false, position: 0 }
+    }
+
+    fn finish(self) -> Result<Output> {
+        if self.failed {
+            return Err(self.output.error(io::Error::other("an earlier write has failed")));
+        }
+        Ok(self.output)
+    }
+
+    /// Remembers that an error has occurred.
+    fn noted<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+        self.failed |= done.as_ref().is_err_and(|e| e.kind() != io::ErrorKind::Interrupted);
+        done
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = if self.failed { Ok(bytes.len()) } else { self.output.write(bytes) };
+        let count = self.noted(written)?;
+        self.position += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = if self.failed { Ok(()) } else { self.output.flush() };
+        self.noted(flushed)
+    }
+}
+
+impl Seek for Sink {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let there = match to {
+            _ if !self.failed => self.output.seek(to),
+            SeekFrom::Start(position) => Ok(position),
+            SeekFrom::Current(by) | SeekFrom::End(by) => {
+                Ok(self.position.saturating_add_signed(by))
+            }
+        };
+        self.position = self.noted(there)?;
+        Ok(self.position)
+    }
 }
 
 impl NpzWriter {
     /// Creates a file without arrays.
     pub fn new(output: Output) -> Self {
         let path = output.path().to_path_buf();
-        Self { archive: ZipWriter::new(output), path, matrix: Unwritten::default() }
+        Self { archive: ZipWriter::new(Sink::new(output)), path, matrix: Unwritten::default() }
     }
 
     /// Adds an array.
@@ -132,13 +189,19 @@ impl NpzWriter {
     /// As [`NpzWriter::array`]; no file is left behind then.
     pub fn finish(self) -> Result<()> {
         self.matrix.check_end()?;
-        self.archive.finish()?.commit()
+        let Self { archive, path, .. } = self;
+        let sink = archive.finish().map_err(|e| write_error(&path, e.into()))?;
+        sink.finish()?.commit()
     }
 
     fn begin(&mut self, name: &str) -> Result<()> {
         self.matrix.check_end()?;
-        let begun = self.archive.begin(format!("{name}.npy"));
-        self.told(begun)
+        // Sizes are known only after all entries have been written.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(true);
+        let begun = self.archive.start_file(format!("{name}.npy"), options);
+        self.told(begun.map_err(io::Error::from))
     }
 
     fn begin_matrix(
@@ -203,7 +266,7 @@ mod tests {
 
     /// Returns the header of an array, without the blanks at its end, and its entries.
     fn array(path: &Path, name: &str) -> (String, Vec<[u8; 8]>) {
-        let mut archive = ::zip::ZipArchive::new(File::open(path).unwrap()).unwrap();
+        let mut archive = zip::ZipArchive::new(File::open(path).unwrap()).unwrap();
         let mut bytes = Vec::new();
         archive.by_name(name).unwrap().read_to_end(&mut bytes).unwrap();
         let (header, entries) = bytes.split_at(128);
@@ -290,13 +353,14 @@ mod tests {
     #[test]
     fn a_name_is_taken_once() {
         let folder = tempfile::tempdir().unwrap();
-        let output = Output::create(&folder.path().join("a.npz"), Overwrite::Never).unwrap();
-        let mut writer = NpzWriter::new(output);
+        let path = folder.path().join("a.npz");
+        let mut writer = NpzWriter::new(Output::create(&path, Overwrite::Never).unwrap());
         writer.array("größe", Array::Vector(&[1.0])).unwrap();
-        let refused = writer.array("größe", Array::Vector(&[2.0])).unwrap_err().to_string();
-        assert!(refused.contains("`größe.npy` is there already"), "{refused}");
+        writer.array("values", Array::Vector(&[2.0])).unwrap();
+        let refused = writer.array("values", Array::Vector(&[3.0])).unwrap_err().to_string();
+        assert!(refused.contains("a.npz") && refused.contains("values.npy"), "{refused}");
         writer.finish().unwrap();
-        let (_, entries) = array(&folder.path().join("a.npz"), "größe.npy");
-        assert_eq!(entries, [1.0_f64.to_le_bytes()]);
+        assert_eq!(array(&path, "größe.npy").1, [1.0_f64.to_le_bytes()]);
+        assert_eq!(array(&path, "values.npy").1, [2.0_f64.to_le_bytes()]);
     }
 }

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use faer::Mat;
-use rawzip::{CompressionMethod, RECOMMENDED_BUFFER_SIZE, ZipArchive};
 
 use super::extents::{padded_bytes, tuple};
 use super::limits::SourceOptions;
@@ -157,30 +156,17 @@ impl Arrays {
 fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e: &dyn std::fmt::Display| error(path, None, e.to_string());
     let file = File::open(path).map_err(|e| fail(&e))?;
-    let mut buffer = vec![0; RECOMMENDED_BUFFER_SIZE];
-    let archive = ZipArchive::from_file(file, &mut buffer).map_err(|e| fail(&e))?;
-    let count = archive.entries_hint();
+    let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&e))?;
     let mut arrays = BTreeMap::new();
-    let mut found = 0;
-    let mut entries = archive.entries(&mut buffer);
-    while let Some(entry) = entries.next_entry().map_err(|e| fail(&e))? {
-        let name = std::str::from_utf8(entry.file_path().as_bytes()).map_err(|e| fail(&e))?;
-        let name = name.trim_end_matches(".npy").to_owned();
-        if entry.compression_method() != CompressionMethod::STORE || entry.flags().is_encrypted() {
-            return Err(fail(&format!("`{name}` is packed or encrypted, which is not supported")));
-        }
-        let size = entry.uncompressed_size_hint();
-        begin(found, (found + 1).max(usize::try_from(count).unwrap_or(usize::MAX)), size)?;
-        let mut content = reserved(usize::try_from(size).map_err(|e| fail(&e))?)?;
-        let local = archive.get_entry(entry.wayfinder()).map_err(|e| fail(&e))?;
-        let read = local.verifying_reader(local.reader()).read_to_end(&mut content);
-        read.map_err(|e| fail(&format!("`{name}`: {e}")))?;
+    for i in 0..archive.len() {
+        let count = archive.len();
+        let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
+        let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
+        begin(i, count, entry.size())?;
+        let mut content = reserved(usize::try_from(entry.size()).map_err(|e| fail(&e))?)?;
+        entry.read_to_end(&mut content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         let stored = decode(&content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         arrays.insert(name, stored);
-        found += 1;
-    }
-    if found as u64 != count {
-        return Err(fail(&format!("{found} arrays where the archive announces {count}")));
     }
     Ok(arrays)
 }
