@@ -10,7 +10,7 @@ mod eigenbasis;
 mod eigenproducts;
 mod filter;
 pub mod functional_map;
-mod shape;
+mod isospectralization;
 pub mod test_functions;
 mod transfer;
 
@@ -22,5 +22,5 @@ pub use eigenproducts::{
     TruncatedProducts, transform_by_columns, transform_of_all_products,
 };
 pub use filter::{Response, add_coefficient, dirichlet_energies, filter};
-pub use shape::{ShapeFromSpectrum, ShapeOptions, shape_from_spectrum};
+pub use isospectralization::{ShapeFromSpectrum, ShapeOptions, shape_from_spectrum};
 pub use transfer::Transfer;
