@@ -180,7 +180,9 @@ fn weights_that_sum_to_zero_have_no_mean() {
     let error = sum.finish(1.0, Uplo::Lower).map(drop).unwrap_err();
     assert!(matches!(error, Error::Argument { what: "weights", .. }), "{error}");
     let sum = accumulated(a.as_ref(), Some(&weights), false, 3);
-    assert!(sum.finish(1.0, Uplo::Lower).is_ok());
+    let entry = |r: usize, i: usize, j: usize| weights[r] * a[(r, i)] * a[(r, j)];
+    let expected = Mat::from_fn(2, 2, |i, j| (0..4).map(|r| entry(r, i, j)).sum::<f64>());
+    assert!(largest_difference(both(sum).as_ref(), expected.as_ref()) < 1e-9);
 }
 
 #[test]
