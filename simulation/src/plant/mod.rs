@@ -5,7 +5,6 @@ mod elasticity;
 pub mod families;
 mod fit;
 mod graph;
-mod levenberg;
 mod parts;
 mod read;
 mod rods;

@@ -83,7 +83,7 @@ impl Scheme {
     }
 }
 
-/// A scheme as written down: sums in the notation of the module's documentation.
+/// A scheme as written down: sums in the notation of the documentation of [`super`].
 pub(super) struct Table {
     pub(super) name: &'static str,
     pub(super) symmetric: bool,
