@@ -212,8 +212,8 @@ void cata_backend_free(cata_backend *backend); /**< Frees a back end. */
 #define CATA_SCHEME_KGP4 5 /**< `scheme`: 4 x 4 of Khoruzhii, Gelss and Pokutta. */
 #define CATA_SCHEME_KGP3 6 /**< `scheme`: their 3 x 3. */
 
-/** `scheme`: integer products modulo small primes: nothing is rounded but the columns, to about
- * 2^-54 of their norms (float: 2^-27), and the result. */
+/** `scheme`: integer products modulo small coprime numbers: nothing is rounded but the columns, to
+ * about 2^-54 of their norms (float: 2^-27), and the result. */
 #define CATA_SCHEME_EXACT 7
 #define CATA_SCHEME_FLOAT 8 /**< `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT. */
 
@@ -407,8 +407,8 @@ cata_status cata_ahb_c32(int32_t layout, size_t m, size_t n, size_t k, const flo
  * - `seed`: of the random vectors; the same seed gives the same answer.
  * - `passed`: written: 1 if C passed, else 0.
  * - `residual`, `tolerance`: written: the largest entry of |C X - alpha A^T (A X)|, and how
- *   large rounding may make it; NULL where not wanted. NaN or infinity in the residual never
- *   passes. */
+ *   large rounding may make it; NULL where not wanted. NaN or infinity in the residual or the
+ *   tolerance never passes: where A has such entries, `passed` = 0 says nothing about C. */
 cata_status cata_verify_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, const double *c, size_t ldc, int32_t rounds, uint64_t seed,
     int32_t *passed, double *residual, double *tolerance);
@@ -776,8 +776,8 @@ typedef struct cata_eigs_params {
     size_t max_restarts; /**< Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60. */
     uint64_t seed; /**< Seed of the starting vectors. */
     double tolerance; /**< Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9. */
-    /** With `has_shift` 1: the eigenvalues nearest to this finite number are computed. Otherwise
-     * ignored. */
+    /** With `has_shift` 1: the eigenvalues nearest to this finite number are computed, which may be
+     * an eigenvalue. Otherwise ignored. */
     double shift;
     int32_t has_shift; /**< 1: `shift` is used; 0: the smallest eigenvalues are computed. */
     /** 1: counts the eigenvalues by one or two more factorizations, and continues until none is

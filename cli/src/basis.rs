@@ -8,6 +8,7 @@ use catamaran::sparse::Mass;
 use catamaran_geometry::spectral::{ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
+use crate::defaults::variant;
 use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::status;
@@ -32,7 +33,12 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
     /// How products are orthogonalized.
-    #[arg(long, value_name = "MODE", default_value = "single-pass")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "MODE",
+        default_value_t = variant(ProductBasisOptions::default().orthogonalization)
+    )]
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,

@@ -16,6 +16,7 @@ use catamaran_geometry::mesh::{RepairOptions, TriMesh, repair};
 use clap::{ArgGroup, ValueEnum};
 
 use crate::common::{Force, Threads};
+use crate::defaults::variant;
 use crate::input::MeshArgs;
 use crate::mesh::genus;
 use crate::output;
@@ -52,17 +53,22 @@ pub struct Args {
     /// Output file: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Number of passes that move samples to the centroids of their cells [default: 0].
-    #[arg(long, value_name = "N")]
-    lloyd: Option<usize>,
-    /// Number of passes that flip edges and move vertices of the result [default: 12].
-    #[arg(long, value_name = "N")]
-    relax: Option<usize>,
+    /// Number of passes that move samples to the centroids of their cells.
+    #[arg(long, value_name = "N", default_value_t = DecimateOptions::default().lloyd)]
+    lloyd: usize,
+    /// Number of passes that flip edges and move vertices of the result.
+    #[arg(long, value_name = "N", default_value_t = DecimateOptions::default().relaxation)]
+    relax: usize,
     /// Cut handles that are too narrow for the triangles of the result, and close their ends.
     #[arg(long)]
     cut_handles: bool,
     /// Method that finds faces and places vertices.
-    #[arg(long, value_name = "METHOD", default_value = "uniform")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "METHOD",
+        default_value_t = variant(DecimateOptions::default().method)
+    )]
     method: Kind,
     /// Vertex of the first sample, numbered from 0 [default: the lowest vertex that a face has].
     #[arg(long, value_name = "VERTEX")]
@@ -93,6 +99,15 @@ enum Kind {
     Thesis,
 }
 
+impl From<Kind> for Method {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Uniform => Self::Uniform,
+            Kind::Thesis => Self::Thesis,
+        }
+    }
+}
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
@@ -111,14 +126,10 @@ pub fn run(args: &Args) -> Result<()> {
 
     let bar = Bar::new("decimate");
     let update = |fraction| bar.update(fraction);
-    let defaults = DecimateOptions::default();
     let options = DecimateOptions::new()
-        .method(match args.method {
-            Kind::Uniform => Method::Uniform,
-            Kind::Thesis => Method::Thesis,
-        })
-        .lloyd(args.lloyd.unwrap_or(defaults.lloyd))
-        .relaxation(args.relax.unwrap_or(defaults.relaxation))
+        .method(args.method.into())
+        .lloyd(args.lloyd)
+        .relaxation(args.relax)
         .cut_narrow_handles(args.cut_handles)
         .first(args.first)
         .par(par)

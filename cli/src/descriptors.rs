@@ -13,6 +13,7 @@ use catamaran_geometry::spectral::descriptors::{
 use clap::ValueEnum;
 
 use crate::common::Force;
+use crate::defaults::stated;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs, first_column};
 use crate::pieces::Need;
@@ -39,12 +40,23 @@ pub struct Args {
     /// Kind of descriptor.
     #[arg(long, value_name = "KIND")]
     kind: Kind,
-    /// Number of eigenfunctions, without the constant one; not for shot [default: 100].
-    #[arg(short, value_name = "K", value_parser = parse::at_least_one)]
+    #[arg(
+        short,
+        value_name = "K",
+        value_parser = parse::at_least_one,
+        help = stated("Number of eigenfunctions, without the constant one; not for shot", K)
+    )]
     k: Option<usize>,
-    /// Number of columns of hks (times in equal ratios) and of wks (energies), over the range of
-    /// the eigenvalues [default: 100].
-    #[arg(long, value_name = "N", value_parser = parse::at_least_one)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::at_least_one,
+        help = stated(
+            "Number of columns of hks (times in equal ratios) and of wks (energies), over the \
+             range of the eigenvalues",
+            SCALES
+        )
+    )]
     scales: Option<usize>,
     /// Radius of the ball around a vertex that shot describes, in units of the mesh; required for
     /// shot, and for shot only.

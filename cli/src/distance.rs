@@ -12,6 +12,7 @@ use catamaran_geometry::mesh::{
 use clap::ValueEnum;
 
 use crate::common::{Force, Threads};
+use crate::defaults::variant;
 use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs};
 use crate::report::{report, seconds, status};
@@ -36,12 +37,17 @@ pub struct Args {
     method: How,
     /// Time that heat flows in the heat method, in units of the squared mean edge length of the
     /// triangulation; a longer time gives smoother distances and reaches farther.
-    #[arg(long, value_name = "T", default_value_t = 1.0)]
+    #[arg(long, value_name = "T", default_value_t = HeatOptions::default().time)]
     time: f64,
     /// Triangulation on which heat flows: the intrinsic Delaunay triangulation of the tufted cover,
     /// for any mesh (tufted), that of a surface whose edges have two faces at most (intrinsic), or
     /// the triangles of the mesh (cotan), where long ones make distances wrong.
-    #[arg(long, value_name = "KIND", default_value = "tufted")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "KIND",
+        default_value_t = variant(HeatOptions::default().kind)
+    )]
     laplacian: Kind,
     #[command(flatten)]
     repair: MeshArgs,

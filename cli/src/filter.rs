@@ -16,6 +16,7 @@ use catamaran_geometry::spectral::{
 use clap::ArgGroup;
 
 use crate::common::Force;
+use crate::defaults::stated;
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
@@ -26,6 +27,9 @@ use crate::shape::{self, LaplacianArgs, Shape};
 /// Frequencies up to this share of the highest count as zero: rounding leaves those of constants
 /// there.
 const ZERO: f64 = 1e-9;
+
+/// The default of --amount.
+const AMOUNT: f64 = 1.0;
 
 /// The default of --share.
 const SHARE: f64 = 0.1;
@@ -60,16 +64,21 @@ pub struct Args {
     /// Sharpen: add what heat flow removes in the time T, as a fraction of the surface area.
     #[arg(long, value_name = "T")]
     sharpen: Option<f64>,
-    /// Factor of what --sharpen adds [default: 1].
-    #[arg(long, value_name = "A")]
+    #[arg(long, value_name = "A", help = stated("Factor of what --sharpen adds", AMOUNT))]
     amount: Option<f64>,
     /// Change one coefficient: add a multiple of the function of frequency NUMBER, from 1, to every
     /// coordinate.
     #[arg(long, value_name = "NUMBER")]
     coefficient: Option<usize>,
-    /// Size of the change by --coefficient, as a fraction of the root mean square of the
-    /// coordinates (or of the functions) about their means [default: 0.1].
-    #[arg(long, value_name = "SHARE")]
+    #[arg(
+        long,
+        value_name = "SHARE",
+        help = stated(
+            "Size of the change by --coefficient, as a fraction of the root mean square of the \
+             coordinates (or of the functions) about their means",
+            SHARE
+        )
+    )]
     share: Option<f64>,
     /// Number of eigenfunctions, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 100)]
@@ -251,7 +260,7 @@ fn gains(
         return in_band("--band", band.clone(), 1.0);
     }
     let time = args.heat.or(args.sharpen).unwrap_or_default();
-    let amount = args.amount.unwrap_or(1.0);
+    let amount = args.amount.unwrap_or(AMOUNT);
     if !(time.is_finite() && time >= 0.0 && amount.is_finite()) {
         bail!("--heat and --sharpen need a finite time of at least 0, and --amount must be finite");
     }

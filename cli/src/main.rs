@@ -8,6 +8,7 @@ mod common;
 mod completions;
 mod curve;
 mod decimate;
+mod defaults;
 mod demo;
 mod descriptors;
 mod device;

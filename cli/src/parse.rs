@@ -12,6 +12,14 @@ use clap::builder::TypedValueParser as _;
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Arg, Command};
 
+/// Names of accuracies.
+const ACCURACIES: [(&str, Accuracy); 4] = [
+    ("max", Accuracy::Max),
+    ("classical", Accuracy::Classical),
+    ("default", Accuracy::Default),
+    ("fast", Accuracy::Fast),
+];
+
 /// Returns the command with options that take negative numbers as values, so that each says which
 /// numbers it accepts. Otherwise clap would take `-1` for an option.
 pub fn with_negative_numbers(command: Command) -> Command {
@@ -64,18 +72,19 @@ pub fn scheme_name(scheme: SchemeChoice) -> &'static str {
 
 /// Parses the name of an accuracy, or a factor.
 pub fn accuracy(text: &str) -> Result<Accuracy, String> {
-    match text {
-        "max" => Ok(Accuracy::Max),
-        "classical" => Ok(Accuracy::Classical),
-        "default" => Ok(Accuracy::Default),
-        "fast" => Ok(Accuracy::Fast),
-        _ => match text.parse() {
-            Ok(factor) if factor >= 1.0 && f64::is_finite(factor) => Ok(Accuracy::Bounded(factor)),
-            _ => {
-                Err("expected max, classical, default, fast, or a number that is at least 1".into())
-            }
-        },
+    if let Some((_, accuracy)) = ACCURACIES.into_iter().find(|(name, _)| *name == text) {
+        return Ok(accuracy);
     }
+    match text.parse() {
+        Ok(factor) if factor >= 1.0 && f64::is_finite(factor) => Ok(Accuracy::Bounded(factor)),
+        _ => Err("expected max, classical, default, fast, or a number that is at least 1".into()),
+    }
+}
+
+/// Returns the name of an accuracy.
+pub fn accuracy_name(accuracy: Accuracy) -> &'static str {
+    let found = ACCURACIES.into_iter().find(|(_, known)| *known == accuracy);
+    found.map_or("another", |(name, _)| name)
 }
 
 /// Parses a range `FIRST..END`.

@@ -14,6 +14,7 @@ use catamaran_geometry::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
 
 use crate::common::Threads;
+use crate::defaults::variant;
 use crate::input::{self, MeshArgs};
 use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
@@ -25,7 +26,12 @@ pub struct LaplacianArgs {
     /// Triangulation of the Laplacian: that of the mesh (cotan), its intrinsic Delaunay
     /// triangulation (intrinsic), or that of its tufted cover (tufted), for meshes with edges of
     /// more than two faces or with faces without area.
-    #[arg(long, value_name = "KIND", default_value = "cotan")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "KIND",
+        default_value_t = variant(LaplacianOptions::default().kind)
+    )]
     laplacian: Kind,
     #[command(flatten)]
     pub repair: MeshArgs,

@@ -28,7 +28,7 @@ pub struct Args {
     #[arg(long, value_name = "MESH")]
     query: Option<PathBuf>,
     /// Number of eigenvalues in a signature.
-    #[arg(short, default_value_t = 20, value_name = "NUMBER")]
+    #[arg(short, default_value_t = ShapeDnaOptions::default().k, value_name = "NUMBER")]
     k: usize,
     /// Number of nearest meshes to list.
     #[arg(long, default_value_t = 5, value_name = "NUMBER")]

@@ -13,6 +13,7 @@ use catamaran_geometry::mesh::{
 use clap::ValueEnum;
 
 use crate::common::Force;
+use crate::defaults::{stated, variant};
 use crate::picture::{Paint, PictureArgs};
 use crate::pieces::Pieces;
 use crate::progress::Bar;
@@ -39,7 +40,7 @@ pub struct Args {
     output: Option<PathBuf>,
     /// Number of eigenpairs, at most the number of free vertices: all, or with --boundary dirichlet
     /// those that are not on the boundary.
-    #[arg(short, default_value_t = 100, value_name = "NUMBER")]
+    #[arg(short, default_value_t = EigenOptions::default().k, value_name = "NUMBER")]
     k: usize,
     /// Compute the eigenvalues nearest to this number instead of the smallest ones.
     #[arg(long, value_name = "NUMBER")]
@@ -47,24 +48,40 @@ pub struct Args {
     #[command(flatten)]
     laplacian: LaplacianArgs,
     /// Mass matrix: a diagonal (lumped), or the inner product of linear functions (full).
-    #[arg(long, default_value = "lumped")]
+    #[arg(value_enum, long, default_value_t = variant(LaplacianOptions::default().mass))]
     mass: Mass,
     /// Condition at the boundary: the normal derivative is zero (neumann), or the function is zero
     /// (dirichlet).
-    #[arg(long, default_value = "neumann")]
+    #[arg(value_enum, long, default_value_t = variant(LaplacianOptions::default().boundary))]
     boundary: Edge,
-    /// Largest residual allowed: if a pair exceeds it, the command fails after it has written all
-    /// results [default: 1e-9; a pair that rounding keeps above it gives a note].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated(
+            "Largest residual allowed: if a pair exceeds it, the command fails after it has \
+             written all results",
+            format_args!(
+                "{:e}; a pair that rounding keeps above it gives a note",
+                EigenOptions::default().tolerance
+            )
+        )
+    )]
     tolerance: Option<f64>,
     /// Check, by another factorization, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
-    /// Most memory of the eigensolver, in GiB. If all pairs at once would take more, they are
-    /// computed and written in slices of the spectrum, and a count of the eigenvalues makes sure
-    /// that none is missing. With --shift there are no slices, and too little memory is an error.
-    /// Works in one process only, not under `mpirun` [default: 4.5].
-    #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
+    #[arg(
+        long,
+        value_name = "GIB",
+        value_parser = parse::gibibytes,
+        help = stated(
+            "Most memory of the eigensolver, in GiB. If all pairs at once would take more, they \
+             are computed and written in slices of the spectrum, and a count of the eigenvalues \
+             makes sure that none is missing. With --shift there are no slices, and too little \
+             memory is an error. Works in one process only, not under `mpirun`",
+            MEMORY as f64 / f64::from(1 << 30)
+        )
+    )]
     memory: Option<usize>,
     /// Compute approximate pairs, much faster and in less memory: those of the mesh decimated to
     /// this number of vertices, interpolated to all vertices and improved there. Eigenvalues are
@@ -90,11 +107,29 @@ enum Mass {
     Full,
 }
 
+impl From<Mass> for MassKind {
+    fn from(mass: Mass) -> Self {
+        match mass {
+            Mass::Lumped => Self::Barycentric,
+            Mass::Full => Self::Consistent,
+        }
+    }
+}
+
 /// The condition at the boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Edge {
     Neumann,
     Dirichlet,
+}
+
+impl From<Edge> for Boundary {
+    fn from(edge: Edge) -> Self {
+        match edge {
+            Edge::Neumann => Self::Neumann,
+            Edge::Dirichlet => Self::Dirichlet,
+        }
+    }
 }
 
 /// Runs the subcommand.
@@ -122,14 +157,8 @@ impl Args {
     fn laplacian_options(&self) -> LaplacianOptions {
         LaplacianOptions::new()
             .kind(self.laplacian.kind())
-            .mass(match self.mass {
-                Mass::Lumped => MassKind::Barycentric,
-                Mass::Full => MassKind::Consistent,
-            })
-            .boundary(match self.boundary {
-                Edge::Neumann => Boundary::Neumann,
-                Edge::Dirichlet => Boundary::Dirichlet,
-            })
+            .mass(self.mass.into())
+            .boundary(self.boundary.into())
             .par(self.laplacian.par())
     }
 }

@@ -20,6 +20,7 @@ use catamaran_geometry::spectral::{
 use clap::{ArgGroup, ValueEnum};
 
 use crate::common::Force;
+use crate::defaults::{stated, variant};
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
@@ -67,9 +68,15 @@ pub struct Args {
     /// Transfer the shape of the source instead of functions, and write the deformed target.
     #[arg(long, value_name = "HOW")]
     details: Option<Details>,
-    /// Number of eigenfunctions of the smooth surface that --details heights starts from, without
-    /// the constant one [default: 20].
-    #[arg(long, value_name = "K")]
+    #[arg(
+        long,
+        value_name = "K",
+        help = stated(
+            "Number of eigenfunctions of the smooth surface that --details heights starts from, \
+             without the constant one",
+            SMOOTH
+        )
+    )]
     smooth_functions: Option<usize>,
     /// Let vertices with the same number correspond.
     #[arg(long, conflicts_with_all = ["points", "landmarks", "segments"])]
@@ -107,7 +114,12 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
     /// How products are orthogonalized.
-    #[arg(long, value_name = "MODE", default_value = "single-pass")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "MODE",
+        default_value_t = variant(ProductBasisOptions::default().orthogonalization)
+    )]
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,

@@ -40,7 +40,8 @@ fn run<T: Element>(
     triangle: Option<Uplo>,
     par: Par,
 ) -> Result<()> {
-    let options = AtaOptions::new().par(par).uplo(triangle.unwrap_or_default());
+    let mut options = AtaOptions::new().par(par);
+    options.uplo = triangle.unwrap_or(options.uplo);
     T::multiply(plan, alpha, left, right, beta, c, &options)
 }
 

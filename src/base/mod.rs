@@ -2,6 +2,7 @@
 
 mod blocks;
 mod builder;
+mod byte_size;
 mod checks;
 mod cores;
 mod disjoint;
@@ -28,14 +29,15 @@ mod watch;
 mod workspace;
 
 pub use blocks::block_rows;
+pub(crate) use byte_size::byte_size;
 pub(crate) use checks::finite_weights;
 pub use cores::{available_cores, obey_omp_num_threads};
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
+pub(crate) use memory::check_allocation;
 pub use memory::{available_memory, check_request, limit_memory};
-pub(crate) use memory::{byte_size, check_allocation};
 pub use options::Field;
 pub(crate) use par::PIECE;
 pub use par::Par;

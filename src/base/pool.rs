@@ -16,10 +16,9 @@ use super::float_env::FloatEnv;
 use super::{Error, Result};
 
 /// Whether threads stay on one core each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Pin {
     /// The operating system may move threads between cores.
-    #[default]
     No,
     /// Thread `i` stays on the `i`-th core of the affinity mask (modulo their number), where the
     /// operating system allows it.

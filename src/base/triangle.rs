@@ -12,8 +12,8 @@ use std::ops::Range;
 /// ```
 #[inline]
 pub fn triangle_len(n: usize) -> usize {
-    // One of the two is even, and halved before they overflow.
-    if n.is_multiple_of(2) { n / 2 * (n + 1) } else { n.div_ceil(2) * n }
+    // Of n and n + 1 the even one is halved; the other is `n | 1`.
+    n.div_ceil(2) * (n | 1)
 }
 
 /// Returns the row of a triangle that its entry number `entry` is in.

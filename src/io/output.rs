@@ -41,7 +41,7 @@ pub enum Overwrite {
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
-    /// Where the file appears: the target of the path, if the path is a symbolic link.
+    /// Where the file appears, absolute: the target of the path, if the path is a symbolic link.
     target: PathBuf,
     file: BufWriter<Temporary>,
     overwrite: Overwrite,
@@ -134,7 +134,8 @@ impl Temporary {
             // The first name goes with `self`.
             Ok(()) => Ok(()),
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Err(e),
-            // Some file systems have no links. There an empty file holds the name meanwhile.
+            // Some file systems have no links. There an empty file holds the name meanwhile, and
+            // stays if the process is killed then.
             Err(_) => {
                 File::create_new(target)?;
                 let renamed = self.replace(target);
@@ -244,7 +245,10 @@ impl Output {
         if path.is_dir() {
             return Err(error(path, None, "is a directory"));
         }
-        let target = target_of(path).map_err(|e| write_error(path, e))?;
+        // Absolute, so that a change of the current folder neither moves the file nor leaves its
+        // temporary one behind.
+        let target =
+            target_of(path).and_then(std::path::absolute).map_err(|e| write_error(path, e))?;
         let replaced = target.metadata().ok();
         if replaced.as_ref().is_some_and(|about| !about.is_file()) {
             return Err(error(path, None, "is not a regular file"));
@@ -390,4 +394,21 @@ fn sync_folder(path: &Path) -> io::Result<()> {
 
 fn exists(path: &Path) -> Error {
     error(path, None, "exists already and is not replaced")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_relative_path_is_that_of_the_folder_in_which_the_output_was_created() {
+        let path = Path::new("an-output-that-is-dropped.csv");
+        let here = std::env::current_dir().unwrap();
+        let output = Output::create(path, Overwrite::Never).unwrap();
+        assert_eq!((output.path(), &output.target), (path, &here.join(path)));
+        let temporary = output.file.get_ref().path.clone();
+        assert!(temporary.starts_with(&here) && temporary.exists());
+        drop(output);
+        assert!(!temporary.exists() && !path.exists());
+    }
 }

@@ -94,7 +94,10 @@ impl<R: BufRead> Read for Unpacker<R> {
 
 fn reason(e: &XzError) -> String {
     match e {
-        XzError::DictionaryTooLarge(_) => "needs a dictionary of more than 256 MiB".into(),
+        // Code 40 stands for 4 GiB less a byte, the largest dictionary of the format.
+        XzError::DictionaryTooLarge(_) | XzError::UnsupportedLzmaProperties(40) => {
+            "needs a dictionary of more than 256 MiB".into()
+        }
         XzError::Sha256NotSupported => {
             "has checks by SHA-256, which are not supported; xz --check=crc64 writes others".into()
         }
@@ -157,6 +160,26 @@ mod tests {
     fn a_file_that_ends_early_is_an_error() {
         for cut in 0..ONE.len() {
             assert!(unpacked(&ONE[..cut]).is_err(), "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_dictionary_of_more_than_256_mib_is_refused_by_name() {
+        // The sizes that block headers have a code for: 32 is 256 MiB, 40 the largest.
+        let large = Some("256 MiB");
+        for (code, why) in [(32, None), (33, large), (39, large), (40, large), (41, Some("broken"))]
+        {
+            let mut packed = ONE;
+            packed[16] = code;
+            let check = crc32fast::hash(&packed[12..20]).to_le_bytes();
+            packed[20..24].copy_from_slice(&check);
+            match (unpacked(&packed), why) {
+                (Ok(text), None) => assert_eq!(text, "one\n"),
+                (Err(refused), Some(why)) => {
+                    assert!(refused.to_string().contains(why), "{code}: {refused}");
+                }
+                (found, _) => panic!("{code}: {found:?}"),
+            }
         }
     }
 

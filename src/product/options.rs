@@ -5,10 +5,9 @@ use crate::base::{Error, Par, Pin, Progress, Result, options};
 use crate::blas::{self, Backend};
 
 /// Which triangle of the symmetric result is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Uplo {
     /// The lower triangle; the strict upper one is neither read nor written.
-    #[default]
     Lower,
     /// The upper triangle; the strict lower one is neither read nor written.
     Upper,
@@ -29,7 +28,7 @@ pub enum Uplo {
 /// | `Max`, `Classical`; `Default`, `Bounded(f)` of `A^T B` | 15 | 2.6e-18 | 8 | 3.8e-10 |
 /// | `Default`, `Bounded(f)` of `A^T A` | 14 | 3.7e-17 | 7 | 5.8e-9 |
 /// | `Fast`, `Bounded(f >= 8)` | 13 | 5.2e-16 | 6 | 9.0e-8 |
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Accuracy {
     /// The exact path, on any machine: no entry has a larger error than a correctly rounded result
     /// by more than a few percent of the unit roundoff, relative to the norms of its columns.
@@ -38,19 +37,17 @@ pub enum Accuracy {
     Classical,
     /// Fast levels as long as the expected growth of the error stays within this factor (>= 1).
     Bounded(f64),
-    /// The default: `Bounded(4.0)` for fast levels; the exact path where it is faster, with errors
-    /// no larger than the classical ones.
-    #[default]
+    /// `Bounded(4.0)` for fast levels; the exact path where it is faster, with errors no larger
+    /// than the classical ones.
     Default,
     /// As many fast levels as pay off.
     Fast,
 }
 
 /// Which recursion to run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SchemeChoice {
     /// The recursion that the planner expects to be fastest within the requested accuracy.
-    #[default]
     Auto,
     /// As `Auto`, but without the exact path.
     Float,

@@ -19,10 +19,9 @@ use crate::product::combine::in_lower;
 use crate::product::{AtaOptions, ata};
 
 /// What is subtracted from every row before the product.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub enum Center<'a, T> {
     /// Nothing.
-    #[default]
     No,
     /// The mean of the rows, weighted if there are weights: the result is the scatter matrix, and
     /// the covariance when `alpha` is 1 / (m - 1).

@@ -10,10 +10,9 @@ use crate::dense::zeros;
 use crate::rows::ExtendedGram;
 
 /// What happens when columns of A depend on others, as far as the precision can tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RankDeficiency {
     /// The solution of least norm is returned.
-    #[default]
     MinimumNorm,
     /// An error names the columns.
     Refuse,

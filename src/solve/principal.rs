@@ -7,10 +7,9 @@ use crate::base::{Error, Par, Result, options};
 use crate::rows::ExtendedGram;
 
 /// How many principal components are kept; never more than the rank of the centred columns.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Components {
     /// All of them.
-    #[default]
     All,
     /// This many.
     Count(usize),

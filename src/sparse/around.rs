@@ -44,7 +44,10 @@ pub(crate) fn around(
             options.progress.report(0.02)?;
             if let Some((krylov, nearby)) = probe(problem, sigma, &*factor, options)? {
                 let others = others(&nearby, problem.scale);
-                let is_clear = nearby.clearance >= NEAR * others && step <= FAR * others;
+                // Farther away no place is tried, however far the others are.
+                let is_farthest = step >= BESIDE * problem.scale && nearby.clearance >= 0.5 * step;
+                let is_clear =
+                    (nearby.clearance >= NEAR * others || is_farthest) && step <= FAR * others;
                 if is_clear || attempt == TRIES {
                     return find(problem, krylov, sigma, factor, options)
                         .map_err(|error| if step == 0.0 { error } else { beside(error, shift) });
@@ -119,6 +122,8 @@ fn beside(error: Error, shift: f64) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use sprs::CsMat;
+
     use super::*;
     use crate::base::Par;
     use crate::sparse::Mass;
@@ -141,6 +146,25 @@ mod tests {
                 assert_eq!(plain.vectors, probed.vectors, "{k} near {shift}");
                 assert_eq!(plain.residuals, probed.residuals, "{k} near {shift}");
                 assert_eq!(plain.solves, probed.solves, "{k} near {shift}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shift_beside_more_equal_eigenvalues_than_the_basis_holds_finds_some_of_them() {
+        // 1, and 300 times 2.
+        let n = 301;
+        let entries = (0..n).map(|i| if i == 0 { 1.0 } else { 2.0 }).collect();
+        let w = CsMat::new((n, n), (0..=n).collect(), (0..n).collect(), entries);
+        let mass = Mass::identity(n);
+        let pencil = WholePencil { stiffness: w.view(), mass: &mass };
+        let problem = Problem::whole(&pencil).unwrap();
+        for (shift, expected) in [(1.0, [1.0, 2.0, 2.0]), (2.0, [2.0, 2.0, 2.0])] {
+            let options = EigenOptions::new().k(3).shift(shift).par(Par::Seq);
+            let values = around(&problem, shift, &options).unwrap().values;
+            assert_eq!(values.len(), 3);
+            for (value, expected) in values.iter().zip(expected) {
+                assert!((value - expected).abs() < 1e-9, "{values:?} near {shift}");
             }
         }
     }

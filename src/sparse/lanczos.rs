@@ -322,7 +322,8 @@ impl<'a> Krylov<'a> {
 
     /// Returns the Ritz values in the order of their distances from sigma, and how many of them
     /// must converge: k, or, where sigma is beside the shift, all that are no farther from sigma
-    /// than an eigenvalue may be that is as near to the shift as the k nearest.
+    /// than an eigenvalue may be that is as near to the shift as the k nearest. If more than k are
+    /// no farther from the shift than these, the last of them are moved behind those that must.
     fn ranked(&self, ritz: &SymmetricEigen) -> (Vec<usize>, usize) {
         /// Rounding of the distances, relative to them.
         const ROUNDING: f64 = 1e-9;
@@ -335,9 +336,24 @@ impl<'a> Krylov<'a> {
         let mut from_shift: Vec<f64> =
             ritz.values.iter().map(|theta| self.from_shift(*theta)).collect();
         from_shift.sort_by(f64::total_cmp);
-        let reach = (from_shift[k - 1] + self.offset.abs()) * (1.0 + ROUNDING);
-        let wanted = order.iter().take_while(|&&i| 1.0 / ritz.values[i].abs() <= reach).count();
-        (order, wanted.max(k))
+        let (farthest, offset) = (from_shift[k - 1], self.offset.abs());
+        let margin = ROUNDING * (farthest + offset);
+        let reach = farthest + offset + margin;
+        let within = order.iter().take_while(|&&i| 1.0 / ritz.values[i].abs() <= reach).count();
+        // Of those as far from the shift as the farthest, which may be more than the basis has room
+        // for, some are enough.
+        let nearer = from_shift.iter().filter(|distance| **distance < farthest - margin).count();
+        let mut missing = k - nearer;
+        let (wanted, others): (Vec<usize>, Vec<usize>) =
+            order[..within].iter().copied().partition(|&i| {
+                let is_farthest = (self.from_shift(ritz.values[i]) - farthest).abs() <= margin;
+                let is_wanted = !is_farthest || missing > 0;
+                missing -= usize::from(is_farthest && is_wanted);
+                is_wanted
+            });
+        let count = wanted.len().max(k);
+        order[..within].copy_from_slice(&[wanted, others].concat());
+        (order, count)
     }
 
     /// Returns the eigenvalues of the pencil for these Ritz values.

@@ -66,18 +66,32 @@ pub struct Args {
     #[arg(long)]
     pin: bool,
     /// Scheme of the recursion.
-    #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = parse::scheme())]
+    #[arg(
+        long,
+        value_name = "SCHEME",
+        default_value = parse::scheme_name(AtaOptions::default().scheme),
+        value_parser = parse::scheme()
+    )]
     scheme: SchemeChoice,
     /// Accuracy: max (the exact path), classical, default, fast, or a bound on the error as a
     /// factor (at least 1) of the error of the classical algorithm.
-    #[arg(long, value_name = "ACCURACY", default_value = "default", value_parser = parse::accuracy)]
+    #[arg(
+        long,
+        value_name = "ACCURACY",
+        default_value = parse::accuracy_name(AtaOptions::default().accuracy),
+        value_parser = parse::accuracy
+    )]
     accuracy: Accuracy,
     /// Compute the same bytes on every machine, by the exact path, which is slower than others
     /// without AMX.
     #[arg(long)]
     reproducible: bool,
     /// BLAS back end: native (built in), openblas (if built in), or the path of a CBLAS library.
-    #[arg(long, value_name = "NAME", default_value = "native")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value_t = AtaOptions::default().backend.name().to_owned()
+    )]
     backend: String,
     /// Compute in single precision.
     #[arg(long = "f32", conflicts_with = "double")]

@@ -19,6 +19,7 @@ use surface::{SurfaceArgs, paint, walls};
 use write::Format;
 
 use crate::common::Force;
+use crate::defaults::variant;
 use crate::input::{MeshArgs, TextFile};
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
@@ -46,13 +47,23 @@ pub struct Args {
     samples: TextFile,
     /// Algorithm: from sample to sample (faithful: thesis, algorithm 6.1), the order first and then
     /// paths that do not meet (robust), or such paths in the order of the file (ordered).
-    #[arg(long, value_name = "MODE", default_value = "robust")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "MODE",
+        default_value_t = variant(CurveOptions::default().mode)
+    )]
     mode: How,
     /// Number of nearest samples among which --mode faithful chooses the next one.
-    #[arg(short = 'l', long, value_name = "L", default_value_t = 5)]
+    #[arg(
+        short = 'l',
+        long,
+        value_name = "L",
+        default_value_t = CurveOptions::default().candidates
+    )]
     candidates: usize,
     /// Sample, numbered from 0, that --mode faithful starts at.
-    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
+    #[arg(long, value_name = "NUMBER", default_value_t = CurveOptions::default().start)]
     start: usize,
     /// Find open curves instead of closed ones.
     #[arg(long)]
@@ -88,6 +99,16 @@ enum How {
     Faithful,
     Robust,
     Ordered,
+}
+
+impl From<How> for Mode {
+    fn from(how: How) -> Self {
+        match how {
+            How::Faithful => Self::Faithful,
+            How::Robust => Self::Robust,
+            How::Ordered => Self::Ordered,
+        }
+    }
 }
 
 /// Runs the subcommand.
@@ -169,11 +190,7 @@ fn draw(
     for (i, group) in groups.iter().enumerate() {
         let update = |fraction| bar.update((i as f64 + fraction) / groups.len() as f64);
         let options = CurveOptions::new()
-            .mode(match args.mode {
-                How::Faithful => Mode::Faithful,
-                How::Robust => Mode::Robust,
-                How::Ordered => Mode::Ordered,
-            })
+            .mode(args.mode.into())
             .open(args.open || group.open)
             .count(if args.single || group.single { Count::One } else { Count::Automatic })
             .steiner(!args.no_steiner)

@@ -48,7 +48,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
     /// Factor L of |X|^2 in the minimized function, at least 0; the intercept is not part of X.
-    #[arg(long, value_name = "L", default_value = "0")]
+    #[arg(long, value_name = "L", default_value_t = LeastSquaresOptions::default().ridge)]
     ridge: f64,
     /// Also fit a constant for each target.
     #[arg(long)]

@@ -18,16 +18,23 @@ use catamaran_simulation::texture::slime;
 use clap::ValueEnum;
 
 use crate::common::{Force, Threads, as_option};
+use crate::defaults::{Numbers, stated, variant};
 use crate::device::{self, Device, DeviceArgs};
 use crate::input::MeshArgs;
 use crate::parse;
-use crate::picture::{PictureArgs, frame_rate};
+use crate::picture::{PictureArgs, RATE, frame_rate};
 use crate::progress::Bar;
 use crate::report::{note, seconds, status};
 pub use output::colors;
 use output::{Drawing, Outputs};
 pub use voxels::surfaces;
 use voxels::{Basins, Opacity};
+
+/// Pixels or texels along each side, by default.
+const PIXELS: u32 = 1024;
+
+/// Voxels along each side, by default.
+const VOXELS: u32 = 128;
 
 /// The mesh, and the options for meshes only.
 const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"];
@@ -48,9 +55,9 @@ pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: Option<PathBuf>,
-    /// Use the polynomial z^N - 1, with N^2 roots; N from 2 to 64 [default: 3].
-    #[arg(long, value_name = "N", conflicts_with = "roots")]
-    power: Option<u32>,
+    /// Use the polynomial z^N - 1, with N^2 roots; N from 2 to 64.
+    #[arg(long, value_name = "N", default_value_t = power(), conflicts_with = "roots")]
+    power: u32,
     /// Use the polynomial with these roots, each as real and imaginary part: --roots
     /// 1,0:-0.5,0.8:-1,-0.3.
     #[arg(
@@ -72,7 +79,12 @@ pub struct Args {
     )]
     polynomial: Option<Coefficients>,
     /// Fourth coordinate of the points.
-    #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "W",
+        default_value_t = NewtonOptions::default().w,
+        allow_hyphen_values = true
+    )]
     w: f64,
     /// Number of frames, with w going from --w to --w-to: an animation where the name of --output
     /// or --picture ends in .apng or .gif, else files NAME-000, NAME-001 and so on.
@@ -81,28 +93,60 @@ pub struct Args {
     /// Fourth coordinate of the last frame.
     #[arg(long, value_name = "W", requires = "frames", allow_hyphen_values = true)]
     w_to: Option<f64>,
-    /// Frames per second of an animation, from 0.1 to 50 [default: 12].
-    #[arg(long, value_name = "RATE", requires = "frames", value_parser = frame_rate)]
+    #[arg(
+        long,
+        value_name = "RATE",
+        requires = "frames",
+        value_parser = frame_rate,
+        help = stated("Frames per second of an animation, from 0.1 to 50", RATE)
+    )]
     fps: Option<f64>,
     /// Factor of the (fitted) coordinates, applied after --offset and --w are added.
-    #[arg(long, value_name = "S", default_value_t = 1.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = NewtonOptions::default().scale,
+        allow_hyphen_values = true
+    )]
     scale: f64,
     /// Vector that is added to the (fitted) coordinates.
-    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true, value_parser = numbers::<3>)]
-    offset: [f64; 3],
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        default_value_t = Numbers(NewtonOptions::default().offset),
+        allow_hyphen_values = true,
+        value_parser = |text: &str| numbers::<3>(text).map(Numbers)
+    )]
+    offset: Numbers<3>,
     /// Number of iterations of Newton's method.
-    #[arg(long, value_name = "N", default_value_t = 32)]
+    #[arg(long, value_name = "N", default_value_t = NewtonOptions::default().iterations)]
     iterations: u32,
     /// Parameter theta of the gradient: the larger it is, the earlier a point counts as not
     /// converged.
-    #[arg(long, value_name = "THETA", default_value_t = 3.5, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "THETA",
+        default_value_t = NewtonOptions::default().theta,
+        allow_hyphen_values = true
+    )]
     theta: f64,
     /// Gradient: equation 7.3 of the thesis (thesis), or that of its authors' shader (shader).
-    #[arg(long, value_name = "WHICH", default_value = "thesis")]
+    #[arg(
+        value_enum,
+        long,
+        value_name = "WHICH",
+        default_value_t = variant(NewtonOptions::default().gradient)
+    )]
     gradient: Formula,
-    /// Number of pixels, texels or voxels: N along each side, or WIDTHxHEIGHT [default: 1024; for
-    /// voxels 128].
-    #[arg(long, value_name = "SIZE", value_parser = size)]
+    #[arg(
+        long,
+        value_name = "SIZE",
+        value_parser = size,
+        help = stated(
+            "Number of pixels, texels or voxels: N along each side, or WIDTHxHEIGHT",
+            format_args!("{PIXELS}; for voxels {VOXELS}")
+        )
+    )]
     size: Option<(u32, u32)>,
     /// Use the coordinates of a mesh as they are, instead of fitting them into --extent.
     #[arg(long, requires = "mesh")]
@@ -182,6 +226,23 @@ impl Coefficients {
 enum Formula {
     Thesis,
     Shader,
+}
+
+impl From<Formula> for Gradient {
+    fn from(formula: Formula) -> Self {
+        match formula {
+            Formula::Thesis => Self::Thesis,
+            Formula::Shader => Self::Shader,
+        }
+    }
+}
+
+/// Returns the power of the polynomial that is used by default.
+fn power() -> u32 {
+    match NewtonOptions::default().polynomial {
+        Polynomial::Power(power) => power,
+        other => unreachable!("{other:?} is no default for --power"),
+    }
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -301,19 +362,16 @@ fn refused(error: Error, args: &Args) -> anyhow::Error {
 fn options(args: &Args) -> catamaran::Result<NewtonOptions> {
     let polynomial = match &args.polynomial {
         Some(Coefficients(coefficients)) => Polynomial::from_coefficients(coefficients)?,
-        None if args.roots.is_empty() => Polynomial::Power(args.power.unwrap_or(3)),
+        None if args.roots.is_empty() => Polynomial::Power(args.power),
         None => Polynomial::Roots(args.roots.clone()),
     };
     Ok(NewtonOptions::new()
         .polynomial(polynomial)
         .iterations(args.iterations)
         .theta(args.theta)
-        .gradient(match args.gradient {
-            Formula::Thesis => Gradient::Thesis,
-            Formula::Shader => Gradient::Shader,
-        })
+        .gradient(args.gradient.into())
         .scale(args.scale)
-        .offset(args.offset)
+        .offset(args.offset.0)
         .w(args.w))
 }
 
@@ -328,7 +386,8 @@ fn drawing(args: &Args) -> Result<Drawing> {
     if args.extent <= 0.0 || !args.extent.is_finite() {
         bail!("--extent {}: a finite number above 0 is needed", args.extent);
     }
-    let (width, height) = args.size.unwrap_or(if args.volume { (128, 128) } else { (1024, 1024) });
+    let side = if args.volume { VOXELS } else { PIXELS };
+    let (width, height) = args.size.unwrap_or((side, side));
     if args.volume {
         if width != height {
             bail!("--size {width}x{height}: a volume needs the same number along each side");

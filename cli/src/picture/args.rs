@@ -10,6 +10,7 @@ use super::image::Image;
 use super::mesh::up::guess;
 use super::mesh::{Paint, Panel, Scene, Up, View, render};
 use crate::common::Force;
+use crate::defaults::stated;
 use crate::report::status;
 
 /// The options of the picture that a subcommand draws.
@@ -18,9 +19,17 @@ pub struct PictureArgs {
     /// Draw the result to this .png or .svg file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Viewpoint of the picture: degrees around the upward axis and degrees above the horizon, then
-    /// ,flat for no perspective [default: 30,15].
-    #[arg(long, value_name = "AROUND,ABOVE", requires = "picture", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "AROUND,ABOVE",
+        requires = "picture",
+        allow_hyphen_values = true,
+        help = stated(
+            "Viewpoint of the picture: degrees around the upward axis and degrees above the \
+             horizon, then ,flat for no perspective",
+            format_args!("{},{}", View::DEFAULT.azimuth, View::DEFAULT.elevation)
+        )
+    )]
     view: Option<View>,
     /// Axis that points up in the picture [default: that of the normals for a height field such as
     /// a terrain, otherwise z for .stl, and y for all other files].

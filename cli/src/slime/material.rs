@@ -27,6 +27,12 @@ pub fn parser() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(names).try_map(|name| named(&name))
 }
 
+/// Returns the name of the default look.
+pub fn usual() -> &'static str {
+    let found = Preset::ALL.into_iter().find(|(_, preset)| *preset == Preset::default());
+    found.map_or("another", |(name, _)| name)
+}
+
 /// Returns the names of the files of a look.
 pub fn names(look: &Look) -> Vec<&'static str> {
     let glows = look.species.iter().chain([&look.bare]).any(|finish| finish.glow > 0.0);

@@ -25,6 +25,7 @@ use catamaran_simulation::texture::slime::{
 use catamaran_simulation::texture::{Look, MaterialMaps, Preset};
 
 use crate::common::{Force, Threads, as_option};
+use crate::defaults::stated;
 use crate::device::DeviceArgs;
 use crate::folder::{Folder, note_older};
 use crate::input::{self, MeshArgs};
@@ -74,17 +75,32 @@ pub struct Args {
     /// Number of steps from frame to frame [default: the last step is the only frame].
     #[arg(long, value_name = "STEPS")]
     every: Option<u32>,
-    /// Texels along each side of the texture, a multiple of 32; overrides --config [default: 2048].
-    #[arg(long, value_name = "TEXELS")]
+    #[arg(
+        long,
+        value_name = "TEXELS",
+        help = stated(
+            "Texels along each side of the texture, a multiple of 32; overrides --config",
+            Options::default().size
+        )
+    )]
     size: Option<usize>,
-    /// Number of agents; overrides --config [default: 1000000].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Number of agents; overrides --config", Options::default().agents)
+    )]
     agents: Option<usize>,
-    /// Number of species; overrides --config [default: 1].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Number of species; overrides --config", Options::default().species)
+    )]
     species: Option<usize>,
-    /// Seed of all randomness; overrides --config [default: 0].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Seed of all randomness; overrides --config", Options::default().seed)
+    )]
     seed: Option<u32>,
     /// Mask over the texture, a .png file: red is where agents start, green are obstacles, blue
     /// attracts agents.
@@ -93,17 +109,34 @@ pub struct Args {
     /// Make an atlas of triangles even if the mesh has texture coordinates.
     #[arg(long)]
     atlas: bool,
-    /// Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and material.glb,
-    /// the mesh with these textures, for glTF viewers. LOOK is strands, marble, gold, wood,
-    /// engraved or lava (which also writes glow.png) [default: that of --config, or strands].
-    #[arg(long, value_name = "LOOK", num_args = 0..=1, require_equals = true, value_parser = material::parser())]
+    #[arg(
+        long,
+        value_name = "LOOK",
+        num_args = 0..=1,
+        require_equals = true,
+        value_parser = material::parser(),
+        help = stated(
+            "Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and \
+             material.glb, the mesh with these textures, for glTF viewers. LOOK is strands, \
+             marble, gold, wood, engraved or lava (which also writes glow.png)",
+            format_args!("that of --config, or {}", material::usual())
+        )
+    )]
     material: Option<Option<Preset>>,
     /// Draw the mesh with its last texture, or with its material, to this .png or .svg file.
     #[arg(long, value_name = "FILE")]
     render: Option<PathBuf>,
-    /// Viewpoint of --render: degrees around the upward axis and degrees above the horizon, then
-    /// ,flat for no perspective [default: 30,15].
-    #[arg(long, value_name = "AROUND,ABOVE", requires = "render", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "AROUND,ABOVE",
+        requires = "render",
+        allow_hyphen_values = true,
+        help = stated(
+            "Viewpoint of --render: degrees around the upward axis and degrees above the \
+             horizon, then ,flat for no perspective",
+            format_args!("{},{}", View::DEFAULT.azimuth, View::DEFAULT.elevation)
+        )
+    )]
     view: Option<View>,
     /// Axis that points up in the picture of --render [default: that of the normals for a height
     /// field such as a terrain, otherwise z for .stl, and y for all other files].

@@ -11,6 +11,7 @@ use catamaran_training::dataset::{
 use clap::ValueEnum;
 
 use crate::common::{Force, Threads};
+use crate::defaults::stated;
 use crate::output;
 use crate::progress::Bar;
 use crate::report::{report, seconds, status};
@@ -27,40 +28,81 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Seed of all randomness.
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = DatasetOptions::default().seed)]
     seed: u64,
     /// Size of the data set; the options below override parts of it.
     #[arg(long, default_value = "full")]
     size: Size,
-    /// Approximate number of vertices of a shape [default: 2500; small: 2000].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Approximate number of vertices of a shape", sizes(|size| size.vertices))
+    )]
     vertices: Option<usize>,
-    /// Number of humanoids to train on [default: 32; small: 8].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Number of humanoids to train on", sizes(|size| size.known))
+    )]
     known: Option<usize>,
-    /// Number of humanoids to test with, of each of two body types [default: 5; small: 2].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated(
+            "Number of humanoids to test with, of each of two body types",
+            sizes(|size| size.unknown)
+        )
+    )]
     unknown: Option<usize>,
-    /// Number of quadrupeds, of headphones and of sheets to test with [default: 2; small: 1].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated(
+            "Number of quadrupeds, of headphones and of sheets to test with",
+            sizes(|size| size.others)
+        )
+    )]
     others: Option<usize>,
-    /// Number of poses of each of these shapes [default: 2].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Number of poses of each of these shapes", sizes(|size| size.poses))
+    )]
     poses: Option<usize>,
-    /// Number of pairs of parts of each family [default: 90; small: 36].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated("Number of pairs of parts of each family", sizes(|size| size.cuts.pairs))
+    )]
     pairs: Option<usize>,
-    /// Number of further humanoids to train on, each in another pose and with separate parts
-    /// [default: 4000; small: 8].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated(
+            "Number of further humanoids to train on, each in another pose and with separate parts",
+            sizes(|size| size.varied)
+        )
+    )]
     varied: Option<usize>,
-    /// Number of creatures of random bones to train on [default: 320; small: 4].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated(
+            "Number of creatures of random bones to train on",
+            sizes(|size| size.creatures)
+        )
+    )]
     creatures: Option<usize>,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
     force: Force,
+}
+
+/// Returns a number of the full data set, and that of the small one where it is another.
+fn sizes(number: impl Fn(DatasetOptions) -> usize) -> String {
+    let [full, small] = [DatasetOptions::default(), DatasetOptions::small()].map(number);
+    if full == small { full.to_string() } else { format!("{full}; small: {small}") }
 }
 
 /// A named size.

@@ -16,6 +16,7 @@ use clap::ValueEnum;
 
 use super::curve;
 use crate::common::{Force, Threads};
+use crate::defaults::stated;
 use crate::output;
 use crate::picture::write_chart;
 use crate::progress;
@@ -40,9 +41,19 @@ pub struct Args {
     /// Output file of the weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Number of passes over the data in all, over which the learning rate falls; --resume may
-    /// raise it [default: 40, or 310 for --architecture thesis; with --resume that of the state].
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help = stated(
+            "Number of passes over the data in all, over which the learning rate falls; --resume \
+             may raise it",
+            format_args!(
+                "{}, or {} for --architecture thesis; with --resume that of the state",
+                TrainOptions::default().epochs,
+                TransformerOptions::default().epochs
+            )
+        )
+    )]
     epochs: Option<usize>,
     /// Stop after the epoch in which this time, in minutes, is over; --resume continues.
     #[arg(long, value_name = "NUMBER")]
@@ -57,30 +68,41 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     identities: Option<usize>,
     /// Number of layers before and after the sum over the parts.
-    #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [2, 2])]
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        num_args = 2,
+        default_values_t = layers(TrainOptions::default().sizes)
+    )]
     layers: Vec<usize>,
     /// Length of the code of a spectrum.
-    #[arg(long, value_name = "NUMBER", default_value_t = 256)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().sizes.width)]
     width: usize,
     /// Number of hidden neurons in a layer.
-    #[arg(long, value_name = "NUMBER", default_value_t = 512)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().sizes.hidden)]
     hidden: usize,
     /// Number of pairs in a step.
-    #[arg(long, value_name = "NUMBER", default_value_t = 128)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().batch)]
     batch: usize,
     /// Largest learning rate.
-    #[arg(long, value_name = "NUMBER", default_value_t = 2.5e-3)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().rate)]
     rate: f64,
     /// Weight decay: the share of each parameter that a step removes, times the learning rate.
-    #[arg(long, value_name = "NUMBER", default_value_t = 0.1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().decay)]
     decay: f64,
     /// Seed of all randomness.
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().seed)]
     seed: u64,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
     force: Force,
+}
+
+/// Returns the numbers of layers of a network.
+fn layers(sizes: Architecture) -> [usize; 2] {
+    [sizes.first_layers, sizes.second_layers]
 }
 
 /// Kinds of networks.

@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().rate)]
     rate: f64,
     /// Seed of all randomness.
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().seed)]
     seed: u64,
     #[command(flatten)]
     repair: MeshArgs,

@@ -6,7 +6,8 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
-    Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue, Wind, read_with,
+    Conductivity, Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue,
+    WaterOptions, Wind, read_with,
 };
 use clap::{ValueEnum, ValueHint};
 
@@ -15,8 +16,12 @@ use super::stiffness::{ByRadius, Kappa, tissue, used};
 use super::watering::{self, Pour};
 use super::{FRAME, fit};
 use crate::common::{Force, Threads};
+use crate::defaults::{Numbers, stated};
 use crate::input::{self, TextFile};
 use crate::parse;
+
+/// The grams of water at which the elasticity of --literal is steepest, by default.
+const LITERAL_SHIFT: f64 = 0.0;
 
 /// The options that --fit has no use for.
 const NOT_FITTED: [&str; 17] = [
@@ -60,27 +65,46 @@ pub struct Args {
     )]
     grow: Option<usize>,
     /// Seed of the generated plant, and of the gusts of --wind.
-    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
+    #[arg(long, value_name = "NUMBER", default_value_t = GrowthOptions::default().seed)]
     seed: u64,
     /// Simulated time, in hours.
     #[arg(long, value_name = "HOURS", default_value_t = 48.0, value_parser = parse::positive)]
     hours: f64,
     /// Water loss of leaves, in g/(h m^2).
-    #[arg(long, value_name = "LOSS", default_value_t = 60.0, value_parser = parse::at_least_zero)]
+    #[arg(
+        long,
+        value_name = "LOSS",
+        default_value_t = per_hour(WaterOptions::default().loss),
+        value_parser = parse::at_least_zero
+    )]
     delta: f64,
-    /// Steepness of the elasticity as a function of the relative water content. Parts (leaf,
-    /// petiole and stem) may have separate values: `leaf=8,stem=20`, or `12,leaf=8` with a first
-    /// value for all other parts. Petioles are those that the file labels (class P of .mtg), else
-    /// stalks without a branch that bear a leaf. With --literal in 1/g [default: 10].
-    #[arg(long, value_name = "K|PART=K,...")]
+    #[arg(
+        long,
+        value_name = "K|PART=K,...",
+        help = stated(
+            "Steepness of the elasticity as a function of the relative water content. Parts \
+             (leaf, petiole and stem) may have separate values: `leaf=8,stem=20`, or `12,leaf=8` \
+             with a first value for all other parts. Petioles are those that the file labels \
+             (class P of .mtg), else stalks without a branch that bear a leaf. With --literal in \
+             1/g",
+            Constants::usual().steepness
+        )
+    )]
     kappa: Option<Kappa>,
     /// Steepness by radius instead of by part: `0.5=12,2=30` is 12 from a radius of 0.5 mm on and
     /// 30 from 2 mm on; thinner segments have that of --kappa.
     #[arg(long, value_name = "MM=K,...")]
     kappa_by_radius: Option<ByRadius>,
-    /// Relative water content at which the elasticity is steepest; with --literal the grams of
-    /// water [default: 0.75; with --literal 0].
-    #[arg(long, value_name = "W", value_parser = parse::finite)]
+    #[arg(
+        long,
+        value_name = "W",
+        value_parser = parse::finite,
+        help = stated(
+            "Relative water content at which the elasticity is steepest; with --literal the grams \
+             of water",
+            format_args!("{}; with --literal {LITERAL_SHIFT}", Constants::usual().shift)
+        )
+    )]
     steepest_at: Option<f64>,
     /// Use equation 4.9 of the thesis as printed: the elasticity is the first number of
     /// --elasticity times a logistic function of the grams of water in a node. Cutting a segment in
@@ -88,19 +112,37 @@ pub struct Args {
     #[arg(long, requires = "kappa")]
     literal: bool,
     /// Modulus of elasticity of full cells and of dry ones, in Pa.
-    #[arg(long, value_name = "FULL,DRY", default_value = "5e7,3e5", value_parser = pair)]
-    elasticity: [f64; 2],
+    #[arg(
+        long,
+        value_name = "FULL,DRY",
+        default_value_t = Constants::usual().moduli,
+        value_parser = pair
+    )]
+    elasticity: Numbers<2>,
     /// Conductance, as a fraction of that of a pipe as wide as the segment: determines how unevenly
     /// a plant dries.
-    #[arg(long, value_name = "CHI", default_value_t = 1e-9, value_parser = parse::positive)]
+    #[arg(
+        long,
+        value_name = "CHI",
+        default_value_t = conductance(),
+        value_parser = parse::positive
+    )]
     conductance: f64,
     /// Alternate days (16 hours), in which leaves lose --delta, and nights (8 hours), in which they
     /// lose a twelfth of it.
     #[arg(long)]
     day_night: bool,
-    /// Close stomata as leaves dry: they are half closed at the relative water content W, and close
-    /// more abruptly with a larger STEEPNESS; 0.8,25 is usual.
-    #[arg(long, value_name = "W,STEEPNESS", value_parser = watering::stomata)]
+    #[arg(
+        long,
+        value_name = "W,STEEPNESS",
+        value_parser = watering::stomata,
+        help = format!(
+            "Close stomata as leaves dry: they are half closed at the relative water content W, \
+             and close more abruptly with a larger STEEPNESS; {},{} is usual",
+            Stomata::default().half,
+            Stomata::default().steepness
+        )
+    )]
     stomata: Option<Stomata>,
     /// Give the root soil that holds at most GRAMS of water, and AT_FIRST in the beginning (GRAMS
     /// by default); the root takes the water up.
@@ -129,7 +171,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "NUMBER",
-        default_value_t = 60.0,
+        default_value_t = MotionOptions::default().step.recip(),
         requires = "motion",
         value_parser = parse::positive
     )]
@@ -138,7 +180,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "RATE",
-        default_value_t = 1.0,
+        default_value_t = MotionOptions::default().damping,
         requires = "motion",
         value_parser = parse::at_least_zero
     )]
@@ -151,7 +193,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "PART",
-        default_value_t = 0.2,
+        default_value_t = Wind::default().turbulence,
         requires = "wind",
         value_parser = parse::at_least_zero
     )]
@@ -188,6 +230,38 @@ pub struct Args {
     pub force: Force,
 }
 
+/// The constants of the default elasticity.
+struct Constants {
+    /// With full cells, and dry.
+    moduli: Numbers<2>,
+    steepness: f64,
+    shift: f64,
+}
+
+impl Constants {
+    fn usual() -> Self {
+        match Elasticity::default() {
+            Elasticity::Relative { dry, full, steepness, shift } => {
+                Self { moduli: Numbers([full, dry]), steepness, shift }
+            }
+            other => unreachable!("{other:?} is no default for --elasticity"),
+        }
+    }
+}
+
+/// Returns the conductance that is used by default.
+fn conductance() -> f64 {
+    match WaterOptions::default().conductivity {
+        Conductivity::Pipe { scale } => scale,
+        other => unreachable!("{other:?} is no default for --conductance"),
+    }
+}
+
+/// Converts a loss from kg / (s m^2) to g / (h m^2).
+fn per_hour(loss: f64) -> f64 {
+    3.6e6 * loss
+}
+
 /// Formats of meshes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Kind {
@@ -205,10 +279,10 @@ fn triple(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// Parses two numbers separated by a comma.
-fn pair(text: &str) -> Result<[f64; 2], String> {
+fn pair(text: &str) -> Result<Numbers<2>, String> {
     let numbers = text.split_once(',').map(|(a, b)| (parse::finite(a), parse::finite(b)));
     match numbers {
-        Some((Ok(a), Ok(b))) => Ok([a, b]),
+        Some((Ok(a), Ok(b))) => Ok(Numbers([a, b])),
         _ => Err("expected two numbers separated by a comma".into()),
     }
 }
@@ -301,8 +375,8 @@ impl Args {
 
     /// Returns the tissue of the plant, and a name for the steepness of each class.
     pub fn tissue(&self, plant: &Plant) -> Result<(Tissue, Vec<String>)> {
-        const STEEPNESS: f64 = 10.0;
-        let [full, dry] = self.elasticity;
+        let Constants { steepness: usual, shift, .. } = Constants::usual();
+        let Numbers([full, dry]) = self.elasticity;
         let (is_right, needed) = match self.literal {
             true => (full > 0.0, "FULL must be above 0"),
             false => (dry > 0.0 && full > dry, "DRY must be above 0, and FULL above DRY"),
@@ -310,13 +384,13 @@ impl Args {
         if !is_right {
             bail!("--elasticity {full},{dry}: {needed}");
         }
-        let shift = self.steepest_at.unwrap_or(if self.literal { 0.0 } else { 0.75 });
+        let shift = self.steepest_at.unwrap_or(if self.literal { LITERAL_SHIFT } else { shift });
         let of = |steepness| match self.literal {
             true => Elasticity::Literal { full, steepness, shift },
             false => Elasticity::Relative { dry, full, steepness, shift },
         };
         let (kappa, by_radius) = (self.kappa.as_ref(), self.kappa_by_radius.as_ref());
-        let (tissue, classes) = tissue(plant, kappa, by_radius, STEEPNESS, of)?;
+        let (tissue, classes) = tissue(plant, kappa, by_radius, usual, of)?;
         for elasticity in tissue.classes() {
             // Of no segment: the constants are checked.
             elasticity.moduli(&[], &[]).context("--kappa, --steepest-at")?;

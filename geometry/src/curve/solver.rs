@@ -18,12 +18,11 @@ const LEAST: usize = 3;
 const SEED: u64 = 6;
 
 /// The method by which a curve is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Algorithm 6.1 of the thesis, from sample to sample.
     Faithful,
-    /// First the order of all samples, then paths that avoid each other. The default.
-    #[default]
+    /// First the order of all samples, then paths that avoid each other.
     Robust,
     /// The samples are in the order of one curve already; paths avoid each other, as in the robust
     /// mode.
@@ -31,13 +30,11 @@ pub enum Mode {
 }
 
 /// The number of curves to which the samples belong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Count {
     /// One curve.
     One,
     /// As many curves as there are gaps for. For closed curves of the robust mode; otherwise one.
-    /// The default.
-    #[default]
     Automatic,
 }
 

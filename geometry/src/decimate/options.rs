@@ -1,11 +1,10 @@
 use catamaran::base::{Par, Progress, options};
 
 /// The method by which faces are found and vertices placed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// Farthest points in batches, the dual triangulation made manifold, Lloyd passes, and
     /// relaxation on the surface. The result has exactly n vertices and the topology of the input.
-    #[default]
     Uniform,
     /// The algorithm of the thesis, for comparison: one farthest point after the other (algorithm
     /// 5.2), with every three-cycle of the graph of cells as a face. In general, the result is no

@@ -1,6 +1,6 @@
 //! numpy with the library in front of its own BLAS, where there is a Python that has numpy.
 
-use std::fs::OpenOptions;
+use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,21 +28,36 @@ centred = a - a.mean(axis=0)
 assert abs(np.cov(a.T) - np.einsum('ki,kj->ij', centred, centred) / 399).max() < 1e-11
 ";
 
-/// Returns a Python that has numpy: one that is named, those of scripts/test-blas and
-/// scripts/rivals, or the system's.
+/// Returns a Python that has numpy: the one that `CATAMARAN_BLAS_PYTHON` names, which must have it;
+/// else one of those that scripts keep beside this program, or the system's.
 fn python() -> Option<PathBuf> {
-    let target = std::env::current_exe().unwrap();
-    let target = target.ancestors().nth(3).unwrap();
-    let named = std::env::var_os("CATAMARAN_BLAS_PYTHON").map(PathBuf::from);
-    let candidates = named
-        .into_iter()
-        .chain([target.join("test-blas/bin/python"), target.join("rivals/bin/python")])
-        .chain([PathBuf::from("python3")]);
-    let has_numpy = |python: &PathBuf| {
-        let output = Command::new(python).args(["-c", "import numpy"]).output();
-        output.is_ok_and(|output| output.status.success())
-    };
-    candidates.into_iter().find(has_numpy)
+    if let Some(named) = std::env::var_os("CATAMARAN_BLAS_PYTHON").map(PathBuf::from) {
+        assert!(has_numpy(&named), "CATAMARAN_BLAS_PYTHON={}: no numpy there", named.display());
+        return Some(named);
+    }
+    let program = std::env::current_exe().unwrap();
+    let target = program.ancestors().nth(3).unwrap();
+    let system = PathBuf::from("python3");
+    kept(target).into_iter().chain([system]).find(|python| has_numpy(python))
+}
+
+/// Returns the Pythons of scripts/python-environment, scripts/test-blas and scripts/rivals, as far
+/// as they are in `target`.
+fn kept(target: &Path) -> Vec<PathBuf> {
+    let environments = fs::read_dir(target.join("python")).into_iter().flatten().flatten();
+    environments
+        .map(|environment| environment.path())
+        // Of the others, packages are missing.
+        .filter(|environment| environment.join("complete").exists())
+        .chain([target.join("test-blas"), target.join("rivals")])
+        .map(|environment| environment.join("bin/python"))
+        .filter(|python| python.exists())
+        .collect()
+}
+
+fn has_numpy(python: &Path) -> bool {
+    let output = Command::new(python).args(["-c", "import numpy"]).output();
+    output.is_ok_and(|output| output.status.success())
 }
 
 fn run(python: &Path, variables: &[(&str, &str)]) -> String {
@@ -73,4 +88,19 @@ fn numpy_computes_by_us_and_forwards_the_rest() {
     assert!(report.lines().any(|l| l.contains("dsyrk") && !l.contains("forwarded")), "{report}");
     run(&python, &[("CATAMARAN_BLAS", "max"), ("CATAMARAN_NUM_THREADS", "1")]);
     assert_eq!(run(&python, &[("CATAMARAN_BLAS", "off")]), "");
+}
+
+#[test]
+fn environments_of_scripts_are_found_when_they_are_complete() {
+    let target = tempfile::tempdir().unwrap();
+    assert!(kept(target.path()).is_empty());
+    let environments = ["python/venv-1", "python/venv-2", "python/wheels", "rivals"];
+    let [partial, complete, wheels, rivals] = environments.map(|name| target.path().join(name));
+    for environment in [&partial, &complete, &rivals] {
+        fs::create_dir_all(environment.join("bin")).unwrap();
+        File::create(environment.join("bin/python")).unwrap();
+    }
+    fs::create_dir_all(wheels).unwrap();
+    File::create(complete.join("complete")).unwrap();
+    assert_eq!(kept(target.path()), [complete, rivals].map(|path| path.join("bin/python")));
 }

@@ -15,6 +15,7 @@ from . import shapes
 from ._catamaran import Plan, __version__
 from ._curve import Curve, Curves, curve
 from ._decimate import Decimated, FarthestPoints, Origin, decimate, farthest_points
+from ._distribution import warn_of_other
 from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
 from ._mesh import Eigenpairs, Laplacian, eigsh, laplacian, read_mesh, write_mesh
 from ._ortho import Orthonormal, orthogonality, orthogonalize, qr
@@ -31,6 +32,9 @@ from ._spectral import (
 )
 from ._texture import Fractal, Slime, newton, slime
 from ._unions import UnionSpectrum, shape_dna, union_spectrum
+
+warn_of_other()
+del warn_of_other
 
 __all__ = [
     "Accumulator",

@@ -15,7 +15,10 @@ for
 
 import sys
 
+from ._distribution import require_own
 from ._preload import NAME, find_library, is_preloaded, main, numpy_speedup
+
+require_own()
 
 __all__ = ["NAME", "find_library", "is_preloaded", "main", "numpy_speedup"]
 

@@ -23,8 +23,11 @@ from sklearn.base import (
 )
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
+from ._distribution import require_own
 from ._gram import lstsq, pca
 from ._options import to_nearest
+
+require_own()
 
 __all__ = ["LinearRegression", "PCA", "Ridge"]
 

@@ -3,11 +3,10 @@
 use catamaran::base::{Par, options};
 
 /// The triangulation on which the functions are linear.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaplacianKind {
     /// The triangles of the mesh: the cotangent Laplacian. Allows any set of triangles that have an
     /// area.
-    #[default]
     Cotangent,
     /// The intrinsic Delaunay triangulation of the same surface and vertices, in which no interior
     /// edge has a negative weight. Allows surfaces whose edges have at most two faces, which agree
@@ -20,10 +19,9 @@ pub enum LaplacianKind {
 }
 
 /// How the mass of a triangle is distributed to its vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MassKind {
     /// A third of the area for each corner; diagonal.
-    #[default]
     Barycentric,
     /// The area nearest to each corner; diagonal. In an obtuse triangle, half the area for the
     /// obtuse corner and a quarter for the others (Meyer et al. 2003, section 3.3).
@@ -34,10 +32,9 @@ pub enum MassKind {
 }
 
 /// The condition at the boundary: the edges with one face.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Boundary {
     /// The normal derivative is zero, the natural condition.
-    #[default]
     Neumann,
     /// Functions are zero at the vertices of the boundary; these are left out of the matrices.
     Dirichlet,

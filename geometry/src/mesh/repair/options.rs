@@ -1,10 +1,9 @@
 use catamaran::base::options;
 
 /// The vertices that [`repair`](super::repair()) joins.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Weld {
     /// None.
-    #[default]
     Never,
     /// Those with equal positions (-0 equals 0).
     Exact,

@@ -13,12 +13,11 @@ use catamaran::ortho::{
 
 /// The method of orthogonalization of eigenproducts: the two methods of the thesis (section 1.4),
 /// and one by rank.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Orthogonalization {
     /// "ours": one pass of Gram-Schmidt; a product is dropped when less than 1e-2 of its norm is
     /// left. The result is not exactly orthogonal, so that projections are by least squares. The
-    /// more stable method under transfer, and the default.
-    #[default]
+    /// more stable method under transfer.
     SinglePass,
     /// "ours*": repeated until orthogonal; a product is dropped when less than 1e-9 of its norm is
     /// left. The basis is larger, for approximation and filters.

@@ -49,7 +49,8 @@ pub(crate) struct Parameters {
     pub nearest: f32,
 }
 
-/// Bound of scaled coordinates, within which their squares and quotients are finite.
+/// Bound of scaled coordinates, within which their squares and quotients are finite. The ranges of
+/// `scale`, `offset` and `w` say it as a number.
 pub(super) const FARTHEST: f64 = 1e9;
 /// Bound of |z^(1 - n)|, within which its square is finite.
 const LARGEST: f64 = 1e18;

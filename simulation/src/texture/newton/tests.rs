@@ -314,6 +314,22 @@ fn threads_decide_nothing() {
 }
 
 #[test]
+fn options_of_coordinates_have_the_bound_of_scaled_coordinates() {
+    let bound = super::options::FARTHEST;
+    let changes: [fn(&mut NewtonOptions, f64); 3] =
+        [|o, x| o.scale = x, |o, x| o.offset[1] = x, |o, x| o.w = x];
+    for change in changes {
+        for (x, is_within) in [(bound, true), (bound.next_up(), false)] {
+            for x in [x, -x] {
+                let mut options = NewtonOptions::default();
+                change(&mut options, x);
+                assert_eq!(Newton::new(&options).is_ok(), is_within, "{x}: {options:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn what_can_not_be_computed_is_refused() {
     let with = |change: &dyn Fn(&mut NewtonOptions)| {
         let mut options = NewtonOptions::default();

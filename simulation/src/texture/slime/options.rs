@@ -1,10 +1,9 @@
 use catamaran::base::{Error, Result, options};
 
 /// The method by which an agent moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TangentStep {
     /// Exact, by unfolding triangles: [`unfold`](super::unfold).
-    #[default]
     Unfold,
     /// Projected sub-steps (thesis, algorithm 3.1): [`project`](super::project).
     Project {
@@ -15,13 +14,12 @@ pub enum TangentStep {
 
 /// The method by which pheromone spreads: a binomial kernel of 3 x 3, a Gaussian of standard
 /// deviation 0.71 texels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blur {
     /// In the texture only (thesis, section 3.2.3): pheromone that leaves a chart is lost to the
     /// surface, and texels that are neighbours in the texture only receive it.
     Gaussian,
     /// Across seams to the neighbouring texels on the surface; keeps the sum of all texels.
-    #[default]
     SeamAware,
 }
 
