@@ -18,7 +18,7 @@ mod execute;
 mod options;
 pub(crate) mod plan;
 mod planned;
-pub mod scheme;
+pub mod schemes;
 mod sparse;
 mod verify;
 

@@ -56,8 +56,8 @@ pub enum SchemeChoice {
     /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by a measured
     /// side.
     Ata2,
-    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant. With the native
-    /// kernels, which share no sums, over Strassen's algorithm, which then has fewer.
+    /// [`SchemeId::Split`](super::schemes::SchemeId::Split) over Winograd's variant. With the
+    /// native kernels, which share no sums, over Strassen's algorithm, which then has fewer.
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,
