@@ -321,8 +321,8 @@ impl<T: BlasReal> Accumulator<T> {
     /// # Errors
     /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight;
     /// [`Error::Argument`] for a row or a weight beyond the bounds of an exact accumulator, which
-    /// is left as it was; else as [`ata`](crate::ata()), after which the sums may contain a part of
-    /// the block, so the accumulator must not be used.
+    /// is left as it was; else as [`ata_into`](crate::ata_into), after which the sums may contain a
+    /// part of the block, so the accumulator must not be used.
     pub fn add_block(
         &mut self,
         count: usize,
