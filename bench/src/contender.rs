@@ -1,5 +1,6 @@
 //! The contenders: `syrk` or `gemm` of a library, faer, and `catamaran::ata_into` and
-//! `catamaran::atb_into`. For all of them, the race times the same: the product, row-major, into existing memory.
+//! `catamaran::atb_into`. For all of them, the race times the same: the product, row-major, into
+//! existing memory.
 
 use std::fmt;
 use std::sync::Arc;
