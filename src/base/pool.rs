@@ -17,6 +17,7 @@ use super::{Error, Result};
 
 /// Whether threads stay on one core each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[non_exhaustive]
 pub enum Pin {
     /// The operating system may move threads between cores.
     #[default]

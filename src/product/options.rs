@@ -30,6 +30,7 @@ pub enum Uplo {
 /// | `Default`, `Bounded(f)` of `A^T A` | 14 | 3.7e-17 | 7 | 5.8e-9 |
 /// | `Fast`, `Bounded(f >= 8)` | 13 | 5.2e-16 | 6 | 9.0e-8 |
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Accuracy {
     /// The exact path, on any machine: no entry has a larger error than a correctly rounded result
     /// by more than a few percent of the unit roundoff, relative to the norms of its columns.
@@ -48,6 +49,7 @@ pub enum Accuracy {
 
 /// Which recursion to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum SchemeChoice {
     /// The recursion that the planner expects to be fastest within the requested accuracy.
     #[default]

@@ -77,6 +77,7 @@ pub struct Scheme {
 /// assert_eq!(strassen.products.len(), 7);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum SchemeId {
     /// Symmetric: two triangles and the block between them, over all rows; no additions.
     Split,

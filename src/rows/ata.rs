@@ -20,6 +20,7 @@ use crate::product::{AtaOptions, ata_into};
 
 /// What is subtracted from every row before the product.
 #[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub enum Center<'a, T> {
     /// Nothing.
     #[default]
