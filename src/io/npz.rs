@@ -15,6 +15,7 @@ use crate::base::Result;
 
 /// An array in a file of several arrays.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum Array<'a> {
     /// One dimension, f8.
     Vector(&'a [f64]),

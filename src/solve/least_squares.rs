@@ -11,6 +11,7 @@ use crate::rows::ExtendedGram;
 
 /// What happens when columns of A depend on others, as far as the precision can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RankDeficiency {
     /// The solution of least norm is returned.
     MinimumNorm,

@@ -448,7 +448,7 @@ fn accumulators_with_numbers_that_no_sum_has_are_refused() {
             assert!(sum.rows() >= most && sum.expected_rows() >= most);
         }
         let options = AtaOptions::new();
-        let _ = sum.add_block(1, &mut [0.5, 0.5, 0.5], None, &options);
+        let _ = sum.add_block(Mat::full(1, 3, 0.5), None, &options);
         // Rows that are there already are no rows of a shorter matrix.
         let mut longer = read(&with_numbers(&float, &[(3, 21)])).unwrap();
         let rows = &mut DenseRows(a.as_ref());
@@ -536,8 +536,7 @@ fn floating_point_sums_are_not_gone_on_with_exactly_nor_merged_with_exact_ones()
     let a = integers::<f64>(10, 3, 34);
     let options = AtaOptions::new().reproducible(true);
     let mut sum = Accumulator::new(3, false).unwrap();
-    let mut block = vec![1.0; 3];
-    sum.add_block(1, &mut block, None, &AtaOptions::new()).unwrap();
+    sum.add_block(Mat::full(1, 3, 1.0), None, &AtaOptions::new()).unwrap();
     sum = Accumulator::read(&mut &bytes(&sum)[..]).unwrap();
     let error = sum.merge(exactly(a.as_ref(), None, false, 4)).unwrap_err().to_string();
     assert!(error.contains("floating-point and exact"), "{error}");

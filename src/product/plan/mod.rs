@@ -51,7 +51,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plans [`ata`](super::ata) for A m x n.
+    /// Plans [`ata_into`](super::ata_into) for A m x n.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Plan};
@@ -69,7 +69,7 @@ impl Plan {
         Self::new::<T>(Op::Syrk, m, n, n, options)
     }
 
-    /// Plans [`atb`](super::atb) for A m x n and B m x k.
+    /// Plans [`atb_into`](super::atb_into) for A m x n and B m x k.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Plan, product::atb_planned, faer::mat};

@@ -40,6 +40,7 @@ use winograd::WINOGRAD;
 /// assert_eq!(strassen.products.len(), 7);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum SchemeId {
     /// Symmetric: two triangles and the block between them, over all rows; no additions.
     Split,
