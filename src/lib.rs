@@ -75,6 +75,11 @@ pub use product::{
     ata, ata_into, atb, atb_into,
 };
 
+/// Compiles the code of the guide as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/rust.md")]
+struct Guide;
+
 /// The structs of options and their fields, for the other crates of this workspace: no part of the
 /// interface.
 #[doc(hidden)]

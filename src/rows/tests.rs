@@ -155,7 +155,7 @@ fn rows_that_are_removed_leave_the_bytes_of_rows_never_added() {
 #[test]
 fn floating_point_sums_remove_no_rows() {
     let mut sum = Accumulator::<f64>::new(2, false).unwrap();
-    let error = sum.remove_block(faer::mat![[1.0, 2.0]], None, &AtaOptions::new()).unwrap_err();
+    let error = sum.remove_block(mat![[1.0, 2.0]], None, &AtaOptions::new()).unwrap_err();
     assert!(error.to_string().contains("exact"), "{error}");
 }
 

@@ -185,6 +185,10 @@ fn left_singular_vectors_are_orthonormal_and_give_the_matrix_back() {
 /// Rows that can only be read block by block, the second pass after the first.
 struct Blocks<'a>(DenseRows<'a, f64>, usize);
 
+fn blocks(a: &Mat<f64>) -> Blocks<'_> {
+    Blocks(DenseRows(a.as_ref()), 0)
+}
+
 impl RowBlocks<f64> for Blocks<'_> {
     fn nrows(&self) -> usize {
         self.0.0.nrows()
@@ -207,9 +211,6 @@ fn results_of_rows_from_a_source_are_those_of_the_matrix() {
     let a = Mat::<f64>::from_fn(50, 4, |_, _| rng.normal());
     let b = Mat::<f64>::from_fn(50, 2, |_, _| rng.normal());
     let weights: Vec<f64> = (0..50).map(|i| f64::from(i % 3)).collect();
-    fn blocks(a: &Mat<f64>) -> Blocks<'_> {
-        Blocks(DenseRows(a.as_ref()), 0)
-    }
     let options = LeastSquaresOptions::new().intercept(true);
     let weights = Some(&weights[..]);
     let found = lstsq_rows(&mut blocks(&a), &mut blocks(&b), weights, &options).unwrap();
