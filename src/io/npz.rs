@@ -70,6 +70,8 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 pub struct NpzWriter {
     archive: ZipWriter<Sink>,
     path: PathBuf,
+    /// The arrays so far.
+    names: Vec<String>,
     /// The matrix that was begun last.
     matrix: Unwritten,
 }
@@ -134,7 +136,8 @@ impl NpzWriter {
     /// Creates a file without arrays.
     pub fn new(output: Output) -> Self {
         let path = output.path().to_path_buf();
-        Self { archive: ZipWriter::new(Sink::new(output)), path, matrix: Unwritten::default() }
+        let archive = ZipWriter::new(Sink::new(output));
+        Self { archive, path, names: Vec::new(), matrix: Unwritten::default() }
     }
 
     /// Adds an array.
@@ -201,6 +204,11 @@ impl NpzWriter {
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
             .large_file(true);
+        if self.names.iter().any(|known| known == name) {
+            let twice = io::Error::other(format!("`{name}` is there already"));
+            return Err(write_error(&self.path, twice));
+        }
+        self.names.push(name.into());
         let begun = self.archive.start_file(format!("{name}.npy"), options);
         self.told(begun.map_err(io::Error::from))
     }
@@ -359,7 +367,10 @@ mod tests {
         writer.array("größe", Array::Vector(&[1.0])).unwrap();
         writer.array("values", Array::Vector(&[2.0])).unwrap();
         let refused = writer.array("values", Array::Vector(&[3.0])).unwrap_err().to_string();
-        assert!(refused.contains("a.npz") && refused.contains("values.npy"), "{refused}");
+        assert!(
+            refused.contains("a.npz") && refused.contains("`values` is there already"),
+            "{refused}"
+        );
         writer.finish().unwrap();
         assert_eq!(array(&path, "größe.npy").1, [1.0_f64.to_le_bytes()]);
         assert_eq!(array(&path, "values.npy").1, [2.0_f64.to_le_bytes()]);

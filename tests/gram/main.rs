@@ -238,7 +238,7 @@ fn a_small_variance_is_not_lost_beside_a_large_one() {
     let found = pca(a.as_ref(), &PrincipalComponentsOptions::new()).unwrap();
     let [large, small] = [found.singular_values[0], found.singular_values[1]];
     // Two columns of 50 rows of +-1, but for 1e-8: 10 = sqrt(2 * 50).
-    assert!((large - 10.0).abs() < 1e-9, "{large}");
+    assert!((large - 10.0).abs() < 1e-7, "{large}");
     assert!(small / large > 2f64.powi(-28) && small / large < 2f64.powi(-26), "{small:e}");
 }
 
