@@ -136,7 +136,7 @@ fn commands_and_options_that_documents_name_exist() {
             for (at, _) in calls {
                 // A package or a project of this name, not the program.
                 let before = at.checked_sub(1).map_or("", |before| words[before]);
-                if ["-p", "install", "import", "<", "--package"].contains(&before) {
+                if ["-p", "install", "uninstall", "import", "<", "--package"].contains(&before) {
                     continue;
                 }
                 is_call = true;
