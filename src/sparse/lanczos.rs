@@ -254,7 +254,8 @@ impl<'a> Krylov<'a> {
         self.probed = self.len - first;
         let values = self.ritz()?.values;
         let largest = values.iter().fold(0.0, |most: f64, theta| most.max(theta.abs()));
-        let mut from_shift: Vec<f64> = values.iter().map(|theta| self.from_shift(*theta)).collect();
+        let mut from_shift: Vec<f64> =
+            values.iter().map(|theta| self.distance_to_shift(*theta)).collect();
         from_shift.sort_by(f64::total_cmp);
         Ok(Nearby { clearance: 1.0 / largest, from_shift })
     }
@@ -292,7 +293,7 @@ impl<'a> Krylov<'a> {
             self.report(good.min(k))?;
             if good == wanted {
                 order.truncate(wanted);
-                let from_shift = |i: usize| self.from_shift(ritz.values[i]);
+                let from_shift = |i: usize| self.distance_to_shift(ritz.values[i]);
                 order.sort_by(|&a, &b| from_shift(a).total_cmp(&from_shift(b)));
                 self.restart(&ritz, &order)?;
                 self.found = self.eigenvalues(&ritz, &order[..k]);
@@ -316,7 +317,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Returns the distance from the shift of the eigenvalue for a Ritz value.
-    fn from_shift(&self, theta: f64) -> f64 {
+    fn distance_to_shift(&self, theta: f64) -> f64 {
         (self.offset + 1.0 / theta).abs()
     }
 
@@ -334,7 +335,7 @@ impl<'a> Krylov<'a> {
             return (order, k);
         }
         let mut from_shift: Vec<f64> =
-            ritz.values.iter().map(|theta| self.from_shift(*theta)).collect();
+            ritz.values.iter().map(|theta| self.distance_to_shift(*theta)).collect();
         from_shift.sort_by(f64::total_cmp);
         let (farthest, offset) = (from_shift[k - 1], self.offset.abs());
         let margin = ROUNDING * (farthest + offset);
@@ -346,7 +347,8 @@ impl<'a> Krylov<'a> {
         let mut missing = k - nearer;
         let (wanted, others): (Vec<usize>, Vec<usize>) =
             order[..within].iter().copied().partition(|&i| {
-                let is_farthest = (self.from_shift(ritz.values[i]) - farthest).abs() <= margin;
+                let is_farthest =
+                    (self.distance_to_shift(ritz.values[i]) - farthest).abs() <= margin;
                 let is_wanted = !is_farthest || missing > 0;
                 missing -= usize::from(is_farthest && is_wanted);
                 is_wanted
