@@ -67,7 +67,7 @@ impl TextFile {
             true => std::io::read_to_string(std::io::stdin()),
             false => std::fs::read_to_string(&self.0),
         };
-        text.with_context(|| self.name())
+        Ok(text.map_err(|e| catamaran::Error::io(self.name(), e))?)
     }
 }
 

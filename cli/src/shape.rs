@@ -145,11 +145,15 @@ impl LaplacianArgs {
     }
 }
 
-/// Reads a matrix of numbers with a row for each of `rows` vertices.
+/// Reads a matrix of finite numbers with a row for each of `rows` vertices.
 pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
     let matrix = dense(path)?;
     if matrix.nrows() != rows {
         bail!("{}: {} rows for {rows} vertices", path.display(), matrix.nrows());
+    }
+    let mut places = (0..rows).flat_map(|i| (0..matrix.ncols()).map(move |j| (i, j)));
+    if let Some((i, j)) = places.find(|&place| !matrix[place].is_finite()) {
+        bail!("{}: not finite at row {i}, column {j} (counted from 0)", path.display());
     }
     Ok(matrix)
 }

@@ -237,7 +237,9 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         let name = args.input.display();
         let context = match error {
             catamaran::Error::NotConverged { .. } => {
-                format!("{name}: residuals of {tolerance:e} were not reached")
+                let near =
+                    args.shift.map_or(String::new(), |shift| format!(" near --shift {shift:e}"));
+                format!("{name}: residuals of {tolerance:e} were not reached{near}")
             }
             _ => name.to_string(),
         };

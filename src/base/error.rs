@@ -181,9 +181,14 @@ impl Error {
         Self::Io { path: path.into(), line: None, what: what.into(), cause: None }
     }
 
-    /// Creates an [`Error::Io`] from an error of the operating system, which becomes its source.
+    /// Creates an [`Error::Io`] from an error of the operating system, which becomes its source. A
+    /// file that is missing is named as in the errors of readers: "no such file".
     pub fn io(path: impl Into<PathBuf>, e: io::Error) -> Self {
-        Self::Io { path: path.into(), line: None, what: e.to_string(), cause: Some(e.into()) }
+        let what = match e.kind() {
+            io::ErrorKind::NotFound => "no such file".into(),
+            _ => e.to_string(),
+        };
+        Self::Io { path: path.into(), line: None, what, cause: Some(e.into()) }
     }
 
     /// Returns [`Error::Shape`] unless `got == expected`.

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use faer::Mat;
 use sprs::CsMatView;
 
@@ -163,25 +165,43 @@ fn small(
     if options.shift.is_none() && values[0] <= -scale.max(ROUNDED * largest) {
         return Err(not_semi_definite());
     }
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    if let Some(shift) = options.shift {
-        order.sort_by(|&a, &b| (values[a] - shift).abs().total_cmp(&(values[b] - shift).abs()));
-    }
-    order.truncate(options.k);
-    order.sort_unstable();
-    let mut values: Vec<f64> = order.iter().map(|&j| values[j]).collect();
+    let kept = match options.shift {
+        Some(shift) => nearest(&values, shift, options.k),
+        None => 0..options.k,
+    };
+    let mut values = values[kept.clone()].to_vec();
     if options.shift.is_none() {
         // The values of constants on components are zero, not rounding errors.
         let free = null_components(stiffness, mass).len().min(options.k);
         values[..free].fill(0.0);
     }
     let rows = pencil.inner().rows();
-    let vectors = filled(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])])?;
+    let vectors = filled(rows.len(), options.k, |i, j| vectors[(rows.start + i, kept.start + j)])?;
     let vectors = vectors.as_ref();
     let Certificate { residuals, .. } =
         certify(pencil, &values, vectors, scale, ROUNDINGS, options)?;
     options.progress.report(1.0)?;
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
+}
+
+/// Returns the places of the `k` of ascending values that are nearest to a shift. Distances are
+/// compared across the shift only: from a shift far away, rounding makes them equal.
+fn nearest(values: &[f64], shift: f64, k: usize) -> Range<usize> {
+    let mut end = values.partition_point(|value| *value < shift);
+    let mut start = end;
+    while end - start < k {
+        let below = start.checked_sub(1).map(|i| shift - values[i]);
+        let is_below = match (below, values.get(end)) {
+            (Some(below), Some(above)) => below <= above - shift,
+            (below, _) => below.is_some(),
+        };
+        if is_below {
+            start -= 1;
+        } else {
+            end += 1;
+        }
+    }
+    start..end
 }
 
 #[cfg(test)]
@@ -205,6 +225,23 @@ mod tests {
             }
             let found = eigs(w.view(), &mass, &options.shift(-2.1)).unwrap();
             assert!((found.values[0] + 2.0).abs() < 1e-9, "n = {n}: {:?}", found.values);
+        }
+    }
+
+    #[test]
+    fn the_nearest_values_are_found_from_any_distance() {
+        let values = [0.0, 1.0, 1.0, 3.0, 7.0];
+        for (shift, k, expected) in [
+            (1e300, 2, 3..5),
+            (-1e300, 2, 0..2),
+            (1.0, 2, 1..3),
+            (2.0, 2, 1..3),
+            (2.5, 1, 3..4),
+            (2.5, 3, 1..4),
+            (8.0, 5, 0..5),
+            (0.0, 0, 0..0),
+        ] {
+            assert_eq!(nearest(&values, shift, k), expected, "{k} near {shift:e}");
         }
     }
 }

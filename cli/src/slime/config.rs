@@ -62,7 +62,7 @@ pub struct Loaded {
 /// Reads a configuration; settings that are missing have their defaults.
 pub fn load(path: &Path) -> Result<Loaded> {
     let named = || path.display().to_string();
-    let text = fs::read_to_string(path).with_context(named)?;
+    let text = fs::read_to_string(path).map_err(|e| catamaran::Error::io(path, e))?;
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ini")) {
         reference(&text).with_context(named)
     } else {

@@ -16,7 +16,8 @@ const HALF: u8 = 127;
 /// their centre.
 pub fn read(path: &Path, size: usize, options: &SourceOptions<'_>) -> Result<Mask> {
     let named = || path.display().to_string();
-    let file = BufReader::new(File::open(path).with_context(named)?);
+    let file = File::open(path).map_err(|e| catamaran::Error::io(path, e))?;
+    let file = BufReader::new(file);
     let mut decoder = png::Decoder::new(file);
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().with_context(named)?;

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use catamaran::Error;
 use catamaran::base::Progress;
 use catamaran_geometry::mesh::io::{MeshFile, check_name};
@@ -76,7 +76,10 @@ pub fn run(args: &Args) -> Result<()> {
             args.template.display()
         ));
     }
-    let count = args.k.map_or(table.nrows(), |k| k.min(table.nrows()));
+    let (rows, count) = (table.nrows(), args.k.unwrap_or(table.nrows()));
+    if count > rows {
+        bail!("{}: -k {count}, but the table has {rows} eigenvalues", args.spectrum.display());
+    }
     let wanted: Vec<f64> = (0..count).map(|i| table[(i, last)]).collect();
     let bar = Bar::new("deforming");
     let update = |fraction| bar.update(fraction);

@@ -197,6 +197,8 @@ fn a_mesh_is_cut_into_pieces_or_slit() {
     assert_eq!(areas, [0.75, 0.25]);
     // What is there stays.
     assert!(folder.fail("curve mesh.obj --samples none.txt --cut parts").contains("exists"));
+    let said = folder.fail("curve mesh.obj --samples none.txt -o none.json");
+    assert!(said.contains("none.txt: no such file"), "{said}");
     folder.succeed("curve mesh.obj --samples samples.txt --cut parts --force");
     folder.write("parts/piece-3.obj", "");
     let run = folder.run("curve mesh.obj --samples samples.txt --cut parts --force");

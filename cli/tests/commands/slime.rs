@@ -156,6 +156,8 @@ fn what_is_wrong_is_named() {
             "--config far.ini",
             "far.ini: line 2: MoveSpeed=-1: movement_speed: must be from 0 to 1000000, is -100",
         ),
+        ("--config none.toml", "none.toml: no such file"),
+        ("--config c.toml --mask none.png", "none.png: no such file"),
         ("--species 16", "--species: must be from 1 to 15, is 16"),
         ("--size 20000", "--size: must be a multiple of 32 from 32 to 16384, is 20000"),
         ("--agents 5000000000", "--agents: must be from 0 to 2^32 - 1, is 5000000000"),

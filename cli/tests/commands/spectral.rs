@@ -270,6 +270,7 @@ fn transfer_refuses_what_does_not_fit() {
     folder.write("short.txt", "1\n2\n");
     folder.write("outside.txt", "0 0\n1 162\n");
     folder.write("one.csv", "1,2\n3,4\n");
+    folder.write("nan.csv", &("1,2\n".repeat(160) + "3,nan\n5,6\n"));
     folder.write("s.mtx", "%%MatrixMarket matrix coordinate real general\n162 1 1\n1 1 2.5\n");
     let common = "transfer source.ply target.off -k 5 -o out.npy";
     for (arguments, says) in [
@@ -278,6 +279,7 @@ fn transfer_refuses_what_does_not_fit() {
         ("--functions xyz.npy --landmarks short.txt", "short.txt: 1 columns"),
         ("--functions one.csv --identity", "one.csv: 2 rows"),
         ("--functions s.mtx --identity", "s.mtx: the matrix must be dense, but is sparse"),
+        ("--functions nan.csv --identity", "nan.csv: not finite at row 160, column 1"),
     ] {
         let said = folder.fail(&format!("{common} {arguments}"));
         assert!(said.contains(says), "{said}");

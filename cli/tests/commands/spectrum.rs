@@ -128,6 +128,11 @@ fn a_shift_may_be_an_eigenvalue() {
     let shift = plain[8];
     folder.succeed(&format!("spectrum torus.ply -k 1 --shift={shift:.15e} -o near.npz --force"));
     assert!((folder.read_npz("near.npz", "eigenvalues").1[0] - shift).abs() < 1e-9);
+    let said = folder.fail("spectrum torus.ply -k 1 --shift 1e300 -o far.npz");
+    assert!(
+        said.contains("torus.ply: residuals of 1e-9 were not reached near --shift 1e300"),
+        "{said}"
+    );
 }
 
 #[test]

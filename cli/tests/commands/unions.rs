@@ -107,6 +107,8 @@ fn a_template_is_deformed_to_a_predicted_spectrum() {
         let message = folder.fail(&format!("{command}={tolerance}"));
         assert!(message.contains("tolerance"), "{message}");
     }
+    let said = folder.fail("unions shape template.off --spectrum spectra.csv -k 21 -o no.off");
+    assert!(said.contains("spectra.csv: -k 21, but the table has 20 eigenvalues"), "{said}");
     let deform = "unions shape template.off --spectrum spectra.csv -k 8 --tolerance 0.01 -o";
     let said = folder.succeed(&format!("{deform} union.ply --picture union.png"));
     let error = said.lines().find_map(|line| line.strip_prefix("error")).unwrap();
