@@ -147,6 +147,15 @@ impl<'a> Strips<'a> {
 fn load<T: IntegerOperand>(a: MatRef<'_, T>, entries: &mut [[T; LANES]]) {
     let (m, n) = a.shape();
     let column = |j: usize| a.col(j.min(n - 1));
+    if a.col_stride() == 1 {
+        for (i, row) in entries.iter_mut().enumerate() {
+            // SAFETY: the n entries of a row are adjacent.
+            let found = unsafe { std::slice::from_raw_parts(a.row(i).as_ptr(), n) };
+            row[..n].copy_from_slice(found);
+            row[n..].fill(found[n - 1]);
+        }
+        return;
+    }
     if a.row_stride() != 1 {
         for j in 0..LANES {
             for (row, &entry) in entries.iter_mut().zip(column(j).iter()) {
