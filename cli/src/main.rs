@@ -172,6 +172,7 @@ fn parse_command_line() -> Cli {
             format!("{option}: `-` is not accepted; the name of a file must select its format");
         command.error(ErrorKind::ValueValidation, what).exit();
     }
+    claims::claim_inputs(&command, &matches);
     Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit())
 }
 
