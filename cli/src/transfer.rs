@@ -22,6 +22,7 @@ use clap::{ArgGroup, ValueEnum};
 use crate::common::Force;
 use crate::defaults::{stated, variant};
 use crate::output;
+use crate::parse::at_least_one;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
@@ -104,14 +105,14 @@ pub struct Args {
     #[arg(long, value_name = "K", default_value_t = 100)]
     zoom: usize,
     /// Number of eigenfunctions of the source to multiply, without the constant one.
-    #[arg(short, value_name = "K", default_value_t = 30)]
+    #[arg(short, value_name = "K", default_value_t = 30, value_parser = at_least_one)]
     k: usize,
     /// Number of eigenfunctions of the target to multiply, without the constant one [default: as
     /// -k].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = at_least_one)]
     target_k: Option<usize>,
     /// Largest number of factors in a product; 1 transfers through eigenfunctions alone.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = at_least_one)]
     order: usize,
     /// How products are orthogonalized.
     #[arg(

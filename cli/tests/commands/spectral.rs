@@ -289,6 +289,24 @@ fn transfer_refuses_what_does_not_fit() {
 }
 
 #[test]
+fn bases_of_nothing_are_refused() {
+    let folder = Folder::new();
+    for arguments in [
+        "basis none.obj -k 0 -o b.npz",
+        "basis none.obj --order 0 -o b.npz",
+        "filter none.obj --low-pass 1 -k 0 -o b.obj",
+        "filter none.obj --low-pass 1 --order 0 -o b.obj",
+        "transfer none.obj none.obj --identity --details heights -k 0 -o b.obj",
+        "transfer none.obj none.obj --identity --details heights --order 0 -o b.obj",
+        "transfer none.obj none.obj --identity --details heights --target-k 0 -o b.obj",
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains("expected a whole number of at least 1"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn filters_smooth_sharpen_and_split() {
     let folder = Folder::new();
     let (source, _) = meshes(&folder);
