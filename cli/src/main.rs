@@ -1,5 +1,6 @@
 //! The `catamaran` command line: one file per subcommand.
 
+mod arguments;
 mod ata;
 mod backend;
 mod basis;
@@ -173,6 +174,7 @@ fn parse_command_line() -> Cli {
         command.error(ErrorKind::ValueValidation, what).exit();
     }
     claims::claim_inputs(&command, &matches);
+    arguments::set_command(&command, &matches);
     Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit())
 }
 

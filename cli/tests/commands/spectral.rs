@@ -453,7 +453,11 @@ fn distances_are_over_faces_or_along_edges() {
         let refused = folder
             .fail(&format!("distance spheres.ply --from {} --method {method} -o x.npy", 2 * n));
         assert!(
-            refused.contains(&format!("vertex {} is out of range: {} vertices", 2 * n, 2 * n)),
+            refused.contains(&format!(
+                "--from: vertex {} is out of range: {} vertices",
+                2 * n,
+                2 * n
+            )),
             "{refused}"
         );
     }
