@@ -7,8 +7,8 @@ use catamaran::Error;
 use clap::{ArgMatches, Command};
 
 /// Arguments of the library whose options have other names: command, argument and option.
-const OTHERS: [(&str, &str, &str); 2] =
-    [("distance", "sources", "--from"), ("decimate", "relaxation", "--relax")];
+const OTHERS: &[(&str, &str, &str)] =
+    &[("distance", "sources", "--from"), ("decimate", "relaxation", "--relax")];
 
 /// The options of the command that runs, by the arguments of the library.
 static OPTIONS: OnceLock<BTreeMap<String, String>> = OnceLock::new();
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn other_names_are_those_of_options_that_exist() {
         let program = Cli::command();
-        for (name, _, option) in OTHERS {
+        for &(name, _, option) in OTHERS {
             let command = program.find_subcommand(name).unwrap();
             let mut longs = command.get_arguments().filter_map(|argument| argument.get_long());
             assert!(longs.any(|long| option == format!("--{long}")), "{name} {option}");

@@ -14,6 +14,7 @@ mod demo;
 mod descriptors;
 mod device;
 mod distance;
+mod effects;
 mod farthest;
 mod filter;
 mod folder;
@@ -172,6 +173,9 @@ fn parse_command_line() -> Cli {
         let what =
             format!("{option}: `-` is not accepted; the name of a file must select its format");
         command.error(ErrorKind::ValueValidation, what).exit();
+    }
+    if let Some(what) = effects::missing(&matches) {
+        command.error(ErrorKind::ArgumentConflict, what).exit();
     }
     claims::claim_inputs(&command, &matches);
     arguments::set_command(&command, &matches);

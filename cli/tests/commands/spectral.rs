@@ -289,6 +289,24 @@ fn transfer_refuses_what_does_not_fit() {
 }
 
 #[test]
+fn refinements_without_effect_are_refused() {
+    let folder = Folder::new();
+    let transfer = "transfer none.obj none.obj --details heights -o o.obj";
+    for options in [
+        "--identity --refine icp",
+        "--points p.txt --refine icp",
+        "--identity --zoom 40",
+        "--landmarks p.txt --refine icp --zoom 40",
+    ] {
+        let run = folder.run(&format!("{transfer} {options}"));
+        assert_eq!(run.code, Some(2), "{options}: {}", run.stderr);
+        assert!(run.stderr.contains("--refine") || run.stderr.contains("--zoom"), "{options}");
+    }
+    let refused = folder.fail(&format!("{transfer} --landmarks p.txt -k 30 --zoom 10"));
+    assert!(refused.contains("--zoom 10: must be at least the 30 of -k"), "{refused}");
+}
+
+#[test]
 fn bases_of_nothing_are_refused() {
     let folder = Folder::new();
     for arguments in [
