@@ -9,6 +9,7 @@ use catamaran_geometry::spectral::{ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
 use crate::defaults::variant;
+use crate::parse::at_least_one;
 use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::status;
@@ -27,10 +28,10 @@ pub struct Args {
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// Number of eigenfunctions to multiply, without the constant one.
-    #[arg(short, value_name = "K", default_value_t = 30)]
+    #[arg(short, value_name = "K", default_value_t = 30, value_parser = at_least_one)]
     k: usize,
     /// Largest number of factors in a product.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = at_least_one)]
     order: usize,
     /// How products are orthogonalized.
     #[arg(

@@ -7,7 +7,7 @@ use anyhow::{Result, anyhow, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::{Error, Par};
 
-use crate::claims::{Purpose, claim};
+use crate::claims::{Purpose, claim, refuse_input};
 
 /// The heading of these options in help texts.
 pub const HEADING: &str = "Common options";
@@ -50,8 +50,10 @@ impl Force {
     /// Refuses a file that exists and may not be replaced.
     ///
     /// # Errors
-    /// The file exists, and `--force` is not given; there is a directory in its place.
+    /// The file is an input, or exists and `--force` is not given; there is a directory in its
+    /// place.
     pub fn check(self, path: &Path) -> Result<()> {
+        refuse_input(path)?;
         if path.is_dir() {
             bail!("{}: is a directory", path.display());
         }
@@ -64,8 +66,9 @@ impl Force {
     /// Refuses a file that exists and may neither be replaced nor continued from (`--resume`).
     ///
     /// # Errors
-    /// The file exists, and neither `--force` nor `--resume` is given.
+    /// The file is an input, or exists and neither `--force` nor `--resume` is given.
     pub fn check_resumable(self, path: &Path, resume: bool) -> Result<()> {
+        refuse_input(path)?;
         if !self.force && !resume && path.symlink_metadata().is_ok() {
             bail!(
                 "{}: exists already (--force replaces it, --resume continues from it)",

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
 use catamaran::io::Output;
 use catamaran::sparse::CsMat;
@@ -136,6 +136,7 @@ pub fn run(args: &Args) -> Result<()> {
         .progress(&update);
     let start = Instant::now();
     let found = decimate(&input.mesh, n, &options)
+        .map_err(|error| refused(error, args))
         .with_context(|| format!("{}: can't be decimated to {n} vertices", args.input.display()))?;
     let elapsed = start.elapsed();
     drop(bar);
@@ -187,6 +188,20 @@ pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
         seconds(time)
     )?;
     Ok(file)
+}
+
+/// Names the option that set the number of vertices, where an error of the library is about it.
+fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
+    let option = match (args.ratio, args.faces, args.edge_length) {
+        (Some(ratio), ..) => format!("--ratio {ratio}"),
+        (_, Some(faces), _) => format!("--faces {faces}"),
+        (.., Some(length)) => format!("--edge-length {length:e}"),
+        _ => "-n".into(),
+    };
+    match error {
+        catamaran::Error::Argument { what: "n", why } => anyhow!("{option}: {why}"),
+        error => error.into(),
+    }
 }
 
 fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     /// The options whose defaults are typed: no option of a library stands behind them.
-    const TYPED: [&str; 45] = [
+    const TYPED: [&str; 44] = [
         "ata/mod.rs block_rows",
         "ata/mod.rs memory",
         // The command line computes both triangles, the library the lower one.
@@ -79,7 +79,6 @@ mod tests {
         "transfer.rs order",
         "transfer.rs refine",
         "transfer.rs target_k",
-        "transfer.rs zoom",
         "tune.rs isa",
         "unions/dataset.rs size",
         "unions/interpolate.rs steps",

@@ -18,6 +18,7 @@ use clap::ArgGroup;
 use crate::common::Force;
 use crate::defaults::stated;
 use crate::output;
+use crate::parse::at_least_one;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
@@ -81,10 +82,10 @@ pub struct Args {
     )]
     share: Option<f64>,
     /// Number of eigenfunctions, without the constant one.
-    #[arg(short, value_name = "K", default_value_t = 100)]
+    #[arg(short, value_name = "K", default_value_t = 100, value_parser = at_least_one)]
     k: usize,
     /// Largest number of factors in a product; 1 filters by eigenfunctions alone.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = at_least_one)]
     order: usize,
     /// Filter the functions in this table (a row for each vertex, a column for each function)
     /// instead of the coordinates.

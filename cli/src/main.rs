@@ -1,5 +1,6 @@
 //! The `catamaran` command line: one file per subcommand.
 
+mod arguments;
 mod ata;
 mod backend;
 mod basis;
@@ -13,6 +14,7 @@ mod demo;
 mod descriptors;
 mod device;
 mod distance;
+mod effects;
 mod farthest;
 mod filter;
 mod folder;
@@ -172,6 +174,11 @@ fn parse_command_line() -> Cli {
             format!("{option}: `-` is not accepted; the name of a file must select its format");
         command.error(ErrorKind::ValueValidation, what).exit();
     }
+    if let Some(what) = effects::missing(&matches) {
+        command.error(ErrorKind::ArgumentConflict, what).exit();
+    }
+    claims::claim_inputs(&command, &matches);
+    arguments::set_command(&command, &matches);
     Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit())
 }
 

@@ -10,6 +10,7 @@ use catamaran_charts::{Axis, Chart, Line, Series};
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
+use crate::parse::at_least_one;
 use crate::picture::{self, write_chart};
 use crate::ranks::Ranks;
 use crate::report::{head, report, row, shown, status};
@@ -25,7 +26,7 @@ pub struct Args {
     #[command(flatten)]
     gram: GramArgs,
     /// Number of components [default: all].
-    #[arg(short, value_name = "NUMBER")]
+    #[arg(short, value_name = "NUMBER", value_parser = at_least_one)]
     k: Option<usize>,
     /// Keep as few components as explain this share of the variance, from 0 to 1, such as 0.95.
     #[arg(long, value_name = "SHARE", conflicts_with = "k")]

@@ -15,6 +15,8 @@ use catamaran::io::LARGER_MAX_MEMORY;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
+use crate::arguments;
+
 /// Columns of a label, before a blank.
 const WIDTH: usize = 11;
 
@@ -201,18 +203,19 @@ pub fn note(line: Arguments<'_>) {
 }
 
 /// Returns the text of an error with its context. An error of the library already contains the text
-/// of its sources, and names the library's option for the memory of a file, in whose place the text
-/// has that of the command line.
+/// of its sources, and names the library's option for the memory of a file, and its arguments, in
+/// whose place the text has those of the command line.
 pub fn message(error: &anyhow::Error) -> String {
     let mut message = String::new();
     for cause in error.chain() {
         if !message.is_empty() {
             message += ": ";
         }
-        message += &cause.to_string();
-        if cause.is::<catamaran::Error>() {
+        if let Some(error) = cause.downcast_ref::<catamaran::Error>() {
+            message += &arguments::message(error);
             break;
         }
+        message += &cause.to_string();
     }
     message.replace(LARGER_MAX_MEMORY, "a larger --input-limit allows it")
 }

@@ -22,6 +22,7 @@ use clap::{ArgGroup, ValueEnum};
 use crate::common::Force;
 use crate::defaults::{stated, variant};
 use crate::output;
+use crate::parse::at_least_one;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
@@ -30,6 +31,9 @@ use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
+
+/// The default of --zoom.
+const ZOOM: usize = 100;
 
 /// The default of --smooth-functions.
 const SMOOTH: usize = 20;
@@ -98,20 +102,30 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["identity", "points"])]
     operators: bool,
     /// Refinement of the functional map of landmarks or segments.
-    #[arg(long, value_name = "HOW", default_value = "zoomout")]
+    #[arg(
+        long,
+        value_name = "HOW",
+        default_value = "zoomout",
+        conflicts_with_all = ["identity", "points"]
+    )]
     refine: Refine,
-    /// Number of eigenfunctions that --refine zoomout ends with.
-    #[arg(long, value_name = "K", default_value_t = 100)]
-    zoom: usize,
+    #[arg(
+        long,
+        value_name = "K",
+        value_parser = at_least_one,
+        conflicts_with_all = ["identity", "points"],
+        help = stated("Number of eigenfunctions that --refine zoomout ends with, at least -k", ZOOM)
+    )]
+    zoom: Option<usize>,
     /// Number of eigenfunctions of the source to multiply, without the constant one.
-    #[arg(short, value_name = "K", default_value_t = 30)]
+    #[arg(short, value_name = "K", default_value_t = 30, value_parser = at_least_one)]
     k: usize,
     /// Number of eigenfunctions of the target to multiply, without the constant one [default: as
     /// -k].
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = at_least_one)]
     target_k: Option<usize>,
     /// Largest number of factors in a product; 1 transfers through eigenfunctions alone.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = at_least_one)]
     order: usize,
     /// How products are orthogonalized.
     #[arg(
@@ -162,6 +176,13 @@ enum Details {
 pub fn run(args: &Args) -> Result<()> {
     if args.smooth_functions.is_some() && args.details != Some(Details::Heights) {
         bail!("--smooth-functions is for --details heights only");
+    }
+    let of_bases = args.k.max(args.target_k.unwrap_or(args.k));
+    if let Some(zoom) = args.zoom
+        && zoom < of_bases
+    {
+        let option = if of_bases > args.k { "--target-k" } else { "-k" };
+        bail!("--zoom {zoom}: must be at least the {of_bases} of {option}");
     }
     let create = |path: &Path| -> Result<Output> {
         files::check_name(path)?;
@@ -271,7 +292,7 @@ fn needs(args: &Args, option: &'static str, len: usize) -> Vec<Need> {
     let mut needs = vec![Need { option, len, positive: if is_fitted { 2 } else { 0 } }];
     if is_fitted && args.refine == Refine::Zoomout {
         // Refinement may use more eigenfunctions than the transfer, and uses no fewer.
-        needs.push(Need { option: "--zoom", len: args.zoom.max(len), positive: 0 });
+        needs.push(Need { option: "--zoom", len: args.zoom.unwrap_or(ZOOM).max(len), positive: 0 });
     }
     if args.details == Some(Details::Heights) {
         needs.push(Need { option: "--smooth-functions", len: smooth(args), positive: 0 });

@@ -165,10 +165,21 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         None => None,
     };
     let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend };
-    if args.double || !args.single && !a.is_single() {
+    let done = if args.double || !args.single && !a.is_single() {
         work.run::<f64>(outputs)
     } else {
         work.run::<f32>(outputs)
+    };
+    done.map_err(|error| of_weights(args, error))
+}
+
+/// Adds the file to an error about the weights.
+fn of_weights(args: &Args, error: anyhow::Error) -> anyhow::Error {
+    let is_theirs =
+        matches!(error.downcast_ref(), Some(catamaran::Error::Argument { what: "weights", .. }));
+    match args.weights.as_ref().filter(|_| is_theirs) {
+        Some(path) => error.context(path.display().to_string()),
+        None => error,
     }
 }
 

@@ -105,6 +105,9 @@ impl<'a> Pass<'a> {
             Some(path) => {
                 let weights = read_weights(path, &args.input, table.nrows())?;
                 check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+                if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
+                    bail!("{}: all weights are zero", path.display());
+                }
                 Some(weights)
             }
             None => None,

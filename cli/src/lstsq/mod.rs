@@ -76,6 +76,10 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
     args.gram.check(ranks)?;
     let Rows { table, columns, targets } = rows(args)?;
+    refuse_empty(args, &columns, &targets)?;
+    if table.nrows() == 0 {
+        bail!("{}: no rows", args.gram.input().display());
+    }
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let options =
@@ -99,11 +103,20 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 
+/// Returns whether the end of the name is that of a file of arrays, also where it is not built in.
+fn is_arrays(path: &Path) -> bool {
+    let ends = ["npz", "h5", "hdf5", "he5"];
+    path.extension().is_some_and(|end| ends.iter().any(|known| end.eq_ignore_ascii_case(known)))
+}
+
 /// Begins the output files.
 fn start(args: &Args) -> Result<Vec<Output>> {
     let force = args.gram.force;
     let begin = |path: &PathBuf| match is_json(path) {
         true => force.create(path),
+        false if !is_arrays(path) => {
+            bail!("{}: the name must end in .json, .npz, .h5, .hdf5 or .he5", path.display())
+        }
         false => files::arrays(path, force),
     };
     args.output.iter().map(begin).collect()
@@ -132,6 +145,19 @@ fn rows(args: &Args) -> Result<Rows> {
     columns = order.iter().map(|&column| columns[column].clone()).collect();
     order.extend(found);
     Ok(Rows { table: Table::ordered(a, order), columns, targets })
+}
+
+/// Refuses a matrix A or B without columns.
+fn refuse_empty(args: &Args, columns: &[String], targets: &[String]) -> Result<()> {
+    let a = args.gram.input().display();
+    match &args.b {
+        _ if columns.is_empty() && !args.by_column.is_empty() => {
+            bail!("{a}: no columns besides those of --by-column")
+        }
+        _ if columns.is_empty() => bail!("{a}: no columns"),
+        Some(b) if targets.is_empty() => bail!("{}: no columns", b.display()),
+        _ => Ok(()),
+    }
 }
 
 /// Reports columns that depend on others: by a note, or with --refuse-dependent by an error.

@@ -78,6 +78,9 @@ fn is_mesh(path: &Path) -> bool {
 pub fn check_names(args: &Args) -> Result<()> {
     let is_picture = args.uv || (args.mesh.is_none() && !args.volume);
     let is_image = |path: &Path| is_png(path) || AnimationFormat::of(path).is_some();
+    if args.size.is_some() && !is_picture && !args.volume {
+        bail!("--size is for a plane, a texture (--uv) and --volume only: MESH has its vertices");
+    }
     if let Some(path) = &args.output {
         let name = path.display();
         if is_picture {

@@ -58,8 +58,8 @@ impl CheckpointArgs {
     /// purpose, and one that can't be written.
     pub fn check(&self, ranks: &Ranks, force: Force) -> Result<()> {
         let Some(path) = self.path(ranks) else { return Ok(()) };
-        force.check_resumable(&path, self.resume)?;
         claim(&path, Purpose::Checkpoint)?;
+        force.check_resumable(&path, self.resume)?;
         // The first checkpoint, which may be hours later, would be too late for this error.
         drop(Output::create(&path, Overwrite::Replace)?);
         Ok(())

@@ -14,7 +14,6 @@ use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
 use catamaran::rows::{DenseRows, RowBlocks};
 
-use crate::claims::{Purpose, claim};
 use crate::input;
 use crate::progress::Bar;
 use crate::report::{seconds, status};
@@ -60,12 +59,6 @@ pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 impl Source {
     /// Opens `.npy` and HDF5 files, and reads all others.
     pub fn open(name: &Path, columns: Option<Range<usize>>) -> Result<Self> {
-        // Of FILE.h5:/dataset the file.
-        let file = name
-            .to_str()
-            .and_then(|name| name.split_once(":/"))
-            .map_or(name, |(file, _)| Path::new(file));
-        claim(file, Purpose::Input)?;
         let (content, names) = if RowFile::is_one(name) {
             let file = RowFile::open(name)?;
             let file = match columns {

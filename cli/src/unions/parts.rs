@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
 use catamaran_geometry::mesh::{
     Boundary, CloudOptions, Components, LaplacianOptions, TriMesh, free_components,
@@ -92,7 +92,7 @@ pub fn report_ood(score: f64) -> Result<()> {
 
 fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     if mesh.faces().is_empty() {
-        return Ok(cloud_spectrum(mesh.vertices(), K, &CloudOptions::new())?);
+        return cloud_spectrum(mesh.vertices(), K, &CloudOptions::new()).map_err(too_small);
     }
     let closed = free_components(mesh, &Boundary::Dirichlet)?;
     if closed > 0 {
@@ -103,5 +103,16 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     }
     let all = vec![true; mesh.vertices().len()];
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
-    Ok(spectra.dirichlet(&all, K)?)
+    spectra.dirichlet(&all, K).map_err(too_small)
+}
+
+/// Says that a shape has too few vertices, where an error of the library is about the number of
+/// eigenvalues, which no option sets.
+fn too_small(error: catamaran::Error) -> anyhow::Error {
+    match error {
+        catamaran::Error::Argument { what: "k", .. } => {
+            anyhow!("too few vertices: the {K} eigenvalues need as many that are not on a boundary")
+        }
+        error => error.into(),
+    }
 }

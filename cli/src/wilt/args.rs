@@ -9,7 +9,7 @@ use catamaran_simulation::plant::{
     Conductivity, Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue,
     WaterOptions, Wind, read_with,
 };
-use clap::{ValueEnum, ValueHint};
+use clap::{ArgGroup, ValueEnum, ValueHint};
 
 use super::simulation::{Film, Weather};
 use super::stiffness::{ByRadius, Kappa, tissue, used};
@@ -52,6 +52,7 @@ const NOT_FITTED: [&str; 17] = [
 /// node; kg and Pa), the plant as a mesh of tubes for each frame, water.svg and wilting.png;
 /// wilting.glb with --animation; balance.csv with --stomata or --soil.
 #[derive(clap::Args)]
+#[command(group = ArgGroup::new("random").args(["grow", "wind"]).multiple(true))]
 pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
     #[arg(value_name = "PLANT", required_unless_present = "grow")]
@@ -65,7 +66,12 @@ pub struct Args {
     )]
     grow: Option<usize>,
     /// Seed of the generated plant, and of the gusts of --wind.
-    #[arg(long, value_name = "NUMBER", default_value_t = GrowthOptions::default().seed)]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = GrowthOptions::default().seed,
+        requires = "random"
+    )]
     seed: u64,
     /// Simulated time, in hours.
     #[arg(long, value_name = "HOURS", default_value_t = 48.0, value_parser = parse::positive)]
@@ -356,6 +362,11 @@ impl Args {
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
         if self.motion.is_some() && self.frames == 0 {
             bail!("--frames 0: --motion needs at least 1");
+        }
+        let seconds = 3600.0 * self.hours;
+        if let Some(Pour(late)) = self.rewater.iter().find(|pour| pour.0.seconds > seconds) {
+            let (hour, hours) = (late.seconds / 3600.0, self.hours);
+            bail!("--rewater {hour}: is after the end (--hours {hours})");
         }
         Ok(Weather {
             hours: self.hours,

@@ -216,6 +216,13 @@ fn refusals_say_why_and_leave_nothing() {
     );
     assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: must be at least 1, is 0"));
     assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
+    // The number of vertices is one that no option was given.
+    assert!(refused("--edge-length 1e9 -o out.ply").contains("vertices: --edge-length 1e9: "));
+    assert!(refused("--ratio 1e-9 -o out.ply").contains("vertices: --ratio 0.000000001: "));
+    let specks = refused("-n 20 --drop-specks 2 -o out.ply");
+    assert!(specks.contains("in.ply: --drop-specks: must be a share"), "{specks}");
+    let specks = folder.fail("mesh in.ply --drop-specks 2 -o out.ply");
+    assert!(specks.contains("--drop-specks: must be a share"), "{specks}");
     for (arguments, why) in
         [("--edge-length 1 --faces 9", "cannot be used with"), ("", "<-n <N>|--ratio")]
     {

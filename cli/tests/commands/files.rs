@@ -135,6 +135,74 @@ fn no_file_has_two_purposes_of_which_one_destroys_the_other() {
             assert!(!folder.path(result).exists(), "{command}: {result}");
         }
     }
-    // An input may be replaced by the result of the command.
-    folder.succeed("ata a.npy -o a.npy --force");
+}
+
+#[test]
+fn no_output_replaces_an_input_even_with_force() {
+    let folder = folder();
+    folder.write("f.csv", "1\n2\n3\n4\n");
+    folder.write("w.csv", "1\n1\n1\n1\n");
+    folder.write("samples.txt", "0\n1\n2\n");
+    folder.write("s.toml", "");
+    folder.write("mask.png", "mask");
+    folder.write("p.txt", "plant");
+    folder.write("m.svg", "weights");
+    let files = folder.names();
+    let contents = |folder: &Folder| -> Vec<Vec<u8>> {
+        files.iter().map(|name| fs::read(folder.path(name)).unwrap()).collect()
+    };
+    let before = contents(&folder);
+    fs::create_dir(folder.path("out")).unwrap();
+    folder.write("out/water.csv", "plant");
+    let here = folder.path("").canonicalize().unwrap();
+    let here = here.file_name().unwrap().to_str().unwrap();
+    for (command, input) in [
+        ("slime odd.obj -o new --state odd.obj", "odd.obj"),
+        ("slime odd.obj --config s.toml -o new --state ./s.toml", "s.toml"),
+        ("slime odd.obj --mask mask.png -o new --render mask.png", "mask.png"),
+        ("slime odd.obj -o new --coverage m.svg --mask m.svg", "m.svg"),
+        ("mesh odd.obj -o odd.obj", "odd.obj"),
+        ("mesh f.csv --compare odd.obj -o ../HERE/odd.obj", "odd.obj"),
+        ("decimate odd.obj -n 4 -o odd.obj", "odd.obj"),
+        ("farthest f.csv -n 2 -o f.npy --cells f.csv", "f.csv"),
+        ("ata f.csv -o f.csv", "f.csv"),
+        ("ata f.csv --weights w.csv -o w.csv", "w.csv"),
+        ("ata f.csv --accumulator f.csv", "f.csv"),
+        ("ata-merge f.csv w.csv --accumulator w.csv", "w.csv"),
+        ("lstsq f.csv w.csv -o w.npz --weights w.npz", "w.npz"),
+        ("pca f.csv --weights m.svg --picture m.svg", "m.svg"),
+        ("filter odd.obj --low-pass 1 --functions f.csv -o f.csv", "f.csv"),
+        ("transfer odd.obj odd.obj --identity --functions f.csv -o f.csv", "f.csv"),
+        ("curve odd.obj --samples samples.txt --cut odd.obj", "odd.obj"),
+        ("curve odd.obj --samples s.obj -o s.obj", "s.obj"),
+        ("distance f.csv --from 0 -o f.csv", "f.csv"),
+        ("shapedna odd.obj f.csv --signatures f.csv", "f.csv"),
+        ("newton odd.obj -o odd.obj", "odd.obj"),
+        ("unions train f.csv -o f.csv", "f.csv"),
+        ("unions train m.svg -o m", "m.svg"),
+        ("wilt out/water.csv -o out", "out/water.csv"),
+    ] {
+        let message = folder.fail(&format!("{} --force", command.replace("HERE", here)));
+        let says = format!("{input}: is an input of this command, and can't also be an output");
+        assert!(message.contains(&says), "{command}: {message}");
+        assert_eq!(contents(&folder), before, "{command}");
+    }
+    // Without --force, too: the advice to give it would destroy the input.
+    let message = folder.fail("mesh odd.obj -o odd.obj");
+    assert!(message.contains("odd.obj: is an input") && !message.contains("--force"), "{message}");
+}
+
+#[cfg(unix)]
+#[test]
+fn no_output_replaces_an_input_by_a_link() {
+    let folder = folder();
+    fs::hard_link(folder.path("odd.obj"), folder.path("hard.obj")).unwrap();
+    std::os::unix::fs::symlink("odd.obj", folder.path("soft.obj")).unwrap();
+    for link in ["hard.obj", "soft.obj"] {
+        for command in [format!("odd.obj -o {link}"), format!("{link} -o odd.obj")] {
+            let message = folder.fail(&format!("mesh {command} --force"));
+            assert!(message.contains("is an input of this command"), "{command}: {message}");
+        }
+        assert_eq!(fs::read_to_string(folder.path(link)).unwrap(), ODD, "{link}");
+    }
 }

@@ -218,6 +218,9 @@ fn errors_name_the_file_and_the_cause() {
     folder.write("nan.csv", "1,2\n3,nan\n5,4\n");
     folder.write("b.csv", "1\n2\ninf\n");
     folder.write_npy::<f64>("none.npy", &[0, 3], &[]);
+    folder.write_npy::<f64>("thin.npy", &[3, 0], &[]);
+    folder.write_npy("three.npy", &[3, 3], &table(3, 3));
+    folder.write("zero.csv", "0\n0\n0\n");
     folder.write("far.csv", "x,y,z\n1,1e-170,1\n3,2e-170,2\n5,5e-170,1\n");
     folder.write("long.csv", "1e200\n2\n3\n");
     folder.write("old.npz", "precious");
@@ -243,20 +246,34 @@ fn errors_name_the_file_and_the_cause() {
         ("pca a.csv -o old.npz", "old.npz: exists already (--force"),
         ("svd a.csv -o old.npz", "old.npz: exists already (--force"),
         ("svd a.csv --checkpoint old.npz", "old.npz: exists already (--force"),
-        ("lstsq a.csv --by-column y -o x.csv", "x.csv: the name must end in .npz"),
+        ("lstsq a.csv --by-column y -o x.csv", "x.csv: the name must end in .json, .npz, .h5"),
+        ("lstsq a.csv --by-column y -o x.npy", "x.npy: the name must end in .json, .npz, .h5"),
         ("lstsq a.csv --by-column y --ridge -1", "--ridge -1: a finite number of at least 0"),
         ("lstsq absent.npy --by-column 0", "absent.npy"),
         ("pca a.csv -k 3", "a.csv: components: must be at most 2 (columns), but is 3"),
         ("pca a.csv --variance 1.5", "a.csv: components: a share must be in (0, 1]"),
         ("pca none.npy -o x.npz", "none.npy: no rows"),
         ("lstsq none.npy --by-column 0 --intercept", "none.npy: no rows"),
+        ("lstsq none.npy --by-column 0", "none.npy: no rows"),
+        ("lstsq none.npy none.npy -o x.npz", "none.npy: no rows"),
+        ("lstsq thin.npy minus.csv", "thin.npy: no columns"),
+        ("lstsq three.npy minus.csv --columns 3..3", "three.npy: no columns"),
+        ("lstsq a.csv thin.npy -o x.npz", "thin.npy: no columns"),
+        ("lstsq minus.csv --by-column 0", "minus.csv: no columns besides those of --by-column"),
+        ("svd three.npy --columns 3..3", "three.npy: no columns"),
+        ("pca a.csv --weights zero.csv", "zero.csv: all weights are zero"),
+        ("lstsq a.csv --by-column y --weights zero.csv", "zero.csv: all weights are zero"),
+        ("ata a.csv --center --weights zero.csv", "zero.csv: weights: they sum to zero"),
+        ("ata a.csv --center --weights zero.csv --scheme exact", "zero.csv: weights: they sum to"),
         ("pca a.csv --picture p.jpg", "p.jpg: the name of a picture must end in .png or .svg"),
     ] {
         let message = folder.fail(arguments);
         assert!(message.contains(expected), "{arguments}: {message}");
     }
     assert_eq!(bytes(&folder, "old.npz"), b"precious");
-    for arguments in ["lstsq a.csv", "lstsq a.csv b.csv --by-column y", "svd a.csv --left"] {
+    for arguments in
+        ["lstsq a.csv", "lstsq a.csv b.csv --by-column y", "svd a.csv --left", "pca a.csv -k 0"]
+    {
         assert_eq!(folder.run(arguments).code, Some(2), "{arguments}");
     }
 }

@@ -398,6 +398,7 @@ fn what_is_wrong_is_said() {
         ("newton --volume --size 3x4 -o a.npy", "the same number along each side"),
         ("newton --theta 99 -o a.png", "theta"),
         ("newton -o a.ply", ".png"),
+        ("newton none.obj --size 64 -o a.ply", "--size is for a plane, a texture (--uv) and"),
         ("newton -o a.png --picture b.png", "--picture"),
         ("newton -o a.apng", "needs --frames"),
         ("newton --frames 0 --w-to 1 -o a.gif", "at least one frame"),

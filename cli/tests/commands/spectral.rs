@@ -289,6 +289,42 @@ fn transfer_refuses_what_does_not_fit() {
 }
 
 #[test]
+fn refinements_without_effect_are_refused() {
+    let folder = Folder::new();
+    let transfer = "transfer none.obj none.obj --details heights -o o.obj";
+    for options in [
+        "--identity --refine icp",
+        "--points p.txt --refine icp",
+        "--identity --zoom 40",
+        "--landmarks p.txt --refine icp --zoom 40",
+    ] {
+        let run = folder.run(&format!("{transfer} {options}"));
+        assert_eq!(run.code, Some(2), "{options}: {}", run.stderr);
+        assert!(run.stderr.contains("--refine") || run.stderr.contains("--zoom"), "{options}");
+    }
+    let refused = folder.fail(&format!("{transfer} --landmarks p.txt -k 30 --zoom 10"));
+    assert!(refused.contains("--zoom 10: must be at least the 30 of -k"), "{refused}");
+}
+
+#[test]
+fn bases_of_nothing_are_refused() {
+    let folder = Folder::new();
+    for arguments in [
+        "basis none.obj -k 0 -o b.npz",
+        "basis none.obj --order 0 -o b.npz",
+        "filter none.obj --low-pass 1 -k 0 -o b.obj",
+        "filter none.obj --low-pass 1 --order 0 -o b.obj",
+        "transfer none.obj none.obj --identity --details heights -k 0 -o b.obj",
+        "transfer none.obj none.obj --identity --details heights --order 0 -o b.obj",
+        "transfer none.obj none.obj --identity --details heights --target-k 0 -o b.obj",
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains("expected a whole number of at least 1"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn filters_smooth_sharpen_and_split() {
     let folder = Folder::new();
     let (source, _) = meshes(&folder);
@@ -435,7 +471,11 @@ fn distances_are_over_faces_or_along_edges() {
         let refused = folder
             .fail(&format!("distance spheres.ply --from {} --method {method} -o x.npy", 2 * n));
         assert!(
-            refused.contains(&format!("vertex {} is out of range: {} vertices", 2 * n, 2 * n)),
+            refused.contains(&format!(
+                "--from: vertex {} is out of range: {} vertices",
+                2 * n,
+                2 * n
+            )),
             "{refused}"
         );
     }

@@ -49,6 +49,13 @@ fn predictions_are_printed_written_and_below_those_of_the_parts() {
     }
     assert!(folder.fail("unions predict a.off b.off -o out.csv").contains("out.csv"));
     assert!(folder.fail("unions predict a.off none.off").contains("none.off"));
+    folder.write(
+        "small.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\n\
+                               f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+    );
+    let refused = folder.fail("unions predict a.off small.obj");
+    assert!(refused.contains("small.obj: too few vertices: the 20 eigenvalues need"), "{refused}");
     assert!(folder.fail("unions predict a.off b.off --weights a.off").contains("a.off"));
 }
 

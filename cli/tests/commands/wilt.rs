@@ -420,6 +420,7 @@ fn soil_is_emptied_and_watered_and_no_water_is_lost() {
         assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
     };
     fails("--rewater 3", "--soil");
+    fails("--hours 2 --soil 1 --rewater 1 --rewater 100", "--rewater 100: is after the end");
     fails("--soil 1,2", "AT_FIRST from 0 to GRAMS");
     fails("--soil x", "expected GRAMS");
     fails("--soil 1 --rewater=-3", "expected HOURS or HOURS:GRAMS");
@@ -483,6 +484,13 @@ fn another_minimum_that_fits_as_well_is_warned_of() {
     assert!(said.contains("standard errors are those of the first minimum alone"), "{said}");
     let other = table.lines().find(|line| line.starts_with("delta of minimum 2,59.8"));
     assert!(other.is_some_and(|line| line.ends_with(",,g/(h m^2)")), "{table}");
+}
+
+#[test]
+fn a_seed_without_a_generated_plant_or_wind_is_refused() {
+    let run = Folder::new().run("wilt plant.txt --seed 3 -o out");
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("--grow") && run.stderr.contains("--wind"), "{}", run.stderr);
 }
 
 #[test]
