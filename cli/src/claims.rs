@@ -76,7 +76,7 @@ fn is_output(arg: &Arg) -> bool {
 
 fn claim_input(path: &Path) {
     // Of FILE.h5:/dataset the file.
-    let file = path.to_str().and_then(|name| name.split_once(":/"));
+    let file = path.to_str().and_then(|name| name.split_once(":/")).filter(|_| !path.exists());
     if let Some(place) = Place::of(file.map_or(path, |(file, _)| Path::new(file))) {
         let mut used = USED.lock().unwrap_or_else(PoisonError::into_inner);
         used.push(Used { place, purpose: Purpose::Input });

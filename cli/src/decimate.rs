@@ -15,7 +15,7 @@ use catamaran_geometry::mesh::io::{self as files, MeshFile};
 use catamaran_geometry::mesh::{RepairOptions, TriMesh, repair};
 use clap::{ArgGroup, ValueEnum};
 
-use crate::common::{Force, Threads};
+use crate::common::{Force, Threads, as_option};
 use crate::defaults::variant;
 use crate::input::MeshArgs;
 use crate::mesh::genus;
@@ -212,10 +212,13 @@ fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
         return Ok((ratio * input.vertices().len() as f64).round().max(1.0) as usize);
     }
     if let Some(faces) = args.faces {
-        return vertices_for_faces(input, faces).context("--faces");
+        return vertices_for_faces(input, faces).map_err(as_option);
     }
     if let Some(length) = args.edge_length {
-        return vertices_for_edge_length(input.area(), length).context("--edge-length");
+        return vertices_for_edge_length(input.area(), length).map_err(|error| match error {
+            catamaran::Error::Argument { what: "length", why } => anyhow!("--edge-length: {why}"),
+            error => error.into(),
+        });
     }
     args.n.context("-n is needed")
 }

@@ -40,7 +40,7 @@ impl DeviceArgs {
 
 #[cfg(feature = "opencl")]
 fn opened(name: &str) -> Result<Device> {
-    Ok(Device::open(name)?)
+    Device::open(name).map_err(crate::common::as_option)
 }
 
 #[cfg(not(feature = "opencl"))]

@@ -111,3 +111,23 @@ fn torn_texts_are_found() {
     }
     assert_eq!(sentences("One. Two of 1 ... 3.\n\nThree"), ["One.", "Two of 1 ... 3.", "Three"]);
 }
+
+/// Adds the defaults of the options of a command, and of those below, that have many zeros.
+fn long_defaults(command: &Command, found: &mut Vec<String>) {
+    for argument in command.get_arguments() {
+        for value in argument.get_default_values() {
+            let value = value.to_string_lossy();
+            if value.contains("00000") {
+                found.push(format!("{} {argument}: {value}", command.get_name()));
+            }
+        }
+    }
+    command.get_subcommands().for_each(|below| long_defaults(below, found));
+}
+
+#[test]
+fn defaults_that_are_tiny_or_huge_have_an_exponent() {
+    let mut found = Vec::new();
+    long_defaults(&Cli::command(), &mut found);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}

@@ -23,6 +23,9 @@ macro_rules! entries {
         }
 
         impl Entry {
+            /// The names of all types, without the order of their bytes.
+            pub(super) const NAMES: &[&str] = &[$($code),*];
+
             /// Returns the entries of a type string such as `<f8`, and whether their most
             /// significant byte comes first.
             pub(super) fn of(descr: &str) -> Option<(Self, bool)> {
@@ -110,8 +113,10 @@ impl Layout {
                 )));
             }
         };
-        let (entry, big) =
-            Entry::of(&header.descr).ok_or_else(|| source.fail(header.refusal("real numbers")))?;
+        let (entry, big) = Entry::of(&header.descr).ok_or_else(|| {
+            let names = Entry::NAMES.join(", ");
+            source.fail(header.refusal(&format!("real numbers of a type that is read: {names}")))
+        })?;
         let Header { by_columns, offset, .. } = header;
         Ok(Self { shape, row_major: !by_columns, entry, big, offset })
     }

@@ -23,7 +23,7 @@ pub struct Arrays {
     arrays: BTreeMap<String, Stored>,
 }
 
-/// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and
+/// Reads all arrays of an `.npz` (also packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and
 /// unsigned integers (u8), as [`write_arrays`](super::write_arrays) writes them.
 ///
 /// ```
@@ -162,9 +162,15 @@ fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
         let count = archive.len();
         let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
         let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
-        begin(i, count, entry.size())?;
-        let mut content = reserved(usize::try_from(entry.size()).map_err(|e| fail(&e))?)?;
-        entry.read_to_end(&mut content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
+        let size = entry.size();
+        begin(i, count, size)?;
+        let mut content = reserved(usize::try_from(size).map_err(|e| fail(&e))?)?;
+        // One byte more than announced, so that the content of a wrong size is not all unpacked.
+        let read = entry.by_ref().take(size.saturating_add(1)).read_to_end(&mut content);
+        read.map_err(|e| fail(&format!("`{name}`: {e}")))?;
+        if content.len() as u64 > size {
+            return Err(fail(&format!("`{name}`: more than the {size} bytes that are announced")));
+        }
         let stored = decode(&content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         arrays.insert(name, stored);
     }
@@ -205,6 +211,7 @@ mod tests {
     use std::io::Write as _;
 
     use faer::mat;
+    use zip::CompressionMethod;
     use zip::write::SimpleFileOptions;
 
     use super::*;
@@ -239,6 +246,20 @@ mod tests {
             let said = read.vector("w").unwrap_err().to_string();
             assert!(said.contains("has no array `w`"), "{said}");
         }
+    }
+
+    #[test]
+    fn compressed_arrays_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let mut archive = zip::ZipWriter::new(File::create(&path).unwrap());
+        // As `numpy.savez_compressed` writes them.
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+        archive.start_file("v.npy", options).unwrap();
+        archive.write_all(&npy("<f8", "False", "(1000,)", &[0; 8000])).unwrap();
+        archive.finish().unwrap();
+        assert!(std::fs::metadata(&path).unwrap().len() < 1000);
+        assert_eq!(read_arrays(&path).unwrap().vector("v").unwrap(), [0.0; 1000]);
     }
 
     #[test]

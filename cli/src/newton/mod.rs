@@ -351,6 +351,10 @@ fn refused(error: Error, args: &Args) -> anyhow::Error {
         Error::Argument { what: "polynomial", why } if args.polynomial.is_none() => {
             anyhow!("--power: {why}")
         }
+        Error::Argument { what: "points", why } if args.volume => {
+            let side = args.size.map_or(VOXELS, |(side, _)| side);
+            anyhow!("--size: {side}^3 voxels {why}")
+        }
         Error::Argument { what: "grid" | "points", why } => anyhow!("--size: {why}"),
         Error::NonFinite { what: "grid" | "points", .. } => {
             anyhow!("--extent, --offset, --w, --scale: coordinates must be within 1e9 of 0")

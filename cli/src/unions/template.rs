@@ -18,8 +18,7 @@ pub struct Args {
     /// Output file of the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "MESH")]
     output: PathBuf,
-    /// Approximate number of vertices; the default is that of the data set of the pretrained
-    /// weights.
+    /// Approximate number of vertices. The pretrained weights are for the default.
     #[arg(long, value_name = "NUMBER", default_value_t = DatasetOptions::default().vertices)]
     vertices: usize,
     #[command(flatten)]

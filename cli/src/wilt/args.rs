@@ -131,9 +131,9 @@ pub struct Args {
         long,
         value_name = "CHI",
         default_value_t = conductance(),
-        value_parser = parse::positive
+        value_parser = |text: &str| parse::positive(text).map(|scale| Numbers([scale]))
     )]
-    conductance: f64,
+    conductance: Numbers<1>,
     /// Alternate days (16 hours), in which leaves lose --delta, and nights (8 hours), in which they
     /// lose a twelfth of it.
     #[arg(long)]
@@ -256,9 +256,9 @@ impl Constants {
 }
 
 /// Returns the conductance that is used by default.
-fn conductance() -> f64 {
+fn conductance() -> Numbers<1> {
     match WaterOptions::default().conductivity {
-        Conductivity::Pipe { scale } => scale,
+        Conductivity::Pipe { scale } => Numbers([scale]),
         other => unreachable!("{other:?} is no default for --conductance"),
     }
 }
@@ -373,7 +373,7 @@ impl Args {
             frames: self.frames,
             loss: self.delta,
             nights: self.day_night,
-            conductance: self.conductance,
+            conductance: self.conductance.0[0],
             tissue: self.tissue(plant)?.0,
             stomata: self.stomata,
             soil: self.soil,

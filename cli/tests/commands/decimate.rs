@@ -214,8 +214,8 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(
         refused("--ratio 0 -o out.ply").contains("--ratio 0: a finite number above 0 is needed")
     );
-    assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: must be at least 1, is 0"));
-    assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
+    assert!(refused("--faces 0 -o out.ply").contains("catamaran: --faces: must be at least 1"));
+    assert!(refused("--edge-length 0 -o out.ply").contains("catamaran: --edge-length: must be"));
     // The number of vertices is one that no option was given.
     assert!(refused("--edge-length 1e9 -o out.ply").contains("vertices: --edge-length 1e9: "));
     assert!(refused("--ratio 1e-9 -o out.ply").contains("vertices: --ratio 0.000000001: "));

@@ -394,6 +394,11 @@ fn what_is_wrong_is_said() {
         ),
         ("newton --extent 1e12 -o a.png --size 8", "--extent, --offset, --w, --scale: coordinates"),
         ("newton --size 65536 -o a.png", "--size: must be fewer than 2^31, are 4294967296"),
+        (
+            "newton --volume --size 1291 -o a.npy",
+            "--size: 1291^3 voxels must be fewer than 2^31, are 2151685171",
+        ),
+        ("newton --w 1e300 -o a.png", "--w: must be from -1000000000 to 1000000000, is 1e300"),
         ("newton --extent 0 -o a.png", "--extent"),
         ("newton --volume --size 3x4 -o a.npy", "the same number along each side"),
         ("newton --theta 99 -o a.png", "theta"),

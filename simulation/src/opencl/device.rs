@@ -86,13 +86,16 @@ pub(super) fn chosen(selector: &str) -> Result<(DeviceInfo, Device)> {
     let infos: Vec<&DeviceInfo> = all.iter().map(|(info, _)| info).collect();
     match choice(&infos, selector) {
         Some(i) => Ok(all.swap_remove(i)),
-        None => {
-            let known: Vec<_> =
-                infos.iter().map(|info| format!("{}: {}", info.index, info.name)).collect();
-            let why = format!("no device matches {selector:?}; there are {}", known.join(", "));
-            Err(Error::Argument { what: "device", why })
-        }
+        None => Err(unmatched(&infos, selector)),
     }
+}
+
+/// Returns the error that no device fits, with a list of all.
+fn unmatched(devices: &[&DeviceInfo], selector: &str) -> Error {
+    let known = devices.iter().map(|info| format!("{}: {}", info.index, info.name));
+    let known = known.collect::<Vec<_>>().join(", ");
+    let why = format!("no device matches {selector:?}; the devices are {known}");
+    Error::Argument { what: "device", why }
 }
 
 /// Returns the index of the selected device.
@@ -194,6 +197,10 @@ mod tests {
         assert_eq!(choice(&both, "2"), None);
         assert_eq!(choice(&both[..1], ""), Some(0));
         assert_eq!(choice(&[], ""), None);
+        // The number of a device must not read as a count of devices.
+        let says =
+            r#"device: no device matches "zzz"; the devices are 0: pthread-Xeon, 1: RTX 4090"#;
+        assert_eq!(unmatched(&both, "zzz").to_string(), says);
     }
 
     #[test]
