@@ -366,8 +366,11 @@ fn the_commands_of_the_guide_run() {
         if let Some(at) = words.iter().position(|word| *word == "--frames") {
             words[at + 1] = "2";
         }
-        let run = folder.program().args(words).args(["--size", "16", "--force"]).output();
-        let run = run.unwrap();
+        // A mesh without a texture has its vertices.
+        if !words.contains(&"vase.obj") || words.contains(&"--uv") {
+            words.extend(["--size", "16"]);
+        }
+        let run = folder.program().args(words).arg("--force").output().unwrap();
         assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
     }
     for name in ["basins.glb", "roots.nrrd", "time.apng", "vase.apng", "borders.png"] {
