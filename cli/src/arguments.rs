@@ -6,6 +6,8 @@ use std::sync::OnceLock;
 use catamaran::Error;
 use clap::{ArgMatches, Command};
 
+use crate::parse::levels;
+
 /// Arguments of the library whose options have other names: command, argument and option.
 const OTHERS: &[(&str, &str, &str)] =
     &[("distance", "sources", "--from"), ("decimate", "relaxation", "--relax")];
@@ -15,12 +17,8 @@ static OPTIONS: OnceLock<BTreeMap<String, String>> = OnceLock::new();
 
 /// Notes which command runs.
 pub fn set_command(program: &Command, matches: &ArgMatches) {
-    let (mut command, mut matches) = (program, matches);
-    while let Some((name, below)) = matches.subcommand() {
-        let Some(found) = command.find_subcommand(name) else { break };
-        (command, matches) = (found, below);
-    }
-    OPTIONS.get_or_init(|| options(command));
+    let innermost = levels(program, matches).last().map_or(program, |(command, _)| command);
+    OPTIONS.get_or_init(|| options(innermost));
 }
 
 /// Returns the options of a command by the arguments of the library that would puzzle its users:

@@ -9,6 +9,7 @@ use anyhow::{Result, bail};
 use clap::{Arg, ArgMatches, Command};
 
 use crate::input::TextFile;
+use crate::parse::levels;
 
 /// The arguments whose files are written, in any command. The files of all others are inputs.
 const OUTPUTS: [&str; 19] = [
@@ -52,16 +53,11 @@ static USED: Mutex<Vec<Used>> = Mutex::new(Vec::new());
 
 /// Notes the inputs that the command line names.
 pub fn claim_inputs(command: &Command, matches: &ArgMatches) {
-    for arg in command.get_arguments().filter(|arg| is_file(arg) && !is_output(arg)) {
-        let values = matches.try_get_raw(arg.get_id().as_str()).ok().flatten();
-        for value in values.into_iter().flatten() {
-            claim_input(Path::new(value));
+    for (command, matches) in levels(command, matches) {
+        for arg in command.get_arguments().filter(|arg| is_file(arg) && !is_output(arg)) {
+            let values = matches.try_get_raw(arg.get_id().as_str()).ok().flatten();
+            values.into_iter().flatten().for_each(|value| claim_input(Path::new(value)));
         }
-    }
-    let below = matches.subcommand();
-    let below = below.and_then(|(name, matches)| Some((command.find_subcommand(name)?, matches)));
-    if let Some((command, matches)) = below {
-        claim_inputs(command, matches);
     }
 }
 

@@ -10,7 +10,7 @@ use catamaran_geometry::mesh::Weld;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use clap::error::{ContextKind, ErrorKind};
-use clap::{Arg, Command};
+use clap::{Arg, ArgMatches, Command};
 
 /// Names of accuracies.
 const ACCURACIES: [(&str, Accuracy); 4] = [
@@ -28,6 +28,18 @@ pub fn with_negative_numbers(command: Command) -> Command {
         false => arg.allow_negative_numbers(true),
     };
     command.mut_args(change).mut_subcommands(with_negative_numbers)
+}
+
+/// Returns the program and the commands that a command line names, the innermost last, each with its
+/// arguments.
+pub fn levels<'a>(
+    program: &'a Command,
+    matches: &'a ArgMatches,
+) -> impl Iterator<Item = (&'a Command, &'a ArgMatches)> {
+    std::iter::successors(Some((program, matches)), |&(command, matches)| {
+        let (name, matches) = matches.subcommand()?;
+        Some((command.find_subcommand(name)?, matches))
+    })
 }
 
 /// Returns the error with a reason that says what is expected, where the reason of the standard

@@ -110,8 +110,8 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
         }
     }
     report.say(
-        "**Figures 5.7 to 5.9**: means over the meshes that a contender finished; area is that of all \
-         faces\n\n\
+        "**Figures 5.7 to 5.9**: means over the meshes that a contender finished; area is that of \
+         all faces\n\n\
          | contender | n | meshes | area | CV | Q | deviation of Q | Hausdorff | Chamfer |\n\
          |---|---|---|---|---|---|---|---|---|",
     );
