@@ -30,8 +30,8 @@ pub fn with_negative_numbers(command: Command) -> Command {
     command.mut_args(change).mut_subcommands(with_negative_numbers)
 }
 
-/// Returns the program and the commands that a command line names, the innermost last, each with its
-/// arguments.
+/// Returns the program and the commands that a command line names, the innermost last, each with
+/// its arguments.
 pub fn levels<'a>(
     program: &'a Command,
     matches: &'a ArgMatches,
