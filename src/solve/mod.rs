@@ -15,6 +15,7 @@ mod jacobi;
 mod least_squares;
 mod orthogonality;
 mod pairs;
+mod predict;
 mod principal;
 mod qr;
 mod refine;
@@ -22,6 +23,8 @@ mod row_space;
 mod rows;
 mod singular;
 mod slices;
+mod statistics;
+mod tails;
 #[cfg(test)]
 mod tests;
 mod triangular;
@@ -32,9 +35,11 @@ pub use double::DoubleDouble;
 pub use least_squares::{LeastSquares, LeastSquaresOptions, RankDeficiency};
 pub use orthogonality::{Orthogonality, orthogonality};
 pub use pairs::sum_of_pairs;
+pub use predict::{Interval, LinearModel, Uncertainty};
 pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions};
 pub use qr::GramQr;
 #[cfg(feature = "mpi")]
 pub(crate) use rows::named_by_matrix;
 pub use rows::{JoinedRows, check_weights, lstsq, pca, singular_values};
 pub use singular::SingularValues;
+pub use tails::{f_probability, t_probability, t_quantile};
