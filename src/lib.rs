@@ -5,9 +5,13 @@
 //! use catamaran::prelude::*;
 //!
 //! let a = Mat::<f64>::from_fn(5, 3, |i, j| (i + 2 * j) as f64);
-//! let mut c = Mat::<f64>::zeros(3, 3);
-//! ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+//! let mut c = ata(&a)?;
 //! assert_eq!(c[(2, 1)], a.col(2).transpose() * a.col(1));
+//!
+//! // Options, factors, and memory of the caller: C := 2 A^T A - C, on one thread.
+//! let options = AtaOptions::new().threads(1).uplo(Uplo::Both);
+//! ata_into(2.0, a.as_ref(), -1.0, c.as_mut(), &options)?;
+//! assert_eq!(c, ata(&a)?);
 //! # Ok::<(), Error>(())
 //! ```
 //!
@@ -66,7 +70,15 @@ pub mod sparse;
 pub use faer;
 
 pub use base::{Error, Par, Real, Result};
-pub use product::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};
+pub use product::{
+    Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aat_into, aha, aha_into, ahb, ahb_into,
+    ata, ata_into, atb, atb_into,
+};
+
+/// Compiles the code of the guide as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/rust.md")]
+struct Guide;
 
 /// The structs of options and their fields, for the other crates of this workspace: no part of the
 /// interface.

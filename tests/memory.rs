@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use catamaran::base::release_memory;
 use catamaran::faer::Mat;
 use catamaran::rows::{Accumulator, DenseRows, StreamPlan, stream};
-use catamaran::{AtaOptions, Par, Plan, SchemeChoice, ata, atb};
+use catamaran::{AtaOptions, Par, Plan, SchemeChoice, ata_into, atb_into};
 
 use counting::{held, peak_of};
 
@@ -47,7 +47,7 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
             assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
             let a = Mat::<f64>::ones(n, n);
             let mut c = Mat::<f64>::zeros(n, n);
-            let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
+            let used = peak(|| ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
             assert!(used <= 8 * len + SMALL, "n = {n}: {used} bytes for {len} elements");
             // The threads of the run before may still give memory back.
             assert!(used + SMALL >= 8 * len, "n = {n}: the scratch is one allocation");
@@ -91,7 +91,7 @@ fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
         assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
         let (a, b) = (Mat::<f64>::ones(n, n), Mat::<f64>::ones(n, n));
         let mut c = Mat::<f64>::zeros(n, n);
-        let work = || atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+        let work = || atb_into(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options).unwrap();
         assert!(peak(work) <= 8 * len + SMALL, "n = {n}");
     }
 }
@@ -105,7 +105,7 @@ fn every_scheme_stays_within_its_scratch_query() {
     for (name, scheme) in SchemeChoice::NAMES {
         let options = lean().scheme(scheme).leaf(20);
         let len = Plan::ata::<f32>(m, n, &options).unwrap().scratch_len::<f32>(options.par);
-        let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
+        let used = peak(|| ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
         assert!(used <= 4 * len + SMALL, "{name}: {used} bytes for {len} elements");
     }
 }
@@ -120,7 +120,7 @@ fn the_exact_path_needs_at_most_the_size_of_a_and_256_mib() {
         let options = AtaOptions::new().scheme(SchemeChoice::Exact).par(par);
         let len = Plan::ata::<f64>(m, n, &options).unwrap().scratch_len::<f64>(options.par);
         let used = peak(|| {
-            ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+            ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             release_memory();
         });
         let bound = 8 * m * n + (256 << 20);
@@ -139,7 +139,7 @@ fn large_scratch_is_kept_for_the_next_call_until_it_is_released() {
     let options = AtaOptions::new().scheme(SchemeChoice::Exact).par(Par::Seq);
     let len = 8 * Plan::ata::<f64>(m, n, &options).unwrap().scratch_len::<f64>(options.par);
     assert!(len > 4 << 20);
-    let mut work = || ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    let mut work = || ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     assert!(peak(&mut work) <= SMALL, "the second call has the memory of the first");
     let before = held();
     release_memory();

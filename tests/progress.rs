@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use catamaran::base::Rng;
 use catamaran::faer::Mat;
-use catamaran::{Accuracy, AtaOptions, Error, Par, SchemeChoice, ata};
+use catamaran::{Accuracy, AtaOptions, Error, Par, SchemeChoice, ata_into};
 
 /// What a round takes at most, many times over.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -47,7 +47,7 @@ fn callbacks_may_call_the_library_and_rayon() {
     let (a, small) = (random(260, 260), random(90, 90));
     let product = |a: &Mat<f64>, options: &AtaOptions<'_>| {
         let mut c = Mat::zeros(a.ncols(), a.ncols());
-        ata(1.0, a.as_ref(), 0.0, c.as_mut(), options).map(|()| c)
+        ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), options).map(|()| c)
     };
     let expected_small = product(&small, &AtaOptions::new().par(Par::Seq)).unwrap();
     for scheme in SCHEMES {
@@ -85,7 +85,7 @@ fn a_callback_that_computes_may_stop_the_work() {
             let callback = |_: f64| {
                 let mut c = Mat::zeros(260, 260);
                 let inner = AtaOptions::new().threads(2);
-                ata(1.0, a.as_ref(), 0.0, c.as_mut(), &inner).unwrap();
+                ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &inner).unwrap();
                 ControlFlow::Break(())
             };
             let options = AtaOptions::new()
@@ -96,7 +96,7 @@ fn a_callback_that_computes_may_stop_the_work() {
             let mut c = Mat::zeros(260, 260);
             let what = format!("{scheme:?}, round {round}");
             let outcome =
-                without_deadlock(&what, || ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options));
+                without_deadlock(&what, || ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options));
             assert_eq!(outcome, Err(Error::Cancelled), "{what}");
         }
     }

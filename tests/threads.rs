@@ -6,7 +6,7 @@ use std::process::Command;
 
 use catamaran::base::{Pin, ThreadPool, available_cores, release_threads};
 use catamaran::faer::Mat;
-use catamaran::{AtaOptions, Par, ata};
+use catamaran::{AtaOptions, Par, ata_into};
 
 /// The variable that makes this program print how many threads some calls start.
 const ROLE: &str = "CATAMARAN_TEST_OF_THREADS";
@@ -32,7 +32,7 @@ fn products(options: &AtaOptions<'_>) -> Vec<Mat<f64>> {
     let product = |i: usize| {
         let a = Mat::from_fn(1000, 300 + i, |p, q| ((p * q + i) % 17) as f64 / 16.0);
         let mut c = Mat::zeros(300 + i, 300 + i);
-        ata(1.0, a.as_ref(), 0.0, c.as_mut(), options).unwrap();
+        ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), options).unwrap();
         c
     };
     (0..42).map(product).collect()

@@ -1,5 +1,6 @@
-//! The contenders: `syrk` or `gemm` of a library, faer, and `catamaran::ata` and `catamaran::atb`.
-//! For all of them, the race times the same: the product, row-major, into existing memory.
+//! The contenders: `syrk` or `gemm` of a library, faer, and `catamaran::ata_into` and
+//! `catamaran::atb_into`. For all of them, the race times the same: the product, row-major, into
+//! existing memory.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use catamaran::base::ThreadPool;
 use catamaran::blas::BlasReal;
-use catamaran::{AtaOptions, Plan, SchemeChoice, ata, atb};
+use catamaran::{AtaOptions, Plan, SchemeChoice, ata_into, atb_into};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef};
@@ -158,8 +159,10 @@ impl Contender {
                     let start = Instant::now();
                     for _ in 0..calls {
                         match operation {
-                            Operation::Syrk => ata(T::ONE, a, T::ZERO, c.as_mut(), &options)?,
-                            Operation::Gemm => atb(T::ONE, a, b, T::ZERO, c.as_mut(), &options)?,
+                            Operation::Syrk => ata_into(T::ONE, a, T::ZERO, c.as_mut(), &options)?,
+                            Operation::Gemm => {
+                                atb_into(T::ONE, a, b, T::ZERO, c.as_mut(), &options)?
+                            }
                         }
                     }
                     Ok::<_, catamaran::Error>(start.elapsed())

@@ -1,5 +1,5 @@
-//! Races of `catamaran::ata` and `catamaran::atb` against other libraries on the same machine,
-//! their errors in comparison, and the parts of both.
+//! Races of `catamaran::ata_into` and `catamaran::atb_into` against other libraries on the same
+//! machine, their errors in comparison, and the parts of both.
 //!
 //! See README.md of this package for how to run it and what the columns mean.
 

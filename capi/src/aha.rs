@@ -145,7 +145,7 @@ unsafe fn aha<T: BlasReal>(
         // SAFETY: the caller's promise; a Complex is two reals, without more alignment.
         let (a, c) =
             unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::aha(alpha, a, beta, c, options)?);
+        let work = |options: &AtaOptions<'_>| Ok(catamaran::aha_into(alpha, a, beta, c, options)?);
         // SAFETY: the caller's promise.
         unsafe { with_options(params, uplo, work) }
     })
@@ -184,7 +184,8 @@ unsafe fn ahb<T: BlasReal>(
                 matrix_mut::<Complex<T>>("c", layout, n, k, c, ldc)?,
             )
         };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::ahb(alpha, a, b, beta, c, options)?);
+        let work =
+            |options: &AtaOptions<'_>| Ok(catamaran::ahb_into(alpha, a, b, beta, c, options)?);
         // SAFETY: the caller's promise.
         unsafe { with_options(params, Uplo::Lower, work) }
     })

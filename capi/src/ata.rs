@@ -291,7 +291,7 @@ unsafe fn ata<T: BlasReal>(
         // SAFETY: the caller's promise.
         let (a, c) =
             unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::ata(alpha, a, beta, c, options)?);
+        let work = |options: &AtaOptions<'_>| Ok(catamaran::ata_into(alpha, a, beta, c, options)?);
         // SAFETY: the caller's promise.
         unsafe { with_options(params, uplo, work) }
     })
@@ -319,7 +319,7 @@ unsafe fn aat<T: BlasReal>(
         // SAFETY: the caller's promise.
         let (a, c) =
             unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, m, m, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::aat(alpha, a, beta, c, options)?);
+        let work = |options: &AtaOptions<'_>| Ok(catamaran::aat_into(alpha, a, beta, c, options)?);
         // SAFETY: the caller's promise.
         unsafe { with_options(params, uplo, work) }
     })

@@ -205,7 +205,8 @@ unsafe fn atb<T: BlasReal>(
                 matrix_mut("c", layout, n, k, c, ldc)?,
             )
         };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::atb(alpha, a, b, beta, c, options)?);
+        let work =
+            |options: &AtaOptions<'_>| Ok(catamaran::atb_into(alpha, a, b, beta, c, options)?);
         // SAFETY: the caller's promise.
         unsafe { with_options(params, Uplo::Both, work) }
     })

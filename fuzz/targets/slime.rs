@@ -27,7 +27,7 @@ static SIMULATION: LazyLock<Mutex<Simulation>> = LazyLock::new(|| {
 static HEAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let mut bytes = Vec::new();
     let simulation = SIMULATION.lock().expect("no panic before");
-    simulation.save(&mut bytes, &[]).expect("memory for a state");
+    simulation.save(&mut bytes, &[0.25; 3]).expect("memory for a state");
     bytes.truncate(HEADER);
     bytes
 });

@@ -13,7 +13,7 @@ use crate::mesh::{
 use crate::unions::{ShapeDnaOptions, shape_dna};
 use catamaran::base::{Error, Par, Progress, Result, Rng, measure};
 use catamaran::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt};
-use catamaran::product::{AtaOptions, SchemeChoice, ata};
+use catamaran::product::{AtaOptions, SchemeChoice, ata_into};
 use catamaran::solve::{LeastSquaresOptions, lstsq, singular_values};
 use catamaran::sparse::{EigenOptions, Mass, count_below, eigs, eigs_sliced};
 
@@ -168,7 +168,7 @@ fn products_ask() {
         };
         let options = AtaOptions::new().scheme(scheme).par(Par::Seq).progress(&note);
         let mut c = Mat::zeros(n, n);
-        ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+        ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
         let told = told.into_inner().unwrap();
         let widest = told.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         println!(

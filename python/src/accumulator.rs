@@ -2,14 +2,12 @@
 
 use std::path::PathBuf;
 
-use catamaran::base::{FloatEnv, block_rows};
+use catamaran::base::FloatEnv;
 use catamaran::blas::BlasReal;
-use catamaran::faer::{Mat, MatMut};
+use catamaran::faer::Mat;
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
-use catamaran::rows::{
-    Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, scalar_of,
-};
-use catamaran::{AtaOptions, Error, Real, Uplo};
+use catamaran::rows::{Accumulator as Sum, DenseRows, ExtendedGram, RowBounds, scalar_of};
+use catamaran::{Error, Real, Uplo};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -176,32 +174,22 @@ fn blocks<S: Scalar + Real, T: Scalar + BlasReal>(
         ));
     }
     let options = change.products.options()?;
-    let height = block_rows::<T>(n, weights.is_some()).min(m).max(1);
     let length = Length::of(m as f64 * n as f64 * n as f64);
     let (mut rows, remove, weights) = (DenseRows(rows.view()), change.remove, weights.as_deref());
     run(py, length, change.progress, move |progress| {
-        let mut block = vec![T::ZERO; height * n];
-        for first in (0..m).step_by(height) {
-            let range = first..m.min(first + height);
-            let count = range.len();
-            let block = &mut block[..count * n];
-            rows.read(first, MatMut::from_row_major_slice_mut(block, count, n))?;
-            let part = range.start as f64 / m as f64..range.end as f64 / m as f64;
-            let options: AtaOptions<'_> = options.clone().progress(progress.part(part));
-            let weights = weights.map(|all| &all[range]);
-            let done = match remove {
-                false => sum.add_block(count, block, weights, &options),
-                true => sum.remove_block(count, block, weights, &options),
-            };
-            // An argument that is refused leaves the sums as they were before this block.
-            let refused = matches!(
-                done,
-                Err(Error::Argument { .. } | Error::NonFinite { .. } | Error::Shape { .. })
-            );
-            *started = *started || !refused;
-            done?;
-        }
-        Ok(())
+        let (rows, options) = (&mut rows, options.progress(progress));
+        let before = sum.rows();
+        let done = match remove {
+            false => sum.add_rows(rows, weights, &options),
+            true => sum.remove_rows(rows, weights, &options),
+        };
+        // An argument that is refused in the first block leaves the sums as they were.
+        let refused = matches!(
+            done,
+            Err(Error::Argument { .. } | Error::NonFinite { .. } | Error::Shape { .. })
+        );
+        *started = !refused || sum.rows() != before;
+        done
     })
 }
 

@@ -4,7 +4,7 @@ use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
 use catamaran::product::ata_sparse as sparse_product;
 use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
-use catamaran::{AtaOptions, Real, aha, ahb, ata as product, atb};
+use catamaran::{AtaOptions, Real, aha_into, ahb_into, ata_into as product, atb_into};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -127,7 +127,7 @@ where
     let length = Length::of(m as f64 * n as f64 * k as f64);
     let (a, b, view, options) = (a.view(), b.view(), c.view_mut(), &call.options);
     run(py, length, call.progress, move |progress| {
-        atb(alpha, a, b, beta, view, &options.clone().progress(progress))
+        atb_into(alpha, a, b, beta, view, &options.clone().progress(progress))
     })?;
     Ok(c.into_any())
 }
@@ -194,7 +194,7 @@ where
         let (a, b, view, options) = (a.view(), b.view(), c.view_mut(), &call.options);
         let [alpha, beta] = [alpha, beta].map(|re| Complex { re, im: T::ZERO });
         run(py, length, call.progress, move |progress| {
-            ahb(alpha, a, b, beta, view, &options.clone().progress(progress))
+            ahb_into(alpha, a, b, beta, view, &options.clone().progress(progress))
         })?;
         return Ok(c.into_any());
     }
@@ -203,7 +203,7 @@ where
     let length = Length::of(2.0 * m as f64 * n as f64 * n as f64);
     let (a, view, options) = (a.view(), c.view_mut(), &call.options);
     run(py, length, call.progress, move |progress| {
-        aha(alpha, a, beta, view, &options.clone().progress(progress))
+        aha_into(alpha, a, beta, view, &options.clone().progress(progress))
     })?;
     Ok(c.into_any())
 }

@@ -16,10 +16,10 @@ pub type Result<T> = std::result::Result<T, Error>;
 ///
 /// ```
 /// use std::error::Error as _;
-/// use catamaran::{Error, ata, AtaOptions, faer::Mat};
+/// use catamaran::{Error, ata_into, AtaOptions, faer::Mat};
 ///
 /// let (a, mut c) = (Mat::<f64>::zeros(5, 3), Mat::zeros(4, 4));
-/// let error = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::default()).unwrap_err();
+/// let error = ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::default()).unwrap_err();
 /// assert!(matches!(error, Error::Shape { expected: (3, 3), got: (4, 4), .. }));
 /// assert!(error.source().is_none());
 /// ```

@@ -4,6 +4,8 @@
 use std::fmt::Display;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use faer::Mat;
+
 use super::byte_size::byte_size;
 use super::{Error, Result};
 
@@ -69,6 +71,23 @@ pub(crate) fn check_allocation(bytes: usize) -> Result<()> {
         return Ok(());
     }
     Err(Error::OutOfMemory { bytes })
+}
+
+/// Returns the matrix of `entry(i, j)`. faer's own constructors abort when memory is refused.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
+pub(crate) fn filled<T>(
+    rows: usize,
+    cols: usize,
+    entry: impl FnMut(usize, usize) -> T,
+) -> Result<Mat<T>> {
+    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<T>());
+    check_allocation(bytes)?;
+    let mut matrix = Mat::new();
+    matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
+    matrix.resize_with(rows, cols, entry);
+    Ok(matrix)
 }
 
 #[cfg(target_os = "linux")]

@@ -16,12 +16,12 @@ pub(crate) const PIECE: usize = 1 << 25;
 /// How many threads a call may use. Results do not depend on it, bit for bit.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Par, ata, faer::Mat};
+/// use catamaran::{AtaOptions, Par, ata_into, faer::Mat};
 ///
 /// let a = Mat::<f64>::from_fn(300, 50, |i, j| (i * j % 17) as f64 / 16.0);
 /// let product = |par| {
 ///     let mut c = Mat::zeros(50, 50);
-///     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().par(par)).map(|()| c)
+///     ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().par(par)).map(|()| c)
 /// };
 /// assert_eq!(product(Par::Seq)?, product(Par::Threads(4))?);
 /// # Ok::<(), catamaran::Error>(())

@@ -17,6 +17,7 @@ use super::{Error, Result};
 
 /// Whether threads stay on one core each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Pin {
     /// The operating system may move threads between cores.
     No,
@@ -45,12 +46,12 @@ fn cores() -> &'static [CoreId] {
 /// When the pool is dropped its threads end, and the caller waits for them.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, ata, base::{Pin, ThreadPool}, faer::Mat};
+/// use catamaran::{AtaOptions, Uplo, ata_into, base::{Pin, ThreadPool}, faer::Mat};
 ///
 /// let pool = ThreadPool::new(2, Pin::No)?;
 /// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
 /// let options = AtaOptions::new().threads(2).uplo(Uplo::Both);
-/// pool.run(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options))?;
+/// pool.run(|| ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options))?;
 /// assert_eq!(c, Mat::<f64>::identity(3, 3));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -298,10 +299,10 @@ pub fn use_own_threads_only() {
 /// returns. Threads of a [`ThreadPool`] or of rayon's pools are not affected.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ata, base::release_threads, faer::Mat};
+/// use catamaran::{AtaOptions, ata_into, base::release_threads, faer::Mat};
 ///
 /// let (a, mut c) = (Mat::<f64>::identity(300, 200), Mat::zeros(200, 200));
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
 /// release_threads(); // as before a long part of a program that does not multiply
 /// # Ok::<(), catamaran::Error>(())
 /// ```

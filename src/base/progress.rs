@@ -144,7 +144,7 @@ impl<'a> Progress<'a> {
     /// let mut c = Mat::<f64>::zeros(300, 300);
     /// let stop = |_: f64| ControlFlow::Break(());
     /// let found = Progress::new(&stop)
-    ///     .watch(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().threads(1)));
+    ///     .watch(|| ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().threads(1)));
     /// assert_eq!(found, Err(Error::Cancelled));
     /// # Ok::<(), Error>(())
     /// ```

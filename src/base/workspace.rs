@@ -277,10 +277,10 @@ fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
 /// Frees the memory that products keep for later products: at most 1.25 GiB.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ata, base::release_memory, faer::Mat};
+/// use catamaran::{AtaOptions, ata_into, base::release_memory, faer::Mat};
 ///
 /// let (a, mut c) = (Mat::<f64>::ones(300, 300), Mat::zeros(300, 300));
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
 /// release_memory(); // as after the last of many products
 /// assert_eq!(c[(1, 0)], 300.0);
 /// # Ok::<(), catamaran::Error>(())

@@ -29,11 +29,11 @@ pub use native::Native;
 /// machine.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, ata, blas, faer::Mat};
+/// use catamaran::{AtaOptions, Uplo, ata_into, blas, faer::Mat};
 ///
 /// let options = AtaOptions::new().backend(blas::native()).uplo(Uplo::Both);
 /// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
-/// ata(2.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// ata_into(2.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
 /// assert_eq!(c[(2, 2)], 2.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -47,11 +47,11 @@ pub fn native() -> Arc<dyn Backend> {
 /// does not support it.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ata, blas, faer::Mat, kernel::packed::FloatIsa};
+/// use catamaran::{AtaOptions, ata_into, blas, faer::Mat, kernel::packed::FloatIsa};
 ///
 /// let options = AtaOptions::new().backend(blas::native_on(FloatIsa::Portable));
 /// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
 /// assert_eq!(c[(2, 1)], 5.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -80,11 +80,11 @@ pub fn native_with(isa: FloatIsa, rates: packed::Rates) -> Arc<dyn Backend> {
 /// results, depend on that file. [`native()`] reads no file.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ata, blas, faer::Mat};
+/// use catamaran::{AtaOptions, ata_into, blas, faer::Mat};
 ///
 /// let options = AtaOptions::new().backend(blas::tuned());
 /// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
 /// assert_eq!(c[(2, 1)], 5.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -97,11 +97,11 @@ pub fn tuned() -> Arc<dyn Backend> {
 /// Returns OpenBLAS, as linked at build time.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ata, blas, faer::Mat};
+/// use catamaran::{AtaOptions, ata_into, blas, faer::Mat};
 ///
 /// let options = AtaOptions::new().backend(blas::openblas());
 /// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
 /// assert_eq!(c[(2, 1)], 5.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```

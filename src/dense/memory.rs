@@ -3,14 +3,13 @@
 use faer::Mat;
 use faer::dyn_stack::{MemBuffer, StackReq};
 
-use crate::base::{Error, Result, check_allocation};
+use crate::base::{self, Error, Result, check_allocation};
 
 /// Returns a zero matrix.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`] when memory is refused.
 pub fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
-    // faer's own zeros abort when memory is refused.
     filled(rows, cols, |_, _| 0.0)
 }
 
@@ -23,12 +22,7 @@ pub fn filled(
     cols: usize,
     entry: impl FnMut(usize, usize) -> f64,
 ) -> Result<Mat<f64>> {
-    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
-    check_allocation(bytes)?;
-    let mut matrix = Mat::new();
-    matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
-    matrix.resize_with(rows, cols, entry);
-    Ok(matrix)
+    base::filled(rows, cols, entry)
 }
 
 /// Allocates the memory that a function of faer asks for.

@@ -15,19 +15,19 @@ const BUFFER: usize = 1 << 20;
 /// Writes an accumulator into `output` and lets it appear.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
+/// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::mat};
 /// use catamaran::io::{Output, Overwrite, accumulator_scalar};
 /// use catamaran::io::{read_accumulator, write_accumulator};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("sum.acc");
 /// let (mut sum, options) = (Accumulator::<f64>::new(2, false)?, AtaOptions::new());
-/// sum.add_block(1, &mut [1.0, 2.0], None, &options)?;
+/// sum.add_block(mat![[1.0, 2.0]], None, &options)?;
 /// write_accumulator(Output::create(path, Overwrite::Never)?, &sum)?;
 ///
 /// assert_eq!(accumulator_scalar(path)?, "f64");
 /// let mut sum = read_accumulator::<f64>(path)?;
-/// sum.add_block(1, &mut [3.0, 4.0], None, &options)?;
+/// sum.add_block(mat![[3.0, 4.0]], None, &options)?;
 /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 14.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```

@@ -15,6 +15,7 @@ use crate::base::Result;
 
 /// An array in a file of several arrays.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum Array<'a> {
     /// One dimension, f8.
     Vector(&'a [f64]),
@@ -348,5 +349,19 @@ mod tests {
         writer.rows(matrix.as_ref().subrows(2, 1)).unwrap();
         writer.finish().unwrap();
         assert_eq!(crate::io::read_arrays(&path).unwrap().matrix("matrix").unwrap(), matrix);
+    }
+
+    #[test]
+    fn a_name_is_taken_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let mut writer = NpzWriter::new(Output::create(&path, Overwrite::Never).unwrap());
+        writer.array("größe", Array::Vector(&[1.0])).unwrap();
+        writer.array("values", Array::Vector(&[2.0])).unwrap();
+        let refused = writer.array("values", Array::Vector(&[3.0])).unwrap_err().to_string();
+        assert!(refused.contains("a.npz") && refused.contains("values.npy"), "{refused}");
+        writer.finish().unwrap();
+        assert_eq!(array(&path, "größe.npy").1, [1.0_f64.to_le_bytes()]);
+        assert_eq!(array(&path, "values.npy").1, [2.0_f64.to_le_bytes()]);
     }
 }

@@ -10,6 +10,7 @@ use crate::base::{Error, Result};
 
 /// What happens to a file that exists already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Overwrite {
     /// It stays, and writing is an error.
     Never,

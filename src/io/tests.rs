@@ -5,7 +5,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use faer::Mat;
+use faer::{Mat, mat};
 use tempfile::TempDir;
 
 use super::*;
@@ -447,7 +447,7 @@ fn an_accumulator_gets_memory_for_what_is_there() {
 fn an_accumulator_whose_weights_are_damaged_is_refused() {
     let bounds = RowBounds::new(vec![-1.0], vec![1.0], 1).unwrap();
     let mut sum = Accumulator::exact(&bounds, true).unwrap();
-    sum.add_block(1, &mut [0.5], None, &AtaOptions::new()).unwrap();
+    sum.add_block(mat![[0.5]], None, &AtaOptions::new()).unwrap();
     let mut bytes = Vec::new();
     sum.write(&mut bytes).unwrap();
     // The sum of the weights and that of their sizes come before the sum, the entry and the

@@ -3,7 +3,7 @@ use faer::{Mat, MatMut, MatRef};
 
 use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
-use crate::product::{AtaOptions, SchemeChoice, Uplo, ata, atb};
+use crate::product::{AtaOptions, SchemeChoice, Uplo, ata_into, atb_into};
 use crate::sparse::InnerSpace;
 
 /// An inner product and its work memory. For lumped masses, vectors are scaled by the square roots
@@ -72,9 +72,9 @@ impl<'a> Inner<'a> {
         }
         let (space, products) = (self.space, self.products.clone());
         let weighted = self.weigh(x.rb())?;
-        atb(1.0, q, weighted, 0.0, coefficients.as_mut(), &products)?;
+        atb_into(1.0, q, weighted, 0.0, coefficients.as_mut(), &products)?;
         space.sum(coefficients.as_mut())?;
-        atb(-1.0, q.transpose(), coefficients.as_ref(), 1.0, x.rb_mut(), &products)?;
+        atb_into(-1.0, q.transpose(), coefficients.as_ref(), 1.0, x.rb_mut(), &products)?;
         Ok(coefficients)
     }
 
@@ -86,10 +86,10 @@ impl<'a> Inner<'a> {
         }
         let (space, products) = (self.space, self.products.clone());
         match space.masses() {
-            Some(_) => ata(1.0, x, 0.0, gram.as_mut(), &products)?,
+            Some(_) => ata_into(1.0, x, 0.0, gram.as_mut(), &products)?,
             None => {
                 let weighted = self.weigh(x)?;
-                atb(1.0, x, weighted, 0.0, gram.as_mut(), &products)?;
+                atb_into(1.0, x, weighted, 0.0, gram.as_mut(), &products)?;
             }
         }
         space.sum_symmetric(gram.as_mut())?;
@@ -124,7 +124,7 @@ impl<'a> Inner<'a> {
         if a.nrows() == 0 || a.ncols() == 0 || b.ncols() == 0 {
             return Ok(());
         }
-        atb(1.0, a.transpose(), b, 1.0, y, &self.products)
+        atb_into(1.0, a.transpose(), b, 1.0, y, &self.products)
     }
 }
 

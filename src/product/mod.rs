@@ -8,8 +8,8 @@
 //! With k rows, u the unit roundoff and `|a_i|` the Euclidean norm of a column, every entry of a
 //! result of the default options satisfies `|C_ij - exact| <= 4 k u |a_i| |b_j|`, whatever the
 //! norms of the other columns: columns whose norms differ are scaled by powers of two around fast
-//! levels. The bound holds for [`ata()`], [`atb`], [`ata_rows`](crate::rows::ata_rows), streams and
-//! ranks, unless products of the norms leave the range of the numbers.
+//! levels. The bound holds for [`ata_into`], [`atb_into`], [`ata_rows`](crate::rows::ata_rows),
+//! streams and ranks, unless products of the norms leave the range of the numbers.
 
 pub(crate) mod combine;
 mod complex;
@@ -18,19 +18,21 @@ mod execute;
 mod options;
 pub(crate) mod plan;
 mod planned;
-pub mod scheme;
+pub mod schemes;
+mod simple;
 mod sparse;
 mod verify;
 
 use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
-pub use complex::{ComplexPlan, aha, aha_planned, ahb, ahb_planned};
+pub use complex::{ComplexPlan, aha_into, aha_planned, ahb_into, ahb_planned};
 pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, thread_levels};
 use planned::run;
 pub use planned::{ata_planned, atb_planned};
+pub use simple::{aat, aha, ahb, ata, atb};
 pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub(crate) use verify::check_blocks;
 pub use verify::{Verification, verify};
@@ -46,14 +48,15 @@ use crate::kernel::int8;
 /// Computes `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
 ///
 /// A is m x n, C is n x n; any strides; any sizes, 0 included. With `beta == 0` C is not read, with
-/// `alpha == 0` A is not. The result is the same, bit for bit, for every `options.par`.
+/// `alpha == 0` A is not. The result is the same, bit for bit, for every `options.par`. [`ata`] is
+/// the short form for defaults.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, ata, faer::{Mat, mat}};
+/// use catamaran::{AtaOptions, Uplo, ata_into, faer::{Mat, mat}};
 ///
 /// let a = mat![[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]];
 /// let mut c = Mat::zeros(2, 2);
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Both))?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Both))?;
 /// assert_eq!(c, mat![[35.0, 44.0], [44.0, 56.0]]);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
@@ -61,7 +64,7 @@ use crate::kernel::int8;
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
 /// [`Error::OutOfMemory`] when memory for the scratch is refused, [`Error::Cancelled`].
-pub fn ata<T: BlasReal>(
+pub fn ata_into<T: BlasReal>(
     alpha: T,
     a: MatRef<'_, T>,
     beta: T,
@@ -71,27 +74,28 @@ pub fn ata<T: BlasReal>(
     run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options, None)
 }
 
-/// Computes `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
+/// Computes `C := alpha A A^T + beta C`: [`ata_into`] of the transposed view. A is m x n, C is
+/// m x m.
 ///
 /// ```
-/// use catamaran::{AtaOptions, aat, faer::{Mat, mat}};
+/// use catamaran::{AtaOptions, aat_into, faer::{Mat, mat}};
 ///
 /// let mut c = Mat::zeros(1, 1);
-/// aat(1.0, mat![[3.0, 4.0]].as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// aat_into(1.0, mat![[3.0, 4.0]].as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
 /// assert_eq!(c[(0, 0)], 25.0);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// As [`ata`].
-pub fn aat<T: BlasReal>(
+/// As [`ata_into`].
+pub fn aat_into<T: BlasReal>(
     alpha: T,
     a: MatRef<'_, T>,
     beta: T,
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    ata(alpha, a.transpose(), beta, c, options)
+    ata_into(alpha, a.transpose(), beta, c, options)
 }
 
 /// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter). With
@@ -102,18 +106,18 @@ pub fn aat<T: BlasReal>(
 /// `options.par`.
 ///
 /// ```
-/// use catamaran::{AtaOptions, atb, faer::{Mat, mat}};
+/// use catamaran::{AtaOptions, atb_into, faer::{Mat, mat}};
 ///
 /// let (a, b) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]]);
 /// let mut c = Mat::zeros(2, 1);
-/// atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// atb_into(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
 /// assert_eq!(c, mat![[31.0], [42.0]]);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`ata`].
-pub fn atb<T: BlasReal>(
+/// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`ata_into`].
+pub fn atb_into<T: BlasReal>(
     alpha: T,
     a: MatRef<'_, T>,
     b: MatRef<'_, T>,
@@ -158,7 +162,7 @@ fn atb_plan<T: BlasReal>(
 }
 
 /// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its
-/// stages took. For benchmarks: [`ata`] does the same on the fastest instruction set.
+/// stages took. For benchmarks: [`ata_into`] does the same on the fastest instruction set.
 ///
 /// ```
 /// use catamaran::product::exact_stages;
@@ -173,7 +177,7 @@ fn atb_plan<T: BlasReal>(
 /// ```
 ///
 /// # Errors
-/// As [`ata`]; [`Error::Argument`] when the machine does not support the instruction set.
+/// As [`ata_into`]; [`Error::Argument`] when the machine does not support the instruction set.
 pub fn exact_stages<T: BlasReal>(
     isa: int8::IntegerIsa,
     a: MatRef<'_, T>,

@@ -29,6 +29,7 @@ pub enum Uplo {
 /// | `Default`, `Bounded(f)` of `A^T A` | 14 | 3.7e-17 | 7 | 5.8e-9 |
 /// | `Fast`, `Bounded(f >= 8)` | 13 | 5.2e-16 | 6 | 9.0e-8 |
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Accuracy {
     /// The exact path, on any machine: no entry has a larger error than a correctly rounded result
     /// by more than a few percent of the unit roundoff, relative to the norms of its columns.
@@ -46,6 +47,7 @@ pub enum Accuracy {
 
 /// Which recursion to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SchemeChoice {
     /// The recursion that the planner expects to be fastest within the requested accuracy.
     Auto,
@@ -56,8 +58,8 @@ pub enum SchemeChoice {
     /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by a measured
     /// side.
     Ata2,
-    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant. With the native
-    /// kernels, which share no sums, over Strassen's algorithm, which then has fewer.
+    /// [`SchemeId::Split`](super::schemes::SchemeId::Split) over Winograd's variant. With the
+    /// native kernels, which share no sums, over Strassen's algorithm, which then has fewer.
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,
@@ -87,7 +89,7 @@ impl SchemeChoice {
 }
 
 options! {
-    /// How [`ata`](super::ata) and its relatives work; the default suits most callers.
+    /// How [`ata_into`](super::ata_into) and its relatives work; the default suits most callers.
     ///
     /// ```
     /// use catamaran::{Accuracy, AtaOptions, Uplo};
@@ -99,11 +101,11 @@ options! {
         /// Which triangle of the result is computed.
         ///
         /// ```
-        /// use catamaran::{AtaOptions, Uplo, ata, faer::mat};
+        /// use catamaran::{AtaOptions, Uplo, ata_into, faer::mat};
         ///
         /// // The strict lower triangle is not written.
         /// let (a, mut c) = (mat![[1.0, 2.0]], mat![[0.0, 0.0], [7.0, 0.0]]);
-        /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Upper))?;
+        /// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Upper))?;
         /// assert_eq!(c, mat![[1.0, 2.0], [7.0, 4.0]]);
         /// # Ok::<(), catamaran::Error>(())
         /// ```
@@ -118,11 +120,11 @@ options! {
         /// and the smallest products run on the calling thread, on any core.
         ///
         /// ```
-        /// use catamaran::{AtaOptions, Uplo, ata, base::Pin, faer::Mat};
+        /// use catamaran::{AtaOptions, Uplo, ata_into, base::Pin, faer::Mat};
         ///
         /// let (a, mut c) = (Mat::<f64>::identity(600, 400), Mat::zeros(400, 400));
         /// let options = AtaOptions::new().threads(2).pin(Pin::Cores).uplo(Uplo::Both);
-        /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+        /// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
         /// assert_eq!(c, Mat::<f64>::identity(400, 400));
         /// # Ok::<(), catamaran::Error>(())
         /// ```
@@ -181,12 +183,12 @@ options! {
         /// ```
         /// use std::ops::ControlFlow;
         /// use catamaran::base::Progress;
-        /// use catamaran::{AtaOptions, Error, ata, faer::Mat};
+        /// use catamaran::{AtaOptions, Error, ata_into, faer::Mat};
         ///
         /// let stop = |_: f64| ControlFlow::Break(());
         /// let options = AtaOptions::new().progress(Progress::new(&stop));
         /// let (a, mut c) = (Mat::<f64>::ones(500, 400), Mat::zeros(400, 400));
-        /// let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
+        /// let result = ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
         /// assert!(matches!(result, Err(Error::Cancelled)));
         /// ```
         progress: Progress<'a> = Progress::none(), setter own;

@@ -10,8 +10,8 @@ use super::plan::{Op, Plan};
 use crate::base::{Error, Par, Result, Scratch};
 use crate::blas::BlasReal;
 
-/// Computes [`ata`](super::ata()) by a plan of [`Plan::ata`] for the shape of A, in `scratch` of at
-/// least [`Plan::scratch_len`] elements with any contents; `None` allocates it.
+/// Computes [`ata_into`](super::ata_into) by a plan of [`Plan::ata`] for the shape of A, in
+/// `scratch` of at least [`Plan::scratch_len`] elements with any contents; `None` allocates it.
 ///
 /// Of the options only triangle, threads, pinning, back end and progress matter: the rest is in the
 /// plan.
@@ -32,7 +32,7 @@ use crate::blas::BlasReal;
 ///
 /// # Errors
 /// [`Error::Argument`] for a plan of another product or scalar, [`Error::Shape`] for one of another
-/// shape, and when the scratch is short; else as [`ata`](super::ata()).
+/// shape, and when the scratch is short; else as [`ata_into`](super::ata_into).
 pub fn ata_planned<T: BlasReal>(
     plan: &Plan,
     alpha: T,
@@ -49,8 +49,8 @@ pub fn ata_planned<T: BlasReal>(
     run(plan, Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) }, options, scratch)
 }
 
-/// Computes [`atb`](super::atb) by a plan of [`Plan::atb`] for the shapes of A and B, or the
-/// triangle `options.uplo` of `C := alpha A^T B + beta C` by a plan of [`Plan::atb_triangle`].
+/// Computes [`atb_into`](super::atb_into) by a plan of [`Plan::atb`] for the shapes of A and B, or
+/// the triangle `options.uplo` of `C := alpha A^T B + beta C` by a plan of [`Plan::atb_triangle`].
 /// Scratch as in [`ata_planned`].
 ///
 /// Of the options only triangle, threads, pinning, back end and progress matter: the rest is in the
@@ -71,7 +71,7 @@ pub fn ata_planned<T: BlasReal>(
 /// # Errors
 /// [`Error::Argument`] for a plan of another product or scalar, or [`Uplo::Both`] of a triangle;
 /// [`Error::Shape`] for a plan of another shape, and when the scratch is short; else as
-/// [`atb`](super::atb).
+/// [`atb_into`](super::atb_into).
 pub fn atb_planned<T: BlasReal>(
     plan: &Plan,
     alpha: T,

@@ -37,11 +37,11 @@ pub struct Verification {
 /// NaN or an infinity, no C passes: the residual or the tolerance is not finite.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, ata, product::verify, faer::Mat};
+/// use catamaran::{AtaOptions, Uplo, ata_into, product::verify, faer::Mat};
 ///
 /// let a = Mat::<f64>::from_fn(50, 8, |i, j| ((3 * i + j) % 7) as f64);
 /// let mut c = Mat::zeros(8, 8);
-/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
 /// assert!(verify(1.0, a.as_ref(), c.as_ref(), Uplo::Lower, 20, 0)?.passed);
 /// c[(5, 2)] += 1.0;
 /// assert!(!verify(1.0, a.as_ref(), c.as_ref(), Uplo::Lower, 20, 0)?.passed);

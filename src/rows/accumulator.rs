@@ -1,11 +1,14 @@
 use std::ops::Range;
 
+use faer::MatRef;
+use faer::mat::AsMatRef;
+
 use super::exact::ExactSums;
 use super::extended::ExtendedGram;
 use super::float::FloatSums;
 use super::grid::{Grid, RowBounds, Shift};
 use super::pass::{Pass, for_each_block_of};
-use super::source::RowBlocks;
+use super::source::{DenseRows, RowBlocks};
 use super::strip::Strip;
 use crate::base::{Error, Par, Result, block_rows, finite_weights};
 use crate::blas::BlasReal;
@@ -27,13 +30,13 @@ use crate::product::{AtaOptions, Uplo};
 ///
 /// ```
 /// use catamaran::rows::{Accumulator, RowBounds};
-/// use catamaran::{AtaOptions, Uplo};
+/// use catamaran::{AtaOptions, Uplo, faer::mat};
 ///
 /// let bounds = RowBounds::new(vec![-1.0, 0.0], vec![1.0, 9.0], 1000)?;
 /// let options = AtaOptions::default();
 /// let mut sum = Accumulator::<f64>::exact(&bounds, false)?;
-/// sum.add_block(2, &mut [1.0, 2.0, 0.5, 4.0], None, &options)?;
-/// sum.remove_block(1, &mut [1.0, 2.0], None, &options)?;
+/// sum.add_block(mat![[1.0, 2.0], [0.5, 4.0]], None, &options)?;
+/// sum.remove_block(mat![[1.0, 2.0]], None, &options)?;
 /// let c = sum.finish(1.0, Uplo::Both)?;
 /// assert_eq!(c.as_ref()[(1, 0)], 2.0);
 /// # Ok::<(), catamaran::Error>(())
@@ -64,10 +67,10 @@ impl<T: BlasReal> Accumulator<T> {
     /// `centered`.
     ///
     /// ```
-    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
+    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::mat};
     ///
     /// let mut sum = Accumulator::<f64>::new(2, true)?;
-    /// sum.add_block(2, &mut [1.0, 1.0, 3.0, 5.0], None, &AtaOptions::new())?;
+    /// sum.add_block(mat![[1.0, 1.0], [3.0, 5.0]], None, &AtaOptions::new())?;
     /// assert_eq!(sum.mean(), [2.0, 3.0]);
     /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 4.0);
     /// # Ok::<(), catamaran::Error>(())
@@ -82,10 +85,10 @@ impl<T: BlasReal> Accumulator<T> {
     /// Creates an accumulator as [`Accumulator::new`] does, for these rows of C.
     ///
     /// ```
-    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
+    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::mat};
     ///
     /// let mut sum = Accumulator::<f64>::of_strip(3, 1..3, false)?;
-    /// sum.add_block(1, &mut [1.0, 2.0, 3.0], None, &AtaOptions::new())?;
+    /// sum.add_block(mat![[1.0, 2.0, 3.0]], None, &AtaOptions::new())?;
     /// let strip = sum.finish(1.0, Uplo::Lower)?;
     /// // Row 2 of C is row 1 of the strip.
     /// assert_eq!((strip.rows(), strip.as_ref()[(1, 1)]), (1..3, 6.0));
@@ -133,11 +136,11 @@ impl<T: BlasReal> Accumulator<T> {
     ///
     /// ```
     /// use catamaran::rows::{Accumulator, RowBounds};
-    /// use catamaran::{AtaOptions, Par};
+    /// use catamaran::{AtaOptions, Par, faer::mat};
     ///
     /// let bounds = RowBounds::new(vec![-1.0], vec![1.0], 10)?;
     /// let mut sum = Accumulator::<f64>::extended(&bounds, false)?;
-    /// sum.add_block(2, &mut [1.0, 2f64.powi(-40)], None, &AtaOptions::new())?;
+    /// sum.add_block(mat![[1.0], [2f64.powi(-40)]], None, &AtaOptions::new())?;
     /// let c = sum.finish_extended(Par::Seq)?;
     /// assert_eq!(c.entry(0, 0), [1.0, 2f64.powi(-80), 0.0]);
     /// assert!(c.is_exact());
@@ -177,11 +180,11 @@ impl<T: BlasReal> Accumulator<T> {
     /// Returns a copy, bit for bit.
     ///
     /// ```
-    /// use catamaran::{AtaOptions, rows::Accumulator};
+    /// use catamaran::{AtaOptions, rows::Accumulator, faer::mat};
     ///
     /// let mut sum = Accumulator::<f64>::new(1, false)?;
     /// let copy = sum.try_clone()?;
-    /// sum.add_block(1, &mut [2.0], None, &AtaOptions::new())?;
+    /// sum.add_block(mat![[2.0]], None, &AtaOptions::new())?;
     /// assert_eq!((copy.rows(), sum.rows()), (0, 1));
     /// # Ok::<(), catamaran::Error>(())
     /// ```
@@ -304,15 +307,20 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(())
     }
 
-    /// Adds a block of `count` rows, one after another, with their weights if they have any. Their
-    /// entries are overwritten. `options.uplo` does not matter. [`stream`](super::stream()) plans
-    /// once for all blocks of a source.
+    /// Adds a block of rows, a matrix of n columns and any strides, with their weights if they have
+    /// any. `options.uplo` does not matter. [`stream`](super::stream()) plans once for all blocks
+    /// of a source.
+    ///
+    /// The rows are copied, [`block_rows`] of them at a time, and each copy is added as a block.
+    /// `MatRef::from_row_major_slice` makes a matrix of rows in a slice.
     ///
     /// ```
-    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
+    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::MatRef};
     ///
+    /// let rows = [1.0, 2.0];
     /// let mut sum = Accumulator::<f64>::new(1, false)?;
-    /// sum.add_block(2, &mut [1.0, 2.0], Some(&[10.0, 1.0]), &AtaOptions::new())?;
+    /// let block = MatRef::from_row_major_slice(&rows, 2, 1);
+    /// sum.add_block(block, Some(&[10.0, 1.0]), &AtaOptions::new())?;
     /// assert_eq!((sum.rows(), sum.weight()), (2, 11.0));
     /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(0, 0)], 14.0);
     /// # Ok::<(), catamaran::Error>(())
@@ -321,17 +329,15 @@ impl<T: BlasReal> Accumulator<T> {
     /// # Errors
     /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight;
     /// [`Error::Argument`] for a row or a weight beyond the bounds of an exact accumulator, which
-    /// is left as it was; else as [`ata`](crate::ata()), after which the sums may contain a part of
-    /// the block, so the accumulator must not be used.
+    /// is left as it was; else as [`ata_into`](crate::ata_into), after which the sums may contain a
+    /// part of the block, so the accumulator must not be used.
     pub fn add_block(
         &mut self,
-        count: usize,
-        block: &mut [T],
+        rows: impl AsMatRef<T = T, Rows = usize, Cols = usize>,
         weights: Option<&[T]>,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
-        self.check_block(count, block, weights)?;
-        self.add(count, block, weights, &mut Pass::new(options)?)
+        self.change_block(rows.as_mat_ref(), weights, false, self.height(weights), options)
     }
 
     /// Removes rows that were added, in any blocks, with the same weights. The sums that remain
@@ -342,13 +348,32 @@ impl<T: BlasReal> Accumulator<T> {
     /// [`Error::NonFinite`] for rows that are not finite; else as [`Accumulator::add_block`].
     pub fn remove_block(
         &mut self,
-        count: usize,
-        block: &mut [T],
+        rows: impl AsMatRef<T = T, Rows = usize, Cols = usize>,
         weights: Option<&[T]>,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
-        self.check_block(count, block, weights)?;
-        self.change(count, block, weights, true, &mut Pass::new(options)?)
+        self.change_block(rows.as_mat_ref(), weights, true, self.height(weights), options)
+    }
+
+    /// Adds rows or removes them, in copies of `height` rows.
+    pub(super) fn change_block(
+        &mut self,
+        rows: MatRef<'_, T>,
+        weights: Option<&[T]>,
+        remove: bool,
+        height: usize,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        Error::check_shape("block", (rows.nrows(), self.ncols), rows.shape())?;
+        finite_weights(rows.nrows(), weights)?;
+        match &self.sums {
+            Sums::Float(_) => {}
+            Sums::Exact(sums) => sums.check_block(rows, weights, remove, height, options.par)?,
+            Sums::Extended(sums) => {
+                sums.check_block(rows, weights, remove, height, options.par)?;
+            }
+        }
+        self.change_rows(&mut DenseRows(rows), weights, remove, height, options)
     }
 
     /// Adds the rows of a source, with their weights if they have any, in blocks;
@@ -378,7 +403,7 @@ impl<T: BlasReal> Accumulator<T> {
         weights: Option<&[T]>,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
-        self.change_rows(rows, weights, false, options)
+        self.change_rows(rows, weights, false, self.height(weights), options)
     }
 
     /// Removes the rows of a source, as [`Accumulator::remove_block`] does.
@@ -406,7 +431,12 @@ impl<T: BlasReal> Accumulator<T> {
         weights: Option<&[T]>,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
-        self.change_rows(rows, weights, true, options)
+        self.change_rows(rows, weights, true, self.height(weights), options)
+    }
+
+    /// Returns the rows of the blocks in which rows are added.
+    fn height(&self, weights: Option<&[T]>) -> usize {
+        block_rows::<T>(self.ncols, weights.is_some())
     }
 
     fn change_rows(
@@ -414,30 +444,18 @@ impl<T: BlasReal> Accumulator<T> {
         rows: &mut (dyn RowBlocks<T> + Send),
         weights: Option<&[T]>,
         remove: bool,
+        height: usize,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
         let (m, n) = (rows.nrows(), rows.ncols());
         Error::check_shape("rows", (m, self.ncols), (m, n))?;
         finite_weights(m, weights)?;
-        let height = block_rows::<T>(n, weights.is_some());
         for_each_block_of(rows, weights, height, 0, options, |count, block, weights, pass| {
             self.change(count, block, weights, remove, pass)
         })
     }
 
-    fn check_block(&self, count: usize, block: &[T], weights: Option<&[T]>) -> Result<()> {
-        let n = self.ncols;
-        if Some(block.len()) != count.checked_mul(n) {
-            return Err(Error::Shape {
-                what: "block",
-                expected: (count, n),
-                got: (block.len(), 1),
-            });
-        }
-        finite_weights(count, weights)
-    }
-
-    /// Adds a block as [`Accumulator::add_block`] does, in a pass.
+    /// Adds a block of `count` rows, one after another, in a pass. Their entries are overwritten.
     pub(super) fn add(
         &mut self,
         count: usize,
@@ -474,12 +492,12 @@ impl<T: BlasReal> Accumulator<T> {
     ///
     /// ```
     /// use catamaran::rows::{Accumulator, RowBounds};
-    /// use catamaran::{AtaOptions, Uplo};
+    /// use catamaran::{AtaOptions, Uplo, faer::Mat};
     ///
     /// let bounds = RowBounds::new(vec![0.0, 0.0], vec![9.0, 9.0], 100)?;
     /// let of = |row: [f64; 2]| {
     ///     let mut sum = Accumulator::exact(&bounds, false)?;
-    ///     sum.add_block(1, &mut row.clone(), None, &AtaOptions::new())?;
+    ///     sum.add_block(Mat::from_fn(1, 2, |_, j| row[j]), None, &AtaOptions::new())?;
     ///     Ok::<_, catamaran::Error>(sum)
     /// };
     /// let mut sum = of([1.0, 2.0])?;
@@ -532,7 +550,7 @@ impl<T: BlasReal> Accumulator<T> {
     /// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::mat};
     ///
     /// let mut sum = Accumulator::<f64>::new(2, false)?;
-    /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+    /// sum.add_block(mat![[1.0, 2.0]], None, &AtaOptions::new())?;
     /// assert_eq!(sum.finish(10.0, Uplo::Upper)?.as_ref(), mat![[10.0, 20.0], [0.0, 40.0]]);
     /// # Ok::<(), catamaran::Error>(())
     /// ```

@@ -16,10 +16,11 @@ use super::stream::stream;
 use crate::base::{Error, Real, Result, Workspace, block_rows, finite_weights, options, zeros};
 use crate::blas::BlasReal;
 use crate::product::combine::in_lower;
-use crate::product::{AtaOptions, ata};
+use crate::product::{AtaOptions, ata_into};
 
 /// What is subtracted from every row before the product.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum Center<'a, T> {
     /// Nothing.
     No,
@@ -86,13 +87,13 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 /// Rows are read once, block by block, the next block by another thread (unless `options.par` is
 /// [`Par::Seq`](crate::Par::Seq)). For a product about the mean, the mean of the first block is
 /// subtracted first, for stability. The extra memory is two blocks of rows, one more with weights,
-/// and the scratch of [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for
+/// and the scratch of [`ata_into`] for one. C is n x n. The result is the same, bit for
 /// bit, for every `options.par`. [`stream`](super::stream()) can keep, resume and merge sums.
 ///
 /// On the exact path, if the options request it, rows are read twice, once for their bounds, and 16
 /// bytes for each entry of a triangle of C are needed. The result then does not depend on the order
 /// of the rows either, as that of [`Accumulator::exact`](super::Accumulator::exact). It is rounded
-/// differently from that of [`ata`](crate::ata()), which knows the norms of the columns. With
+/// differently from that of [`ata_into`], which knows the norms of the columns. With
 /// `alpha == 0` no row is read.
 ///
 /// ```
@@ -112,7 +113,7 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 /// # Errors
 /// [`Error::Shape`] for C, the weights or the centre; [`Error::NonFinite`] for a weight or a
 /// centre; [`Error::Argument`] when the weights of a mean sum to zero; the errors of the source,
-/// after which C holds the blocks before; else as [`ata`](crate::ata()).
+/// after which C holds the blocks before; else as [`ata_into`].
 pub fn ata_rows<T: BlasReal>(
     alpha: T,
     rows: &mut (dyn RowBlocks<T> + Send),
@@ -132,7 +133,7 @@ pub fn ata_rows<T: BlasReal>(
     if m == 0 || alpha == T::ZERO {
         // C is still scaled by beta, and NaN times 0 is not added to it.
         let none = MatRef::from_row_major_slice(&[], 0, n);
-        return ata(alpha, none, beta, c, options);
+        return ata_into(alpha, none, beta, c, options);
     }
     let height = block_rows::<T>(n, weights.is_some());
     if options.asks_for_exact() {

@@ -7,11 +7,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::MatRef;
 
+use super::blocks::for_each_block;
 use super::extended::{About, ExtendedGram};
 use super::grid::{Capacity, Grid, RowBounds, Shift, first_non_finite};
 use super::moments::check_weight;
 use super::pass::{Engine, Pass, Scaling};
 use super::pieces::{Piece, block_pieces};
+use super::source::DenseRows;
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
 use crate::base::{
@@ -271,6 +273,39 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         }
     }
 
+    /// Checks, before the first of several pieces of `height` rows is added or subtracted, that all
+    /// of them can be. [`ExactSums::add`] checks a single piece.
+    pub fn check_block(
+        &self,
+        rows: MatRef<'_, T>,
+        weights: Option<&[T]>,
+        subtract: bool,
+        height: usize,
+        par: Par,
+    ) -> Result<()> {
+        let (m, n) = rows.shape();
+        if n == 0 || m <= height {
+            return Ok(());
+        }
+        self.check(m, weights, subtract)?;
+        for_each_block(&mut DenseRows(rows), 0, height, par, |first, block| {
+            if let Some((j, x)) = first_beyond(block, &self.grid.lower, &self.grid.upper) {
+                return Err(self.beyond(j, x));
+            }
+            match subtract && block.iter().any(|x| !x.is_finite()) {
+                true => Err(first_non_finite(block, n, first)),
+                false => Ok(()),
+            }
+        })
+    }
+
+    /// Returns the error for the entry x in column j.
+    fn beyond(&self, j: usize, x: f64) -> Error {
+        let (lower, upper) = (self.grid.lower[j], self.grid.upper[j]);
+        let why = format!("{x} in column {j} is beyond its bounds {lower}..={upper}");
+        Error::Argument { what: "rows", why }
+    }
+
     /// Checks the bounds of rows, shifts them, multiplies them by their weights, and adds up the
     /// columns. The products go to the first of `sides`, which is empty without weights, their
     /// rounding errors to the second, which is empty but in extended precision.
@@ -305,9 +340,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let mut all = nothing();
         for (_, found) in pieces {
             if let Some((j, x)) = found.beyond {
-                let (lower, upper) = (self.grid.lower[j], self.grid.upper[j]);
-                let why = format!("{x} in column {j} is beyond its bounds {lower}..={upper}");
-                return Err(Error::Argument { what: "rows", why });
+                return Err(self.beyond(j, x));
             }
             all.rounded |= found.rounded;
             all.no_tail &= found.no_tail;
@@ -343,11 +376,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             }
         }
         if !inside {
-            let beyond = |(i, x): (usize, &T)| {
-                let j = i % n;
-                (x.is_finite() && !(lower[j] <= *x && *x <= upper[j])).then(|| (j, x.to_f64()))
-            };
-            found.beyond = rows.iter().enumerate().find_map(beyond);
+            found.beyond = first_beyond(rows, lower, upper);
         }
         if found.beyond.is_some() {
             return;
@@ -604,6 +633,14 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
 /// Returns the number of weights that are 0.
 fn weightless<T: Real>(weights: Option<&[T]>) -> u64 {
     weights.unwrap_or_default().iter().filter(|&&weight| weight == T::ZERO).count() as u64
+}
+
+/// Returns the first finite entry beyond the bounds of its column: column and value.
+fn first_beyond<T: Real>(rows: &[T], lower: &[T], upper: &[T]) -> Option<(usize, f64)> {
+    let beyond = |(j, x): (usize, &T)| {
+        (x.is_finite() && !(lower[j] <= *x && *x <= upper[j])).then(|| (j, x.to_f64()))
+    };
+    rows.chunks_exact(lower.len()).find_map(|row| row.iter().enumerate().find_map(beyond))
 }
 
 /// Returns the error of sums of `what` that do not fit the integers I.

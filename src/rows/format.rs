@@ -90,10 +90,10 @@ impl<T: BlasReal> Accumulator<T> {
     /// Writes the accumulator, for [`Accumulator::read`].
     ///
     /// ```
-    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
+    /// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::mat};
     ///
     /// let mut sum = Accumulator::<f64>::new(2, false)?;
-    /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+    /// sum.add_block(mat![[1.0, 2.0]], None, &AtaOptions::new())?;
     /// let mut bytes = Vec::new();
     /// sum.write(&mut bytes).unwrap();
     /// let sum = Accumulator::<f64>::read(&mut &bytes[..]).unwrap();

@@ -35,7 +35,7 @@ pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
 /// ([`Accumulator::exact`]) stays exact, whatever the options are, and needs no such pass.
 ///
 /// Memory beside the accumulator: two blocks, one more with weights, and the scratch of
-/// [`ata`](crate::ata()) for one.
+/// [`ata_into`](crate::ata_into) for one.
 ///
 /// ```
 /// use catamaran::rows::{Accumulator, DenseRows, stream};
@@ -55,7 +55,7 @@ pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
 /// # Errors
 /// [`Error::Shape`] and [`Error::NonFinite`] for the weights; [`Error::Argument`] when the
 /// accumulator is of a source of another shape, or of other blocks; those of the source and of
-/// `after_block`; else as [`ata`](crate::ata()).
+/// `after_block`; else as [`ata_into`](crate::ata_into).
 pub fn stream<T: BlasReal>(
     rows: &mut (dyn RowBlocks<T> + Send),
     weights: Option<&[T]>,

@@ -1,7 +1,7 @@
 //! Checks that exact sums have the same bytes for any blocks, order, threads, instruction set,
 //! merge and removal, and those of integers of any size.
 
-use faer::{Mat, MatMut};
+use faer::{Mat, MatMut, MatRef, mat};
 
 use super::accumulator::Sums;
 use super::grid::Capacity;
@@ -155,7 +155,7 @@ fn rows_that_are_removed_leave_the_bytes_of_rows_never_added() {
 #[test]
 fn floating_point_sums_remove_no_rows() {
     let mut sum = Accumulator::<f64>::new(2, false).unwrap();
-    let error = sum.remove_block(1, &mut [1.0, 2.0], None, &AtaOptions::new()).unwrap_err();
+    let error = sum.remove_block(mat![[1.0, 2.0]], None, &AtaOptions::new()).unwrap_err();
     assert!(error.to_string().contains("exact"), "{error}");
 }
 
@@ -350,17 +350,55 @@ fn a_row_beyond_its_bounds_is_refused_and_changes_nothing() {
     let bounds = RowBounds::new(vec![-1.0, 0.0], vec![1.0, 4.0], 10).unwrap();
     let mut sum = Accumulator::<f64>::exact(&bounds, true).unwrap();
     let options = AtaOptions::new();
-    sum.add_block(1, &mut [0.5, 2.0], None, &options).unwrap();
+    sum.add_block(mat![[0.5, 2.0]], None, &options).unwrap();
     let before = bytes(&sum);
-    let error = sum.add_block(2, &mut [0.5, 1.0, 0.0, 4.5], None, &options).unwrap_err();
+    let error = sum.add_block(mat![[0.5, 1.0], [0.0, 4.5]], None, &options).unwrap_err();
     assert_eq!(error.to_string(), "rows: 4.5 in column 1 is beyond its bounds 0..=4");
-    let error = sum.add_block(1, &mut [0.5, 1.0], Some(&[1.0]), &options).unwrap_err();
+    let error = sum.add_block(mat![[0.5, 1.0]], Some(&[1.0]), &options).unwrap_err();
     assert!(matches!(error, Error::Argument { what: "weights", .. }), "{error}");
     assert!(bytes(&sum) == before);
     let mut sum = Accumulator::<f64>::exact(&bounds.with_weights(2.0).unwrap(), true).unwrap();
-    sum.add_block(1, &mut [0.5, 1.0], Some(&[-2.0]), &options).unwrap();
-    let error = sum.add_block(1, &mut [0.5, 1.0], Some(&[2.5]), &options).unwrap_err();
+    sum.add_block(mat![[0.5, 1.0]], Some(&[-2.0]), &options).unwrap();
+    let error = sum.add_block(mat![[0.5, 1.0]], Some(&[2.5]), &options).unwrap_err();
     assert_eq!(error.to_string(), "weights: 2.5 is beyond the bound 2");
+}
+
+#[test]
+fn a_block_of_several_pieces_is_added_whole_or_not_at_all() {
+    let (m, n, height) = (23, 3, 5);
+    let bounds = RowBounds::new(vec![0.0; n], vec![4.0; n], 50).unwrap();
+    let options = AtaOptions::new().threads(2);
+    for mut sum in [
+        Accumulator::<f64>::exact(&bounds, true).unwrap(),
+        Accumulator::extended(&bounds, true).unwrap(),
+    ] {
+        let mut rows = Mat::from_fn(m, n, |i, j| ((i + j) % 4) as f64);
+        sum.change_block(rows.as_ref(), None, false, height, &options).unwrap();
+        let before = bytes(&sum);
+        rows[(22, 1)] = 4.5;
+        let error = sum.change_block(rows.as_ref(), None, false, height, &options).unwrap_err();
+        assert_eq!(error.to_string(), "rows: 4.5 in column 1 is beyond its bounds 0..=4");
+        rows[(22, 1)] = f64::NAN;
+        let error = sum.change_block(rows.as_ref(), None, true, height, &options).unwrap_err();
+        assert!(matches!(error, Error::NonFinite { index: (22, 1), .. }), "{error}");
+        assert!(bytes(&sum) == before);
+    }
+}
+
+#[test]
+fn a_block_may_have_any_strides() {
+    let rows = Mat::from_fn(5, 3, |i, j| (2 * i + j) as f64);
+    let stored = Mat::from_fn(7, 5, |j, i| if j < 3 { rows[(4 - i, j)] } else { f64::NAN });
+    let view = stored.as_ref().subrows(0, 3).transpose().reverse_rows();
+    let of = |rows: MatRef<'_, f64>| {
+        let mut sum = Accumulator::<f64>::new(3, true).unwrap();
+        sum.add_block(rows, None, &AtaOptions::new()).unwrap();
+        bytes(&sum)
+    };
+    assert!(of(view) == of(rows.as_ref()));
+    let mut sum = Accumulator::<f64>::new(2, false).unwrap();
+    let error = sum.add_block(view, None, &AtaOptions::new()).unwrap_err();
+    assert!(matches!(error, Error::Shape { what: "block", .. }), "{error}");
 }
 
 #[test]

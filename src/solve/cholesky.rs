@@ -8,6 +8,7 @@ use crate::rows::ExtendedGram;
 
 /// Which of the columns that do not depend on earlier ones is factored next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Pivoting {
     /// The column of which most is left relative to its own norm: the rank does not depend on the
     /// scales of the columns.

@@ -12,6 +12,7 @@ use crate::rows::ExtendedGram;
 
 /// What happens when columns of A depend on others, as far as the precision can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RankDeficiency {
     /// The solution of least norm is returned.
     MinimumNorm,
@@ -169,12 +170,7 @@ impl Problem<'_> {
     ///
     /// It is `b^T b - x^T A^T b - x^T r`, with r the residual of the equations without the ridge,
     /// so that errors of x enter only as squares.
-    fn squares(
-        &self,
-        factor: &PivotedCholesky,
-        x: &Columns<2>,
-        rest: &Columns<3>,
-    ) -> Vec<Squares> {
+    fn squares(&self, factor: &PivotedCholesky, x: &Columns<2>, rest: &Columns<3>) -> Vec<Squares> {
         // The accuracy of sums in three parts, and of those of rounded entries.
         let unit = 2f64.powi(if self.gram.is_exact() { -150 } else { -79 });
         let squares = |q: usize| {

@@ -40,6 +40,9 @@ pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions}
 pub use qr::GramQr;
 #[cfg(feature = "mpi")]
 pub(crate) use rows::named_by_matrix;
-pub use rows::{JoinedRows, check_weights, lstsq, pca, singular_values};
+pub use rows::{
+    JoinedRows, check_weights, lstsq, lstsq_rows, pca, pca_rows, singular_values,
+    singular_values_rows,
+};
 pub use singular::SingularValues;
 pub use tails::{f_probability, t_probability, t_quantile};

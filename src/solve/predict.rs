@@ -7,6 +7,7 @@ use crate::dense::zeros;
 
 /// What an interval of a prediction contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Interval {
     /// The mean of all observations with the values of the row.
     Confidence,

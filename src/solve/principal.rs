@@ -8,6 +8,7 @@ use crate::rows::ExtendedGram;
 
 /// How many principal components are kept; never more than the rank of the centred columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Components {
     /// All of them.
     All,

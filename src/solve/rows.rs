@@ -62,8 +62,8 @@ impl<T> RowBlocks<T> for JoinedRows<'_, T> {
 }
 
 /// Solves `min |W^(1/2) (A X - B)|^2 + ridge |X|^2` for A (m x n), B (m x k) and W a diagonal of m
-/// weights, none of them negative; without weights all are 1. For rows in files or in
-/// blocks use [`ata_extended`] of [`JoinedRows`], and [`LeastSquares::from_gram`].
+/// weights, none of them negative; without weights all are 1. [`lstsq_rows`] takes rows in files or
+/// in blocks.
 ///
 /// ```
 /// use catamaran::faer::mat;
@@ -85,12 +85,37 @@ pub fn lstsq(
     weights: Option<&[f64]>,
     options: &LeastSquaresOptions,
 ) -> Result<LeastSquares> {
+    lstsq_rows(&mut DenseRows(a), &mut DenseRows(b), weights, options)
+}
+
+/// Solves as [`lstsq`] does, for the rows of A and of B from any source. They are read twice, block
+/// by block.
+///
+/// ```
+/// use catamaran::rows::DenseRows;
+/// use catamaran::faer::mat;
+/// use catamaran::solve::{LeastSquaresOptions, lstsq_rows};
+///
+/// // Rows in single precision, converted block by block.
+/// let (a, b) = (mat![[1.0_f32], [2.0]], mat![[2.0_f32], [4.0]]);
+/// let (mut a, mut b) = (DenseRows(a.as_ref()), DenseRows(b.as_ref()));
+/// let found = lstsq_rows(&mut a, &mut b, None, &LeastSquaresOptions::new())?;
+/// assert_eq!(found.coefficients, mat![[2.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`lstsq`], and those of the sources.
+pub fn lstsq_rows(
+    a: &mut (dyn RowBlocks<f64> + Send),
+    b: &mut (dyn RowBlocks<f64> + Send),
+    weights: Option<&[f64]>,
+    options: &LeastSquaresOptions,
+) -> Result<LeastSquares> {
     check_weights(weights)?;
     let center = if options.intercept { Center::Mean } else { Center::No };
-    let n = a.ncols();
-    let (mut a, mut b) = (DenseRows(a), DenseRows(b));
-    let targets = RowBlocks::<f64>::ncols(&b);
-    let mut rows = JoinedRows::new(&mut a, &mut b)?;
+    let (n, targets) = (a.ncols(), b.ncols());
+    let mut rows = JoinedRows::new(a, b)?;
     let row_options = RowOptions::new().weights(weights).center(center);
     let gram = ata_extended(&mut rows, &row_options, &AtaOptions::new().par(options.par))
         .map_err(|error| named_by_matrix(error, n))?;
@@ -131,7 +156,8 @@ pub fn check_weights(weights: Option<&[f64]>) -> Result<()> {
     }
 }
 
-/// Computes the principal components of the rows of A (m x n).
+/// Computes the principal components of the rows of A (m x n). [`pca_rows`] takes rows in files or
+/// in blocks.
 ///
 /// ```
 /// use catamaran::faer::mat;
@@ -150,12 +176,36 @@ pub fn pca(
     a: MatRef<'_, f64>,
     options: &PrincipalComponentsOptions,
 ) -> Result<PrincipalComponents> {
+    pca_rows(&mut DenseRows(a), options)
+}
+
+/// Computes the principal components of rows from any source, which are read twice, block by block.
+///
+/// ```
+/// use catamaran::rows::DenseRows;
+/// use catamaran::faer::mat;
+/// use catamaran::solve::{PrincipalComponentsOptions, pca_rows};
+///
+/// let a = mat![[1.0, 2.0], [2.0, 4.0], [3.0, 6.0]];
+/// let found = pca_rows(&mut DenseRows(a.as_ref()), &PrincipalComponentsOptions::new())?;
+/// assert_eq!(found.mean, [2.0, 4.0]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`pca`], and those of the source.
+pub fn pca_rows(
+    rows: &mut (dyn RowBlocks<f64> + Send),
+    options: &PrincipalComponentsOptions,
+) -> Result<PrincipalComponents> {
     let row_options = RowOptions::<f64>::new().center(Center::Mean);
-    let gram = ata_extended(&mut DenseRows(a), &row_options, &AtaOptions::new().par(options.par))?;
+    let gram = ata_extended(rows, &row_options, &AtaOptions::new().par(options.par))?;
     PrincipalComponents::from_gram(&gram, options)
 }
 
-/// Computes the singular values and right singular vectors of A (m x n).
+/// Computes the singular values and right singular vectors of A (m x n);
+/// [`SingularValues::left`] returns the left ones. [`singular_values_rows`] takes rows in files or
+/// in blocks.
 ///
 /// ```
 /// use catamaran::{Par, faer::mat, solve::singular_values};
@@ -168,7 +218,27 @@ pub fn pca(
 /// # Errors
 /// As [`ata_extended`] and [`SingularValues::from_gram`].
 pub fn singular_values(a: MatRef<'_, f64>, par: Par) -> Result<SingularValues> {
-    let plain = RowOptions::<f64>::new();
-    let gram = ata_extended(&mut DenseRows(a), &plain, &AtaOptions::new().par(par))?;
+    singular_values_rows(&mut DenseRows(a), par)
+}
+
+/// Computes the singular values and right singular vectors of the matrix of rows from any source,
+/// which are read twice, block by block.
+///
+/// ```
+/// use catamaran::{Par, faer::mat, rows::DenseRows, solve::singular_values_rows};
+///
+/// let a = mat![[3.0, 0.0], [0.0, 1e-9], [0.0, 0.0]];
+/// let found = singular_values_rows(&mut DenseRows(a.as_ref()), Par::Seq)?;
+/// assert_eq!(found.values, [3.0, 1e-9]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`singular_values`], and those of the source.
+pub fn singular_values_rows(
+    rows: &mut (dyn RowBlocks<f64> + Send),
+    par: Par,
+) -> Result<SingularValues> {
+    let gram = ata_extended(rows, &RowOptions::<f64>::new(), &AtaOptions::new().par(par))?;
     SingularValues::from_gram(&gram, par)
 }

@@ -42,7 +42,12 @@ impl Spread {
             root.col_as_slice_mut(column).copy_from_slice(row);
         }
         if !intercept {
-            return Ok(Self { root, constant: Vec::new(), mean: vec![0.0; n], weight: f64::INFINITY });
+            return Ok(Self {
+                root,
+                constant: Vec::new(),
+                mean: vec![0.0; n],
+                weight: f64::INFINITY,
+            });
         }
         let mut sum = Columns::<2>::new(rows.rows, 1)?;
         widest(

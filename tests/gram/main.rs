@@ -4,12 +4,12 @@
 mod nist;
 
 use catamaran::base::Rng;
-use catamaran::faer::{Mat, MatRef};
-use catamaran::rows::{Center, DenseRows, RowOptions, ata_extended};
+use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::rows::{Center, DenseRows, RowBlocks, RowOptions, ata_extended};
 use catamaran::solve::{
     GramQr, LeastSquares, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions,
-    RankDeficiency, SingularValues, correlation, lstsq, orthogonality, pca, singular_values,
-    sum_of_pairs,
+    RankDeficiency, SingularValues, correlation, lstsq, lstsq_rows, orthogonality, pca, pca_rows,
+    singular_values, singular_values_rows, sum_of_pairs,
 };
 use catamaran::{AtaOptions, Error, Par};
 
@@ -162,6 +162,71 @@ fn small_singular_values_keep_their_digits() {
 }
 
 #[test]
+fn left_singular_vectors_are_orthonormal_and_give_the_matrix_back() {
+    let mut rng = Rng::new(11);
+    let a = Mat::<f64>::from_fn(40, 6, |_, j| rng.normal() * f64::from(j as i32 - 3).exp2());
+    let found = singular_values(a.as_ref(), Par::Seq).unwrap();
+    let u = found.left(a.as_ref(), Par::Threads(2)).unwrap();
+    assert_eq!(u.shape(), (40, 6));
+    assert_eq!(u, found.left(a.as_ref(), Par::Seq).unwrap());
+    let scaled = Mat::from_fn(40, 6, |i, k| u[(i, k)] * found.values[k]);
+    assert!((&scaled * found.v.transpose() - &a).norm_max() < 1e-13 * found.values[0]);
+    assert!((u.transpose() * &u - Mat::<f64>::identity(6, 6)).norm_max() < 1e-13);
+    // Of a matrix of rank 1 there is one vector.
+    let equal = Mat::<f64>::from_fn(4, 2, |i, _| i as f64);
+    let found = singular_values(equal.as_ref(), Par::Seq).unwrap();
+    let u = found.left(equal.as_ref(), Par::Seq).unwrap();
+    assert_eq!(u.shape(), (4, 1));
+    assert!((u.col(0).norm_l2() - 1.0).abs() < 1e-14);
+    let error = found.left(a.as_ref(), Par::Seq).unwrap_err();
+    assert!(matches!(error, Error::Shape { what: "A", .. }), "{error}");
+}
+
+/// Rows that can only be read block by block, the second pass after the first.
+struct Blocks<'a>(DenseRows<'a, f64>, usize);
+
+fn blocks(a: &Mat<f64>) -> Blocks<'_> {
+    Blocks(DenseRows(a.as_ref()), 0)
+}
+
+impl RowBlocks<f64> for Blocks<'_> {
+    fn nrows(&self) -> usize {
+        self.0.0.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.0.0.ncols()
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, f64>) -> catamaran::Result<()> {
+        assert!(first == self.1 || first == 0, "row {first} after {}", self.1);
+        self.1 = first + out.nrows();
+        self.0.read(first, out)
+    }
+}
+
+#[test]
+fn results_of_rows_from_a_source_are_those_of_the_matrix() {
+    let mut rng = Rng::new(12);
+    let a = Mat::<f64>::from_fn(50, 4, |_, _| rng.normal());
+    let b = Mat::<f64>::from_fn(50, 2, |_, _| rng.normal());
+    let weights: Vec<f64> = (0..50).map(|i| f64::from(i % 3)).collect();
+    let options = LeastSquaresOptions::new().intercept(true);
+    let weights = Some(&weights[..]);
+    let found = lstsq_rows(&mut blocks(&a), &mut blocks(&b), weights, &options).unwrap();
+    let whole = lstsq(a.as_ref(), b.as_ref(), weights, &options).unwrap();
+    assert_eq!((found.coefficients, found.intercepts), (whole.coefficients, whole.intercepts));
+    let components = PrincipalComponentsOptions::new();
+    let found = pca_rows(&mut blocks(&a), &components).unwrap();
+    assert_eq!(found.components, pca(a.as_ref(), &components).unwrap().components);
+    let found = singular_values_rows(&mut blocks(&a), Par::Seq).unwrap();
+    assert_eq!(found.values, singular_values(a.as_ref(), Par::Seq).unwrap().values);
+    let short = b.subrows(0, 49).to_owned();
+    let error = lstsq_rows(&mut blocks(&a), &mut blocks(&short), None, &options).unwrap_err();
+    assert!(matches!(error, Error::Shape { what: "B", .. }), "{error}");
+}
+
+#[test]
 fn a_small_variance_is_not_lost_beside_a_large_one() {
     // scikit-learn #29534: a singular value of 1e-8 beside one of 1.
     let mut rng = Rng::new(3);
@@ -172,7 +237,8 @@ fn a_small_variance_is_not_lost_beside_a_large_one() {
     });
     let found = pca(a.as_ref(), &PrincipalComponentsOptions::new()).unwrap();
     let [large, small] = [found.singular_values[0], found.singular_values[1]];
-    assert!(large > 9.0 && small > 0.0);
+    // Two columns of 50 rows of +-1, but for 1e-8: 10 = sqrt(2 * 50).
+    assert!((large - 10.0).abs() < 1e-9, "{large}");
     assert!(small / large > 2f64.powi(-28) && small / large < 2f64.powi(-26), "{small:e}");
 }
 

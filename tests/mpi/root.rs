@@ -271,7 +271,7 @@ fn threads(world: &World) {
         assert_eq!(once, run(Par::Seq));
         if is_root {
             let mut c = Mat::zeros(n, n);
-            catamaran::ata(0.3, a.as_ref(), 0.0, c.as_mut(), &options()).unwrap();
+            catamaran::ata_into(0.3, a.as_ref(), 0.0, c.as_mut(), &options()).unwrap();
             let error = (&once - &c).norm_max();
             assert!(error <= 1e-12 * m as f64, "{error}");
         }

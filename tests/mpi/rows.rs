@@ -145,6 +145,6 @@ fn sums(world: &World) {
     let own = world.rank() * 5..world.rank() * 5 + 5;
     let a = part::<f64>(own, 0..n);
     let mut c = Mat::zeros(n, n);
-    catamaran::ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options()).unwrap();
+    catamaran::ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options()).unwrap();
     check(world, &sum_symmetric(world, c.as_ref()).unwrap(), 1.0, m);
 }

@@ -9,7 +9,10 @@ use catamaran::faer::prelude::{Reborrow, ReborrowMut};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::product::{ata_planned, atb_planned, verify};
 use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
-use catamaran::{Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, ata, atb};
+use catamaran::{
+    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, aat_into, ata, ata_into, atb,
+    atb_into,
+};
 
 use crate::common::{AWKWARD, backends, bits, gaussian, integers, oracle};
 
@@ -152,7 +155,7 @@ fn c_may_have_any_strides() {
             let mut memory = vec![0.0; 4000];
             // SAFETY: 20 x 20 entries with strides 100 and 3 end below 19 * 100 + 19 * 3 < 4000.
             let mut c = unsafe { MatMut::from_raw_parts_mut(memory.as_mut_ptr(), 20, 20, 100, 3) };
-            ata(1.0, a.as_ref(), 0.0, c.rb_mut(), &options).unwrap();
+            ata_into(1.0, a.as_ref(), 0.0, c.rb_mut(), &options).unwrap();
             assert_eq!(c.rb().to_owned(), expected);
         }
     }
@@ -163,7 +166,7 @@ fn aat_is_ata_of_the_transpose() {
     let a = integers::<f64>(23, 31, 8);
     let mut c = Mat::zeros(23, 23);
     let options = deep(SchemeChoice::Rxtx).uplo(Uplo::Both);
-    aat(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    aat_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     let t = a.transpose();
     assert_eq!(c, oracle(1.0, t, None, t, 0.0, c.as_ref()));
 }
@@ -200,7 +203,7 @@ fn results_are_bitwise_equal_for_any_number_of_threads() {
             let run = |par| {
                 let mut c = Mat::zeros(n, n);
                 let options = deep(scheme).par(par).leaf(32);
-                ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+                ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
                 bits(c.as_ref())
             };
             let sequential = run(Par::Seq);
@@ -217,7 +220,7 @@ fn both_triangles_are_bitwise_symmetric() {
         let a = gaussian::<f32>(150, 131, 13);
         let mut c = Mat::zeros(131, 131);
         let options = deep(scheme).uplo(Uplo::Both).leaf(16);
-        ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+        ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
         assert_eq!(bits(c.as_ref()), bits(c.transpose()));
     }
 }
@@ -227,7 +230,7 @@ fn a_pinned_team_gives_the_same_result() {
     let a = gaussian::<f64>(200, 300, 14);
     let run = || {
         let mut c = Mat::zeros(300, 300);
-        ata(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Auto)).unwrap();
+        ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Auto)).unwrap();
         c
     };
     let team = ThreadPool::new(2, Pin::Cores).unwrap();
@@ -238,7 +241,7 @@ fn a_pinned_team_gives_the_same_result() {
 fn every_way_to_a_product_runs_on_pinned_threads_and_gives_the_same_result() {
     let a = gaussian::<f64>(400, 300, 17);
     type Way<'w> = &'w dyn Fn(MatMut<'_, f64>, &AtaOptions<'_>) -> Result<(), Error>;
-    let whole: Way<'_> = &|c, options| ata(1.0, a.as_ref(), 0.0, c, options);
+    let whole: Way<'_> = &|c, options| ata_into(1.0, a.as_ref(), 0.0, c, options);
     let rows: Way<'_> = &|c, options| {
         let mean = RowOptions::new().center(Center::Mean);
         ata_rows(1.0, &mut DenseRows(a.as_ref()), &mean, 0.0, c, options)
@@ -339,7 +342,7 @@ fn no_rows_leave_beta_c() {
     let options = AtaOptions::new().uplo(Uplo::Both);
     let a = Mat::<f64>::zeros(0, 3);
     let mut c = Mat::from_fn(3, 3, |i, j| (i + j) as f64);
-    ata(1.0, a.as_ref(), 2.0, c.as_mut(), &options).unwrap();
+    ata_into(1.0, a.as_ref(), 2.0, c.as_mut(), &options).unwrap();
     assert_eq!(c, Mat::from_fn(3, 3, |i, j| 2.0 * (i + j) as f64));
     let row_options = RowOptions::new().center(Center::Mean);
     ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.5, c.as_mut(), &options).unwrap();
@@ -351,14 +354,14 @@ fn wrong_shapes_name_the_argument_and_leave_c_alone() {
     let a = integers::<f64>(4, 3, 20);
     let options = AtaOptions::default();
     let mut c = Mat::<f64>::ones(2, 3);
-    let error = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap_err();
+    let error = ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap_err();
     assert_eq!(error, Error::Shape { what: "C", expected: (3, 3), got: (2, 3) });
     assert_eq!(error.to_string(), "C: expected 3 x 3, got 2 x 3");
     assert_eq!(c, Mat::<f64>::ones(2, 3));
 
     let b = integers::<f64>(5, 3, 21);
     let mut c = Mat::<f64>::ones(3, 3);
-    let error = atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options).unwrap_err();
+    let error = atb_into(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options).unwrap_err();
     assert_eq!(error, Error::Shape { what: "B", expected: (4, 3), got: (5, 3) });
 
     let short = RowOptions::new().weights(&[1.0][..]);
@@ -383,7 +386,7 @@ fn options_out_of_range_are_refused() {
         defaults().accuracy(Accuracy::Bounded(0.5)),
         defaults().accuracy(Accuracy::Bounded(f64::NAN)),
     ] {
-        let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
+        let result = ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
         assert!(matches!(result, Err(Error::Argument { .. })));
     }
 }
@@ -417,14 +420,14 @@ fn progress_ends_at_one_and_can_cancel() {
         ControlFlow::Continue(())
     };
     let options = deep(SchemeChoice::Ata2).progress(&note);
-    ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.is_sorted());
     assert!((seen.last().unwrap() - 1.0).abs() < 1e-12);
 
     let cancel = |_| ControlFlow::Break(());
     let options = deep(SchemeChoice::Ata2).progress(&cancel);
-    let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
+    let result = ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
     assert_eq!(result, Err(Error::Cancelled));
 }
 
@@ -435,7 +438,7 @@ fn verify_accepts_every_scheme_and_rejects_one_wrong_entry() {
         for uplo in [Uplo::Lower, Uplo::Upper, Uplo::Both] {
             let mut c = Mat::from_fn(150, 150, |_, _| f64::NAN);
             let options = deep(scheme).uplo(uplo).leaf(16);
-            ata(-2.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+            ata_into(-2.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             let check = |c: &Mat<f64>| verify(-2.0, a.as_ref(), c.as_ref(), uplo, 20, 1).unwrap();
             assert!(check(&c).passed, "{scheme:?} {uplo:?} {:?}", check(&c));
             let (i, j) = if uplo == Uplo::Upper { (3, 77) } else { (77, 3) };
@@ -460,7 +463,7 @@ fn default_accuracy_stays_within_four_times_the_classical_error() {
             let mut c = Mat::<f32>::zeros(n, n);
             let options =
                 AtaOptions::new().uplo(Uplo::Both).scheme(scheme).accuracy(accuracy).leaf(64);
-            ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+            ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             Mat::from_fn(n, n, |i, j| f64::from(c[(i, j)]) - exact[(i, j)]).norm_max()
         };
         let classical = error(SchemeChoice::Classical, Accuracy::Classical);
@@ -478,7 +481,7 @@ fn classical_accuracy_keeps_an_infinity_in_its_row_and_column() {
     a[(5, 9)] = f64::INFINITY;
     let mut c = Mat::zeros(n, n);
     let options = AtaOptions::new().accuracy(Accuracy::Classical).leaf(8).uplo(Uplo::Both);
-    ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     for j in 0..n {
         for i in 0..n {
             assert_eq!(c[(i, j)].is_finite(), i != 9 && j != 9);
@@ -534,12 +537,12 @@ fn a_progress_callback_may_use_the_threads_itself() {
     let a = gaussian::<f64>(64, 64, 30);
     let work = |_| {
         let mut c = Mat::zeros(64, 64);
-        ata(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Winograd)).unwrap();
+        ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Winograd)).unwrap();
         ControlFlow::Continue(())
     };
     let mut c = Mat::zeros(64, 64);
     let options = deep(SchemeChoice::Winograd).progress(&work);
-    ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
 }
 
 #[test]
@@ -550,10 +553,34 @@ fn products_without_rows_or_columns_take_any_number_of_the_others() {
     let none = Mat::<f64>::zeros(0, 9000);
     let empty = Mat::<f64>::zeros(0, 3);
     let options = AtaOptions::default();
-    atb(1.0, none.as_ref(), empty.as_ref(), 1.0, c.as_mut(), &options).unwrap();
+    atb_into(1.0, none.as_ref(), empty.as_ref(), 1.0, c.as_mut(), &options).unwrap();
     assert_eq!(c, b);
-    atb(1.0, none.as_ref(), empty.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    atb_into(1.0, none.as_ref(), empty.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     assert_eq!(c, Mat::<f64>::zeros(9000, 3));
     let mut nothing = Mat::<f64>::zeros(0, 3);
-    atb(1.0, none.transpose(), b.as_ref(), 0.0, nothing.as_mut(), &options).unwrap();
+    atb_into(1.0, none.transpose(), b.as_ref(), 0.0, nothing.as_mut(), &options).unwrap();
+}
+
+#[test]
+fn products_in_a_new_matrix_are_those_of_the_default_options() {
+    let (a, b) = (integers::<f64>(40, 30, 32), integers::<f64>(40, 20, 33));
+    let both = AtaOptions::new().uplo(Uplo::Both);
+    let mut c = Mat::zeros(30, 30);
+    ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &both).unwrap();
+    assert_eq!(ata(&a).unwrap(), c);
+    assert_eq!(ata(a.as_ref()).unwrap(), c);
+    assert_eq!(aat(a.transpose()).unwrap(), c);
+    // A view with a negative stride: the sums are of integers, in any order.
+    assert_eq!(ata(a.as_ref().reverse_rows()).unwrap(), c);
+    let mut c = Mat::zeros(30, 20);
+    atb_into(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &AtaOptions::new()).unwrap();
+    assert_eq!(atb(&a, &b).unwrap(), c);
+    assert_eq!(ata(Mat::<f32>::zeros(0, 3)).unwrap(), Mat::<f32>::zeros(3, 3));
+    assert_eq!(ata(Mat::<f32>::zeros(3, 0)).unwrap().shape(), (0, 0));
+}
+
+#[test]
+fn a_product_in_a_new_matrix_names_the_matrix_of_another_shape() {
+    let (a, b) = (integers::<f64>(4, 3, 34), integers::<f64>(5, 3, 35));
+    assert!(matches!(atb(&a, &b), Err(Error::Shape { what: "B", .. })));
 }

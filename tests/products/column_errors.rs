@@ -7,7 +7,7 @@ use catamaran::blas::{Backend, BlasReal, native_with};
 use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::packed::{FloatIsa, Rates};
 use catamaran::rows::{DenseRows, RowOptions, ata_rows};
-use catamaran::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, ata, atb};
+use catamaran::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, ata_into, atb_into};
 
 use crate::common::{backends, gaussian};
 
@@ -129,12 +129,12 @@ fn check<T: BlasReal>(options: &AtaOptions<'_>, smallest: i32, what: &str) {
         let name = format!("{what}, {}, {powers:?}", T::NAME);
 
         let mut c = Mat::from_fn(n, n, |_, _| T::ZERO);
-        ata(T::ONE, sa.as_ref(), T::ZERO, c.as_mut(), options).unwrap();
+        ata_into(T::ONE, sa.as_ref(), T::ZERO, c.as_mut(), options).unwrap();
         let error = gram.error(c.as_ref(), &powers, &powers, true);
         assert!(error <= FACTOR, "ata, {name}: {error}");
 
         let mut d = Mat::from_fn(n, k, |_, _| T::ZERO);
-        atb(T::ONE, sa.as_ref(), sb.as_ref(), T::ZERO, d.as_mut(), options).unwrap();
+        atb_into(T::ONE, sa.as_ref(), sb.as_ref(), T::ZERO, d.as_mut(), options).unwrap();
         let error = product.error(d.as_ref(), &powers, &b_powers, false);
         assert!(error <= FACTOR, "atb, {name}: {error}");
 
@@ -180,7 +180,7 @@ fn a_column_that_is_not_finite_spoils_its_own_products_alone() {
                 let mut spoilt = a.clone();
                 spoilt[(77, 20)] = bad;
                 let mut c = Mat::zeros(64, 64);
-                ata(1.0, spoilt.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+                ata_into(1.0, spoilt.as_ref(), 0.0, c.as_mut(), &options).unwrap();
                 for j in 0..64 {
                     for i in 0..64 {
                         assert_eq!(c[(i, j)].is_finite(), i != 20 && j != 20, "({i}, {j})");
@@ -196,9 +196,9 @@ fn scaling_changes_nothing_for_columns_of_one_size() {
     let a = gaussian::<f64>(150, 64, 4);
     let options = AtaOptions::new().scheme(SchemeChoice::Winograd).leaf(8);
     let (mut plain, mut scaled) = (Mat::zeros(64, 64), Mat::zeros(64, 64));
-    ata(1.0, a.as_ref(), 0.0, plain.as_mut(), &options).unwrap();
+    ata_into(1.0, a.as_ref(), 0.0, plain.as_mut(), &options).unwrap();
     let a = Mat::from_fn(150, 64, |i, j| a[(i, j)] * 2_f64.powi(500));
-    ata(1.0, a.as_ref(), 0.0, scaled.as_mut(), &options).unwrap();
+    ata_into(1.0, a.as_ref(), 0.0, scaled.as_mut(), &options).unwrap();
     assert_eq!(scaled, Mat::from_fn(64, 64, |i, j| plain[(i, j)] * 2_f64.powi(1000)));
 }
 
@@ -212,11 +212,11 @@ fn with_alpha_zero_nothing_is_read() {
                 let options = options.clone().accuracy(accuracy);
                 for (beta, expected) in [(1.0, 1.0), (0.0, 0.0), (-2.0, -2.0)] {
                     let mut c = Mat::from_fn(64, 64, |i, j| if i >= j { 1.0 } else { f64::NAN });
-                    ata(0.0, a.as_ref(), beta, c.as_mut(), &options).unwrap();
+                    ata_into(0.0, a.as_ref(), beta, c.as_mut(), &options).unwrap();
                     assert!((0..64).all(|i| c[(i, i / 2)] == expected), "{name}");
                     assert!((1..64).all(|j| c[(j - 1, j)].is_nan()), "{name}");
                     let mut d = Mat::from_fn(64, 64, |_, _| 1.0);
-                    atb(0.0, a.as_ref(), a.as_ref(), beta, d.as_mut(), &options).unwrap();
+                    atb_into(0.0, a.as_ref(), a.as_ref(), beta, d.as_mut(), &options).unwrap();
                     assert!(d == Mat::from_fn(64, 64, |_, _| expected), "{name}");
                 }
             }

@@ -8,7 +8,9 @@ use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
 use catamaran::faer::{Mat, MatMut, MatRef, Scale, c32, c64};
 use catamaran::product::{ComplexPlan, aha_planned, ahb_planned};
-use catamaran::{Accuracy, AtaOptions, Error, Par, SchemeChoice, Uplo, aha, ahb};
+use catamaran::{
+    Accuracy, AtaOptions, Error, Par, SchemeChoice, Uplo, aha, aha_into, ahb, ahb_into,
+};
 
 use crate::common::{AWKWARD, backends, bits};
 
@@ -96,7 +98,7 @@ fn check_aha<T: BlasReal>(a: MatRef<'_, Complex<T>>, uplo: Uplo, options: &AtaOp
         });
         let options = options.clone().uplo(uplo);
         let factor = |x: i64| T::from_f64(x as f64);
-        aha(factor(alpha), a, factor(beta), c.as_mut(), &options).unwrap();
+        aha_into(factor(alpha), a, factor(beta), c.as_mut(), &options).unwrap();
         for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
             let context = || format!("{:?} {uplo:?} {}x{n} ({i}, {j})", options.scheme, a.nrows());
             if !wanted(i, j) {
@@ -158,10 +160,11 @@ fn more_rows_than_a_block_are_summed_block_by_block() {
     for scheme in [SchemeChoice::Auto, SchemeChoice::Exact] {
         let options = AtaOptions::new().scheme(scheme).uplo(Uplo::Both);
         let mut c = zeros(11, 11);
-        aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+        aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
         let mut d = zeros(11, 2);
         let b = a.as_ref().subcols(3, 2);
-        ahb(complex(1.0, 0.0), a.as_ref(), b, complex(0.0, 0.0), d.as_mut(), &options).unwrap();
+        ahb_into(complex(1.0, 0.0), a.as_ref(), b, complex(0.0, 0.0), d.as_mut(), &options)
+            .unwrap();
         for i in 0..11 {
             for j in 0..=i {
                 let [re, im] = dot(a.as_ref(), a.as_ref(), i, j);
@@ -189,7 +192,7 @@ fn ahb_is_exact_on_gaussian_integers_with_complex_factors() {
                     let factor = |s: [i64; 2]| complex(s[0] as f64, s[1] as f64);
                     let (av, bv) = (a.as_ref(), b.as_ref());
                     let options = deep(scheme);
-                    ahb(factor(alpha), av, bv, factor(beta), c.as_mut(), &options).unwrap();
+                    ahb_into(factor(alpha), av, bv, factor(beta), c.as_mut(), &options).unwrap();
                     for (i, j) in (0..n).flat_map(|i| (0..k).map(move |j| (i, j))) {
                         let new = product(alpha, dot(av, bv, i, j));
                         let kept = [old[(i, j)].re as i64, old[(i, j)].im as i64];
@@ -228,7 +231,7 @@ fn any_strides_are_taken() {
         let mut c = zeros::<f64>(7, view.ncols());
         let (one, zero) = (complex(1.0, 0.0), complex(0.0, 0.0));
         let turned = c.as_mut().transpose_mut().reverse_rows_mut();
-        ahb(one, view, b.as_ref(), zero, turned, &options).unwrap();
+        ahb_into(one, view, b.as_ref(), zero, turned, &options).unwrap();
         for i in 0..view.ncols() {
             for j in 0..7 {
                 let right = dot(view, b.as_ref(), view.ncols() - 1 - i, j);
@@ -250,7 +253,7 @@ fn c_may_have_any_strides() {
                 let start = memory.as_mut_ptr().add(if col_stride < 0 { 30 } else { 60 });
                 MatMut::from_raw_parts_mut(start, 20, 20, row_stride, col_stride)
             };
-            aha(1.0, a.as_ref(), 0.0, c, &AtaOptions::new().uplo(uplo)).unwrap();
+            aha_into(1.0, a.as_ref(), 0.0, c, &AtaOptions::new().uplo(uplo)).unwrap();
             let mut written = 0;
             for (i, j) in (0..20).flat_map(|i| (0..20).map(move |j| (i, j))) {
                 let start = if col_stride < 0 { 30 } else { 60 };
@@ -278,8 +281,8 @@ fn both_triangles_are_conjugates_bit_for_bit_and_the_diagonal_is_real() {
         let a = gaussian::<f32>(150, 231, 12);
         let mut c = zeros(231, 231);
         let options = deep(scheme).uplo(Uplo::Both).leaf(16);
-        aha(1.5, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
-        aha(-0.3, a.as_ref(), 0.7, c.as_mut(), &options).unwrap();
+        aha_into(1.5, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+        aha_into(-0.3, a.as_ref(), 0.7, c.as_mut(), &options).unwrap();
         for (i, j) in (0..231).flat_map(|i| (0..i).map(move |j| (i, j))) {
             let (below, above): (c32, c32) = (c[(i, j)], c[(j, i)]);
             assert_eq!(below.re.to_bits(), above.re.to_bits());
@@ -297,9 +300,9 @@ fn results_are_bitwise_equal_for_any_number_of_threads() {
             let run = |options: AtaOptions<'_>| {
                 let options = options.uplo(Uplo::Both).leaf(32);
                 let (mut c, mut d) = (zeros(n, n), gaussian(n, 23, 15));
-                aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+                aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
                 let (alpha, beta) = (c64::new(0.3, -1.0), c64::new(0.7, 0.1));
-                ahb(alpha, a.as_ref(), b.as_ref(), beta, d.as_mut(), &options).unwrap();
+                ahb_into(alpha, a.as_ref(), b.as_ref(), beta, d.as_mut(), &options).unwrap();
                 (all_bits(c.as_ref()), all_bits(d.as_ref()))
             };
             let sequential = run(deep(scheme).par(Par::Seq));
@@ -364,8 +367,8 @@ fn errors<T: BlasReal>(
 ) -> [f64; 2] {
     let options = options.clone().uplo(Uplo::Both);
     let (mut c, mut d) = (zeros(a.ncols(), a.ncols()), zeros(a.ncols(), b.ncols()));
-    aha(T::ONE, a, T::ZERO, c.as_mut(), &options).unwrap();
-    ahb(complex(1.0, 0.0), a, b, complex(0.0, 0.0), d.as_mut(), &options).unwrap();
+    aha_into(T::ONE, a, T::ZERO, c.as_mut(), &options).unwrap();
+    ahb_into(complex(1.0, 0.0), a, b, complex(0.0, 0.0), d.as_mut(), &options).unwrap();
     [error(a, a, c.as_ref()), error(a, b, d.as_ref())]
 }
 
@@ -423,7 +426,7 @@ fn small_imaginary_parts_keep_their_digits() {
     let a = Mat::from_fn(200, 40, |i, j| c64::new(noise[(i, j)].re, 1e-12 * noise[(i, j)].im));
     let mut c = zeros(40, 40);
     let options = AtaOptions::new().scheme(SchemeChoice::Classical);
-    aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     for (i, j) in (0..40).flat_map(|i| (0..i).map(move |j| (i, j))) {
         let (high, low) = exact_dot(a.as_ref(), a.as_ref(), i, j)[1];
         let error = ((c[(i, j)].im - high) - low).abs();
@@ -438,7 +441,7 @@ fn the_exact_path_cancels_imaginary_parts_before_it_rounds() {
     let a = Mat::from_fn(300, 40, |i, j| c64::new(g[(i, j)].re, 2.0 * g[(i, j)].re));
     let mut c = zeros(40, 40);
     let options = AtaOptions::new().accuracy(Accuracy::Max);
-    aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     for (i, j) in (0..40).flat_map(|i| (0..=i).map(move |j| (i, j))) {
         let norms = (c[(i, i)].re * c[(j, j)].re).sqrt();
         assert!(c[(i, j)].im.abs() <= 0.1 * f64::EPSILON * norms, "({i}, {j}): {}", c[(i, j)]);
@@ -450,9 +453,9 @@ fn products_agree_with_those_of_faer() {
     let (a, b) = (gaussian::<f64>(120, 50, 22), gaussian::<f64>(120, 31, 23));
     let (mut c, mut d) = (zeros(50, 50), zeros(50, 31));
     let options = AtaOptions::new().uplo(Uplo::Both);
-    aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     let (alpha, zero) = (c64::new(0.5, 2.0), c64::new(0.0, 0.0));
-    ahb(alpha, a.as_ref(), b.as_ref(), zero, d.as_mut(), &options).unwrap();
+    ahb_into(alpha, a.as_ref(), b.as_ref(), zero, d.as_mut(), &options).unwrap();
     let difference = (c - a.adjoint() * &a).norm_max();
     assert!(difference < 1e-12, "{difference:e}");
     let difference = (d - Scale(alpha) * (a.adjoint() * &b)).norm_max();
@@ -472,14 +475,14 @@ fn golden<T: BlasReal>() -> [u64; 2] {
     let a = Mat::from_fn(333, 77, |_, _| complex::<T>(part(), part()));
     let options = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
     let (mut c, mut d) = (zeros(77, 77), zeros(77, 33));
-    aha(T::from_f64(0.3), a.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
+    aha_into(T::from_f64(0.3), a.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
     let b = a.as_ref().subcols(11, 33);
-    ahb(complex(0.3, 0.7), a.as_ref(), b, complex(0.0, 0.0), d.as_mut(), &options).unwrap();
+    ahb_into(complex(0.3, 0.7), a.as_ref(), b, complex(0.0, 0.0), d.as_mut(), &options).unwrap();
     // The bytes do not depend on layouts either.
     let by_rows = a.transpose().to_owned();
     let mut again = zeros(77, 77);
     let turned = again.as_mut().transpose_mut();
-    aha(T::from_f64(0.3), by_rows.transpose(), T::ZERO, turned, &options).unwrap();
+    aha_into(T::from_f64(0.3), by_rows.transpose(), T::ZERO, turned, &options).unwrap();
     assert_eq!(all_bits(again.transpose()), all_bits(c.as_ref()));
     [checksum(c.as_ref()), checksum(d.as_ref())]
 }
@@ -520,10 +523,10 @@ fn nan_and_infinities_do_what_they_do_term_by_term() {
         for uplo in UPLOS {
             let mut c = zeros(n, n);
             let options = AtaOptions::new().scheme(scheme).uplo(uplo);
-            aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+            aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             let mut d = zeros(n, n);
             let (one, zero) = (c64::new(1.0, 0.0), c64::new(0.0, 0.0));
-            ahb(one, a.as_ref(), a.as_ref(), zero, d.as_mut(), &options).unwrap();
+            ahb_into(one, a.as_ref(), a.as_ref(), zero, d.as_mut(), &options).unwrap();
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let [re, im] = by_definition(i, j);
                 let context = format!("{scheme:?} {uplo:?} ({i}, {j}), {re} {im}");
@@ -546,7 +549,8 @@ fn alpha_zero_and_no_rows_leave_beta_c() {
         for options in [AtaOptions::new(), AtaOptions::new().reproducible(true)] {
             let old = integers::<f64>(70, 70, 25);
             let mut c = old.clone();
-            aha(alpha, a.as_ref(), 2.0, c.as_mut(), &options.clone().uplo(Uplo::Both)).unwrap();
+            aha_into(alpha, a.as_ref(), 2.0, c.as_mut(), &options.clone().uplo(Uplo::Both))
+                .unwrap();
             for (i, j) in (0..70).flat_map(|i| (0..i).map(move |j| (i, j))) {
                 assert_eq!(c[(i, j)], old[(i, j)] * 2.0);
                 assert_eq!(c[(j, i)], old[(i, j)].conj() * 2.0);
@@ -554,9 +558,9 @@ fn alpha_zero_and_no_rows_leave_beta_c() {
             }
             let (mut d, beta) = (old.clone(), c64::new(0.0, 1.0));
             let (av, alpha) = (a.as_ref(), c64::new(alpha, alpha));
-            ahb(alpha, av, av, beta, d.as_mut(), &options).unwrap();
+            ahb_into(alpha, av, av, beta, d.as_mut(), &options).unwrap();
             assert_eq!(d, Mat::from_fn(70, 70, |i, j| c64::new(-old[(i, j)].im, old[(i, j)].re)));
-            ahb(alpha, av, av, c64::new(0.0, 0.0), d.as_mut(), &options).unwrap();
+            ahb_into(alpha, av, av, c64::new(0.0, 0.0), d.as_mut(), &options).unwrap();
             assert_eq!(d, zeros(70, 70));
         }
     }
@@ -568,10 +572,10 @@ fn an_infinite_part_stays_in_its_part_when_the_factor_is_real() {
     let b = Mat::full(1, 1, c64::new(2.0, 1.0));
     let (two, zero) = (c64::new(2.0, 0.0), c64::new(0.0, 0.0));
     let mut c = zeros(1, 1);
-    ahb(two, a.as_ref(), b.as_ref(), zero, c.as_mut(), &AtaOptions::new()).unwrap();
+    ahb_into(two, a.as_ref(), b.as_ref(), zero, c.as_mut(), &AtaOptions::new()).unwrap();
     assert_eq!(c[(0, 0)], c64::new(f64::INFINITY, f64::INFINITY));
     let b = Mat::full(1, 1, c64::new(2.0, 0.0));
-    ahb(two, a.as_ref(), b.as_ref(), zero, c.as_mut(), &AtaOptions::new()).unwrap();
+    ahb_into(two, a.as_ref(), b.as_ref(), zero, c.as_mut(), &AtaOptions::new()).unwrap();
     assert_eq!(c[(0, 0)], c64::new(f64::INFINITY, 0.0));
 }
 
@@ -581,20 +585,20 @@ fn wrong_arguments_are_named_and_leave_c_alone() {
     let (one, zero) = (c64::new(1.0, 0.0), c64::new(0.0, 0.0));
     let (a, b) = (integers::<f64>(4, 3, 26), integers::<f64>(5, 3, 27));
     let mut c = Mat::full(2, 3, one);
-    let found = aha(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
+    let found = aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
     assert_eq!(found, Err(Error::Shape { what: "C", expected: (3, 3), got: (2, 3) }));
-    let found = ahb(one, a.as_ref(), a.as_ref(), zero, c.as_mut(), &options);
+    let found = ahb_into(one, a.as_ref(), a.as_ref(), zero, c.as_mut(), &options);
     assert_eq!(found, Err(Error::Shape { what: "C", expected: (3, 3), got: (2, 3) }));
-    let found = ahb(one, a.as_ref(), b.as_ref(), zero, c.as_mut(), &options);
+    let found = ahb_into(one, a.as_ref(), b.as_ref(), zero, c.as_mut(), &options);
     assert_eq!(found, Err(Error::Shape { what: "B", expected: (4, 3), got: (5, 3) }));
     let mut c = Mat::full(3, 3, one);
     for rows in [0, 4] {
         let a = a.as_ref().subrows(0, rows);
         let wrong = options.clone().tasks(0);
-        let found = aha(1.0, a, 0.0, c.as_mut(), &wrong);
+        let found = aha_into(1.0, a, 0.0, c.as_mut(), &wrong);
         assert!(matches!(found, Err(Error::Argument { what: "tasks", .. })), "{found:?}");
         let wrong = options.clone().scheme(SchemeChoice::Rxtx).reproducible(true);
-        let found = ahb(one, a, a, zero, c.as_mut(), &wrong);
+        let found = ahb_into(one, a, a, zero, c.as_mut(), &wrong);
         assert!(matches!(found, Err(Error::Argument { what: "scheme", .. })), "{found:?}");
     }
     assert_eq!(c, Mat::full(3, 3, one));
@@ -605,8 +609,8 @@ fn progress_never_decreases_and_cancelling_leaves_c_alone() {
     let a = gaussian::<f64>(700, 300, 28);
     let (one, zero) = (c64::new(1.0, 0.0), c64::new(0.0, 0.0));
     type Call<'c> = &'c dyn Fn(MatMut<'_, c64>, &AtaOptions<'_>) -> Result<(), Error>;
-    let hermitian: Call<'_> = &|c, options| aha(1.0, a.as_ref(), 0.0, c, options);
-    let general: Call<'_> = &|c, options| ahb(one, a.as_ref(), a.as_ref(), zero, c, options);
+    let hermitian: Call<'_> = &|c, options| aha_into(1.0, a.as_ref(), 0.0, c, options);
+    let general: Call<'_> = &|c, options| ahb_into(one, a.as_ref(), a.as_ref(), zero, c, options);
     for call in [hermitian, general] {
         for scheme in [SchemeChoice::Auto, SchemeChoice::Kgp4, SchemeChoice::Exact] {
             let told = Mutex::new(Vec::new());
@@ -688,4 +692,18 @@ fn plans_of_other_complex_products_are_refused() {
     assert!(matches!(run(&plan), Err(Error::Argument { what: "plan", .. })));
     let plan = ComplexPlan::ahb::<f64>(5, 3, 3, &options).unwrap();
     assert!(matches!(run(&plan), Err(Error::Shape { what: "A", .. })));
+}
+
+#[test]
+fn complex_products_in_a_new_matrix_are_those_of_the_default_options() {
+    let (a, b) = (integers::<f32>(20, 6, 44), integers::<f32>(20, 4, 45));
+    let mut c = zeros::<f32>(6, 6);
+    let both = AtaOptions::new().uplo(Uplo::Both);
+    aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &both).unwrap();
+    assert_eq!(aha(&a).unwrap(), c);
+    let mut d = zeros::<f32>(6, 4);
+    let (one, zero) = (complex(1.0, 0.0), complex(0.0, 0.0));
+    ahb_into(one, a.as_ref(), b.as_ref(), zero, d.as_mut(), &AtaOptions::new()).unwrap();
+    assert_eq!(ahb(&a, &b).unwrap(), d);
+    assert!(matches!(ahb(&a, b.subrows(0, 19)), Err(Error::Shape { what: "B", .. })));
 }

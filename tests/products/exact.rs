@@ -5,7 +5,8 @@ use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 use catamaran::{
-    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata, atb, kernel::int8::IntegerIsa,
+    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata_into, atb_into,
+    kernel::int8::IntegerIsa,
 };
 
 use crate::common::{bits, gaussian};
@@ -16,7 +17,7 @@ fn reproducible() -> AtaOptions<'static> {
 
 fn product<T: BlasReal>(a: MatRef<'_, T>, options: &AtaOptions<'_>) -> Mat<T> {
     let mut c = Mat::from_fn(a.ncols(), a.ncols(), |_, _| T::ZERO);
-    ata(T::ONE, a, T::ZERO, c.as_mut(), options).unwrap();
+    ata_into(T::ONE, a, T::ZERO, c.as_mut(), options).unwrap();
     c
 }
 
@@ -64,7 +65,7 @@ fn golden<T: BlasReal>(accuracy: Accuracy) -> u64 {
     let options = reproducible().accuracy(accuracy);
     let start = uniform::<T>(n, n, 43);
     let mut c = Mat::from_fn(n, n, |i, j| start[(i.max(j), i.min(j))]);
-    ata(T::from_f64(0.3), a.as_ref(), T::from_f64(0.7), c.as_mut(), &options).unwrap();
+    ata_into(T::from_f64(0.3), a.as_ref(), T::from_f64(0.7), c.as_mut(), &options).unwrap();
     checksum(c.as_ref())
 }
 
@@ -159,7 +160,7 @@ fn nan_and_infinities_reach_exactly_the_entries_that_they_should() {
     let b =
         Mat::from_fn(m, 30, |i, j| if (i, j) == (50, 11) { f64::INFINITY } else { clean[(i, j)] });
     let mut c = Mat::zeros(n, 30);
-    atb(-2.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &reproducible()).unwrap();
+    atb_into(-2.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &reproducible()).unwrap();
     for j in 0..30 {
         for i in 0..n {
             let right = -2.0 * by_definition(a.as_ref(), b.as_ref(), i, j);
@@ -214,7 +215,7 @@ fn a_large_product_of_infinities_is_infinite() {
 fn alpha_zero_does_not_look_at_a() {
     let a = Mat::from_fn(10, 4, |_, _| f64::NAN);
     let mut c = Mat::from_fn(4, 4, |i, j| (i * j) as f64);
-    ata(0.0, a.as_ref(), 2.0, c.as_mut(), &reproducible()).unwrap();
+    ata_into(0.0, a.as_ref(), 2.0, c.as_mut(), &reproducible()).unwrap();
     assert_eq!(c, Mat::from_fn(4, 4, |i, j| 2.0 * (i * j) as f64));
 }
 
@@ -385,7 +386,7 @@ fn check_errors_of_general_products<T: BlasReal>() {
         let error = |scheme| {
             let options = AtaOptions::new().scheme(scheme);
             let mut c = Mat::from_fn(n, k, |_, _| T::ZERO);
-            atb(T::ONE, a.as_ref(), b.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
+            atb_into(T::ONE, a.as_ref(), b.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
             error(&a, &b, &c)
         };
         let (exact, classical) = (error(SchemeChoice::Exact), error(SchemeChoice::Classical));
@@ -427,7 +428,7 @@ fn no_other_scheme_is_reproducible() {
     for (name, scheme) in SchemeChoice::NAMES {
         let options = reproducible().scheme(scheme);
         let mut c = Mat::<f64>::zeros(3, 3);
-        let result = ata(1.0, Mat::ones(4, 3).as_ref(), 0.0, c.as_mut(), &options);
+        let result = ata_into(1.0, Mat::ones(4, 3).as_ref(), 0.0, c.as_mut(), &options);
         match scheme {
             SchemeChoice::Auto | SchemeChoice::Exact => assert_eq!(result, Ok(()), "{name}"),
             _ => assert!(matches!(result, Err(Error::Argument { what: "scheme", .. })), "{name}"),
@@ -451,5 +452,5 @@ fn it_can_be_cancelled_and_tells_how_far_it_is() {
     let stop = |_: f64| ControlFlow::Break(());
     let mut c = Mat::zeros(300, 300);
     let options = reproducible().progress(&stop);
-    assert_eq!(ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options), Err(Error::Cancelled));
+    assert_eq!(ata_into(1.0, a.as_ref(), 0.0, c.as_mut(), &options), Err(Error::Cancelled));
 }

@@ -2,7 +2,7 @@
 
 use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
-use catamaran::faer::Mat;
+use catamaran::faer::{Mat, MatRef};
 use catamaran::rows::{Accumulator, DenseRows, ExtendedGram, RowBounds, stream};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 use num_bigint::BigInt;
@@ -198,8 +198,7 @@ fn any_cut_and_any_merge_give_the_same_bytes() {
     let bounds = RowBounds::of(&mut DenseRows(all.as_ref()), None, 8, &options).unwrap();
     let part = |rows: std::ops::Range<usize>| {
         let mut sum = Accumulator::<f64>::extended(&bounds, true).unwrap();
-        let mut block: Vec<f64> = a[rows.clone()].concat();
-        sum.add_block(rows.len(), &mut block, None, &options).unwrap();
+        sum.add_block(all.subrows(rows.start, rows.len()), None, &options).unwrap();
         // As a file, too.
         let mut bytes = Vec::new();
         sum.write(&mut bytes).unwrap();
@@ -208,9 +207,8 @@ fn any_cut_and_any_merge_give_the_same_bytes() {
     let mut sum = part(50..90);
     sum.merge(part(0..50)).unwrap();
     assert!(sum.is_extended() && sum.is_exact());
-    let mut more: Vec<f64> = a[..9].concat();
-    sum.add_block(9, &mut more.clone(), None, &options).unwrap();
-    sum.remove_block(9, &mut more, None, &options).unwrap();
+    sum.add_block(all.subrows(0, 9), None, &options).unwrap();
+    sum.remove_block(all.subrows(0, 9), None, &options).unwrap();
     // Its value in f64 is the first of the parts.
     let mut bytes = Vec::new();
     sum.write(&mut bytes).unwrap();
@@ -231,7 +229,8 @@ fn sums_on_other_bounds_merge_exactly() {
     let of = |bound: f64, rows: &[f64]| {
         let bounds = RowBounds::new(vec![-bound], vec![bound], 100).unwrap();
         let mut sum = Accumulator::<f64>::extended(&bounds, false).unwrap();
-        sum.add_block(rows.len(), &mut rows.to_vec(), None, &options).unwrap();
+        let rows = MatRef::from_column_major_slice(rows, rows.len(), 1);
+        sum.add_block(rows, None, &options).unwrap();
         sum
     };
     let mut sum = of(1024.0, &[1000.0, 3.0]);

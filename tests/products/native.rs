@@ -7,7 +7,7 @@ use std::sync::Arc;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::kernel::packed::{FloatIsa, Rates};
 use catamaran::product::{ata_planned, atb_planned};
-use catamaran::{AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, atb};
+use catamaran::{AtaOptions, Par, Plan, SchemeChoice, Uplo, aat_into, ata_into, atb_into};
 
 use crate::common::{bits, gaussian, integers, oracle};
 
@@ -245,7 +245,7 @@ fn a_a_transposed_is_that_of_the_transpose() {
     let square = product(&t, None, &t);
     for options in all_options(16) {
         check::<f64>(&square, wanted(options.uplo), |alpha, beta, c| {
-            aat(alpha, a.as_ref(), beta, c, &options).unwrap();
+            aat_into(alpha, a.as_ref(), beta, c, &options).unwrap();
         });
     }
 }
@@ -260,8 +260,8 @@ fn check_threads<T: BlasReal>(m: usize, n: usize, k: usize) {
         let results = |threads| {
             let options = options.clone().threads(threads);
             let (mut c, mut d) = (zeros::<T>(n, n), zeros::<T>(n, k));
-            ata(T::ONE, a.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
-            atb(T::ONE, a.as_ref(), b.as_ref(), T::ZERO, d.as_mut(), &options).unwrap();
+            ata_into(T::ONE, a.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
+            atb_into(T::ONE, a.as_ref(), b.as_ref(), T::ZERO, d.as_mut(), &options).unwrap();
             (bits(c.as_ref()), bits(d.as_ref()))
         };
         let alone = results(1);
@@ -306,7 +306,7 @@ fn check_errors<T: BlasReal>(name: &str, a: &Mat<T>) {
             let plan = Plan::ata::<T>(a.nrows(), n, &options).unwrap();
             assert_eq!(plan.is_fast(), scheme != SchemeChoice::Classical);
             let mut c = zeros::<T>(n, n);
-            ata(T::ONE, a.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
+            ata_into(T::ONE, a.as_ref(), T::ZERO, c.as_mut(), &options).unwrap();
             let lower = (0..n).flat_map(|j| (j..n).map(move |i| (i, j)));
             lower.map(|at| (c[at].to_f64() - exact[at]).abs()).fold(0.0, f64::max)
         };
@@ -348,8 +348,8 @@ fn scaled_columns_do_not_spoil_each_other() {
                 AtaOptions::new().backend(backend.clone()).scheme(scheme).leaf(6).uplo(Uplo::Both);
             let run = |options: &AtaOptions<'_>| {
                 let (mut c, mut d) = (zeros::<f64>(47, 47), zeros::<f64>(47, 33));
-                ata(1.0, ga.as_ref(), 0.0, c.as_mut(), options).unwrap();
-                atb(1.0, ga.as_ref(), gb.as_ref(), 0.0, d.as_mut(), options).unwrap();
+                ata_into(1.0, ga.as_ref(), 0.0, c.as_mut(), options).unwrap();
+                atb_into(1.0, ga.as_ref(), gb.as_ref(), 0.0, d.as_mut(), options).unwrap();
                 (c, d)
             };
             let (c, d) = run(&options);

@@ -1,7 +1,7 @@
 //! Random shapes, strides and options (proptest).
 
 use catamaran::faer::{Mat, MatRef};
-use catamaran::{Accuracy, AtaOptions, SchemeChoice, Uplo, ata, atb};
+use catamaran::{Accuracy, AtaOptions, SchemeChoice, Uplo, ata_into, atb_into};
 use proptest::prelude::*;
 
 use crate::common::{backends, integers, oracle};
@@ -61,7 +61,7 @@ proptest! {
         let uplo = [Uplo::Lower, Uplo::Upper, Uplo::Both][uplo];
         let options = AtaOptions::new().uplo(uplo).threads(threads).scheme(SchemeChoice::NAMES[scheme].1).accuracy(Accuracy::Fast).backend(backends()[backend].clone()).leaf(leaf).tasks(tasks);
         let mut c = start.clone();
-        ata(alpha, a, beta, c.as_mut(), &options).unwrap();
+        ata_into(alpha, a, beta, c.as_mut(), &options).unwrap();
         let full = oracle(alpha, a, None, a, beta, start.as_ref());
         let expected = Mat::from_fn(n, n, |i, j| {
             let wanted = match uplo {
@@ -90,7 +90,7 @@ proptest! {
         let b = view(&right, m, k, steps, (flips.1, flips.2, flips.0));
         let options = AtaOptions::new().threads(2).scheme(SchemeChoice::NAMES[scheme].1).accuracy(Accuracy::Fast).backend(backends()[backend].clone()).leaf(leaf).tasks(tasks);
         let mut c = Mat::from_fn(n, k, |_, _| f64::NAN);
-        atb(1.0, a, b, 0.0, c.as_mut(), &options).unwrap();
+        atb_into(1.0, a, b, 0.0, c.as_mut(), &options).unwrap();
         prop_assert_eq!(c, oracle(1.0, a, None, b, 0.0, Mat::zeros(n, k).as_ref()));
     }
 }

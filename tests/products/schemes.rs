@@ -1,6 +1,6 @@
 //! Every table is proven by the Brent equations over the integers.
 
-use catamaran::product::scheme::{ProductKind, Scheme, SchemeId, Term};
+use catamaran::product::schemes::{ProductKind, Scheme, SchemeId, Term};
 
 /// Coefficient of `block(row, col)` in a sum.
 fn coefficient(sum: &[Term], row: usize, col: usize) -> i64 {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use catamaran::blas::{self, Backend, BlasReal};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice, ata, atb};
+use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice, ata_into, atb_into};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::library::find;
 use criterion::{BenchmarkId, Criterion, Throughput};
@@ -90,7 +90,7 @@ fn one_level(criterion: &mut Criterion) {
         let mut c = Mat::zeros(n, n);
         let options = sequential(scheme, Some(256)).tasks(1);
         group.bench_function(BenchmarkId::new(name, n), |b| {
-            b.iter(|| ata(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
+            b.iter(|| ata_into(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
         });
     }
 }
@@ -108,7 +108,7 @@ fn fused_additions(criterion: &mut Criterion) {
     {
         let options = sequential(scheme, Some(64)).tasks(1).accuracy(Accuracy::Fast);
         group.bench_function(BenchmarkId::new(name, N), |b| {
-            b.iter(|| atb(1.0, a, a, 0.0, c.as_mut(), &options).expect("valid options"));
+            b.iter(|| atb_into(1.0, a, a, 0.0, c.as_mut(), &options).expect("valid options"));
         });
     }
 }
@@ -131,7 +131,7 @@ fn tiny(criterion: &mut Criterion) {
         let mut c = Mat::zeros(n, n);
         let options = sequential(SchemeChoice::Auto, None);
         group.bench_function(BenchmarkId::new("ata", n), |b| {
-            b.iter(|| ata(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
+            b.iter(|| ata_into(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
         });
     }
 }

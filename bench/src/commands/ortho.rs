@@ -9,7 +9,7 @@ use catamaran::faer::{Mat, MatRef};
 use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write};
 use catamaran::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt_in_place};
 use catamaran::sparse::Mass;
-use catamaran::{AtaOptions, Par, Uplo, ata};
+use catamaran::{AtaOptions, Par, Uplo, ata_into};
 use catamaran_bench::child::{self, Report};
 use catamaran_bench::race::median;
 use catamaran_bench::{Result, host, record};
@@ -182,7 +182,7 @@ fn defect(q: &mut Mat<f64>, masses: &[f64]) -> Result<f64> {
     let c = q.ncols();
     let mut gram = Mat::zeros(c, c);
     let options = AtaOptions::new().uplo(Uplo::Both);
-    ata(1.0, q.as_ref(), 0.0, gram.as_mut(), &options)?;
+    ata_into(1.0, q.as_ref(), 0.0, gram.as_mut(), &options)?;
     let far = |gram: MatRef<'_, f64>| {
         let places = (0..c).flat_map(|j| (0..c).map(move |i| (i, j)));
         places.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max)

@@ -104,7 +104,8 @@ fn measure(arguments: &Arguments, shape: Shape, file: &Path) -> Result<Vec<Sampl
         sample[1] = timed(|| {
             for first in (0..m).step_by(height) {
                 let count = height.min(m - first);
-                sum.add_block(count, &mut block[..count * n], None, &options)?;
+                let rows = MatRef::from_row_major_slice(&block[..count * n], count, n);
+                sum.add_block(rows, None, &options)?;
             }
             Ok(())
         })?;

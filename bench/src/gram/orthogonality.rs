@@ -1,7 +1,7 @@
 //! The orthogonality of bases from QR decompositions.
 
 use catamaran::faer::MatRef;
-use catamaran::{AtaOptions, Uplo, ata};
+use catamaran::{AtaOptions, Uplo, ata_into};
 use faer::Mat;
 
 use super::Turns;
@@ -47,7 +47,7 @@ fn defect(q: MatRef<'_, f64>) -> Result<f64> {
     let n = q.ncols();
     let mut gram = Mat::zeros(n, n);
     let options = AtaOptions::new().scheme(catamaran::SchemeChoice::Exact).uplo(Uplo::Both);
-    ata(1.0, q, 0.0, gram.as_mut(), &options)?;
+    ata_into(1.0, q, 0.0, gram.as_mut(), &options)?;
     let places = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
     Ok(places.map(|at| (gram[at] - f64::from(at.0 == at.1)).abs()).fold(0.0, f64::max))
 }

@@ -10,7 +10,7 @@ use catamaran::solve::{
     GramQr, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions, lstsq,
     singular_values,
 };
-use catamaran::{AtaOptions, Par, SchemeChoice, ata};
+use catamaran::{AtaOptions, Par, SchemeChoice, ata_into};
 use clap::ValueEnum;
 
 use crate::Result;
@@ -149,7 +149,7 @@ fn orthonormal_basis(a: &mut Mat<f64>, par: Par) -> Result<MatRef<'_, f64>> {
 pub(super) fn exact_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
     let mut c = Mat::zeros(a.ncols(), a.ncols());
     let options = AtaOptions::new().scheme(SchemeChoice::Exact).threads(threads);
-    Ok(ata(1.0, a, 0.0, c.as_mut(), &options)?)
+    Ok(ata_into(1.0, a, 0.0, c.as_mut(), &options)?)
 }
 
 /// Computes A^T A in extended precision.

@@ -77,7 +77,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         let mut seconds = f64::INFINITY;
         for run in 0..RUNS {
             let start = Instant::now();
-            catamaran::ata(1.0, a, 0.0, c.as_mut(), &options)?;
+            catamaran::ata_into(1.0, a, 0.0, c.as_mut(), &options)?;
             seconds = seconds.min(start.elapsed().as_secs_f64());
             bar.step((done * RUNS + run + 1) as f64 / (SchemeChoice::NAMES.len() * RUNS) as f64)?;
         }

@@ -139,7 +139,7 @@ fn product(way: &Way, a: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let options =
         AtaOptions::new().scheme(scheme).accuracy(accuracy).par(par).backend(blas::tuned());
     let mut c = Mat::zeros(a.ncols(), a.ncols());
-    catamaran::ata(1.0, a, 0.0, c.as_mut(), &options)?;
+    catamaran::ata_into(1.0, a, 0.0, c.as_mut(), &options)?;
     Ok(c)
 }
 

@@ -35,6 +35,20 @@ pub fn moments(numbers: &[f64], species: usize, count: usize) -> Vec<Moment> {
         .collect()
 }
 
+/// The largest share: the areas of texels add up to that of the surface only to rounding.
+const WHOLE: f64 = 1.001;
+
+/// Returns whether a run writes such moments: seconds ascend from 0, and shares are from 0 to 1.
+pub fn are_of_a_run(moments: &[Moment]) -> bool {
+    let is_share = |share: f64| (0.0..=WHOLE).contains(&share);
+    moments.first().is_none_or(|first| first.0 == 0.0)
+        && moments.windows(2).all(|pair| pair[0].0 < pair[1].0 && pair[1].0.is_finite())
+        && moments
+            .iter()
+            .flat_map(|(_, all)| all)
+            .all(|one| is_share(one.coverage) && is_share(one.presence))
+}
+
 /// Writes a row for each moment.
 pub fn write_csv(mut output: Output, moments: &[Moment]) -> Result<()> {
     let mut text = String::from("seconds");
@@ -86,5 +100,28 @@ mod tests {
         assert_eq!(moments(&list, 2, 2), all);
         assert!(moments(&list, 2, 3).is_empty() && moments(&list, 1, 2).is_empty());
         assert!(moments(&[], 1, 1).is_empty());
+    }
+
+    #[test]
+    fn moments_that_no_run_writes_are_told() {
+        // Two moments of one species: seconds, coverage and presence of each.
+        let run = [0.0, 0.0, 0.5, 0.02, 0.25, 1.0];
+        let are = |numbers: &[f64]| are_of_a_run(&moments(numbers, 1, 2));
+        assert!(are(&run) && are_of_a_run(&[]));
+        for (at, wrong) in [
+            (0, 0.01),
+            (0, f64::NAN),
+            (1, -0.1),
+            (2, 2.0),
+            (3, 0.0),
+            (3, f64::INFINITY),
+            (3, f64::NAN),
+            (4, f64::NAN),
+            (5, f64::INFINITY),
+        ] {
+            let mut numbers = run;
+            numbers[at] = wrong;
+            assert!(!are(&numbers), "{wrong} at {at}");
+        }
     }
 }

@@ -408,6 +408,9 @@ impl Args {
             bail!("--steps {all}: {name} is after {step} steps already");
         }
         let earlier = curves::moments(&history, simulation.species(), step as usize + 1);
+        if !curves::are_of_a_run(&earlier) {
+            bail!("{name}: has coverage that no run writes");
+        }
         if earlier.is_empty() {
             note(format_args!("{name}: has no coverage; {TABLE} starts at step {step}"));
         }

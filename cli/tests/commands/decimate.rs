@@ -274,6 +274,8 @@ fn farthest_points_are_nested_and_start_their_cells() {
     }
     assert!(cells.iter().all(|cell| (0.0..30.0).contains(&cell[0])));
     assert!(distances.iter().all(|distance| distance[0] >= 0.0));
+    // Edges have a length: only the samples are at no distance.
+    assert_eq!(distances.iter().filter(|distance| distance[0] == 0.0).count(), 30);
     let refused = folder.fail("farthest in.ply -n 2563 -o more.csv");
     assert!(refused.contains("in.ply: -n: 2563, but only 2562 vertices"), "{refused}");
     let refused = folder.fail("farthest in.ply -n 5 --first 2562 -o more.csv");

@@ -6,7 +6,7 @@ use std::process::Stdio;
 use catamaran::faer::{Mat, mat};
 use catamaran::io::{Arrays, read_arrays};
 
-use crate::common::{Folder, Run, csv, table, with_input};
+use crate::common::{Folder, Run, calls, csv, table, with_input};
 
 /// Longley's data with the names of the columns (NIST StRD, dataset Longley; public domain).
 const LONGLEY: &str = "\
@@ -396,11 +396,7 @@ fn the_commands_of_the_guides_run() {
         include_str!("../../../docs/guide/principal-components.md"),
     ];
     for guide in guides {
-        let (folder, mut count) = (guide_folder(), 0);
-        for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
-            folder.succeed(line);
-            count += 1;
-        }
-        assert!(count >= 5, "{count}");
+        let folder = guide_folder();
+        calls(guide).into_iter().for_each(|call| drop(folder.succeed(call)));
     }
 }

@@ -4,7 +4,7 @@ use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::io::{read, write};
 use catamaran_geometry::mesh::{TriMesh, families};
 
-use crate::common::Folder;
+use crate::common::{Folder, calls};
 
 /// A closed surface without any symmetry, and the same with its vertices in another order.
 fn meshes(folder: &Folder) -> (TriMesh, Vec<u32>) {
@@ -614,10 +614,7 @@ fn the_commands_of_the_guide_run() {
     folder.write("man.txt", lines(&part));
     folder.write("woman.txt", lines(&part));
     folder.write("pairs.txt", "0 0\n40 40\n90 90\n120 120\n");
-    let mut count = 0;
-    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+    for line in calls(guide) {
         folder.succeed(line);
-        count += 1;
     }
-    assert!(count >= 10, "{count}");
 }

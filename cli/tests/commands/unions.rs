@@ -301,6 +301,6 @@ fn ends_soon(folder: &Folder, arguments: &str) {
     assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(143), "{arguments}");
-    assert!(start.elapsed().as_secs_f64() < 1.5, "{:?}", start.elapsed());
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
     assert!(folder.names().iter().all(|name| !name.starts_with(".catamaran-")));
 }

@@ -20,6 +20,19 @@ pub fn with_input(m: usize, n: usize) -> (Folder, Vec<f64>) {
     (folder, c)
 }
 
+/// The calls of the program in the shell blocks of a document, at least one: lines that begin with
+/// its name, without the name and without comments.
+#[allow(dead_code)]
+pub fn calls(document: &str) -> Vec<&str> {
+    let blocks = document.split("```").skip(1).step_by(2);
+    // Blocks of another language have its name: `catamaran = ...` may stand in a TOML file.
+    let shell = blocks.filter_map(|block| block.strip_prefix("sh\n").or(block.strip_prefix('\n')));
+    let lines = shell.flat_map(str::lines).filter_map(|line| line.strip_prefix("catamaran "));
+    let calls: Vec<&str> = lines.map(|line| line.split(" #").next().unwrap_or(line)).collect();
+    assert!(!calls.is_empty(), "no call in {document}");
+    calls
+}
+
 /// What a run said and returned.
 pub struct Run {
     pub code: Option<i32>,

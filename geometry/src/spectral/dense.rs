@@ -13,7 +13,7 @@ use faer::{Mat, MatMut, MatRef, Spec};
 
 use catamaran::base::{Error, Par, Result, apart};
 use catamaran::dense::{self, zeros};
-use catamaran::product::{Accuracy, AtaOptions, atb};
+use catamaran::product::{Accuracy, AtaOptions, atb_into};
 
 const SEQ: faer::Par = faer::Par::Seq;
 
@@ -36,7 +36,7 @@ pub(super) fn transposed_product_into(
     par: Par,
 ) -> Result<()> {
     let options = AtaOptions::new().par(par).accuracy(Accuracy::Classical);
-    atb(1.0, a, b, 0.0, c, &options)
+    atb_into(1.0, a, b, 0.0, c, &options)
 }
 
 /// Computes `A B`.

@@ -173,7 +173,8 @@ mod tests {
         }
         assert!(geodesic_cells(&mesh, 1.0, 1, 1).unwrap().sum() == areas.len() as f64);
         for share in [0.0, 1.5, f64::NAN] {
-            assert!(geodesic_cells(&mesh, share, 1, 1).is_err());
+            let refused = geodesic_cells(&mesh, share, 1, 1);
+            assert!(matches!(refused, Err(Error::Argument { what: "share", .. })), "{share}");
         }
         assert!(geodesic_cells(&TriMesh::new(vec![], vec![]).unwrap(), 0.5, 1, 1).is_err());
     }

@@ -317,14 +317,15 @@ fn bombs_are_refused() {
 fn reading_reports_progress_and_can_be_cancelled() {
     let folder = Folder::new();
     let path = folder.path("mesh.ply");
-    write(create(&path), &families::icosphere(3).unwrap().into()).unwrap();
+    let mesh = families::icosphere(3).unwrap();
+    write(create(&path), &mesh.clone().into()).unwrap();
     let last = std::sync::Mutex::new(0.0);
     let remember = |fraction| {
         *last.lock().unwrap() = fraction;
         ControlFlow::Continue(())
     };
     let file = read_with(&path, &SourceOptions::new().progress(&remember));
-    assert!(file.is_ok() && *last.lock().unwrap() == 1.0);
+    assert_eq!((file.unwrap().mesh, *last.lock().unwrap()), (mesh, 1.0));
     let cancel = |_| ControlFlow::Break(());
     let cancelled = read_with(&path, &SourceOptions::new().progress(&cancel));
     assert_eq!(cancelled.unwrap_err(), Error::Cancelled);

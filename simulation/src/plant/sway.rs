@@ -1,12 +1,10 @@
 use std::time::{Duration, Instant};
 
-use super::curve::{CurveOptions, Interval, Method};
 use super::rods::{Motion, MotionOptions, Pose, Rods};
-use super::soil::{Balance, Rewatering, Soil};
-use super::stomata::Stomata;
 use super::tissue::Tissue;
-use super::walk::Walk;
-use super::water::WaterModel;
+use super::water::{
+    Balance, CurveOptions, Interval, Method, Rewatering, Soil, Stomata, Walk, WaterModel,
+};
 use super::wilt::{check_frames, settle};
 use super::wind::{Gusts, Wind};
 use catamaran::base::{Error, Par, Progress, Result, options};

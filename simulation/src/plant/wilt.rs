@@ -1,10 +1,9 @@
-use super::course::{WaterCourse, water_course};
-use super::curve::{CurveOptions, Interval};
 use super::rods::{Pose, RelaxOptions, Rods};
-use super::soil::{Balance, Rewatering, Soil};
-use super::stomata::Stomata;
 use super::tissue::Tissue;
-use super::water::WaterModel;
+use super::water::{
+    Balance, CurveOptions, Interval, Rewatering, Soil, Stomata, WaterCourse, WaterModel,
+    water_course,
+};
 use catamaran::base::{Error, Par, Progress, Result, check_request, options};
 
 /// Torque out of balance, relative to the largest torque of a weight, below which the error of a

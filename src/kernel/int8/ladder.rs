@@ -11,6 +11,7 @@ use crate::base::{Result, Rng, Workspace};
 
 /// Where an operand comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Level {
     /// The first-level data cache: an operand of at most 32 KiB.
     First,

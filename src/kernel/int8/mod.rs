@@ -49,6 +49,7 @@ use crate::base::Real;
 /// assert_eq!(usable.last(), Some(&IntegerIsa::Portable));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum IntegerIsa {
     /// Intel's matrix tiles (AMX-INT8) for the products, AVX-512 for the rest.
     Amx,

@@ -13,6 +13,7 @@ use super::x86::{Avx2, Avx512};
 /// assert_eq!(usable.last(), Some(&FloatIsa::Portable));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FloatIsa {
     /// AVX-512.
     Avx512,

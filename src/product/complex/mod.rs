@@ -36,8 +36,8 @@ use crate::blas::BlasReal;
 /// [`SchemeChoice::Exact`](super::SchemeChoice::Exact) on every machine too.
 ///
 /// The extra memory is that of a matrix like C, a block of real and imaginary parts (64 MiB, or
-/// 1024 rows if those are longer), and the scratch of [`ata`](super::ata()) for one block. With
-/// [`AtaOptions::memory()`] blocks are smaller: see [`ComplexPlan`].
+/// 1024 rows if those are longer), and the scratch of [`ata_into`](super::ata_into) for one block.
+/// With [`AtaOptions::memory()`] blocks are smaller: see [`ComplexPlan`].
 ///
 /// # Accuracy
 /// With u the unit roundoff and `|a_i|` the Euclidean norm of a column, both parts of every entry
@@ -49,11 +49,11 @@ use crate::blas::BlasReal;
 /// by term, in classical and exact products.
 ///
 /// ```
-/// use catamaran::{AtaOptions, Uplo, aha, faer::{Mat, c64}};
+/// use catamaran::{AtaOptions, Uplo, aha_into, faer::{Mat, c64}};
 ///
 /// let a = Mat::from_fn(2, 2, |i, j| c64::new(i as f64, j as f64));
 /// let mut c = Mat::zeros(2, 2);
-/// aha(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Both))?;
+/// aha_into(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Both))?;
 /// assert_eq!(c[(0, 0)], c64::new(1.0, 0.0));
 /// assert_eq!((c[(0, 1)], c[(1, 0)]), (c64::new(1.0, 1.0), c64::new(1.0, -1.0)));
 /// assert_eq!(c[(1, 1)], c64::new(3.0, 0.0));
@@ -63,7 +63,7 @@ use crate::blas::BlasReal;
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
 /// [`Error::OutOfMemory`] when memory is refused, [`Error::Cancelled`]. C is untouched then.
-pub fn aha<T: BlasReal>(
+pub fn aha_into<T: BlasReal>(
     alpha: T,
     a: MatRef<'_, Complex<T>>,
     beta: T,
@@ -76,8 +76,8 @@ pub fn aha<T: BlasReal>(
     aha_planned(&plan, alpha, a, beta, c, options)
 }
 
-/// Computes [`aha`] by a plan of [`ComplexPlan::aha`] for the shape of A, or `A^T conj(A)` by a
-/// conjugated one.
+/// Computes [`aha_into`] by a plan of [`ComplexPlan::aha`] for the shape of A, or `A^T conj(A)` by
+/// a conjugated one.
 ///
 /// Of the options only triangle, threads, pinning, back end and progress matter: the rest is in the
 /// plan.
@@ -95,7 +95,7 @@ pub fn aha<T: BlasReal>(
 ///
 /// # Errors
 /// [`Error::Argument`] for a plan of another product or scalar, [`Error::Shape`] for one of another
-/// shape; else as [`aha`].
+/// shape; else as [`aha_into`].
 pub fn aha_planned<T: BlasReal>(
     plan: &ComplexPlan,
     alpha: T,
@@ -129,22 +129,22 @@ pub fn aha_planned<T: BlasReal>(
 ///
 /// A is m x n, B is m x k, C is n x k, of [`faer::c32`] or [`faer::c64`]; any strides; any sizes, 0
 /// included. With `beta == 0` C is not read, with `alpha == 0` A and B are not. A real alpha or
-/// beta multiplies both parts. Otherwise as [`aha`], with the norms of columns of A and of B.
+/// beta multiplies both parts. Otherwise as [`aha_into`], with the norms of columns of A and of B.
 ///
 /// ```
-/// use catamaran::{AtaOptions, ahb, faer::{Mat, c64}};
+/// use catamaran::{AtaOptions, ahb_into, faer::{Mat, c64}};
 ///
 /// let (i, one) = (c64::new(0.0, 1.0), c64::new(1.0, 0.0));
 /// let (a, b) = (Mat::full(3, 1, i), Mat::full(3, 2, one));
 /// let mut c = Mat::zeros(1, 2);
-/// ahb(i, a.as_ref(), b.as_ref(), c64::new(0.0, 0.0), c.as_mut(), &AtaOptions::new())?;
+/// ahb_into(i, a.as_ref(), b.as_ref(), c64::new(0.0, 0.0), c.as_mut(), &AtaOptions::new())?;
 /// assert_eq!(c, Mat::full(1, 2, c64::new(3.0, 0.0)));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`aha`].
-pub fn ahb<T: BlasReal>(
+/// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`aha_into`].
+pub fn ahb_into<T: BlasReal>(
     alpha: Complex<T>,
     a: MatRef<'_, Complex<T>>,
     b: MatRef<'_, Complex<T>>,
@@ -159,8 +159,8 @@ pub fn ahb<T: BlasReal>(
     ahb_planned(&plan, alpha, a, b, beta, c, options)
 }
 
-/// Computes [`ahb`] by a plan of [`ComplexPlan::ahb`] for the shapes of A and B, `A^T B` by one of
-/// [`ComplexPlan::atb`], or the conjugate of either by a conjugated one.
+/// Computes [`ahb_into`] by a plan of [`ComplexPlan::ahb`] for the shapes of A and B, `A^T B` by
+/// one of [`ComplexPlan::atb`], or the conjugate of either by a conjugated one.
 ///
 /// Of the options only threads, pinning, back end and progress matter: the rest is in the plan.
 ///
@@ -178,7 +178,7 @@ pub fn ahb<T: BlasReal>(
 ///
 /// # Errors
 /// [`Error::Argument`] for a plan of another product or scalar, [`Error::Shape`] for one of other
-/// shapes; else as [`ahb`].
+/// shapes; else as [`ahb_into`].
 pub fn ahb_planned<T: BlasReal>(
     plan: &ComplexPlan,
     alpha: Complex<T>,

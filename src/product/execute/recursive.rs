@@ -15,7 +15,7 @@ use crate::product::combine::{
     accumulate, accumulate_lower_lines, combine, mirror_lower, scale, scale_lower,
 };
 use crate::product::plan::{Extent, LevelScratch, Op, Recursion, cheapest_update, leading};
-use crate::product::scheme::{ProductKind, Scheme, SchemeProduct, Term};
+use crate::product::schemes::{ProductKind, Scheme, SchemeProduct, Term};
 
 /// Runs a [`Recursion`] over one back end.
 pub(crate) struct Engine<'a, T> {
@@ -355,7 +355,7 @@ mod tests {
     use crate::base::{Progress, Rng};
     use crate::blas::{self, BlasReal};
     use crate::product::plan::{Base, scratch_len};
-    use crate::product::scheme::SchemeId;
+    use crate::product::schemes::SchemeId;
 
     fn integers(m: usize, n: usize, seed: u64) -> Mat<f64> {
         let mut rng = Rng::new(seed);

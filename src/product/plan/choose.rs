@@ -11,7 +11,7 @@ use crate::blas::{BlasReal, Native};
 use crate::kernel::int8;
 use crate::product::exact::{self, ExactLayout};
 use crate::product::options::{Accuracy, AtaOptions, SchemeChoice};
-use crate::product::scheme::SchemeId;
+use crate::product::schemes::SchemeId;
 
 /// A strategy and the seconds on one core that it is expected to take.
 pub(super) struct Choice {

@@ -4,9 +4,9 @@
 use std::collections::HashMap;
 
 use super::fused::FusedProduct;
-use super::levels::Traffic;
 use super::problem::Op;
 use super::recursion::Recursion;
+use super::scratch::Traffic;
 use crate::base::steps::step;
 use crate::blas::Rates;
 use crate::kernel::packed::{self, Blocking, Geometry, Shape};

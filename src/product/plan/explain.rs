@@ -6,7 +6,7 @@ use super::Plan;
 use super::problem::Op;
 use super::recursion::{Base, Recursion};
 use super::strategy::{Exact, Fused, Strategy, Tasks};
-use crate::product::scheme::SchemeId;
+use crate::product::schemes::SchemeId;
 
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

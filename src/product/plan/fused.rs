@@ -9,7 +9,7 @@ use super::recursion::Recursion;
 use crate::base::steps::step;
 use crate::base::{even_start, triangle_len};
 use crate::kernel::packed::Shape;
-use crate::product::scheme::{Scheme, SchemeProduct, Term};
+use crate::product::schemes::{Scheme, SchemeProduct, Term};
 
 /// A signed block of A, B or C.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -248,7 +248,7 @@ mod tests {
     use super::super::recursion::Base;
     use super::*;
     use crate::base::Rng;
-    use crate::product::scheme::SchemeId::{self, Kgp4, Split, Strassen, Winograd};
+    use crate::product::schemes::SchemeId::{self, Kgp4, Split, Strassen, Winograd};
 
     /// Integers by rows.
     struct Matrix {

@@ -5,20 +5,20 @@ mod choose;
 mod cost;
 mod explain;
 mod fused;
-mod levels;
 mod problem;
 mod recursion;
+mod scratch;
 mod strategy;
 mod tree;
 
 pub(crate) use fused::{FusedProduct, SignedBlock};
-#[cfg(test)]
-pub(crate) use levels::scratch_len;
-pub(crate) use levels::{Extent, LevelScratch, cheapest_update, leading};
 pub(crate) use problem::{Op, Problem};
 #[cfg(test)]
 pub(crate) use recursion::Base;
 pub(crate) use recursion::Recursion;
+#[cfg(test)]
+pub(crate) use scratch::scratch_len;
+pub(crate) use scratch::{Extent, LevelScratch, cheapest_update, leading};
 pub(crate) use strategy::{Exact, Fused, Slab, Strategy, Tasks};
 pub(crate) use tree::rectangle_levels;
 pub use tree::{Node, Task, thread_levels};
@@ -51,7 +51,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plans [`ata`](super::ata) for A m x n.
+    /// Plans [`ata_into`](super::ata_into) for A m x n.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Plan};
@@ -69,7 +69,7 @@ impl Plan {
         Self::new::<T>(Op::Syrk, m, n, n, options)
     }
 
-    /// Plans [`atb`](super::atb) for A m x n and B m x k.
+    /// Plans [`atb_into`](super::atb_into) for A m x n and B m x k.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Plan, product::atb_planned, faer::mat};

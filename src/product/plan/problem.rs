@@ -1,5 +1,5 @@
 use crate::base::{Error, Result};
-use crate::product::scheme::ProductKind;
+use crate::product::schemes::ProductKind;
 
 /// What a product computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -2,7 +2,7 @@ use std::collections::HashSet;
 
 use super::problem::Op;
 use crate::base::steps::step;
-use crate::product::scheme::SchemeId;
+use crate::product::schemes::SchemeId;
 
 /// How blocks are divided: at each node by the first scheme whose blocks are not too small.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 use std::ops::Range;
 
 use super::fused::FusedProduct;
-use super::levels::scratch_len;
 use super::problem::Op;
 use super::recursion::Recursion;
+use super::scratch::scratch_len;
 use super::tree::{Node, Task};
 use crate::base::even_part;
 use crate::kernel::{int8, packed};

@@ -11,7 +11,7 @@ use super::tags::COLUMNS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, number_fact, scalar_fact};
 use crate::base::{Result, reserved, triangle_len, triangle_rows, zeros};
-use crate::product::{AtaOptions, Uplo, ata, atb};
+use crate::product::{AtaOptions, Uplo, ata_into, atb_into};
 use crate::ranks::plan::{Blocks, TriangleLayout, piece_height};
 
 /// Computes `C = alpha A^T A` where every rank has some `columns` of A, possibly none, in the order
@@ -42,7 +42,7 @@ use crate::ranks::plan::{Blocks, TriangleLayout, piece_height};
 ///
 /// # Errors
 /// [`Error::Rank`](crate::Error::Rank) when m, alpha or the precision differ, or another rank
-/// failed; else as [`ata`].
+/// failed; else as [`ata_into`].
 pub fn ata_columns<T: MpiReal>(
     world: &World,
     alpha: T,
@@ -86,9 +86,9 @@ pub fn ata_columns<T: MpiReal>(
                 done = world.with_progress(options, share(i)..share(i + 1), &|| false, |options| {
                     if on_diagonal {
                         let options = AtaOptions { uplo: Uplo::Lower, ..options.clone() };
-                        ata(alpha, left, beta, result, &options)
+                        ata_into(alpha, left, beta, result, &options)
                     } else {
-                        atb(alpha, left, right, beta, result, options)
+                        atb_into(alpha, left, right, beta, result, options)
                     }
                 });
             }

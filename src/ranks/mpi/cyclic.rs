@@ -79,7 +79,8 @@ pub struct CyclicMut<'a, T> {
 /// # Errors
 /// [`Error::Shape`] when C is not n x n or entries are not those of the rank, [`Error::Argument`]
 /// when a grid has more ranks than there are, [`Error::Rank`] when a descriptor, alpha, beta, a
-/// triangle or the precision differs, or another rank failed; else as [`ata`](crate::ata()).
+/// triangle or the precision differs, or another rank failed; else as
+/// [`ata_into`](crate::ata_into).
 pub fn ata_cyclic<T: MpiReal>(
     world: &World,
     alpha: T,

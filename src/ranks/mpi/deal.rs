@@ -12,7 +12,7 @@ use super::tags::DEALT;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
 use crate::base::{Result, block_rows, zeros};
-use crate::product::{AtaOptions, Uplo, ata};
+use crate::product::{AtaOptions, Uplo, ata_into};
 use crate::ranks::plan::{Machine, row_shares};
 
 /// Computes the product: on the root, process 0, `own` is A and the lower triangle of C.
@@ -54,7 +54,7 @@ pub(super) fn run<T: MpiReal>(
         .collect();
     let a = a.subrows(0, rows);
     let done = world.with_progress(&lower, 0.0..1.0, &|| sends.are_moving(), |options| {
-        ata(alpha, a, beta, c.rb_mut(), options)
+        ata_into(alpha, a, beta, c.rb_mut(), options)
     });
     drop(sends);
     world.agree(done)?;
@@ -109,7 +109,7 @@ impl<T: MpiReal> Hand<T> {
                 let share = share(first)..share(first + part.nrows());
                 let beta = if first == 0 { T::ZERO } else { T::ONE };
                 done = world.with_progress(options, share, &|| false, |options| {
-                    ata(alpha, part, beta, sum.rb_mut(), options)
+                    ata_into(alpha, part, beta, sum.rb_mut(), options)
                 });
             }
             first += part.nrows();

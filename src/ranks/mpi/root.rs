@@ -36,8 +36,8 @@ use crate::ranks::plan::{Machine, Mode, Place, choose};
 ///
 /// # Errors
 /// [`Error::Argument`] for a root out of range, or A or C missing on it; [`Error::Rank`] when the
-/// roots, alpha or the precision differ, or another rank failed; else as [`ata`](crate::ata()).
-/// Then C holds unspecified values.
+/// roots, alpha or the precision differ, or another rank failed; else as
+/// [`ata_into`](crate::ata_into). Then C holds unspecified values.
 pub fn ata_root<T: MpiReal>(
     world: &World,
     root: usize,

@@ -12,7 +12,7 @@ use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::base::{Error, Progress, Result, Workspace, block_rows, reserved};
 use crate::product::exact::Flags;
-use crate::product::{AtaOptions, Uplo, ata, atb};
+use crate::product::{AtaOptions, Uplo, ata_into, atb_into};
 use crate::ranks::plan::{Chunks, TriangleLayout};
 use crate::rows::{DenseRows, RowBounds, exact_sums};
 
@@ -48,7 +48,8 @@ use crate::rows::{DenseRows, RowBounds, exact_sums};
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when n, alpha or the precision differ, or another rank failed; else as [`ata`].
+/// [`Error::Rank`] when n, alpha or the precision differ, or another rank failed; else as
+/// [`ata_into`].
 pub fn ata_rows<T: MpiReal>(
     world: &World,
     alpha: T,
@@ -242,7 +243,7 @@ fn panel_product<T: MpiReal>(
     let left = a.subcols(span.start, span.len());
     let (before, diagonal) = panel.split_at_col_mut(span.start);
     if span.start > 0 {
-        atb(alpha, left, a.subcols(0, span.start), T::ZERO, before, options)?;
+        atb_into(alpha, left, a.subcols(0, span.start), T::ZERO, before, options)?;
     }
-    ata(alpha, left, T::ZERO, diagonal, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
+    ata_into(alpha, left, T::ZERO, diagonal, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
 }

@@ -20,7 +20,7 @@ const MESSAGE: usize = 1 << 20;
 ///
 /// ```no_run
 /// use catamaran::ranks::{World, agree_bounds, merge_accumulators};
-/// use catamaran::{AtaOptions, rows::{Accumulator, RowBounds}};
+/// use catamaran::{AtaOptions, rows::{Accumulator, RowBounds}, faer::mat};
 ///
 /// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
 /// # let (universe, _) = start.expect("MPI is started once");
@@ -31,7 +31,7 @@ const MESSAGE: usize = 1 << 20;
 /// assert_eq!(bounds.upper(), [(world.size() - 1) as f64]);
 ///
 /// let mut sum = Accumulator::exact(&bounds, false)?;
-/// sum.add_block(1, &mut [own], None, &AtaOptions::new())?;
+/// sum.add_block(mat![[own]], None, &AtaOptions::new())?;
 /// if let Some(sum) = merge_accumulators(&world, sum)? {
 ///     assert_eq!(sum.rows(), world.size() as u64);
 /// }
@@ -81,13 +81,13 @@ pub(super) fn joined_bounds<T: MpiReal>(
 ///
 /// ```no_run
 /// use catamaran::ranks::{World, merge_accumulators};
-/// use catamaran::{AtaOptions, Uplo, rows::Accumulator};
+/// use catamaran::{AtaOptions, Uplo, rows::Accumulator, faer::mat};
 ///
 /// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
 /// # let (universe, _) = start.expect("MPI is started once");
 /// # let world = World::new(&universe.world())?;
 /// let mut sum = Accumulator::<f64>::new(2, false)?;
-/// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+/// sum.add_block(mat![[1.0, 2.0]], None, &AtaOptions::new())?;
 /// if let Some(sum) = merge_accumulators(&world, sum)? {
 ///     let c = sum.finish(1.0, Uplo::Lower)?;
 ///     assert_eq!(c.as_ref()[(1, 0)], 2.0 * world.size() as f64);

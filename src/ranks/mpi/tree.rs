@@ -12,7 +12,7 @@ use super::tags::{RESULT, STRIPS};
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
 use crate::base::{Real, Result, reserved, zeros};
-use crate::product::{AtaOptions, Uplo, ata, atb};
+use crate::product::{AtaOptions, Uplo, ata_into, atb_into};
 use crate::ranks::plan::{PlannedSend, RESULTS_IN_FLIGHT, TaskTree, TreeNode};
 
 /// Runs AtA-D: on the root, process 0, `own` is A and the lower triangle of C.
@@ -211,9 +211,9 @@ impl<T: MpiReal> Worker<'_, T> {
         let share = done / all..self.products.0 / all;
         self.done = world.with_progress(self.options, share, moves, |options| {
             if node.task.triangle {
-                ata(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
+                ata_into(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
             } else {
-                atb(alpha, left, right, beta, c, options)
+                atb_into(alpha, left, right, beta, c, options)
             }
         });
     }

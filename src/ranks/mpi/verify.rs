@@ -13,6 +13,7 @@ use crate::product::{Verification, check_rounds, signs, verdict};
 
 /// A matrix of which every rank holds a part.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum Distributed<'a, T> {
     /// Rows, as for [`ata_rows`](super::ata_rows).
     Rows(MatRef<'a, T>),

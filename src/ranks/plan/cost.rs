@@ -60,6 +60,7 @@ impl fmt::Display for Mode {
 
 /// Where A is before the product, and C after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Place {
     /// Each rank has a part of A, and keeps a part of C.
     EveryRank,

@@ -159,11 +159,16 @@ fn wrong_arguments_of_graphs_and_searches_are_named() {
     let graph = Graph::new(3, &[(0, 1, 1.0)]).unwrap();
     let mut search = Dijkstra::new(&graph);
     let all = SearchLimits::default();
-    assert!(search.search(&[(3, 0.0)], &all).is_err());
-    assert!(search.search(&[(0, f64::NAN)], &all).is_err());
-    assert!(search.search(&[(0, 0.0)], &SearchLimits { targets: &[9], ..all }).is_err());
-    assert!(search.search(&[(0, 0.0)], &SearchLimits { cutoff: -1.0, ..all }).is_err());
-    assert!(search.insert(&[(3, 0.0)]).is_err());
+    let refused = [
+        (search.search(&[(3, 0.0)], &all), "sources"),
+        (search.search(&[(0, f64::NAN)], &all), "sources"),
+        (search.search(&[(0, 0.0)], &SearchLimits { targets: &[9], ..all }), "targets"),
+        (search.search(&[(0, 0.0)], &SearchLimits { cutoff: -1.0, ..all }), "cutoff"),
+        (search.insert(&[(3, 0.0)]), "sources"),
+    ];
+    for (found, name) in refused {
+        assert!(matches!(found, Err(Error::Argument { what, .. }) if what == name), "{name}");
+    }
     search.search(&[(0, -0.0)], &all).unwrap();
     assert_eq!(search.distances(), [0.0, 1.0, f64::INFINITY]);
     let empty = Graph::new(0, &[]).unwrap();
@@ -237,7 +242,8 @@ fn heat_distances_are_infinite_where_no_source_is() {
     }
     assert_eq!(both[n - 1], 0.0);
     assert!(solver.distances(&[]).unwrap().iter().all(|&d| d == f64::INFINITY));
-    assert!(solver.distances(&[n as u32]).is_err());
+    let refused = solver.distances(&[n as u32]);
+    assert!(matches!(refused, Err(Error::Argument { what: "sources", .. })));
 }
 
 #[test]

@@ -135,10 +135,13 @@ fn wrong_arguments_of_signatures_are_named() {
         Err(Error::Shape { what: "eigenvectors", .. })
     ));
     for time in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(heat_kernel_signature(&values, v, &[time], Par::Seq).is_err());
-        assert!(heat_kernel(&values, v, 0, time).is_err());
+        let refused = heat_kernel_signature(&values, v, &[time], Par::Seq);
+        assert!(matches!(refused, Err(Error::Argument { what: "times", .. })), "{time}");
+        let refused = heat_kernel(&values, v, 0, time);
+        assert!(matches!(refused, Err(Error::Argument { what: "times", .. })), "{time}");
     }
-    assert!(heat_kernel(&values, v, 2, 1.0).is_err());
+    let refused = heat_kernel(&values, v, 2, 1.0);
+    assert!(matches!(refused, Err(Error::Argument { what: "source", .. })), "{refused:?}");
     let mut holed = vectors.clone();
     holed[(1, 1)] = f64::NAN;
     assert_eq!(
@@ -147,7 +150,8 @@ fn wrong_arguments_of_signatures_are_named() {
     );
     for sigma in [0.0, f64::NAN] {
         let scales = WaveScales { energies: vec![0.0], sigma };
-        assert!(wave_kernel_signature(&values, v, &scales, Par::Seq).is_err());
+        let refused = wave_kernel_signature(&values, v, &scales, Par::Seq);
+        assert!(matches!(refused, Err(Error::Argument { what: "sigma", .. })), "{sigma}");
     }
     let empty = heat_kernel_signature(&[], Mat::<f64>::zeros(0, 0).as_ref(), &[1.0], Par::Seq);
     assert_eq!(empty.unwrap().shape(), (0, 1));
@@ -266,12 +270,19 @@ fn rings_check_their_arguments() {
     let functions = Mat::<f64>::zeros(9, 1);
     let good = RingOptions { radius: 1.0, rings: 2, par: Par::Seq, progress: Progress::none() };
     assert!(geodesic_rings(&mesh, functions.as_ref(), &good).is_ok());
-    for bad in [RingOptions { radius: 0.0, ..good }, RingOptions { rings: 0, ..good }] {
-        assert!(geodesic_rings(&mesh, functions.as_ref(), &bad).is_err());
+    let options = [
+        (RingOptions { radius: 0.0, ..good }, "radius"),
+        (RingOptions { rings: 0, ..good }, "rings"),
+    ];
+    for (bad, name) in options {
+        let refused = geodesic_rings(&mesh, functions.as_ref(), &bad);
+        assert!(matches!(refused, Err(Error::Argument { what, .. }) if what == name), "{name}");
     }
-    assert!(geodesic_rings(&mesh, functions.as_ref().subrows(0, 8), &good).is_err());
+    let refused = geodesic_rings(&mesh, functions.as_ref().subrows(0, 8), &good);
+    assert!(matches!(refused, Err(Error::Shape { what: "functions", .. })), "{refused:?}");
     let nan = Mat::from_fn(9, 1, |_, _| f64::NAN);
-    assert!(geodesic_rings(&mesh, nan.as_ref(), &good).is_err());
+    let refused = geodesic_rings(&mesh, nan.as_ref(), &good);
+    assert_eq!(refused, Err(Error::NonFinite { what: "functions", index: (0, 0) }));
 }
 
 #[test]

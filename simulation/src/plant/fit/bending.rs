@@ -1,8 +1,8 @@
 use super::super::Plant;
 use super::super::elasticity::Elasticity;
-use super::super::levenberg::Minimum;
 use super::super::rods::Rods;
 use super::super::wilt::settle;
+use super::levenberg::Minimum;
 use super::minima::from_starts;
 use super::options::{FitOptions, Measurements};
 use catamaran::base::{Progress, Result};

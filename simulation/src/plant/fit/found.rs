@@ -1,4 +1,4 @@
-use super::super::levenberg::Minimum;
+use super::levenberg::Minimum;
 
 /// The estimate of a constant.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Selects the best of several minima, and those that the measurements do not distinguish from it.
 
-use super::super::levenberg::{Minimum, minimize};
+use super::levenberg::{Minimum, minimize};
 use catamaran::base::{Error, Progress, Result};
 
 /// Difference of a sum of squares from the least one, relative to the variance of a residual, that

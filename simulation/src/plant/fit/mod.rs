@@ -2,6 +2,7 @@
 
 mod bending;
 mod found;
+mod levenberg;
 mod minima;
 mod options;
 mod weighing;
@@ -9,11 +10,11 @@ mod weighing;
 use self::bending::Bending;
 use self::found::logarithmic;
 pub use self::found::{Estimate, Fit, OtherSteepness, OtherWater};
+use self::levenberg::Minimum;
 use self::minima::told_apart;
 pub use self::options::{FitOptions, Mark, Measurements};
 use self::weighing::Weighing;
 use super::Plant;
-use super::levenberg::Minimum;
 #[cfg(doc)]
 use super::{Conductivity, Tissue};
 use catamaran::base::{Error, Result};

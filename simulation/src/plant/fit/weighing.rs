@@ -1,8 +1,6 @@
 use super::super::Plant;
-use super::super::course::water_curve;
-use super::super::curve::{CurveOptions, Interval};
-use super::super::levenberg::Minimum;
-use super::super::water::{Conductivity, WaterModel};
+use super::super::water::{Conductivity, CurveOptions, Interval, WaterModel, water_curve};
+use super::levenberg::Minimum;
 use super::minima::from_starts;
 use super::options::{FitOptions, Measurements};
 use catamaran::base::{Error, Progress, Result};

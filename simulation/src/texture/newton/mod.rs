@@ -13,6 +13,7 @@
 //! threads. See `docs/algorithms/newton.md`.
 
 mod basin;
+mod convergence;
 mod inlay;
 mod iterate;
 mod lanes;
@@ -26,8 +27,9 @@ mod tests;
 mod texels;
 mod volume;
 
+pub use convergence::Gradient;
 pub use inlay::Inlay;
-pub use options::{Gradient, NewtonOptions};
+pub use options::NewtonOptions;
 pub use palette::{darkened, root_color};
 pub use points::{Grid, Points};
 pub use polynomial::Polynomial;

@@ -315,7 +315,7 @@ fn threads_decide_nothing() {
 
 #[test]
 fn options_of_coordinates_have_the_bound_of_scaled_coordinates() {
-    let bound = super::options::FARTHEST;
+    let bound = options::FARTHEST;
     let changes: [fn(&mut NewtonOptions, f64); 3] =
         [|o, x| o.scale = x, |o, x| o.offset[1] = x, |o, x| o.w = x];
     for change in changes {

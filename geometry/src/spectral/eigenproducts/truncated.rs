@@ -3,8 +3,8 @@
 
 use faer::{Mat, MatRef};
 
-use super::dense::{self, Svd};
-use super::product_basis::ProductBasis;
+use super::orthogonalized::ProductBasis;
+use crate::spectral::dense::{self, Svd};
 use catamaran::base::{Error, Par, Result};
 
 /// Functions as coefficients of the eigenproducts themselves. Among the many possible coefficients,
@@ -85,7 +85,7 @@ impl<'a> TruncatedProducts<'a> {
     /// span that are nearest to the columns of `f`, n x c.
     ///
     /// # Errors
-    /// As [`Basis::analysis`](super::Basis::analysis).
+    /// As [`Basis::analysis`](crate::spectral::Basis::analysis).
     pub fn analysis(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
         let coefficients = self.basis.basis().analysis(f, par)?;
         let left = self.svd.u.subcols(0, self.rank);

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::problem::Op;
 use super::recursion::Recursion;
 use crate::base::steps::step;
-use crate::product::scheme::{ProductKind, Scheme, SchemeProduct, Term};
+use crate::product::schemes::{ProductKind, Scheme, SchemeProduct, Term};
 
 /// Returns the leading dimension of a scratch matrix: page-sized distances collide in the cache.
 pub(crate) fn leading(len: usize) -> usize {

@@ -1,7 +1,7 @@
-use super::curve::CurveOptions;
+use super::diffusion::WaterModel;
+use super::options::CurveOptions;
 use super::soil::Balance;
 use super::walk::Walk;
-use super::water::WaterModel;
 use catamaran::base::{Error, Result, at_least_zero, check_request};
 
 /// Computes the water of every node, in kg, at each of `times` (seconds from 0, ascending), from

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::Plant;
+use super::super::Plant;
 use super::elimination::{Factor, Order};
 use catamaran::base::{Error, Par, Result, at_least_zero, options, positive, zeros};
 

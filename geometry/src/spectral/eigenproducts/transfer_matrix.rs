@@ -3,14 +3,16 @@
 //!
 //! O is r_target x r_source: `T(Q_source) = Q_target O`. Both formulas need a functional map that
 //! is exact or nearly so, and lose accuracy fast otherwise (figure 1.10). The method of section
-//! 1.3.4 does not: it applies [`map_from_points`](super::functional_map::map_from_points) to the
-//! points of the functional map.
+//! 1.3.4 does not: it applies
+//! [`map_from_points`](crate::spectral::functional_map::map_from_points) to the points of the
+//! functional map.
 
 use faer::Mat;
 
-use super::dense;
-use super::product_basis::ProductBasis;
+use super::dictionary::Eigenproducts;
+use super::orthogonalized::ProductBasis;
 use super::product_map::ProductMap;
+use crate::spectral::dense;
 use catamaran::base::{Error, Par, Result};
 use catamaran::dense::{divide_by_upper, zeros};
 
@@ -117,7 +119,7 @@ fn check(map: &ProductMap, source: &ProductBasis, target: &ProductBasis) -> Resu
     if map.source() == source.products() && map.target() == target.products() {
         return Ok(());
     }
-    let say = |p: &super::Eigenproducts| format!("{} functions to order {}", p.k(), p.order());
+    let say = |p: &Eigenproducts| format!("{} functions to order {}", p.k(), p.order());
     let why = format!(
         "maps products of {} to products of {}, but the bases have {} and {}",
         say(map.source()),

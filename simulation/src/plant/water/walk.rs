@@ -1,12 +1,12 @@
 //! A solution that advances through times, changes of the loss, and rewatering.
 
 use super::bdf::{Bdf6, Start};
-use super::curve::{CurveOptions, Interval, Method};
-use super::rational::{EXPONENTIAL, Workspace};
+use super::diffusion::WaterModel;
+use super::eigenvalues::SpectralSolution;
+use super::exponential::{EXPONENTIAL, Workspace};
+use super::options::{CurveOptions, Interval, Method};
 use super::sdirk::{Responses, Sdirk};
 use super::soil::{Balance, Rewatering};
-use super::spectral::SpectralSolution;
-use super::water::WaterModel;
 use catamaran::base::{Error, Par, Result, at_least_zero, positive};
 
 /// Returns the method that [`Method::Auto`] stands for.
@@ -49,7 +49,7 @@ enum Solver {
 }
 
 /// A solution that has reached some time.
-pub(super) struct Walk<'a> {
+pub(crate) struct Walk<'a> {
     model: WaterModel,
     cycle: &'a [Interval],
     /// The current interval, and its end.

@@ -1,6 +1,6 @@
+use super::diffusion::WaterModel;
 use super::elimination::Factor;
-use super::rational::{EXPONENTIAL, RADAU, Workspace};
-use super::water::WaterModel;
+use super::exponential::{EXPONENTIAL, RADAU, Workspace};
 use catamaran::base::{Error, Par, Progress, Result, positive, zeros};
 
 /// The weights of the last six values, oldest first, and the weight of the right-hand side, as

@@ -3,6 +3,7 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
+use crate::spectral::dense;
 use catamaran::base::{Error, Par, Result};
 use catamaran::dense::for_row_blocks;
 
@@ -187,7 +188,7 @@ impl Eigenproducts {
         let n = functions.nrows();
         Error::check_shape("functions", (n, self.k), functions.shape())?;
         Error::check_shape("out", (n, self.len()), out.shape())?;
-        super::dense::check_finite("functions", functions)?;
+        dense::check_finite("functions", functions)?;
         let steps = self.steps();
         for_row_blocks(out, BLOCK_ROWS, par, |first, mut out| {
             let factors = functions.subrows(first, out.nrows());

@@ -8,10 +8,10 @@
 
 use std::ops::Range;
 
+use super::diffusion::WaterModel;
 use super::elimination::Factor;
 use super::soil::Soil;
 use super::stomata::Stomata;
-use super::water::WaterModel;
 use catamaran::base::{Error, Par, Result, zeros};
 
 const STAGES: usize = 5;

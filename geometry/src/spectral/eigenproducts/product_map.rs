@@ -6,9 +6,9 @@ use std::ops::Range;
 use faer::prelude::ReborrowMut;
 use faer::{ColMut, Mat, MatRef};
 
-use super::dense;
-use super::eigenbasis::Eigenbasis;
-use super::eigenproducts::Eigenproducts;
+use super::dictionary::Eigenproducts;
+use crate::spectral::dense;
+use crate::spectral::eigenbasis::Eigenbasis;
 use catamaran::base::{Error, Par, Result};
 use catamaran::dense::{for_row_blocks, zeros};
 

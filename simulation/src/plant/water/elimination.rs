@@ -10,7 +10,7 @@ use std::ops::{Add, Mul, Range};
 
 use faer::c64;
 
-use super::graph::{NONE, Plant};
+use super::super::graph::{NONE, Plant};
 use catamaran::base::{Par, Result, reserved};
 
 /// Number of nodes of a unit of work, and of the largest subtree that one thread eliminates alone.

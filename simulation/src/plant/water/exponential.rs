@@ -1,7 +1,10 @@
+//! Water after a time, by the exponential of a matrix (thesis, equation 4.5): rational
+//! approximations of the exponential, as sums of partial fractions.
+
 use faer::c64;
 
+use super::diffusion::WaterModel;
 use super::elimination::{Factor, Order};
-use super::water::WaterModel;
 use catamaran::base::{Par, Progress, Result, at_least_zero, reserved};
 
 /// A rational approximation of the exponential on the negative axis, as the real part of partial

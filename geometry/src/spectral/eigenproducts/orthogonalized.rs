@@ -2,9 +2,9 @@
 
 use faer::{Mat, MatRef, Scale};
 
-use super::basis::Basis;
-use super::eigenbasis::Eigenbasis;
-use super::eigenproducts::Eigenproducts;
+use super::dictionary::Eigenproducts;
+use crate::spectral::basis::Basis;
+use crate::spectral::eigenbasis::Eigenbasis;
 use catamaran::base::{Par, Progress, Result, check_request, options};
 use catamaran::dense::zeros;
 use catamaran::ortho::{

@@ -1,6 +1,6 @@
 use faer::Mat;
 
-use super::water::WaterModel;
+use super::diffusion::WaterModel;
 use catamaran::base::{Result, at_least_zero, zeros};
 use catamaran::dense::{self, SymmetricEigen, symmetric_eigen};
 

@@ -1,0 +1,72 @@
+use super::table::ProductKind::{Gemm, Gemmt, Syrk, SyrkFull};
+use super::table::Table;
+
+/// Sparse member of the orbit of the 4 x 4 scheme of Khoruzhii, Gelss and Pokutta
+/// (arXiv 2511.10786): 22 full and 12 half products, every coefficient +-1.
+pub(super) static KGP4: Table = Table {
+    name: "kgp",
+    symmetric: true,
+    blocks: (4, 4, 4),
+    products: &[
+        (Syrk, "a13", "b13", "c33"),
+        (Gemm, "a12 - a13", "b10 - b11", "-c21 - c22"),
+        (Gemmt, "a22 - a12", "b10 + b12 - b11", "-c22"),
+        (Gemm, "a22 - a13", "b10 + b12 + b22 - b11", "c21 + c22 + c31"),
+        (Gemm, "a22", "b01 + b10 + b12 + b22 - b11 - b21", "-c21 - c31"),
+        (Syrk, "a23", "b23", "c33"),
+        (Syrk, "a30", "b30", "c00"),
+        (Gemm, "a13 + a32", "b10 - b31", "c30 - c21 - c22 - c32"),
+        (Gemm, "a32", "b02 + b10 + b32 - b31", "c22 + c32 - c20 - c30"),
+        (Syrk, "a33", "b33", "c33"),
+        (Gemm, "a02 - a03", "b00 - b01", "c20 - c10"),
+        (Gemm, "a01 + a02 - a03 - a31", "b00 + b10", "c10"),
+        (Gemm, "a31", "b00 + b10 + b20 + b30", "c10"),
+        (Gemm, "a01 + a02 - a03 - a11", "b01 + b10", "c20 + c21 - c10"),
+        (Syrk, "a20", "b20", "c00"),
+        (Gemm, "a01 + a02 - a03 - a11 - a12 - a32", "b10", "-c20 - c21"),
+        (Syrk, "a00", "b00", "c00"),
+        (Gemm, "a13", "b10 + b12 + b22 - b31", "c21 + c22 + c31 + c32"),
+        (Gemm, "a22 - a23", "b20 - b21", "c11 + c31"),
+        (Gemmt, "a21 + a22 - a11 - a23", "-b21 - b31", "-c11"),
+        (Gemmt, "a11", "b01 + b11 + b21 + b31", "c11"),
+        (Gemm, "a03 + a22", "b20 - b01", "c20 - c10 - c11 - c31"),
+        (Gemm, "a31 - a03 - a21 - a22", "b20", "-c10 - c11 - c30 - c31"),
+        (Gemm, "a23 + a31 - a21 - a22", "b20 + b31", "c11 + c30 + c31"),
+        (Gemm, "a23 + a31 - a13 - a21 - a22 - a33", "-b31", "c30 + c31"),
+        (Gemm, "a32 - a33", "b31 - b30", "c30 - c32"),
+        (Gemm, "a03 - a33", "b31 - b22 - b30 - b32", "c32"),
+        (Gemm, "a03 + a23 - a13 - a33", "b22", "c32"),
+        (Gemm, "a32 - a03", "b31 - b02 - b30 - b32", "c32 - c20 - c30"),
+        (Gemm, "a01 - a03 - a11 - a22", "b01", "c10 + c11 - c20 - c21"),
+        (Syrk, "a03", "b03", "c33"),
+        (Gemm, "a03", "b20 + b31 - b00 - b02 - b30 - b32", "-c20 - c30"),
+        (Syrk, "a10", "b10", "c00"),
+        (Gemmt, "a02 - a32", "b02", "c22"),
+    ],
+};
+
+/// Khoruzhii, Gelss and Pokutta (arXiv 2511.10786): 17 products on 3 x 3 blocks.
+pub(super) static KGP3: Table = Table {
+    name: "kgp3",
+    symmetric: true,
+    blocks: (3, 3, 3),
+    products: &[
+        (Gemm, "a02 - a22", "b20 - b21", "-c10 - c20"),
+        (Syrk, "a11", "b11", "c11"),
+        (Gemm, "a01 + a22 - a02 - a21", "b10 + b21 - b20", "c10"),
+        (SyrkFull, "a21", "b21", "c10 + c11"),
+        (SyrkFull, "a22", "b22", "c20 + c21 + c22"),
+        (SyrkFull, "a12", "b12", "c21 + c22"),
+        (Syrk, "a00", "b00", "c00"),
+        (Syrk, "a20", "b20", "c00"),
+        (Gemm, "a11 + a21 - a12 - a22", "b10", "c10"),
+        (Gemm, "a01 - a02", "b00 + b20 + b22 - b10 - 2b21", "-c20 - c21"),
+        (Gemm, "a01 - a02 - a22", "b21 - b22", "-c20 - c21"),
+        (Gemm, "a02 + a12", "b00 + b20 - b01 - b21", "c10 + c20"),
+        (Syrk, "a10", "b10", "c00"),
+        (SyrkFull, "a01", "b01", "c10 + c11 + c20 + c21"),
+        (Gemm, "a01 - a02 - a12", "b00 + b20 - b01 - b10 - b21", "c10 + c20 + c21"),
+        (Gemm, "a12", "b00 + b11 + b20 - b01 - b10 - b12 - b21", "c21"),
+        (Syrk, "a02", "b02", "c22"),
+    ],
+};

@@ -1,0 +1,46 @@
+use super::table::ProductKind::{Gemm, Gemmt, Syrk};
+use super::table::Table;
+
+/// RXTX (Rybin, Zhang and Luo, arXiv 2505.09814): 26 general products and 8 squares on 4 x 4
+/// blocks.
+pub(super) static RXTX: Table = Table {
+    name: "rxtx",
+    symmetric: true,
+    blocks: (4, 4, 4),
+    products: &[
+        (Gemm, "a11 + a21 - a22", "b11 + b22", "c11 + c21 - c22"),
+        (Gemm, "a02 + a03 + a11 + a21 - a12 - a13 - a22", "b11", "c22 - c21"),
+        (Syrk, "a20", "b20", "c00"),
+        (Gemm, "a13", "b02 + b10 + b12", "c32"),
+        (Gemmt, "a12", "b11 + b12 + b32", "c22"),
+        (Gemm, "a12 - a32", "b32", "c20 + c32 - c22 - c30"),
+        (Syrk, "a10", "b10", "c00"),
+        (Gemm, "a32 + a33 - a12", "b32 - b10", "c20 + c32 - c30"),
+        (Gemm, "a11 + a21", "b22", "c22 + c32 - c10 - c11 - c21 - c30"),
+        (Gemm, "a23 - a11 - a21", "b10 + b22", "c32 - c10 - c30"),
+        (Gemm, "a02", "b01 + b02 - b31", "c21 - c31"),
+        (Gemm, "a11 + a21 + a32 + a33 - a12 - a13 - a23", "b10", "c32 - c30"),
+        (Syrk, "a03", "b03", "c33"),
+        (Gemm, "a33", "b30 + b32 - b00", "c30 - c20"),
+        (Gemm, "a03 - a13", "b02", "c21 + c32 - c22 - c31"),
+        (Gemm, "a02 + a03 - a13", "b02 - b11", "c22 + c31 - c21"),
+        (Syrk, "a23", "b23", "c33"),
+        (Gemm, "a22 + a32 + a33", "b10 + b30 - b31", "c20"),
+        (Gemm, "a02 + a03 + a23", "b01 + b11 - b00", "c31"),
+        (Gemm, "a01 + a23", "b00 + b21 - b01 - b11", "c10 + c30 + c31"),
+        (Syrk, "a00", "b00", "c00"),
+        (Gemm, "a23", "b01 + b11 + b20 + b22 - b00 - b21", "c10 + c30"),
+        (Gemm, "a03 + a33 - a01", "b00", "c30 + c31"),
+        (Gemmt, "a01 + a21 - a22", "b21 - b11", "c11"),
+        (Syrk, "a33", "b33", "c33"),
+        (Gemm, "a01", "b01 + b11 - b21", "c10 + c11 + c30 + c31"),
+        (Gemm, "a02 - a33", "b00 - b31", "c20 + c31"),
+        (Gemm, "a21 + a31 - a23", "b20 - b10", "c10"),
+        (Gemm, "a02 + a32 - a31", "b31", "c20 + c21"),
+        (Syrk, "a13", "b13", "c33"),
+        (Gemm, "a31", "b10 + b30 - b20", "c10 + c11 + c20 + c21"),
+        (Syrk, "a30", "b30", "c00"),
+        (Gemm, "a22 + a31", "b20 + b31 - b10 - b30", "c11 + c20 + c21"),
+        (Gemm, "a22", "b10 + b21 + b22 + b30 - b20 - b31", "c11 + c21"),
+    ],
+};
