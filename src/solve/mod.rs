@@ -45,4 +45,6 @@ pub use rows::{
     singular_values_rows,
 };
 pub use singular::SingularValues;
+#[cfg(feature = "mpi")]
+pub(crate) use statistics::Spread;
 pub use tails::{f_probability, t_probability, t_quantile};

@@ -28,6 +28,13 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
+    /// Creates a spread of n columns to be overwritten, with the most rows that a root has.
+    #[cfg(feature = "mpi")]
+    pub fn blank(n: usize, intercept: bool) -> Result<Self> {
+        let constant = vec![0.0; if intercept { n } else { 0 }];
+        Ok(Self { root: zeros(n, n)?, constant, mean: vec![0.0; n], weight: f64::INFINITY })
+    }
+
     /// Creates the spread from F, by rows in this order of the columns.
     pub fn new(
         gram: &ExtendedGram,
@@ -82,7 +89,7 @@ pub(super) fn norm(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     if largest == 0.0 {
         // Zeros, or NaN.
-        return x.iter().sum();
+        return x.iter().sum::<f64>().abs();
     }
     let sum: f64 = x.iter().map(|x| (x / largest) * (x / largest)).sum();
     largest * sum.sqrt()

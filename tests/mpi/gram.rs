@@ -60,7 +60,14 @@ fn bits(found: &LeastSquares) -> Vec<u64> {
     let vectors =
         [&found.intercepts, &found.residual_norms, &found.r_squared, &found.intercept_errors];
     let values = vectors.into_iter().flatten().chain([&found.condition, &found.digits]);
-    let counts = [found.rank as u64, found.degrees_of_freedom];
+    let covariance = found.covariance(0).unwrap_or_default();
+    let statistics: Vec<f64> = covariance
+        .col_iter()
+        .flat_map(|column| column.iter().copied().collect::<Vec<_>>())
+        .chain(found.f_statistics.iter().copied())
+        .collect();
+    let values = values.chain(&statistics);
+    let counts = [found.rank as u64, found.observations, found.degrees_of_freedom];
     let dependent = found.dependent.iter().map(|&column| column as u64);
     entries.chain(values).map(|x| x.to_bits()).chain(counts).chain(dependent).collect()
 }
