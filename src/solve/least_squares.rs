@@ -165,8 +165,8 @@ impl Problem<'_> {
         self.gram.entry(at, at).map(|part| scaled(part, -2 * self.exponents[q]))
     }
 
-    /// Returns `|A x - b|^2` of each target, scaled, and what it is less than `|b|^2`, for a solution
-    /// and the residual of its equations.
+    /// Returns `|A x - b|^2` of each target, scaled, and what it is less than `|b|^2`, for a
+    /// solution and the residual of its equations.
     ///
     /// It is `b^T b - x^T A^T b - x^T r`, with r the residual of the equations without the ridge,
     /// so that errors of x enter only as squares.

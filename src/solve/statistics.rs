@@ -141,8 +141,8 @@ impl LeastSquares {
         self.r_squared.iter().map(adjusted).collect()
     }
 
-    /// Returns the p value of each of [`LeastSquares::f_statistics`], of which [`LeastSquares::rank`]
-    /// and [`LeastSquares::degrees_of_freedom`] are the degrees of freedom; NaN where they are.
+    /// Returns the p value of each of [`LeastSquares::f_statistics`], whose degrees of freedom are
+    /// [`LeastSquares::rank`] and [`LeastSquares::degrees_of_freedom`]; NaN for a NaN.
     pub fn f_p_values(&self) -> Vec<f64> {
         let [rank, freedom] = [self.rank as f64, self.degrees_of_freedom as f64];
         self.f_statistics.iter().map(|&f| f_probability(f, rank, freedom)).collect()

@@ -247,11 +247,11 @@ fn statistics_are_the_same_after_merges_removals_and_files() {
     let weights: Vec<f64> = (0..60).map(|i| f64::from(i % 3)).collect();
     let (rows, options) = (&mut DenseRows(all.as_ref()), AtaOptions::new());
     let bounds = RowBounds::of(rows, Some(&weights), 64, &options).unwrap();
-    let sum_of = |parts: &[std::ops::Range<usize>]| {
+    let sum_of = |parts: &[[usize; 2]]| {
         let mut sum = Accumulator::<f64>::extended(&bounds, true).unwrap();
-        for part in parts {
-            let rows = &mut DenseRows(all.subrows(part.start, part.len()));
-            sum.add_rows(rows, Some(&weights[part.clone()]), &options).unwrap();
+        for &[first, end] in parts {
+            let rows = &mut DenseRows(all.subrows(first, end - first));
+            sum.add_rows(rows, Some(&weights[first..end]), &options).unwrap();
         }
         sum
     };
@@ -261,18 +261,18 @@ fn statistics_are_the_same_after_merges_removals_and_files() {
         let covariance = found.covariance(0).unwrap();
         (found.observations, found.f_statistics.clone(), found.p_values().unwrap(), covariance)
     };
-    let right = solved(sum_of(&[0..40]));
+    let right = solved(sum_of(&[[0, 40]]));
     assert_eq!(right.0, 26);
-    let mut merged = sum_of(&[30..40, 0..7]);
+    let mut merged = sum_of(&[[30, 40], [0, 7]]);
     let mut bytes = Vec::new();
-    sum_of(&[7..30]).write(&mut bytes).unwrap();
+    sum_of(&[[7, 30]]).write(&mut bytes).unwrap();
     merged.merge(Accumulator::read(&mut &bytes[..]).unwrap()).unwrap();
     assert_eq!(solved(merged), right);
-    let mut more = sum_of(&[0..60]);
+    let mut more = sum_of(&[[0, 60]]);
     let rows = &mut DenseRows(all.subrows(40, 20));
     more.remove_rows(rows, Some(&weights[40..]), &options).unwrap();
     assert_eq!(solved(more), right);
-    let mut without = sum_of(&[1..2]);
+    let mut without = sum_of(&[[1, 2]]);
     let block = mat![[0.0, 0.0, 0.0, 0.0]];
     let refused = without.remove_block(block.as_ref(), Some(&[0.0]), &options).unwrap_err();
     assert!(refused.to_string().contains("1 rows of weight 0"), "{refused}");

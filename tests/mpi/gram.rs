@@ -60,7 +60,7 @@ fn bits(found: &LeastSquares) -> Vec<u64> {
     let vectors =
         [&found.intercepts, &found.residual_norms, &found.r_squared, &found.intercept_errors];
     let values = vectors.into_iter().flatten().chain([&found.condition, &found.digits]);
-    let covariance = found.covariance(0).unwrap_or_default();
+    let covariance = found.covariance(0).unwrap_or_else(|_| Mat::new());
     let statistics: Vec<f64> = covariance
         .col_iter()
         .flat_map(|column| column.iter().copied().collect::<Vec<_>>())
