@@ -118,7 +118,8 @@ pub fn f_probability(f: f64, numerator: f64, denominator: f64) -> f64 {
 ///
 /// With `a = denominator / 2`, `b = numerator / 2` and `x = a / (a + b f)`, it is the incomplete
 /// beta function `I_x(a, b)`: the integral over `w > 0` of
-/// `exp(-a w) (1 + r (1 - exp(-w)))^(b - 1)` with `r = x / (1 - x)`, times `x^a (1 - x)^(b - 1) / B(a, b)`.
+/// `exp(-a w) (1 + r (1 - exp(-w)))^(b - 1)` with `r = x / (1 - x)`, times
+/// `x^a (1 - x)^(b - 1) / B(a, b)`.
 fn upper_tail(f: f64, numerator: f64, denominator: f64) -> f64 {
     /// Distance of two nodes.
     const STEP: f64 = 1.0 / 16.0;
