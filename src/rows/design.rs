@@ -31,6 +31,7 @@ impl Survey {
     /// ```
     ///
     /// # Errors
+    /// [`Error::NonFinite`] of "table" for an infinity in a row that is not missing;
     /// [`Error::Argument`] of "factor" for a column with more than [`Survey::MOST_LEVELS`]
     /// different entries; those of the source; [`Error::OutOfMemory`].
     pub fn of(
@@ -48,6 +49,9 @@ impl Survey {
                 if used.iter().any(|&j| row[j].is_nan()) {
                     push(&mut found.missing, first + i)?;
                     continue;
+                }
+                if let Some(&j) = used.iter().find(|&&j| row[j].is_infinite()) {
+                    return Err(Error::NonFinite { what: "table", index: (first + i, j) });
                 }
                 for (entries, &j) in found.entries.iter_mut().zip(factors) {
                     let entry = row[j];
@@ -363,6 +367,9 @@ mod tests {
             assert_eq!(found.missing, [3, 499]);
             assert_eq!(found.entries, [(0..7).map(f64::from).collect::<Vec<_>>()]);
         }
+        table[(8, 1)] = f64::INFINITY;
+        let refused = Survey::of(&mut DenseRows(table.as_ref()), &[1], &[], Par::Seq).unwrap_err();
+        assert_eq!(refused, Error::NonFinite { what: "table", index: (8, 1) });
         let refused = Survey::of(&mut DenseRows(table.as_ref()), &[3], &[], Par::Seq).unwrap_err();
         assert_eq!(refused.to_string(), "design: column 3 of a table of 3 columns");
     }

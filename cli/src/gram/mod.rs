@@ -103,9 +103,9 @@ impl<'a> Pass<'a> {
         }
         let weights = match weights {
             Some(path) => {
-                let weights = read_weights(path, &args.input, table.nrows())?;
+                let weights = read_weights(path, &args.input, table.all_rows())?;
                 check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
-                Some(weights)
+                Some(table.kept(weights)?)
             }
             None => None,
         };
