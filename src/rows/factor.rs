@@ -96,6 +96,41 @@ impl Factor {
         Ok(self)
     }
 
+    /// Leaves out the levels that none of these entries stands for, such as those of
+    /// [`Survey::entries`](super::Survey::entries). Entries without a level change nothing.
+    ///
+    /// ```
+    /// use catamaran::rows::Factor;
+    ///
+    /// let levels = ["North", "East", "West"].map(str::to_owned).to_vec();
+    /// let region = Factor::in_order("region", levels)?.with_entries(&[2.0, 0.0])?;
+    /// assert_eq!(region.levels(), ["North", "West"]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Factor::of_codes`].
+    pub fn with_entries(&self, entries: &[f64]) -> Result<Self> {
+        let mut used = vec![false; self.levels.len()];
+        entries.iter().filter_map(|&entry| self.level_of(entry)).for_each(|k| used[k] = true);
+        let position: Vec<usize> = used
+            .iter()
+            .scan(0, |count, &used| {
+                let at = *count;
+                *count += usize::from(used);
+                Some(at)
+            })
+            .collect();
+        let levels = self.levels.iter().zip(&used).filter(|(_, used)| **used);
+        let kept = self.entries.iter().filter(|(_, level)| used[*level]);
+        Self {
+            name: self.name.clone(),
+            levels: levels.map(|(level, _)| level.clone()).collect(),
+            entries: kept.map(|&(entry, level)| (entry, position[level])).collect(),
+        }
+        .checked()
+    }
+
     /// Returns this factor for another table, in which entry k of the column, from 0, stands for
     /// the k-th of `levels`: the columns of the matrix stay the same.
     ///
