@@ -118,20 +118,21 @@ class LeastSquares:
         """Return the covariance of the coefficients of a target, the intercept first if there is
         one."""
         self._check_errors()
-        variance = float(np.atleast_1d(self.residual_deviation)[target]) ** 2
-        if not np.isfinite(self.weight):
-            return variance * (self.root.T @ self.root)
-        root = np.column_stack([-(self.root @ self.mean), self.root])
+        root: Any = self.root
+        if np.isfinite(self.weight):
+            root = np.column_stack([-(root @ self.mean), root])
         found: NDArray[np.float64] = root.T @ root
-        found[0, 0] += 1 / self.weight
-        return variance * found
+        if np.isfinite(self.weight):
+            found[0, 0] += 1 / self.weight
+        found *= float(np.atleast_1d(self.residual_deviation)[target]) ** 2
+        return found
 
     @to_nearest
     def prediction_errors(self, a: ArrayLike, *, observation: bool = False) -> Any:
         """Return the standard errors of predictions: of the mean at each row, or with `observation`
         of one new observation there."""
         self._check_errors()
-        spread = (np.asarray(a) - self.mean) @ self.root.T
+        spread: Any = (np.asarray(a) - self.mean) @ self.root.T
         squares = (spread**2).sum(axis=1) + 1 / self.weight + float(observation)
         return np.multiply.outer(np.sqrt(squares), self.residual_deviation)
 
@@ -186,7 +187,8 @@ def coded(factors: Mapping[str, Any]) -> Tuple[List[Tuple[str, List[str], bool]]
     Levels of a pandas categorical, or of anything else with ``categories`` and ``codes``, keep
     their order.
     """
-    found, columns = [], []
+    found: List[Tuple[str, List[str], bool]] = []
+    columns: List[Any] = []
     for name, values in factors.items():
         values = getattr(values, "cat", values)
         if hasattr(values, "categories") and hasattr(values, "codes"):
@@ -288,7 +290,7 @@ def lstsq(
         return solution(found, np.ndim(b) == 1)
     levels, codes = coded(factors or {})
     if codes is None:
-        codes = np.empty((len(b), 0))  # type: ignore[arg-type]
+        codes = np.empty((np.shape(b)[0], 0))
     found, columns, left_out = _catamaran.lstsq_table(
         a, codes, levels, b, weights, missing == "drop", options, callback(progress)
     )
