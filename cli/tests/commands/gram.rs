@@ -549,6 +549,7 @@ fn guide_folder() -> Folder {
     folder.write_npy("b.npy", &[m as u64], &table(m, 1));
     let weights: Vec<f64> = (0..m).map(|i| (i % 4) as f64).collect();
     folder.write_npy("w.npy", &[m as u64], &weights);
+    folder.write("cars.csv", MTCARS);
     folder
 }
 
