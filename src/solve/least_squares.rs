@@ -5,7 +5,7 @@ use super::columns::Columns;
 use super::double::{TripleSum, scaled};
 use super::refine::{Outcome, Refined};
 use super::row_space::RowSpace;
-use super::statistics::Spread;
+use super::spread::{Spread, deviations};
 use crate::base::{Error, Par, Result, options};
 use crate::dense::zeros;
 use crate::rows::ExtendedGram;
@@ -365,7 +365,7 @@ impl LeastSquares {
     /// Computes standard errors.
     fn add_errors(&mut self, spread: &Spread, intercept: bool) -> Result<()> {
         let (n, targets) = self.coefficients.shape();
-        let deviations = self.residual_deviations();
+        let deviations = deviations(&self.residual_norms, self.degrees_of_freedom);
         let mut errors = zeros(n, targets)?;
         for j in 0..n {
             let length = spread.length(j);

@@ -23,6 +23,7 @@ mod row_space;
 mod rows;
 mod singular;
 mod slices;
+mod spread;
 mod statistics;
 mod tails;
 #[cfg(test)]
@@ -46,5 +47,5 @@ pub use rows::{
 };
 pub use singular::SingularValues;
 #[cfg(feature = "mpi")]
-pub(crate) use statistics::Spread;
+pub(crate) use spread::Spread;
 pub use tails::{f_probability, t_probability, t_quantile};

@@ -1,7 +1,7 @@
 use faer::{Mat, MatRef};
 
 use super::double::TripleSum;
-use super::statistics::{confidence_factor, deviations, norm};
+use super::spread::{confidence_factor, deviations, norm};
 use crate::base::{Error, Result};
 use crate::dense::zeros;
 
