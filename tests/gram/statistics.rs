@@ -204,17 +204,11 @@ fn incomplete_rows_change_nothing_when_they_are_left_out() {
     let table = mtcars(&["wt", "cyl", "mpg"]);
     let right = of_table(table.as_ref(), &with_cylinders(table.as_ref()));
     // A row without each of its entries after every fifth row, with a level of its own.
-    let mut incomplete = Mat::zeros(32 + 6, 3);
-    let mut from = 0..32;
-    for i in 0..38 {
-        match i % 6 {
-            5 => incomplete.row_mut(i).copy_from(mat![[1e3, 7.0, 1e3]].row(0)),
-            _ => incomplete.row_mut(i).copy_from(table.row(from.next().unwrap())),
-        }
-        if i % 6 == 5 {
-            incomplete[(i, i / 6 % 3)] = f64::NAN;
-        }
-    }
+    let incomplete = Mat::from_fn(32 + 6, 3, |i, j| match i % 6 {
+        5 if j == i / 6 % 3 => f64::NAN,
+        5 => [1e3, 7.0, 1e3][j],
+        _ => table[(i - i / 6, j)],
+    });
     let design = with_cylinders(incomplete.as_ref());
     assert_eq!(design.left_out(), [5, 11, 17, 23, 29, 35]);
     let found = of_table(incomplete.as_ref(), &design);
