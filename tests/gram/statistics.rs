@@ -18,15 +18,37 @@ use super::nist::NistSet;
 
 const MTCARS: &str = include_str!("../common/tables/mtcars.csv");
 
-/// Returns these columns of mtcars.
-fn mtcars(names: &[&str]) -> Mat<f64> {
-    let mut lines = MTCARS.lines();
+/// Tables that statsmodels, scikit-learn and R package; the target is the first column.
+const TABLES: [(&str, &str); 8] = [
+    ("ccard", include_str!("../common/tables/ccard.csv")),
+    ("copper", include_str!("../common/tables/copper.csv")),
+    ("diabetes", include_str!("../common/tables/diabetes.csv")),
+    ("engel", include_str!("../common/tables/engel.csv")),
+    ("iris", include_str!("../common/tables/iris.csv")),
+    ("mtcars", MTCARS),
+    ("scotland", include_str!("../common/tables/scotland.csv")),
+    ("stackloss", include_str!("../common/tables/stackloss.csv")),
+];
+
+/// What `expected.py` computed: set, term, and three numbers.
+const EXPECTED: &str = include_str!("../common/tables/expected.csv");
+
+/// Returns the names of the columns of a table, and its numbers.
+fn read(text: &str) -> (Vec<&str>, Mat<f64>) {
+    let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let rows: Vec<Vec<f64>> =
         lines.map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect();
+    let table = Mat::from_fn(rows.len(), header.len(), |i, j| rows[i][j]);
+    (header, table)
+}
+
+/// Returns these columns of mtcars.
+fn mtcars(names: &[&str]) -> Mat<f64> {
+    let (header, table) = read(MTCARS);
     let columns: Vec<usize> =
         names.iter().map(|name| header.iter().position(|own| own == name).unwrap()).collect();
-    Mat::from_fn(rows.len(), names.len(), |i, j| rows[i][columns[j]])
+    Mat::from_fn(table.nrows(), names.len(), |i, j| table[(i, columns[j])])
 }
 
 fn with_intercept() -> LeastSquaresOptions {
@@ -52,6 +74,49 @@ fn with_first(first: &[f64], rest: &Mat<f64>) -> Vec<f64> {
 
 fn rows(m: &Mat<f64>) -> Vec<f64> {
     m.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn eight_public_tables_have_the_statistics_of_multiprecision_and_statsmodels() {
+    for (set, text) in TABLES {
+        let (header, table) = read(text);
+        // The target comes last.
+        let order: Vec<usize> = (1..header.len()).chain([0]).collect();
+        let table = Mat::from_fn(table.nrows(), header.len(), |i, j| table[(i, order[j])]);
+        let mut names = vec!["intercept".to_owned()];
+        let mut columns = Vec::new();
+        for (j, &from) in order.iter().enumerate() {
+            let name = header[from];
+            if !["species", "cyl"].contains(&name) {
+                names.push(name.to_owned());
+                columns.push(DesignColumn::Numbers(j));
+                continue;
+            }
+            let factor = Factor::of_numbers(name, table.col(j).iter().copied().collect()).unwrap();
+            names.extend(factor.columns());
+            columns.push(DesignColumn::Indicators(j, factor));
+        }
+        let found = of_table(table.as_ref(), &Design::new(columns));
+        let values = with_first(&found.intercepts, &found.coefficients);
+        let errors = with_first(&found.intercept_errors, &found.standard_errors);
+        let p = with_first(&found.intercept_p_values(), &found.p_values().unwrap());
+        let expected =
+            EXPECTED.lines().filter_map(|line| line.strip_prefix(set)?.strip_prefix(','));
+        let mut terms = 0;
+        for line in expected {
+            let fields: Vec<&str> = line.split(',').collect();
+            let right: Vec<f64> = fields[1..].iter().map(|field| field.parse().unwrap()).collect();
+            if fields[0] == "F" {
+                let summary = [found.r_squared[0], found.f_statistics[0], found.f_p_values()[0]];
+                all_near(summary, &right);
+                continue;
+            }
+            assert_eq!(fields[0], names[terms], "{set}");
+            all_near([values[terms], errors[terms], p[terms]], &right);
+            terms += 1;
+        }
+        assert_eq!(terms, values.len(), "{set}");
+    }
 }
 
 #[test]
