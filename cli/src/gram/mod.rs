@@ -103,8 +103,9 @@ impl<'a> Pass<'a> {
         }
         let weights = match weights {
             Some(path) => {
-                let weights = read_weights(path, &args.input, table.nrows())?;
+                let weights = read_weights(path, &args.input, table.all_rows())?;
                 check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+                let weights = table.kept(weights)?;
                 if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
                     bail!("{}: all weights are zero", path.display());
                 }
