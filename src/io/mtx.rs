@@ -8,7 +8,7 @@ use std::str::FromStr;
 use faer::MatRef;
 use sprs::TriMat;
 
-use super::columns::checked_columns;
+use super::columns::Columns;
 use super::extents::padded_bytes;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
@@ -27,14 +27,14 @@ struct Header {
     symmetry: Symmetry,
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
     let header = header(source)?;
     let sizes = numbers(source, if header.coordinate { 3 } else { 2 })?;
     let (nrows, ncols) = (sizes[0], sizes[1]);
     if header.symmetry != Symmetry::General && nrows != ncols {
         return Err(source.fail(format!("a symmetric matrix must be square: {nrows} x {ncols}")));
     }
-    let columns = checked_columns(columns, ncols)?;
+    let columns = columns.range(ncols)?;
     if header.coordinate {
         coordinate(source, &header, nrows, ncols, sizes[2], &columns)
     } else {

@@ -1,11 +1,10 @@
 //! NumPy arrays: entries converted chunk by chunk.
 
 use std::io::{self, Read, Write};
-use std::ops::Range;
 
 use faer::MatRef;
 
-use super::columns::checked_columns;
+use super::columns::Columns;
 use super::matrix::{Dense, Matrix};
 use super::npy_header::{self, Header};
 use super::source::Source;
@@ -137,9 +136,9 @@ pub(super) fn trailing(len: usize) -> String {
     format!("data after the {len} entries its header announces")
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
     let layout = Layout::read(source)?;
-    let columns = checked_columns(columns, layout.shape.1)?;
+    let columns = columns.range(layout.shape.1)?;
     Ok(if layout.is_single() {
         let values = values(source, &layout)?;
         Matrix::F32(Dense::new(values, layout.shape, layout.row_major, columns))
