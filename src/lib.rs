@@ -80,4 +80,5 @@ pub const OPTIONS: &[(&str, &[base::Field])] = &[
     ("ortho::GramSchmidtOptions", ortho::GramSchmidtOptions::FIELDS),
     ("io::ReadOptions", io::ReadOptions::FIELDS),
     ("io::SourceOptions", io::SourceOptions::FIELDS),
+    ("io::TableOptions", io::TableOptions::FIELDS),
 ];

@@ -7,12 +7,14 @@ use encoding_rs::{Decoder, Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 use crate::base::{Error, Result};
 
+/// Bytes from which the encoding is found.
+pub(super) const HEAD: usize = 1 << 10;
+
 /// Bytes that are decoded at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Least bytes of UTF-16 without a mark that are recognized, and most bytes that are looked at.
+/// Least bytes of UTF-16 without a mark that are recognized.
 const LEAST: usize = 4;
-const MOST: usize = 1 << 10;
 
 /// Returns the encoding of a file that begins with `head`, if it is not one in which ASCII is
 /// ASCII. A name decides; otherwise the byte order mark, or zeros in every second byte.
@@ -31,7 +33,7 @@ pub(super) fn detect(head: &[u8], name: Option<&str>) -> Result<Option<&'static 
 
 /// Returns the UTF-16 of a text whose first characters are ASCII.
 fn without_mark(head: &[u8]) -> Option<&'static Encoding> {
-    let pairs = head[..head.len().min(MOST)].as_chunks::<2>().0;
+    let pairs = head[..head.len().min(HEAD)].as_chunks::<2>().0;
     if 2 * pairs.len() < LEAST {
         return None;
     }

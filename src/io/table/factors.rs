@@ -2,6 +2,7 @@
 
 use super::layout::{Layout, Use};
 use super::piece::{Levels, Piece, texts};
+use super::reading::{ColumnKind, TableReading};
 
 /// The levels of all factors.
 #[derive(Debug)]
@@ -63,9 +64,14 @@ impl Factors {
         }
     }
 
-    /// Returns the levels of each factor.
-    pub fn texts(&self) -> Vec<Vec<String>> {
-        self.levels.iter().map(|levels| texts(&levels.words)).collect()
+    /// Gives the levels to the columns of a reading.
+    pub fn give_levels(&self, reading: &mut TableReading) {
+        let mut given = self.levels.iter().map(|levels| texts(&levels.words));
+        for column in &mut reading.columns {
+            if let ColumnKind::Factor { levels } = &mut column.kind {
+                *levels = given.next().unwrap_or_default();
+            }
+        }
     }
 }
 

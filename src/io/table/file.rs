@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 
 use faer::MatMut;
 
-use super::encoding;
+use super::encoding::{self, HEAD};
 use super::engine::{Engine, begin, copy_rows};
 use super::factors::Factors;
 use super::layout::Layout;
+use super::message::no_rows;
 use super::options::{Missing, TableOptions};
 use super::reading::TableReading;
 use super::text::Text;
-use super::{HEAD, no_rows, with_levels};
 use crate::base::{Error, Real, Result, push};
 use crate::io::ReadOptions;
 use crate::io::columns::Columns;
@@ -113,7 +113,7 @@ impl TableFile {
             return Err(no_rows(path, engine.text.lines, dropped));
         }
         factors.sort(&mut [], engine.layout.ncols.max(1));
-        with_levels(&mut reading, &factors);
+        factors.give_levels(&mut reading);
         reading.dropped_rows = dropped;
         Ok(Some(Self {
             path: path.into(),

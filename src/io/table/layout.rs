@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::encoding;
+use super::message::{excerpt, option};
 use super::missing::MissingWords;
 use super::number::{self, NOTATIONS, Notation, PLAIN, Readings};
 use super::options::{Missing, TableOptions, Words};
@@ -10,13 +11,16 @@ use super::reading::{ColumnKind, TableColumn, TableReading, called};
 use super::sample::{Cell, Sample, SampleRow, divide};
 use super::splitter::{Between, Syntax};
 use super::syntax::{announced, find, line_end, width};
-use super::{excerpt, option};
 use crate::base::Result;
 use crate::io::columns::Columns;
 use crate::io::source::error;
 
 /// The least records that are looked at, if there are more.
 const LEAST_ROWS: usize = 4;
+
+/// How many times farther than the numbers of a column are from each other a number of the first
+/// row must be to be taken for a name.
+const FAR: f64 = 3.0;
 
 /// What is done with a field of each record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -398,10 +402,13 @@ impl Found<'_> {
         Err(self.two_readings())
     }
 
-    /// Returns whether the numbers of the first row increase, and each is farther from the other
-    /// numbers of its column than these are from each other; of a single one, than that is from 0.
-    /// They must be integers without a word beside them.
+    /// Returns whether the numbers of the first row increase, and each is far from the other
+    /// numbers of its column: [`FAR`] times farther than these are from each other, or than a
+    /// single one is from 0. Numbers of three digits or more with equal steps, as years and
+    /// wavelengths, need only be outside of the range. Without a word beside them they must be
+    /// integers.
     fn may_be_names(&self, cells: &[Cell], width: usize, must_be_integers: bool) -> bool {
+        let far = if self.is_regular(width) { 0.0 } else { FAR };
         let mut last = f64::NEG_INFINITY;
         for (j, cell) in cells.iter().enumerate() {
             let field = &self.sample.rows[0].fields[j];
@@ -418,13 +425,23 @@ impl Found<'_> {
                 self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect();
             let low = others.iter().copied().fold(f64::INFINITY, f64::min);
             let high = others.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let reach = if others.len() > 1 { high - low } else { high.abs() };
+            let reach = if others.len() > 1 { far * (high - low) } else { high.abs() };
             if value <= last || !(low - value > reach || value - high > reach) {
                 return false;
             }
             last = value;
         }
         true
+    }
+
+    /// Returns whether the first row has three numbers or more with equal steps, of 100 or more.
+    fn is_regular(&self, width: usize) -> bool {
+        let fields = self.sample.rows[0].fields.iter().take(width);
+        let numbers: Vec<f64> = fields.filter_map(|field| any_reading(field)).collect();
+        let step = |pair: &[f64]| pair[1] - pair[0];
+        numbers.len() > 2
+            && numbers[0] >= 100.0
+            && numbers.windows(2).all(|pair| step(pair) == step(&numbers))
     }
 
     fn two_readings(&self) -> crate::Error {

@@ -33,6 +33,10 @@ pub(super) fn readings(field: &[u8]) -> Readings {
     if is_word.is_none_or(u8::is_ascii_alphabetic) {
         return 0;
     }
+    let is_short = field.iter().all(|byte| byte.is_ascii_digit() || b"+-eE".contains(byte));
+    if is_short && parse(field, PLAIN).is_some() {
+        return Readings::MAX;
+    }
     let bit = |i: usize| Readings::from(parse(field, NOTATIONS[i]).is_some()) << i;
     (0..NOTATIONS.len()).map(bit).fold(0, |all, bit| all | bit)
 }

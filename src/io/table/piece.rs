@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
+use super::encoding;
 use super::layout::{Layout, Use};
+use super::message::{excerpt, option};
 use super::number;
 use super::options::Missing;
 use super::splitter::{Found, Splitter};
-use super::{encoding, excerpt, option};
 
 /// What is wrong with a record.
 #[derive(Debug)]

@@ -240,9 +240,10 @@ impl Splitter {
             self.unquoted.resize(text.len() + 1, 0);
         }
         let (mut read, mut written, mut ended) = (0, 0, 0);
-        loop {
+        let is_cut = loop {
+            let rest = &text[read..];
             let (result, bytes, out, ends) = self.quotes.read_record(
-                &text[read..],
+                rest,
                 &mut self.unquoted[written..],
                 &mut self.ends[ended..],
             );
@@ -250,19 +251,18 @@ impl Splitter {
             written += out;
             ended += ends;
             match result {
-                ReadRecordResult::Record | ReadRecordResult::End => break,
+                ReadRecordResult::Record | ReadRecordResult::End => break rest.is_empty(),
                 // Without input the reader would take the record for the last one.
                 _ if read == text.len() && !is_last => return None,
                 ReadRecordResult::InputEmpty => {}
                 ReadRecordResult::OutputFull => self.unquoted.resize(2 * self.unquoted.len(), 0),
                 ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
             }
-        }
+        };
+        // Only quotes keep a record from ending with its line.
         let taken = &text[..read];
-        let (end, inner) = taken.split_last().map_or((0, taken), |(last, inner)| (*last, inner));
-        self.is_open = is_last
-            && end != self.syntax.line_end
-            && memchr(self.syntax.line_end, inner).is_some()
+        self.is_open = is_cut
+            && memchr(self.syntax.line_end, taken).is_some()
             && memchr_iter(b'"', taken).count() % 2 == 1;
         let mut start = 0;
         for &end in &self.ends[..ended] {

@@ -1,8 +1,9 @@
 //! Which separator a table has.
 
 use super::missing::MissingWords;
+use super::number;
 use super::options::{Separator, TableOptions};
-use super::sample::{Cell, Sample, divide};
+use super::sample::{Cell, Sample, SampleRow, divide};
 use super::splitter::{Between, Syntax};
 
 /// The separators that are tried, in this order.
@@ -54,8 +55,8 @@ pub(super) fn find(
     };
     let tried: Vec<Between> = match between {
         Some(between) => vec![between],
-        // The comma can't be both.
-        None if options.decimal == Some(',') => {
+        // The comma can be both where quotes tell one from the other.
+        None if options.decimal == Some(',') && !has_quotes_below_header(text) => {
             TRIED.into_iter().filter(|&b| b != Between::Byte(b',')).collect()
         }
         None => TRIED.into(),
@@ -86,6 +87,11 @@ pub(super) fn find(
     }
 }
 
+fn has_quotes_below_header(text: &[u8]) -> bool {
+    let end = memchr::memchr(line_end(text), text).unwrap_or(text.len());
+    memchr::memchr(b'"', &text[end..]).is_some()
+}
+
 /// A later separator must be better than an earlier one by this much.
 const MARGIN: f64 = 1e-9;
 
@@ -111,10 +117,15 @@ fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
 }
 
 /// Returns the number of fields that most rows have; of the first rows, when as many have another.
+/// A row of words above a single row counts for a header, which may have a name less.
 pub(super) fn width(sample: &Sample) -> usize {
     let mut counts: Vec<(usize, usize)> = Vec::new();
-    // The first row may be a title.
-    let data = if sample.rows.len() > 2 { &sample.rows[1..] } else { &sample.rows[..] };
+    // The first row may be a title or a header.
+    let is_header = |row: &SampleRow| row.fields.iter().all(|field| number::readings(field) == 0);
+    let data = match &sample.rows[..] {
+        [first, rest @ ..] if rest.len() > 1 || !rest.is_empty() && is_header(first) => rest,
+        rows => rows,
+    };
     for row in data {
         let width = row.fields.len();
         match counts.iter_mut().find(|(known, _)| *known == width) {

@@ -8,6 +8,9 @@ use crate::base::{Error, Result, room};
 use crate::io::limits::LARGER_MAX_MEMORY;
 use crate::io::source::{error, error_at};
 
+/// Bytes of the smallest buffer.
+const SMALLEST: usize = 1 << 16;
+
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A reader of text that keeps what was not taken yet.
@@ -61,13 +64,15 @@ impl<R: Read> Text<R> {
             self.buffer.copy_within(self.held.clone(), 0);
             self.held = 0..self.held.len();
         }
-        if self.buffer.len() < count {
-            let more = count - self.buffer.len();
-            room(&mut self.buffer, more)?;
-            self.buffer.resize(count, 0);
-        }
         while self.held.end < count && !self.is_ended {
-            match self.inner.read(&mut self.buffer[self.held.end..count]) {
+            if self.held.end == self.buffer.len() {
+                // A small file takes a small buffer.
+                let len = (2 * self.buffer.len()).max(SMALLEST).min(count);
+                room(&mut self.buffer, len - self.held.end)?;
+                self.buffer.resize(len, 0);
+            }
+            let end = self.buffer.len().min(count);
+            match self.inner.read(&mut self.buffer[self.held.end..end]) {
                 Ok(0) => self.is_ended = true,
                 Ok(read) => self.held.end += read,
                 Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
