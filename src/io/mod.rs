@@ -114,10 +114,11 @@ impl FileContent {
 
 /// Reads the matrix in the file at `path`, in the format of its name.
 ///
-/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f8
-///   and integers become f64 (integers beyond 2^53 are rounded).
+/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f2,
+///   f8, f16 (the long double of x86), b1 and integers become f64 (rounded beyond 53 bits).
 /// - `.mtx`: `array` becomes a dense f64 matrix, `coordinate` a sparse one; `real`, `integer` and
-///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`. Repeated coordinates are summed.
+///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`, with one triangle, be it the lower
+///   or the upper one. Repeated coordinates are summed.
 /// - `.csv`, `.tsv`, `.txt`: f64. Separators, the notation of numbers and whether there is a header
 ///   are found as [`TableOptions`] says; [`read_file`] returns what was found. Lines that start with
 ///   `#` and empty lines are skipped, columns of words are left out, and a missing cell is an error

@@ -164,6 +164,17 @@ fn npy_types_and_orders_are_converted() {
     check(">f8", |v| f64::from(v).to_be_bytes());
     check("=f8", |v| f64::from(v).to_ne_bytes());
     check("|i4", |v| i32::from(v).to_ne_bytes());
+    // From 1 to 6: in half precision and as a long double of x86.
+    let bits = |v: i8| f64::from(v).to_bits();
+    let half = |v| (((bits(v) >> 52) - 1023 + 15) << 10 | bits(v) >> 42 & 0x3ff) as u16;
+    check("<f2", |v| half(v).to_le_bytes());
+    check(">f2", |v| half(v).to_be_bytes());
+    let long = |v: i8| {
+        let leading = (v as u64).leading_zeros();
+        u128::from(16_383 + 63 - leading) << 64 | u128::from((v as u64) << leading)
+    };
+    check("<f16", |v| long(v).to_le_bytes());
+    check(">f16", |v| long(v).to_be_bytes());
 }
 
 #[test]
@@ -290,6 +301,9 @@ fn matrix_market_of_every_kind_is_read() {
         ("coordinate integer symmetric\n2 2 2\n2 1 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
         ("coordinate real skew-symmetric\n2 2 1\n2 1 4\n", [0.0, -4.0, 4.0, 0.0]),
         ("coordinate pattern general\n2 2 1\n1 2\n", [0.0, 1.0, 0.0, 0.0]),
+        ("coordinate real symmetric\n2 2 2\n1 2 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
+        ("coordinate real skew-symmetric\n2 2 1\n1 2 4\n", [0.0, 4.0, -4.0, 0.0]),
+        ("array real general\n2 2\n1\n2.0D+00\n3\n4d0\n", [1.0, 3.0, 2.0, 4.0]),
         ("array real general\n2 2\n1\n2\n3\n4\n", [1.0, 3.0, 2.0, 4.0]),
         ("array real symmetric\n2 2\n1\n2\n3\n", [1.0, 2.0, 2.0, 3.0]),
         ("array real skew-symmetric\n2 2\n2\n", [0.0, -2.0, 2.0, 0.0]),
@@ -330,9 +344,14 @@ fn broken_matrix_market_is_refused_with_its_line() {
         ),
         ("%%MatrixMarket matrix coordinate real general\n1 1 2\n1 1 3\n", 4, "truncated: 1 of 2"),
         (
-            "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 5\n",
+            "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 2 5\n2 1 5\n",
+            4,
+            "entries in both triangles",
+        ),
+        (
+            "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 2 5\n",
             3,
-            "entry outside the lower",
+            "an entry on the diagonal",
         ),
     ];
     for (content, line, expected) in cases {

@@ -195,7 +195,7 @@ fn broken_arrays_are_refused_when_they_are_opened() {
     assert!(refusal("a.npy", &good[..40]).starts_with("broken npy header"));
     assert!(refusal("a.npy", "no array").starts_with("broken npy header"));
     assert!(refusal("a.npy", "").starts_with("broken npy header"));
-    for (descr, size) in [("<c16", 16), ("|S8", 8), ("|b1", 1), ("<f2", 2), ("<U2", 8)] {
+    for (descr, size) in [("<c16", 16), ("|S8", 8), ("|V1", 1), ("<U2", 8)] {
         let content = npy(descr, "False", "(1, 2)", &vec![0; 2 * size]);
         assert!(refusal("a.npy", content).contains("are not real numbers"), "{descr}");
     }
