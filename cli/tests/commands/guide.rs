@@ -55,6 +55,7 @@ fn the_commands_of_the_readme_run() {
 #[test]
 fn the_commands_of_the_pages_on_matrices_run() {
     run(include_str!("../../../docs/guide/ata.md"), 2);
+    run(include_str!("../../../docs/guide/tables.md"), 4);
     run(include_str!("../../../docs/guide/larger-than-memory.md"), 4);
     run(include_str!("../../../docs/guide/reproducibility.md"), 1);
     run(include_str!("../../../docs/guide/performance.md"), 2);

@@ -525,16 +525,16 @@ impl Found<'_> {
             Some(name) => name.clone(),
             None => j.to_string(),
         };
+        let word = |j: usize| {
+            let row = self.rows(data, width).find(|row| self.cell(&row.fields[j]) == Cell::Word);
+            let found = row.map(|row| (row.line, excerpt(&row.fields[j])));
+            found.unwrap_or((self.sample.next_line, String::new()))
+        };
         let wrong = |j: usize| {
-            let word = self.rows(data, width).find(|row| self.cell(&row.fields[j]) == Cell::Word);
-            let (line, word) = word.map_or((self.sample.next_line, String::new()), |row| {
-                (row.line, excerpt(&row.fields[j]))
-            });
+            let (line, word) = word(j);
             let columns = option("columns");
-            self.fail(
-                line,
-                format!("column {} has words, such as {word}; {columns} leaves it out", name(j)),
-            )
+            let what = format!("column {} has words, such as {word}", name(j));
+            self.fail(line, format!("{what}; {columns} leaves it out"))
         };
         if !self.columns.is_all() {
             let used = self.columns.of(names, kinds.len())?;
@@ -551,7 +551,14 @@ impl Found<'_> {
             }
         }
         match used.is_empty() && !left_out.is_empty() {
-            true => Err(wrong(usize::from(index))),
+            true => {
+                let j = usize::from(index);
+                let (line, word) = word(j);
+                Err(self.fail(
+                    line,
+                    format!("no column of numbers: column {} has words, such as {word}", name(j)),
+                ))
+            }
             false => Ok((used, left_out)),
         }
     }
