@@ -19,8 +19,9 @@ use crate::base::{Error, Real, Result, push};
 use crate::io::ReadOptions;
 use crate::io::columns::Columns;
 use crate::io::limits::{longest_line, memory_limit};
+use crate::io::names::FileFormat;
 use crate::io::rows::{CHANGED, Stamp, canonical, seekable};
-use crate::io::source::{error, error_at};
+use crate::io::source::{Packing, error, error_at};
 use crate::rows::RowBlocks;
 
 /// A text table whose rows are read block by block, so that it may be larger than memory. Opening
@@ -79,19 +80,24 @@ impl fmt::Debug for TableFile {
 }
 
 impl TableFile {
-    /// Opens a table, and reads it once; `None` for text that must be decoded or has no place in a
-    /// plain file, which [`read_file`](crate::io::read_file) reads.
+    /// Opens a table, and reads it once; `None` for other formats and for text that is packed, must
+    /// be decoded or has no place in a plain file, which [`read_file`](crate::io::read_file) reads.
     ///
     /// # Errors
     /// As [`read_file`](crate::io::read_file).
     pub fn open(path: &Path, options: &ReadOptions<'_>) -> Result<Option<Self>> {
         let Ok(stamp) = seekable(path) else { return Ok(None) };
+        let format = options.format.or(FileFormat::of_name(path).map(|(format, _)| format));
+        if format != Some(FileFormat::Table) {
+            return Ok(None);
+        }
         let (table, columns) = (&options.table, &options.columns);
         let longest = longest_line(memory_limit(stamp.len, options.max_memory));
         let open = || File::open(path).map_err(|e| error_at(path, None, e));
         let mut text = Text::new(path, open()?, 0, 0, longest);
         text.hold(HEAD)?;
-        if encoding::detect(text.held(), table.encoding.as_deref())?.is_some() {
+        let is_packed = Packing::of_content(text.held()) != Packing::None;
+        if is_packed || encoding::detect(text.held(), table.encoding.as_deref())?.is_some() {
             return Ok(None);
         }
         let mut text = Text::new(path, open()?, 0, 0, longest);

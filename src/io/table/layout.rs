@@ -83,7 +83,7 @@ pub(super) fn decide(
         let end = memchr::memchr(line_end(text), &text[start..]);
         end.map_or(text.len(), |end| start + end + 1)
     };
-    for _ in 0..options.skip {
+    while line <= options.skip && start < text.len() {
         start = next(start);
         line += 1;
     }
