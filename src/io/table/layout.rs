@@ -192,7 +192,7 @@ impl Found<'_> {
         if self.syntax.between != comma || !is_name || !rest.iter().all(is_pair) {
             return Ok(false);
         }
-        if self.options.index == Some(true) {
+        if self.options.index == Some(true) || self.options.decimal.is_some() {
             return Ok(false);
         }
         if self.options.index.is_none() && self.is_counted(2) {
