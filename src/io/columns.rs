@@ -58,6 +58,11 @@ impl Columns {
         Self(Kept::List(items))
     }
 
+    /// Returns a list of numbers.
+    pub(super) fn numbers(numbers: Vec<usize>) -> Self {
+        Self::list(numbers.iter().map(usize::to_string).collect())
+    }
+
     /// Returns whether all columns are kept.
     pub fn is_all(&self) -> bool {
         self.0 == Kept::All

@@ -52,6 +52,12 @@ impl Matrix {
 }
 
 impl Matrix {
+    /// Takes the columns from a matrix with all columns of its file, and returns their numbers.
+    pub(super) fn choose(self, columns: &Columns) -> Result<(Self, ColumnNumbers)> {
+        let chosen = Columns::numbers(columns.of(&[], self.ncols())?);
+        self.select(&chosen)
+    }
+
     /// Takes the columns of a list from a matrix with all columns of its file, and returns the
     /// numbers of the columns in the file.
     pub(super) fn select(self, columns: &Columns) -> Result<(Self, ColumnNumbers)> {

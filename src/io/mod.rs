@@ -8,6 +8,7 @@
 //! writer makes its file appear whole or not at all ([`Output`]).
 
 mod accumulator;
+mod archive;
 mod arrays;
 mod columns;
 mod extents;
@@ -123,6 +124,8 @@ impl FileContent {
 ///   are found as [`TableOptions`] says; [`read_file`] returns what was found. Lines that start with
 ///   `#` and empty lines are skipped, columns of words are left out, and a missing cell is an error
 ///   ([`Missing`]). At least one row of numbers must be there.
+/// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
+///   matrix as `scipy.sparse.save_npz` writes it.
 ///
 /// Other names leave the format to the content. The names may have `.gz` or `.xz` after them.
 ///
@@ -174,8 +177,12 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> {
     let ReadOptions { max_memory, progress, .. } = *options;
     let source_options = SourceOptions { max_memory, progress };
-    let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
     let columns = &options.columns;
+    if let Some((file, name)) = names::npz_array(path).filter(|_| options.format.is_none()) {
+        let (matrix, numbers) = archive::read(&file, name, &source_options)?.choose(columns)?;
+        return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
+    }
+    let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
     let matrix = match format {
         FileFormat::Npy => npy::read(&mut source, columns)?,
         FileFormat::Mtx => mtx::read(&mut source, columns)?,

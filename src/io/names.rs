@@ -127,6 +127,17 @@ impl MatrixFormat {
     }
 }
 
+/// Returns the file and the name of the array in the name of a matrix, `FILE.npz:NAME`, whose name
+/// of an array may be left out.
+pub(super) fn npz_array(path: &Path) -> Option<(PathBuf, Option<&str>)> {
+    if lower_name(path).ends_with(".npz") {
+        return Some((path.into(), None));
+    }
+    let whole = path.to_str()?;
+    let at = whole.to_ascii_lowercase().find(".npz:")? + ".npz".len();
+    Some((whole[..at].into(), Some(&whole[at + 1..])))
+}
+
 /// The format of a file of several arrays.
 pub(super) enum ArraysFormat {
     Npz,

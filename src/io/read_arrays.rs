@@ -23,7 +23,7 @@ pub struct Arrays {
     arrays: BTreeMap<String, Stored>,
 }
 
-/// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and
+/// Reads all arrays of an `.npz` or, with feature `hdf5`, HDF5 file: numbers (f8) and
 /// unsigned integers (u8), as [`write_arrays`](super::write_arrays) writes them.
 ///
 /// ```
@@ -162,9 +162,12 @@ fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
         let count = archive.len();
         let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
         let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
-        begin(i, count, entry.size())?;
-        let mut content = reserved(usize::try_from(entry.size()).map_err(|e| fail(&e))?)?;
-        entry.read_to_end(&mut content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
+        let size = entry.size();
+        begin(i, count, size)?;
+        let mut content = reserved(usize::try_from(size).map_err(|e| fail(&e))?)?;
+        // A packed array may have more bytes than it announces.
+        let unpacked = entry.by_ref().take(size.saturating_add(1)).read_to_end(&mut content);
+        unpacked.map_err(|e| fail(&format!("`{name}`: {e}")))?;
         let stored = decode(&content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         arrays.insert(name, stored);
     }

@@ -391,7 +391,10 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
 
 /// Reads the `m` weights in a file with one row or one column.
 pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
-    let matrix = read(path, "weights", &TableArgs::default().read())?.matrix;
+    let FileContent { matrix, reading, .. } = read(path, "weights", &TableArgs::default().read())?;
+    if let Some(reading) = &reading {
+        tables::say(path, reading)?;
+    }
     let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
         bail!(

@@ -385,7 +385,7 @@ impl Found<'_> {
     /// Decides whether a first row with a word, as wide as the others, has names.
     fn header_of_words(&self, cells: &[Cell], width: usize) -> Result<Header> {
         let kind = |j: usize| self.kind(1, width, j);
-        let words = || (0..cells.len()).filter(|&j| cells[j] == Cell::Word);
+        let words = || (0..cells.len()).filter(move |&j| cells[j] == Cell::Word);
         if words().any(|j| kind(j) != Kind::Words) {
             return Ok(Header::Names);
         }
@@ -580,7 +580,7 @@ impl Found<'_> {
         let allowed: Readings = allowed.map(|i| 1_u8 << i).sum();
         let mut left = allowed;
         let numbers = || {
-            let columns = used.iter().filter(|&&j| kinds[j] != Kind::Words);
+            let columns = used.iter().filter(move |&&j| kinds[j] != Kind::Words);
             self.rows(data, width).flat_map(move |row| {
                 columns.clone().map(move |&j| (row.line, j, &row.fields[j][..]))
             })

@@ -522,7 +522,8 @@ fn the_tables_that_people_sent_are_read_right() {
         &auto().columns(1..3),
         &[&[1299.99, 3.0], &[899.5, 5.0], &[2100.0, 1.0]],
     );
-    for name in ["bool.npy", "g.npy", "c.npy.xz"] {
+    for name in ["bool.npy", "g.npy", "c.npy.xz", "one.npz"] {
         assert!(matches!(read(name, &auto()).unwrap().matrix, Matrix::F64(_) | Matrix::F32(_)));
     }
+    assert!(matches!(read("sparse.npz", &auto()).unwrap().matrix, Matrix::Sparse(_)));
 }
