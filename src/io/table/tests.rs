@@ -403,7 +403,8 @@ proptest! {
         }),
     ) {
         let text = dialect.write(&rows);
-        let found = content(&text, &auto()).map_err(|e| TestCaseError::fail(format!("{text}: {e}")))?;
+        let fail = |e| TestCaseError::fail(format!("{text}: {e}"));
+        let found = content(&text, &auto()).map_err(fail)?;
         let expected = Mat::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
         prop_assert_eq!(doubles(&found.matrix), expected, "{:?}", text);
         prop_assert_eq!(found.names.len(), if dialect.has_header { rows[0].len() } else { 0 });
