@@ -6,7 +6,7 @@ use super::encoding;
 use super::message::{excerpt, option};
 use super::missing::MissingWords;
 use super::number::{self, NOTATIONS, Notation, PLAIN, Readings};
-use super::options::{Missing, TableOptions, Words};
+use super::options::{Missing, Separator, TableOptions, Words};
 use super::reading::{ColumnKind, TableColumn, TableReading, called};
 use super::sample::{Cell, Sample, SampleRow, divide};
 use super::splitter::{Between, Syntax};
@@ -107,7 +107,8 @@ pub(super) fn decide(
         return Err(table.no_rows());
     }
     if separator.is_none() && table.is_one_column_of_decimal_commas()? {
-        let options = options.clone().decimal(',');
+        // No separator is left. What a comma within a number means is decided as elsewhere.
+        let options = options.clone().separator(Separator::Char('\t'));
         return decide(path, text, is_last, &options, columns);
     }
     let mut decided = table.decide()?;

@@ -87,6 +87,9 @@ pub(super) fn find(
     }
 }
 
+/// The weight of the first row in the score of a separator.
+const TIE: f64 = 1e-3;
+
 fn has_quotes_below_header(text: &[u8]) -> bool {
     let end = memchr::memchr(line_end(text), text).unwrap_or(text.len());
     memchr::memchr(b'"', &text[end..]).is_some()
@@ -95,8 +98,9 @@ fn has_quotes_below_header(text: &[u8]) -> bool {
 /// A later separator must be better than an earlier one by this much.
 const MARGIN: f64 = 1e-9;
 
-/// Returns how well a separator divides the rows, from 0 to 3: the share of rows of the usual
-/// width, the share of fields that are numbers or missing, and 1 if there are several fields.
+/// Returns how well a separator divides the rows, from 0 to 3.5: the share of rows of the usual
+/// width, the share of fields that are numbers or missing, up to 1 if there are several fields, and
+/// a half if the first row, which may be a header, has as many. Numbers in the first row break ties.
 fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     let rows = &sample.rows;
     if rows.is_empty() {
@@ -113,7 +117,11 @@ fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     let (even, numbers) = (even as f64 / data.len() as f64, numbers as f64 / fields.max(1) as f64);
     // Fields that are all words may have been divided anywhere.
     let several = if width > 1 || is_given { 0.5 + 0.5 * numbers } else { 0.0 };
-    even + numbers + several
+    let is_whole = width > 1 && rows[0].fields.len() == width;
+    let is_word = |field: &&Vec<u8>| Cell::of(field, missing) == Cell::Word;
+    let words = rows[0].fields.iter().filter(is_word).count() as f64;
+    let tie = TIE * (1.0 - words / rows[0].fields.len().max(1) as f64);
+    even + numbers + several + 0.5 * f64::from(u8::from(is_whole)) + tie
 }
 
 /// Returns the number of fields that most rows have; of the first rows, when as many have another.

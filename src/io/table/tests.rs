@@ -216,6 +216,7 @@ fn other_notations_are_read_when_the_file_decides() {
     check("1e5,2E-1\n3d2,4\n", &auto(), &[&[1e5, 0.2], &[300.0, 4.0]], &[]);
     check("x\n0,5\n2,25\n", &auto(), &[&[0.5], &[2.25]], &["x"]);
     refused("x\n1,5\n2,25\n", &auto(), 2, &["`index`", "`decimal`"]);
+    refused("x\n5,000\n2,500\n", &auto(), 2, &["\"5,000\" is 5 with", "5000", "`thousands`"]);
     check("x\n1,5\n2,25\n", &options(TableOptions::new().decimal(',')), &[&[1.5], &[2.25]], &["x"]);
     // What comes late decides nothing.
     let late = "x;y\n".to_owned() + &"1;2\n".repeat(30_000) + "1,5;2\n";
@@ -245,6 +246,7 @@ fn separators_and_comments_of_every_kind_are_read() {
         &[&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0], &[7.0, 8.0, 1.0]],
         &[],
     );
+    check("1.0, 2.0 # first\n3, 5\n4, 4\n", &auto(), SMALL, &[]);
     check("% a b\n1 2\n", &options(TableOptions::new().comment('%')), &[&[1.0, 2.0]], &["a", "b"]);
     check(
         "a:b\n1:2\n",
@@ -252,6 +254,11 @@ fn separators_and_comments_of_every_kind_are_read() {
         &[&[1.0, 2.0]],
         &["a", "b"],
     );
+    // A comma in each number is no separator where the names have another one.
+    let reading = check("Name|Wert\nA B|1,5\nC|2,5\n", &auto(), &[&[1.5], &[2.5]], &["Wert"]);
+    assert_eq!(reading.left_out, ["Name"]);
+    let cities = "city\tpop\nNew York\t8,336,817\nLos Angeles\t3,979,576\n";
+    check(cities, &auto(), &[&[8_336_817.0], &[3_979_576.0]], &["pop"]);
     let late = "a,b,\n".to_owned() + &"1,2,\n".repeat(1000) + "3,5,7\n";
     refused(&late, &auto(), 1002, &["\"7\" behind the separator"]);
 }
