@@ -19,6 +19,7 @@ use crate::input::{self, MeshArgs};
 use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
 use crate::report::status;
+use crate::tables;
 
 /// The options of the Laplacian.
 #[derive(clap::Args)]
@@ -160,7 +161,11 @@ pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
 
 /// Reads a dense matrix of numbers.
 pub fn dense(path: &Path) -> Result<Mat<f64>> {
-    match files::read(path, &ReadOptions::new().max_memory(input::limit()))? {
+    let content = files::read_file(path, &ReadOptions::new().max_memory(input::limit()))?;
+    if let Some(reading) = &content.reading {
+        tables::say(path, reading)?;
+    }
+    match content.matrix {
         Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),
         Matrix::F32(dense) => {
             let dense = dense.as_ref();

@@ -6,7 +6,7 @@ mod table;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -18,11 +18,11 @@ use catamaran::{AtaOptions, Par};
 pub use self::second::second_pass;
 pub use self::table::Table;
 use crate::common::{Force, Threads};
-use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::rows::{CheckpointArgs, Source, fingerprint, open, read_weights};
+use crate::tables::{MatrixFile, TableArgs};
 
 /// Most lines of a table on the screen.
 pub const SHOWN: usize = 50;
@@ -30,13 +30,12 @@ pub const SHOWN: usize = 50;
 /// The rows, and how they are added.
 #[derive(clap::Args)]
 pub struct GramArgs {
-    /// The matrix A, m x n: .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is
-    /// built in (FILE.h5:/dataset).
+    /// The matrix A, m x n: .npy, .mtx and text tables, each also as .gz or .xz, from a file or
+    /// stdin (-), and HDF5 where it is built in (FILE.h5:/dataset).
     #[arg(value_name = "A")]
-    input: PathBuf,
-    /// Use columns FIRST to END - 1 of the file only, counted from 0.
-    #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
-    columns: Option<Range<usize>>,
+    input: MatrixFile,
+    #[command(flatten)]
+    table: TableArgs,
     #[command(flatten)]
     threads: Threads,
     /// Number of rows in a block, two of which are in memory. Does not change the result [default:
@@ -55,9 +54,9 @@ impl GramArgs {
         &self.input
     }
 
-    /// Returns the first column of the file that is used.
-    pub fn first_column(&self) -> usize {
-        self.columns.as_ref().map_or(0, |columns| columns.start)
+    /// Returns how other tables than A are read.
+    pub fn other_tables(&self) -> TableArgs {
+        self.table.with_all_columns()
     }
 
     /// Returns the threads of the library that do the work.
@@ -72,7 +71,7 @@ impl GramArgs {
 
     /// Opens A.
     pub fn open(&self) -> Result<Source> {
-        open("A", &self.input, self.columns.clone())
+        open("A", &self.input, &self.table)
     }
 }
 
@@ -160,7 +159,7 @@ impl<'a> Pass<'a> {
         let time = start.elapsed();
         status!("time", seconds = time.as_secs_f64(); "{} for A^T A", seconds(time))?;
         if let Some(&j) = gram.out_of_range().first() {
-            let (path, name) = self.table.column(j, self.args.first_column());
+            let (path, name) = self.table.column(j);
             bail!(
                 "{}: the squared length of column {name} is out of the range of f64: multiply the \
                  column by a power of ten",

@@ -16,6 +16,7 @@ use crate::output as files;
 use crate::ranks::Ranks;
 use crate::report::note;
 use crate::rows::open;
+use crate::tables::MatrixFile;
 
 /// Solve min |W^(1/2) (A X - B)|^2 + L |X|^2 for tall A (m x n) and B (m x k) in files.
 ///
@@ -39,7 +40,7 @@ pub struct Args {
     gram: GramArgs,
     /// The targets B, m x k, in any format of A.
     #[arg(value_name = "B")]
-    b: Option<PathBuf>,
+    b: Option<MatrixFile>,
     /// Take the targets from these columns of A: names in the header of a text table, or numbers
     /// counted from 0.
     #[arg(long, value_name = "Y[,Z]", value_delimiter = ',')]
@@ -131,14 +132,13 @@ struct Rows {
 
 fn rows(args: &Args) -> Result<Rows> {
     let a = args.gram.open()?;
-    let first = args.gram.first_column();
-    let mut columns = a.column_names(first);
+    let mut columns = a.column_names();
     if let Some(path) = &args.b {
-        let b = open("B", path, None)?;
-        let targets = b.column_names(0);
+        let b = open("B", path, &args.gram.other_tables())?;
+        let targets = b.column_names();
         return Ok(Rows { table: Table::joined(a, b)?, columns, targets });
     }
-    let found = names::find(args.gram.input(), &columns, first, &args.by_column)?;
+    let found = names::find(args.gram.input(), &columns, &a.numbers(), &args.by_column)?;
     let targets = found.iter().map(|&column| columns[column].clone()).collect();
     let mut order: Vec<usize> =
         (0..columns.len()).filter(|column| !found.contains(column)).collect();
