@@ -49,6 +49,7 @@ mod slime;
 mod spectrum;
 mod stdio;
 mod svd;
+mod tables;
 mod transfer;
 mod tune;
 mod unions;

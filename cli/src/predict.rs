@@ -6,9 +6,10 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use catamaran::Par;
 use catamaran::base::block_rows;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::io::Output;
+use catamaran::io::{Columns, Missing, Output, ReadOptions};
 use catamaran::rows::{Design, DesignColumn, Factor, RowBlocks as _};
 use catamaran::solve::{Interval, LinearModel, Uncertainty};
 use clap::ValueEnum;
@@ -16,10 +17,11 @@ use serde::Deserialize;
 
 use crate::claims::{Purpose, claim};
 use crate::common::Force;
-use crate::gram::SHOWN;
+use crate::gram::{SHOWN, Table, survey};
 use crate::progress::Bar;
 use crate::report::{head, row, shown, status};
-use crate::rows::open;
+use crate::rows::{Source, open};
+use crate::tables::{MatrixFile, TableArgs};
 use crate::{output, parse};
 
 /// Most rows that are predicted at a time.
@@ -29,8 +31,8 @@ const ROWS: usize = 4096;
 ///
 /// The columns of the table are found by the names that the model has for them: those in the header
 /// of a text table, or numbers counted from 0 where there is no header. Other columns are not used.
-/// A level of a factor that the model does not have is an error; a row with a missing value has no
-/// prediction (NaN).
+/// A level of a factor that the model does not have is an error. With `--missing nan` a row with a
+/// missing value has no prediction (NaN).
 #[derive(clap::Args)]
 pub struct Args {
     /// The .json file of the model.
@@ -38,7 +40,7 @@ pub struct Args {
     model: PathBuf,
     /// The table, in any format of the matrices of `lstsq`.
     #[arg(value_name = "TABLE")]
-    table: PathBuf,
+    table: MatrixFile,
     /// Also return the ends of an interval for each prediction. The model must have been written
     /// with `lstsq --covariance`.
     #[arg(long, value_enum, value_name = "OF")]
@@ -58,6 +60,8 @@ pub struct Args {
     output: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
+    #[command(flatten)]
+    reading: TableArgs,
 }
 
 /// What an interval contains.
@@ -103,9 +107,14 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let model = Model::read(&args.model)?;
-    let table = open("table", &args.table, None)?;
+    let missing = args.reading.missing();
+    let needed = model.needs(args.reading.read_all_rows());
+    let table = Table::of(open("table", &args.table, &needed)?);
     let name = || args.table.display().to_string();
-    let design = model.design(&table.column_names(0)).with_context(name)?;
+    let mut design = model.design(table.a()).with_context(name)?;
+    if missing == Missing::Drop {
+        design = design.without_rows(survey(&table, &[], missing, Par::all())?.missing);
+    }
     let (x, low) = model.coefficients(&args.model, design.ncols())?;
     let root = model.root();
     let intercepts: Vec<f64> =
@@ -134,9 +143,10 @@ pub fn run(args: &Args) -> Result<()> {
         uncertainty,
     };
     let mut sink = Sink::new(output, &model, args.interval.is_some())?;
-    let mut all = table.rows::<f64>(false)?;
+    let mut all = table.a().rows::<f64>(missing == Missing::Error)?;
     let mut rows = design.rows(&mut *all).with_context(name)?;
-    let (m, n) = (rows.nrows().min(sink.most()), rows.ncols());
+    let (count, n) = (rows.nrows(), rows.ncols());
+    let m = count.min(sink.most());
     let height = block_rows::<f64>(n, false).min(ROWS).min(m).max(1);
     let bar = Bar::new("rows");
     for first in (0..m).step_by(height) {
@@ -147,7 +157,7 @@ pub fn run(args: &Args) -> Result<()> {
         sink.add(first, &found)?;
     }
     drop(bar);
-    sink.end(table.shape().0)
+    sink.end(count)
 }
 
 impl Model {
@@ -159,25 +169,29 @@ impl Model {
             .with_context(|| format!("{}: not a model that `lstsq -o FIT.json` wrote", name()))
     }
 
-    /// Returns the design of a table with these columns.
-    fn design(&self, names: &[String]) -> Result<Design> {
-        let column = |term: &Term| -> Result<DesignColumn> {
-            let name = &term.column;
-            let mut called = (0..names.len()).filter(|&j| names[j] == *name);
-            let j = match (called.next(), called.next()) {
-                (Some(j), None) => j,
-                (None, _) => bail!("has no column {name}, which the model needs"),
-                (Some(_), Some(_)) => bail!("has two columns {name}, one of which the model needs"),
+    /// Returns the options that read the columns of the model, in its order.
+    fn needs<'a>(&self, options: ReadOptions<'a>) -> ReadOptions<'a> {
+        let factors = self.terms.iter().filter(|term| !term.levels.is_empty());
+        let table =
+            options.table.clone().factors(factors.map(|term| term.column.clone()).collect());
+        let columns = self.terms.iter().map(|term| term.column.clone()).collect();
+        options.columns(Columns::list(columns)).table(table)
+    }
+
+    /// Returns the design of a table with the columns of the model.
+    fn design(&self, table: &Source) -> Result<Design> {
+        let column = |(j, term): (usize, &Term)| -> Result<DesignColumn> {
+            if term.levels.is_empty() {
+                return Ok(DesignColumn::Numbers(j));
+            }
+            let factor = Factor::in_order(&term.column, term.levels.clone())?;
+            let factor = match table.levels(j) {
+                [] => factor.for_numbers()?,
+                words => factor.for_codes(words)?,
             };
-            Ok(match term.levels.is_empty() {
-                true => DesignColumn::Numbers(j),
-                false => {
-                    let factor = Factor::in_order(name, term.levels.clone())?;
-                    DesignColumn::Indicators(j, factor.for_numbers()?)
-                }
-            })
+            Ok(DesignColumn::Indicators(j, factor))
         };
-        Ok(Design::new(self.terms.iter().map(column).collect::<Result<_>>()?))
+        Ok(Design::new(self.terms.iter().enumerate().map(column).collect::<Result<_>>()?))
     }
 
     /// Returns the two parts of the coefficients, n x k.

@@ -25,6 +25,7 @@ mod sparse;
 mod spectral;
 mod spectrum;
 mod surface;
+mod tables;
 mod task;
 mod texture;
 mod unions;
@@ -62,6 +63,8 @@ mod _catamaran {
     use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
     #[pymodule_export]
     use crate::spectrum::{eigsh, eigsh_sparse};
+    #[pymodule_export]
+    use crate::tables::read;
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]

@@ -58,6 +58,11 @@ impl Table {
         Self { design: Some(design), ..self }
     }
 
+    /// Returns A.
+    pub fn a(&self) -> &Source {
+        &self.a
+    }
+
     /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         let left_out = self.design.as_ref().map_or(0, |design| design.left_out().len());
@@ -91,17 +96,16 @@ impl Table {
         self.a.shape().1 + more
     }
 
-    /// Returns the file of a column, and its name there; `first` is the number of the first column
-    /// of A in its file.
-    pub fn column(&self, j: usize, first: usize) -> (&Path, String) {
+    /// Returns the file of a column, and its name there.
+    pub fn column(&self, j: usize) -> (&Path, String) {
         let n = self.a.shape().1;
         let j = self.design.as_ref().map_or(j, |design| column_of(design, j));
-        let (source, j, first) = match &self.with {
-            With::Columns(b) if j >= n => (&**b, j - n, 0),
-            With::Order(order) => (&self.a, order[j], first),
-            With::Columns(_) | With::Nothing => (&self.a, j, first),
+        let (source, j) = match &self.with {
+            With::Columns(b) if j >= n => (&**b, j - n),
+            With::Order(order) => (&self.a, order[j]),
+            With::Columns(_) | With::Nothing => (&self.a, j),
         };
-        (source.path(), source.column_names(first).swap_remove(j))
+        (source.path(), source.column_names().swap_remove(j))
     }
 
     /// Returns texts that identify A and what is done with its rows.

@@ -3,22 +3,13 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use catamaran::rows::{Design, DesignColumn, Factor, Survey};
-use catamaran::{Error, Par};
-use clap::ValueEnum;
+use catamaran::io::Missing;
+use catamaran::rows::{Design, DesignColumn, Factor};
 
 use super::Rows;
 use super::names::list;
-use crate::report::{note, status};
-
-/// What happens to rows in which a value is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Missing {
-    /// They are an error.
-    Error,
-    /// They are left out, and counted.
-    Drop,
-}
+use crate::gram::{GramArgs, survey};
+use crate::report::status;
 
 /// A column of A as the coefficients see it.
 pub struct Term {
@@ -43,58 +34,35 @@ pub(super) struct Designed {
     pub dropped: usize,
 }
 
+/// Returns the names that `--factor` may mean: a name may have an equals sign, or be one before it.
+pub(super) fn possible_names(factors: &[String]) -> Vec<String> {
+    let before = factors.iter().filter_map(|text| Some(text.split_once('=')?.0.to_owned()));
+    factors.iter().cloned().chain(before).collect()
+}
+
 /// Leaves out rows with missing values, and replaces factors by their indicators.
-pub(super) fn apply(
-    path: &Path,
-    rows: Rows,
-    factors: &[String],
-    missing: Missing,
-    par: Par,
-) -> Result<Designed> {
+pub(super) fn apply(args: &GramArgs, rows: Rows, factors: &[String]) -> Result<Designed> {
+    let path = args.input();
     let numbers = |column: &String| Term { column: column.clone(), levels: Vec::new() };
     let mut terms: Vec<Term> = rows.columns.iter().map(numbers).collect();
-    if factors.is_empty() && missing == Missing::Error {
+    let missing = args.other_tables().missing();
+    if factors.is_empty() && missing != Missing::Drop {
         return Ok(Designed { rows, terms, dropped: 0 });
     }
-    let Rows { table, columns, targets } = rows;
+    let Rows { table, columns, targets, levels } = rows;
     let wanted = wanted(path, &columns, factors)?;
-    let used: Vec<usize> = (0..columns.len() + targets.len()).collect();
     let at: Vec<usize> = wanted.iter().map(|wanted| wanted.column).collect();
-    let name = |j: usize| columns.get(j).unwrap_or_else(|| &targets[j - columns.len()]);
-    let survey = table
-        .read_all(0..table.all_rows(), false, |table| {
-            Survey::of(table, &used, &at, par).map_err(|error| match error {
-                Error::NonFinite { what: "table", index: (row, j) } => {
-                    let why = format!("infinite at row {row} (counted from 0), column {}", name(j));
-                    Error::Argument { what: "table", why }
-                }
-                error => error,
-            })
-        })
-        .map_err(|error| match error.downcast_ref() {
-            // Others name the file.
-            Some(Error::Argument { .. }) => error.context(path.display().to_string()),
-            _ => error,
-        })?;
-    if let (Missing::Error, Some(row)) = (missing, survey.missing.first()) {
-        bail!(
-            "{}: a value is missing in row {row} (counted from 0); --missing drop leaves such rows \
-             out",
-            path.display()
-        );
-    }
+    let survey = survey(&table, &at, missing, args.par())?;
     let dropped = survey.missing.len();
-    if dropped > 0 {
-        let left = table.all_rows() - dropped;
-        note(format_args!(
-            "{}: {dropped} rows with a missing value are left out, {left} rows are used",
-            path.display()
-        ));
-    }
-    let mut design: Vec<DesignColumn> = used.into_iter().map(DesignColumn::Numbers).collect();
+    let mut design: Vec<DesignColumn> = (0..table.ncols()).map(DesignColumn::Numbers).collect();
     for (wanted, entries) in wanted.iter().zip(survey.entries) {
         let j = wanted.column;
-        let factor = Factor::of_numbers(&columns[j], entries)
+        let factor = match &levels[j][..] {
+            [] => Factor::of_numbers(&columns[j], entries),
+            words => Factor::of_codes(&columns[j], words.to_vec())
+                .and_then(|factor| factor.with_entries(&entries)),
+        };
+        let factor = factor
             .and_then(|factor| match wanted.base {
                 Some(base) => factor.with_base(base),
                 None => Ok(factor),
@@ -110,7 +78,7 @@ pub(super) fn apply(
     }
     let columns = terms.iter().flat_map(names).collect();
     let table = table.designed(Design::new(design).without_rows(survey.missing));
-    Ok(Designed { rows: Rows { table, columns, targets }, terms, dropped })
+    Ok(Designed { rows: Rows { table, columns, targets, levels }, terms, dropped })
 }
 
 /// Returns the names of the columns of a term.

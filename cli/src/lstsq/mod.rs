@@ -11,7 +11,7 @@ use catamaran::io::Output;
 use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
 
-use self::design::{Designed, Missing};
+use self::design::Designed;
 use self::output::Solution;
 use crate::gram::{GramArgs, Pass, Table};
 use crate::output as files;
@@ -19,6 +19,7 @@ use crate::parse;
 use crate::ranks::Ranks;
 use crate::report::note;
 use crate::rows::open;
+use crate::tables::MatrixFile;
 
 /// Solve min |W^(1/2) (A X - B)|^2 + L |X|^2 for tall A (m x n) and B (m x k) in files.
 ///
@@ -44,7 +45,7 @@ pub struct Args {
     gram: GramArgs,
     /// The targets B, m x k, in any format of A.
     #[arg(value_name = "B")]
-    b: Option<PathBuf>,
+    b: Option<MatrixFile>,
     /// Take the targets from these columns of A: names in the header of a text table, or numbers
     /// counted from 0.
     #[arg(long, value_name = "Y[,Z]", value_delimiter = ',')]
@@ -64,9 +65,6 @@ pub struct Args {
     /// given several times.
     #[arg(long, value_name = "NAME[=BASE]")]
     factor: Vec<String>,
-    /// What happens to rows in which a value is missing.
-    #[arg(long, value_enum, default_value = "error")]
-    missing: Missing,
     /// Also print and write confidence intervals with this confidence, such as 0.95: `lower` and
     /// `upper`, and with --intercept `intercept_lower` and `intercept_upper`.
     #[arg(long, value_name = "SHARE", value_parser = parse::share)]
@@ -101,8 +99,8 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let rows = rows(args)?;
     refuse_empty(args, &rows.columns, &rows.targets)?;
     let input = args.gram.input();
-    let designed = design::apply(input, rows, &args.factor, args.missing, args.gram.par())?;
-    let Designed { rows: Rows { table, columns, targets }, terms, dropped } = designed;
+    let designed = design::apply(&args.gram, rows, &args.factor)?;
+    let Designed { rows: Rows { table, columns, targets, .. }, terms, dropped } = designed;
     if table.nrows() == 0 {
         bail!("{}: no rows", input.display());
     }
@@ -162,24 +160,31 @@ struct Rows {
     table: Table,
     columns: Vec<String>,
     targets: Vec<String>,
+    /// For each of the columns the levels that its entries are numbers of; none for numbers.
+    levels: Vec<Vec<String>>,
 }
 
 fn rows(args: &Args) -> Result<Rows> {
-    let a = args.gram.open()?;
-    let first = args.gram.first_column();
-    let mut columns = a.column_names(first);
+    let a = args.gram.open_with_factors(design::possible_names(&args.factor))?;
+    let mut columns = a.column_names();
+    let mut levels: Vec<Vec<String>> = (0..columns.len()).map(|j| a.levels(j).to_vec()).collect();
     if let Some(path) = &args.b {
-        let b = open("B", path, None)?;
-        let targets = b.column_names(0);
-        return Ok(Rows { table: Table::joined(a, b)?, columns, targets });
+        let b = open("B", path, &args.gram.other_tables().read_all_rows())?;
+        let targets = b.column_names();
+        return Ok(Rows { table: Table::joined(a, b)?, columns, targets, levels });
     }
-    let found = names::find(args.gram.input(), &columns, first, &args.by_column)?;
+    let found = names::find(args.gram.input(), &columns, &a.numbers(), &args.by_column)?;
+    if let Some(&column) = found.iter().find(|&&column| !levels[column].is_empty()) {
+        let (a, name) = (args.gram.input().display(), &columns[column]);
+        bail!("{a}: column {name} has words: a factor is no target");
+    }
     let targets = found.iter().map(|&column| columns[column].clone()).collect();
     let mut order: Vec<usize> =
         (0..columns.len()).filter(|column| !found.contains(column)).collect();
     columns = order.iter().map(|&column| columns[column].clone()).collect();
+    levels = order.iter().map(|&column| levels[column].clone()).collect();
     order.extend(found);
-    Ok(Rows { table: Table::ordered(a, order), columns, targets })
+    Ok(Rows { table: Table::ordered(a, order), columns, targets, levels })
 }
 
 /// Refuses a matrix A or B without columns.

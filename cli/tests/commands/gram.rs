@@ -229,7 +229,10 @@ fn p_values_intervals_and_f_are_those_of_r() {
     // Names are checked.
     folder.write("other.csv", "hp,weight\n150,3\n");
     let message = folder.fail("predict x.json other.csv");
-    assert!(message.contains("other.csv: has no column wt, which the model needs"), "{message}");
+    assert!(
+        message.contains("other.csv: columns: no column wt; the columns are hp, weight"),
+        "{message}"
+    );
     let message = folder.fail("predict new.csv new.csv");
     assert!(message.contains("new.csv: not a model that `lstsq -o FIT.json` wrote"), "{message}");
     folder.succeed("lstsq cars.csv --by-column mpg -o plain.json");
@@ -306,7 +309,7 @@ fn rows_with_missing_values_are_left_out_on_request_and_counted() {
     assert!(message.contains("NaN at row 1, column 0"), "{message}");
     let run = folder.run(&format!("{line} --missing drop"));
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let note = "note: a.npy: 2 rows with a missing value are left out, 4 rows are used";
+    let note = "note: a.npy: 2 rows with a missing cell left out, 4 used";
     assert!(run.stderr.contains(note), "{}", run.stderr);
     assert!(run.stdout.contains("rows        4, 2 left out"), "{}", run.stdout);
     assert!(run.stdout.contains("weighted    3 rows"), "{}", run.stdout);
@@ -320,6 +323,93 @@ fn rows_with_missing_values_are_left_out_on_request_and_counted() {
     let message = folder.fail("lstsq a.npy --by-column 2 --factor 0");
     assert!(message.contains("a.npy: a value is missing in row 1 (counted from 0)"), "{message}");
     assert!(message.contains("--missing drop"), "{message}");
+}
+
+#[test]
+fn factors_of_words_are_fitted_and_predicted_by_their_levels() {
+    let folder = Folder::new();
+    // Differences of 10 and 20 from Bonn, and a slope of 3.
+    folder.write(
+        "a.csv",
+        "ort;note;x;y\nUlm;gut;1,5;24,5\nBonn;so;1;3\nKiel;gut;2;16\nBonn;NA;2;6\n\
+         NA;so;7;1\nUlm;gut;0;20\nKiel;;0;10\nUlm;so;NA;2\n",
+    );
+    let fit = "lstsq a.csv --by-column y --intercept --factor ort";
+    let message = folder.fail(fit);
+    assert!(message.contains("a.csv:6: column 1 (ort): \"NA\""), "{message}");
+    let run = folder.run(&format!("{fit} --missing drop -o x.json"));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    // A missing cell in a column that is not used drops no row.
+    assert!(run.stderr.contains("1 text column left out (note)"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("a.csv: 2 rows with a missing cell left out, 6 used"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stdout.contains("ort: 3 levels, compared with Bonn"), "{}", run.stdout);
+    let json = fs::read_to_string(folder.path("x.json")).unwrap();
+    let found: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found["columns"], json!(["ort[Kiel]", "ort[Ulm]", "x"]));
+    let x: Vec<f64> =
+        found["targets"][0]["x"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    assert_close(&x, &[10.0, 20.0, 3.0], 1e-13);
+    // Other columns, another order, and levels that the model has.
+    folder.write("new.csv", "x,z,ort\n2,NA,Ulm\nNA,1,Bonn\n4,2,Bonn\n");
+    let message = folder.fail("predict x.json new.csv");
+    assert!(message.contains("new.csv:3: column 1 (x): \"NA\""), "{message}");
+    let predicted = |missing: &str| -> Vec<f64> {
+        folder.succeed(&format!("predict x.json new.csv --missing {missing} -o p.csv --force"));
+        let text = fs::read_to_string(folder.path("p.csv")).unwrap();
+        text.lines().skip(1).map(|line| line.parse().unwrap()).collect()
+    };
+    assert_close(&predicted("drop"), &[26.0, 12.0], 1e-13);
+    let all = predicted("nan");
+    assert!(all.len() == 3 && all[1].is_nan());
+    assert_close(&[all[0], all[2]], &[26.0, 12.0], 1e-13);
+    folder.write("other.csv", "x,ort\n2,Ulm\n4,Jena\n");
+    let message = folder.fail("predict x.json other.csv");
+    assert!(
+        message.contains("other.csv: factor: ort has no level Jena, but Bonn, Kiel, Ulm"),
+        "{message}"
+    );
+    // One word among numbers makes a factor of words.
+    folder.write("mixed.csv", "k,y\n10,1\n9,2\nx,4\n9,2\n10,1\n");
+    let report = folder.succeed("lstsq mixed.csv --by-column y --intercept --factor k=9");
+    assert!(report.contains("k: 3 levels, compared with 9"), "{report}");
+    let message = folder.fail("lstsq mixed.csv --by-column k --factor k");
+    assert!(message.contains("mixed.csv: column k has words: a factor is no target"), "{message}");
+}
+
+#[test]
+fn rows_of_two_files_with_missing_cells_are_left_out_together() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x\n1\nNA\n3\n4\n7\n");
+    folder.write("b.csv", "y\n1\n2\nNA\n5\n6\n");
+    folder.write("w.csv", "1\n9\n9\n2\n3\n");
+    folder.write("c.csv", "x,y,w\n1,1,1\n4,5,2\n7,6,3\n");
+    folder.write("v.csv", "1\n2\n3\n");
+    folder.succeed("lstsq a.csv b.csv --weights w.csv --missing drop -o x.json");
+    folder.succeed("lstsq c.csv --columns x,y --by-column y --weights v.csv -o y.json");
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(folder.path(name)).unwrap()).unwrap()
+    };
+    let (x, y) = (read("x.json"), read("y.json"));
+    assert_eq!((&x["targets"], &x["left_out"]), (&y["targets"], &json!(2)));
+    let components = |command: &str| -> Vec<String> {
+        let report = folder.succeed(command);
+        report
+            .lines()
+            .skip_while(|line| !line.starts_with("component"))
+            .map(str::to_owned)
+            .collect()
+    };
+    folder.write_npy("a.npy", &[3, 2], &[1.0, 2.0, f64::NAN, 5.0, 3.0, 1.0]);
+    folder.write_npy("b.npy", &[2, 2], &[1.0, 2.0, 3.0, 1.0]);
+    folder.write("u.csv", "1\n9\n2\n");
+    folder.write("t.csv", "1\n2\n");
+    let left = components("pca a.npy --missing drop --weights u.csv");
+    assert_eq!(left, components("pca b.npy --weights t.csv"));
+    assert!(folder.fail("pca a.npy").contains("NaN at row 1, column 0"));
 }
 
 #[test]
@@ -401,10 +491,10 @@ fn errors_name_the_file_and_the_cause() {
             "minus.csv: weights: weight 1 (counted from 0) is negative: -1",
         ),
         ("pca a.csv --weights minus.csv", "minus.csv: weights: weight 1"),
-        ("lstsq nan.csv --by-column 1 -o x.npz", "nan.csv: NaN at row 1, column 1"),
+        ("lstsq nan.csv --by-column 1 -o x.npz", "nan.csv:2: column 2: \"nan\" where a"),
         ("lstsq a.csv b.csv -o x.npz", "b.csv: inf at row 2, column 0"),
-        ("pca nan.csv -o x.npz", "nan.csv: NaN at row 1, column 1"),
-        ("svd nan.csv -o x.npz --left", "nan.csv: NaN at row 1, column 1"),
+        ("pca nan.csv -o x.npz --missing nan", "nan.csv: NaN at row 1, column 1"),
+        ("svd nan.csv -o x.npz --left --missing nan", "nan.csv: NaN at row 1, column 1"),
         ("lstsq a.csv --by-column y -o old.npz", "old.npz: exists already (--force"),
         ("pca a.csv -o old.npz", "old.npz: exists already (--force"),
         ("svd a.csv -o old.npz", "old.npz: exists already (--force"),
