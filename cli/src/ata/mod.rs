@@ -157,7 +157,6 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     };
 
     let a = open("A", &args.input, &args.matrix.read())?;
-    let m = a.shape().0;
     if ranks.size() > 1 {
         ranks.report()?;
     }
