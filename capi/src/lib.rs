@@ -71,6 +71,8 @@ mod shape_dna;
 #[cfg(feature = "chapters")]
 mod slime;
 #[cfg(feature = "chapters")]
+mod table;
+#[cfg(feature = "chapters")]
 mod transfer;
 #[cfg(feature = "chapters")]
 mod unions;
@@ -137,6 +139,8 @@ pub use rods::*;
 pub use shape_dna::*;
 #[cfg(feature = "chapters")]
 pub use slime::*;
+#[cfg(feature = "chapters")]
+pub use table::*;
 #[cfg(feature = "chapters")]
 pub use transfer::*;
 #[cfg(feature = "chapters")]

@@ -25,6 +25,7 @@ mod sparse;
 mod spectral;
 mod spectrum;
 mod surface;
+mod tables;
 mod task;
 mod texture;
 mod unions;
@@ -45,7 +46,9 @@ mod _catamaran {
     #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]
-    use crate::gram::{PrincipalComponents, corrcoef, lstsq, orthogonality, pca, svd};
+    use crate::gram::{
+        PrincipalComponents, corrcoef, lstsq, lstsq_table, orthogonality, pca, svd, t_quantile,
+    };
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]
@@ -60,6 +63,8 @@ mod _catamaran {
     use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
     #[pymodule_export]
     use crate::spectrum::{eigsh, eigsh_sparse};
+    #[pymodule_export]
+    use crate::tables::read;
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use faer::MatRef;
 use sprs::TriMat;
 
-use super::columns::checked_columns;
+use super::columns::Columns;
 use super::extents::padded_bytes;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
@@ -27,14 +27,14 @@ struct Header {
     symmetry: Symmetry,
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
     let header = header(source)?;
     let sizes = numbers(source, if header.coordinate { 3 } else { 2 })?;
     let (nrows, ncols) = (sizes[0], sizes[1]);
     if header.symmetry != Symmetry::General && nrows != ncols {
         return Err(source.fail(format!("a symmetric matrix must be square: {nrows} x {ncols}")));
     }
-    let columns = checked_columns(columns, ncols)?;
+    let columns = columns.range(ncols)?;
     if header.coordinate {
         coordinate(source, &header, nrows, ncols, sizes[2], &columns)
     } else {
@@ -123,6 +123,8 @@ fn coordinate(
         }
         Ok(())
     };
+    // Which triangle of a symmetric matrix the file has; the format asks for the lower one.
+    let mut is_lower = None;
     for done in 0..entries {
         let Some(line) = content(source)? else {
             return Err(source.fail(format!("truncated: {done} of {entries} entries")));
@@ -137,18 +139,23 @@ fn coordinate(
             );
         }
         let (i, j) = (i - 1, j - 1);
+        if mirrored && i != j && *is_lower.get_or_insert(i > j) != (i > j) {
+            return Err(source.fail("entries in both triangles of a symmetric matrix"));
+        }
         match header.symmetry {
             Symmetry::General => add(i, j, value)?,
             Symmetry::Symmetric if i == j => add(i, j, value)?,
-            Symmetry::Symmetric if i > j => {
+            Symmetry::Symmetric => {
                 add(i, j, value)?;
                 add(j, i, value)?;
             }
-            Symmetry::Skew if i > j => {
+            Symmetry::Skew if i == j => {
+                return Err(source.fail("an entry on the diagonal of a skew-symmetric matrix"));
+            }
+            Symmetry::Skew => {
                 add(i, j, value)?;
                 add(j, i, -value)?;
             }
-            _ => return Err(source.fail("entry outside the lower triangle")),
         }
     }
     nothing_more(source, entries)?;
@@ -166,13 +173,21 @@ fn entry(line: &str, pattern: bool) -> std::result::Result<(usize, usize, f64), 
     match (words.next(), words.next(), words.next(), words.next()) {
         (Some(i), Some(j), None, None) if pattern => Ok((parse(i)?, parse(j)?, 1.0)),
         (Some(i), Some(j), Some(value), None) if !pattern => {
-            Ok((parse(i)?, parse(j)?, parse(value)?))
+            Ok((parse(i)?, parse(j)?, real(value)?))
         }
         _ => Err(format!(
             "expected {} in {line:?}",
             if pattern { "row column" } else { "row column value" }
         )),
     }
+}
+
+/// Returns a number, whose exponent may be that of Fortran.
+fn real(word: &str) -> std::result::Result<f64, String> {
+    let exponent = |c: char| if matches!(c, 'd' | 'D') { 'e' } else { c };
+    word.parse()
+        .or_else(|_| word.chars().map(exponent).collect::<String>().parse())
+        .map_err(|_| format!("{word:?} is not a number"))
 }
 
 fn array(
@@ -209,10 +224,7 @@ fn array(
         for i in given..nrows {
             read += 1;
             let value = match content(source)? {
-                Some(line) => line
-                    .trim_ascii()
-                    .parse()
-                    .map_err(|_| format!("{:?} is not a number", line.trim_ascii())),
+                Some(line) => real(line.trim_ascii()),
                 None => Err(format!("truncated: no entry for row {}, column {}", i + 1, j + 1)),
             };
             values.push(value.map_err(|what| source.fail(what))?);

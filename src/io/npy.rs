@@ -1,11 +1,10 @@
 //! NumPy arrays: entries converted chunk by chunk.
 
 use std::io::{self, Read, Write};
-use std::ops::Range;
 
 use faer::MatRef;
 
-use super::columns::checked_columns;
+use super::columns::Columns;
 use super::matrix::{Dense, Matrix};
 use super::npy_header::{self, Header};
 use super::source::Source;
@@ -62,10 +61,8 @@ macro_rules! entries {
             /// Appends the entries in `bytes` to `values`.
             pub(super) fn decode<T: Real>(self, big: bool, bytes: &[u8], values: &mut Vec<T>) {
                 match self {
-                    $(Self::$name => values.extend(bytes.as_chunks().0.iter().map(|&entry| {
-                        let value =
-                            if big { <$type>::from_be_bytes(entry) } else { <$type>::from_le_bytes(entry) };
-                        T::from_f64(value as f64)
+                    $(Self::$name => values.extend(bytes.as_chunks::<{ size_of::<$type>() }>().0.iter().map(|&entry| {
+                        T::from_f64(<$type as Stored<{ size_of::<$type>() }>>::value(entry, big))
                     }))),*
                 }
             }
@@ -73,7 +70,72 @@ macro_rules! entries {
     };
 }
 
+/// A type of entries of N bytes.
+trait Stored<const N: usize> {
+    /// Returns the value of an entry, rounded to double precision.
+    fn value(bytes: [u8; N], big: bool) -> f64;
+}
+
+macro_rules! stored {
+    ($($type:ty),*) => {
+        $(impl Stored<{ size_of::<$type>() }> for $type {
+            #[inline]
+            fn value(bytes: [u8; size_of::<$type>()], big: bool) -> f64 {
+                let value =
+                    if big { Self::from_be_bytes(bytes) } else { Self::from_le_bytes(bytes) };
+                value as f64
+            }
+        })*
+    };
+}
+
+stored!(f32, f64, i8, i16, i32, i64, u8, u16, u32, u64);
+
+/// Half precision of IEEE 754.
+#[allow(dead_code)] // only its size counts
+struct Half([u8; 2]);
+
+impl Stored<2> for Half {
+    fn value(bytes: [u8; 2], big: bool) -> f64 {
+        let bits = if big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) };
+        let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
+        let size = match exponent {
+            0 => fraction * 2_f64.powi(-24),
+            0x1f if fraction == 0.0 => f64::INFINITY,
+            0x1f => f64::NAN,
+            _ => (1024.0 + fraction) * 2_f64.powi(exponent - 25),
+        };
+        if bits >> 15 == 1 { -size } else { size }
+    }
+}
+
+/// The long double of x86: 80 bits, in 16 bytes.
+#[allow(dead_code)] // only its size counts
+struct Extended([u8; 16]);
+
+impl Stored<16> for Extended {
+    fn value(mut bytes: [u8; 16], big: bool) -> f64 {
+        if big {
+            bytes.reverse();
+        }
+        let bits = u128::from_le_bytes(bytes);
+        let (fraction, exponent) = (bits as u64, (bits >> 64) as i32 & 0x7fff);
+        let size = match (exponent, fraction) {
+            (0x7fff, fraction) if fraction << 1 == 0 => f64::INFINITY,
+            (0x7fff, _) => f64::NAN,
+            // In two steps: a power of two alone may be out of range.
+            _ => {
+                let power = (exponent - 16_383 - 63).clamp(-2000, 2000);
+                fraction as f64 * 2_f64.powi(power / 2) * 2_f64.powi(power - power / 2)
+            }
+        };
+        if bits >> 79 & 1 == 1 { -size } else { size }
+    }
+}
+
 entries! {
+    B1 = "b1" u8,
+    F2 = "f2" Half,
     F4 = "f4" f32,
     F8 = "f8" f64,
     I1 = "i1" i8,
@@ -84,6 +146,7 @@ entries! {
     U2 = "u2" u16,
     U4 = "u4" u32,
     U8 = "u8" u64,
+    F16 = "f16" Extended,
 }
 
 /// The contents of the header.
@@ -142,9 +205,9 @@ pub(super) fn trailing(len: usize) -> String {
     format!("data after the {len} entries its header announces")
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
     let layout = Layout::read(source)?;
-    let columns = checked_columns(columns, layout.shape.1)?;
+    let columns = columns.range(layout.shape.1)?;
     Ok(if layout.is_single() {
         let values = values(source, &layout)?;
         Matrix::F32(Dense::new(values, layout.shape, layout.row_major, columns))

@@ -164,6 +164,17 @@ fn npy_types_and_orders_are_converted() {
     check(">f8", |v| f64::from(v).to_be_bytes());
     check("=f8", |v| f64::from(v).to_ne_bytes());
     check("|i4", |v| i32::from(v).to_ne_bytes());
+    // From 1 to 6: in half precision and as a long double of x86.
+    let bits = |v: i8| f64::from(v).to_bits();
+    let half = |v| (((bits(v) >> 52) - 1023 + 15) << 10 | bits(v) >> 42 & 0x3ff) as u16;
+    check("<f2", |v| half(v).to_le_bytes());
+    check(">f2", |v| half(v).to_be_bytes());
+    let long = |v: i8| {
+        let leading = (v as u64).leading_zeros();
+        u128::from(16_383 + 63 - leading) << 64 | u128::from((v as u64) << leading)
+    };
+    check("<f16", |v| long(v).to_le_bytes());
+    check(">f16", |v| long(v).to_be_bytes());
 }
 
 #[test]
@@ -218,25 +229,24 @@ fn text_tables_of_every_separator_are_read() {
 }
 
 #[test]
-fn broken_text_is_refused_with_its_line() {
+fn broken_text_is_refused_with_its_line_and_the_option_that_decides() {
     let cases = [
-        ("1,2\n# note\n\n3,4,5\n", 4, "3 fields in this row, 2 in that of line 1"),
-        ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1"),
-        ("a,b\n1,2\n3,four\n", 3, "column 2: \"four\" is not a number"),
-        ("1,2\n3,\n", 2, "column 2: nothing where a number should be"),
-        (",,\n1,2,3\n", 1, "column 1: nothing where a number should be"),
-        ("1,b\n3,4\n", 1, "column 2: \"b\" is not a number"),
-        // Rows in another notation, not headers.
-        ("1,5;2,5\n3;4\n", 1, "column 1: \"1,5\" is not a number"),
-        ("1.234,5\t2,5\n3\t4\n", 1, "column 1: \"1.234,5\" is not a number"),
-        ("1.5d0,2D0\n3,4\n", 1, "column 1: \"1.5d0\" is not a number"),
-        ("x,y\n# none\n", 3, "the file ends without a row of numbers"),
-        ("", 1, "the file ends without a row of numbers"),
+        ("1,2\n# note\n\n3,4,5\n", 4, "3 fields in this row, 2 in that of line 1", "`separator`"),
+        ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1", "`separator`"),
+        ("1,2\n3,four\n", 2, "column 2: \"four\" is not a number", "`missing_words`"),
+        ("1,2\n3,\n", 2, "column 2: nothing where a number should be", "`missing`"),
+        (",,\n1,2,3\n", 1, "column 1: nothing where a number should be", "`missing`"),
+        ("x,y\nm,kg\n1,2\n", 2, "column 1 (x): \"m\" is not a number, in the row", "`skip`"),
+        ("By hand\nx,y\n1,2\n3,4\n", 1, "one name less than the rows have fields", "`skip`"),
+        ("\"10,000\",1\n\"5,500\",2\n", 1, "column 1: \"10,000\" is 10 with", "`thousands`"),
+        ("x,y\n# none\n", 3, "the file ends without a row of numbers", ""),
+        ("", 1, "the file ends without a row of numbers", ""),
     ];
-    for (content, line, what) in cases {
-        assert_eq!(refusal("a.csv", content), (Some(line), what.into()), "{content:?}");
+    for (content, line, what, option) in cases {
+        let (at, said) = refusal("a.csv", content);
+        assert!(said.starts_with(what) && said.contains(option), "{content:?}: {said}");
+        assert_eq!(at, Some(line), "{content:?}: {said}");
     }
-    assert_eq!(refusal("a.csv", b"1,2\n\xff\xfe,3\n"), (Some(2), "not text (UTF-8)".into()));
 }
 
 #[test]
@@ -268,19 +278,19 @@ fn names_are_those_of_a_header_with_one_for_each_column() {
     for (content, options, expected) in [
         ("# note\n\"a b\", c ,d\n1,2,3\n", &all, &["a b", "c", "d"][..]),
         ("name,u,v\nann,2,3\n", &some, &["u", "v"]),
-        (",u,v\n0,2,3\n", &all, &["", "u", "v"]),
+        (",u,v\n0,2,3\n", &all, &["u", "v"]),
         ("u v\n2 3\n", &ReadOptions::new().columns(2..2), &[]),
         ("1,2,3\n", &all, &[]),
-        ("u,v\n1,2,3\n", &all, &[]),
-        ("u,v\n1,2,3\n", &some, &[]),
+        ("u,v\n1,2,3\n", &all, &["u", "v"]),
+        ("u,v\n1,2,3\n", &some, &["u", "v"]),
     ] {
         let path = folder.file("a.csv", content);
-        let (matrix, names) = read_with_names(&path, options).unwrap();
+        let FileContent { matrix, names, .. } = read_file(&path, options).unwrap();
         assert_eq!(names, expected, "{content:?}");
         assert!(names.is_empty() || names.len() == matrix.ncols());
     }
     let npy = folder.file("a.npy", npy("|u1", "False", "(2, 3)", &[1, 2, 3, 4, 5, 6]));
-    assert!(read_with_names(&npy, &all).unwrap().1.is_empty());
+    assert!(read_file(&npy, &all).unwrap().names.is_empty());
 }
 
 #[test]
@@ -291,6 +301,9 @@ fn matrix_market_of_every_kind_is_read() {
         ("coordinate integer symmetric\n2 2 2\n2 1 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
         ("coordinate real skew-symmetric\n2 2 1\n2 1 4\n", [0.0, -4.0, 4.0, 0.0]),
         ("coordinate pattern general\n2 2 1\n1 2\n", [0.0, 1.0, 0.0, 0.0]),
+        ("coordinate real symmetric\n2 2 2\n1 2 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
+        ("coordinate real skew-symmetric\n2 2 1\n1 2 4\n", [0.0, 4.0, -4.0, 0.0]),
+        ("array real general\n2 2\n1\n2.0D+00\n3\n4d0\n", [1.0, 3.0, 2.0, 4.0]),
         ("array real general\n2 2\n1\n2\n3\n4\n", [1.0, 3.0, 2.0, 4.0]),
         ("array real symmetric\n2 2\n1\n2\n3\n", [1.0, 2.0, 2.0, 3.0]),
         ("array real skew-symmetric\n2 2\n2\n", [0.0, -2.0, 2.0, 0.0]),
@@ -331,9 +344,14 @@ fn broken_matrix_market_is_refused_with_its_line() {
         ),
         ("%%MatrixMarket matrix coordinate real general\n1 1 2\n1 1 3\n", 4, "truncated: 1 of 2"),
         (
-            "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 5\n",
+            "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 2 5\n2 1 5\n",
+            4,
+            "entries in both triangles",
+        ),
+        (
+            "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 2 5\n",
             3,
-            "entry outside the lower",
+            "an entry on the diagonal",
         ),
     ];
     for (content, line, expected) in cases {
@@ -515,13 +533,18 @@ fn damaged_gzip_is_refused() {
 }
 
 #[test]
-fn missing_files_folders_and_unknown_names_are_refused() {
+fn missing_files_folders_and_unknown_content_are_refused() {
     let folder = Folder::new();
     let message = |path: &Path| read_all(path).unwrap_err().to_string();
     assert!(message(&folder.path("none.npy")).ends_with("none.npy: no such file"));
     fs::create_dir(folder.path("d.csv")).unwrap();
     assert!(message(&folder.path("d.csv")).ends_with("d.csv: is a directory"));
-    assert!(message(&folder.path("a.xls")).contains("a.xls: unknown kind of file"));
+    let zeros = folder.file("a.xls", b"\xd0\xcf\x11\xe0\0\0\0\0");
+    assert!(message(&zeros).contains("a.xls:1: not text: it has a zero byte"));
+    for (magic, name) in [(&b"\x28\xb5\x2f\xfd"[..], "zstd"), (b"BZh9", "bzip2")] {
+        let packed = folder.file("a.csv", magic);
+        assert!(message(&packed).contains(&format!("packed by {name}: unpack it first")));
+    }
 }
 
 #[test]

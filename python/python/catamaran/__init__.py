@@ -30,6 +30,7 @@ from ._spectral import (
     functional_map,
     transfer,
 )
+from ._tables import Table, read
 from ._texture import Fractal, Slime, newton, slime
 from ._unions import UnionSpectrum, shape_dna, union_spectrum
 
@@ -56,6 +57,7 @@ __all__ = [
     "PrincipalComponents",
     "SVD",
     "Slime",
+    "Table",
     "UnionSpectrum",
     "Wilting",
     "__version__",
@@ -78,6 +80,7 @@ __all__ = [
     "pca",
     "plan",
     "qr",
+    "read",
     "read_mesh",
     "read_plant",
     "shape_dna",

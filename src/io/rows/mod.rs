@@ -14,7 +14,7 @@ use faer::MatMut;
 
 #[cfg(feature = "hdf5")]
 use self::dataset::DatasetRows;
-use self::file::{CHANGED, Stamp};
+pub(super) use self::file::{CHANGED, Stamp, canonical, seekable};
 use self::npy::NpyRows;
 use super::columns::checked_columns;
 use super::names::RowsFormat;

@@ -41,7 +41,7 @@ const OTHERS: [&str; 14] = [
 
 /// Structs with setters that are not compared: those whose options must be given or are those of
 /// other structs, and looks. `Options` are those of slime moulds, here `SlimeOptions`.
-const EXEMPT: [&str; 13] = [
+const EXEMPT: [&str; 14] = [
     "Finish",
     "Inlay",
     "Look",
@@ -52,6 +52,7 @@ const EXEMPT: [&str; 13] = [
     "ShotOptions",
     "Soil",
     "SourceOptions",
+    "TableOptions",
     "WiltOptions",
     "FitOptions",
     "Options",
