@@ -334,8 +334,9 @@ impl cata_table {
     fn of(content: FileContent) -> Result<Self, Failure> {
         let FileContent { matrix, names, reading, .. } = content;
         let entries = match matrix {
-            Matrix::F64(entries) => entries,
+            Matrix::F64(entries) => entries.as_ref().to_owned(),
             Matrix::F32(entries) => {
+                let entries = entries.as_ref();
                 let (m, n) = entries.shape();
                 Mat::from_fn(m, n, |i, j| f64::from(entries[(i, j)]))
             }
