@@ -1,9 +1,13 @@
 //! Sparse Cholesky factorizations, in the order that faer finds, with errors when memory is
 //! refused, and solves.
 
+mod limits;
+mod lower;
 mod numeric;
+mod options;
 mod parts;
 mod pattern;
+mod solver;
 mod supernode;
 mod sweeps;
 
@@ -15,9 +19,11 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Error, Par, Result, apart, reserved};
+use crate::base::{Error, Par, Progress, Result, apart, reserved};
 use numeric::Pivots;
+pub use options::{CholeskyOptions, Triangle};
 use pattern::{Entries, Pattern};
+pub use solver::Cholesky;
 use supernode::Block;
 use sweeps::Sweeps;
 
@@ -83,9 +89,10 @@ impl Symbolic {
     /// # Errors
     /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
-        let Some(values) = numeric::positive(&self.pattern, &self.entries, a.val())? else {
-            return Ok(None);
-        };
+        let (memory, progress) = (Vec::new(), Progress::none());
+        let found =
+            numeric::positive(&self.pattern, &self.entries, a.val(), memory, None, progress)?;
+        let Ok(values) = found else { return Ok(None) };
         let sweeps = Sweeps::new(&self.pattern, |i| self.order[i], |i| i)?;
         let (subdiagonal, below_zero, is_singular) = (None, 0, false);
         Ok(Some(Factor { values, subdiagonal, below_zero, is_singular, sweeps }))

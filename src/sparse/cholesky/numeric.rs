@@ -12,9 +12,10 @@ use faer::linalg::triangular_solve::{
 use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{Accum, MatMut, MatRef};
 
+use super::limits::Limits;
 use super::pattern::{Entries, Pattern};
 use super::supernode::Supernode;
-use crate::base::{PIECE, Result, ask, count, repeated, reserved, room, zeros};
+use crate::base::{PIECE, Progress, Result, ask, count, repeated, reserved, room, zeros};
 use crate::dense::{self, buffer};
 
 /// Marks the end of a list.
@@ -41,22 +42,36 @@ impl Pivots {
     }
 }
 
-/// Computes the values of `L L^T` for the entries `a` of a matrix; `None` when it is not positive
-/// definite.
+/// Computes the values of `L L^T` for the entries `a` of a matrix, in `memory`, which may have any
+/// contents. Returns `Ok(Err(i))` when the pivot of row i of the factor is not allowed: without
+/// `limits` it must be positive.
 pub(super) fn positive(
     pattern: &Pattern,
     entries: &Entries,
     a: &[f64],
-) -> Result<Option<Vec<f64>>> {
-    let mut numeric = Numeric::new(pattern, entries, a)?;
-    for s in 0..pattern.nodes.len() {
+    memory: Vec<f64>,
+    mut limits: Option<&mut Limits>,
+    progress: Progress<'_>,
+) -> Result<std::result::Result<Vec<f64>, usize>> {
+    /// Part of the work between two reports.
+    const STEP: f64 = 0.01;
+    let work = |node: &Supernode| (node.rows() as f64).powi(2) * node.columns as f64;
+    let total = pattern.nodes.iter().map(work).sum::<f64>();
+    let (mut done, mut reported) = (0.0, 0.0);
+    let mut numeric = Numeric::new(pattern, entries, a, memory)?;
+    for (s, node) in pattern.nodes.iter().enumerate() {
         numeric.gather(s, None)?;
-        if !numeric.factorize(s)? {
-            return Ok(None);
+        if let Err(i) = numeric.factorize(s, limits.as_deref_mut())? {
+            return Ok(Err(i));
         }
         numeric.attach(s);
+        done += work(node);
+        if progress.is_watched() && done - reported >= STEP * total {
+            progress.report(done / total)?;
+            reported = done;
+        }
     }
-    Ok(Some(numeric.values))
+    Ok(Ok(numeric.values))
 }
 
 /// Computes the values of `L B L^T`, and B.
@@ -65,7 +80,7 @@ pub(super) fn indefinite(
     entries: &Entries,
     a: &[f64],
 ) -> Result<(Vec<f64>, Pivots)> {
-    let mut numeric = Numeric::new(pattern, entries, a)?;
+    let mut numeric = Numeric::new(pattern, entries, a, Vec::new())?;
     let mut pivots = Pivots::new(pattern.n)?;
     for s in 0..pattern.nodes.len() {
         numeric.gather(s, Some(&pivots))?;
@@ -95,13 +110,26 @@ struct Numeric<'a> {
 }
 
 impl<'a> Numeric<'a> {
-    fn new(pattern: &'a Pattern, entries: &'a Entries, a: &'a [f64]) -> Result<Self> {
+    /// Prepares a factorization in `memory`, which may have any contents.
+    fn new(
+        pattern: &'a Pattern,
+        entries: &'a Entries,
+        a: &'a [f64],
+        mut memory: Vec<f64>,
+    ) -> Result<Self> {
         let count = pattern.nodes.len();
+        let values = match memory.len() == pattern.values {
+            true => {
+                memory.fill(0.0);
+                memory
+            }
+            false => zeros(pattern.values)?,
+        };
         Ok(Self {
             pattern,
             entries,
             a,
-            values: zeros(pattern.values)?,
+            values,
             first: repeated(NONE, count)?,
             next: repeated(NONE, count)?,
             applied: repeated(0, count)?,
@@ -188,27 +216,36 @@ impl<'a> Numeric<'a> {
         Ok(())
     }
 
-    /// Factorizes a supernode; returns whether its pivots are positive.
-    fn factorize(&mut self, s: usize) -> Result<bool> {
+    /// Factorizes a supernode. Returns `Ok(Err(i))` when the pivot of row i of the factor is not
+    /// allowed: without `limits` it must be positive.
+    fn factorize(
+        &mut self,
+        s: usize,
+        mut limits: Option<&mut Limits>,
+    ) -> Result<std::result::Result<(), usize>> {
         let node = self.pattern.nodes[s];
-        let (mut triangle, below) = node.parts(&mut self.values[node.range()]);
+        let (mut triangle, mut below) = node.parts(&mut self.values[node.range()]);
+        let held = limits.as_ref().map_or(0, |limits| limits.held.len());
+        let done = match limits.as_deref_mut() {
+            Some(limits) => limits.factorize(triangle.rb_mut(), node.start)?,
+            None if node.columns == 1 => root(&mut triangle[(0, 0)]),
+            None => dense::cholesky(triangle.rb_mut())?,
+        };
+        if let Err(j) = done {
+            return Ok(Err(node.start + j));
+        }
         if node.columns == 1 {
-            let pivot = triangle[(0, 0)];
-            if pivot.is_nan() || pivot <= 0.0 {
-                return Ok(false);
-            }
-            let root = pivot.sqrt();
-            triangle[(0, 0)] = root;
-            below.col_mut(0).iter_mut().for_each(|x| *x /= root);
-            return Ok(true);
+            let root = triangle[(0, 0)];
+            below.rb_mut().col_mut(0).iter_mut().for_each(|x| *x /= root);
+        } else {
+            solve_below(node, triangle.into_const(), below.rb_mut(), |l, x| {
+                solve_lower_triangular_in_place(l, x, SEQ);
+            })?;
         }
-        if dense::cholesky(triangle.rb_mut())?.is_err() {
-            return Ok(false);
-        }
-        solve_below(node, triangle.into_const(), below, |l, x| {
-            solve_lower_triangular_in_place(l, x, SEQ);
-        })?;
-        Ok(true)
+        Ok(match limits {
+            Some(limits) => limits.clear_below(held, node.start, self.pattern.below(s), below),
+            None => Ok(()),
+        })
     }
 
     /// Factorizes a supernode with pivots inside of it.
@@ -251,6 +288,15 @@ impl<'a> Numeric<'a> {
         }
         Ok(())
     }
+}
+
+/// Replaces a pivot by its root, if it is positive.
+fn root(pivot: &mut f64) -> std::result::Result<(), usize> {
+    if pivot.is_nan() || *pivot <= 0.0 {
+        return Err(0);
+    }
+    *pivot = pivot.sqrt();
+    Ok(())
 }
 
 /// Changes the length of a list, or returns an error when memory is refused.
