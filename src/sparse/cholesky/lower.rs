@@ -23,7 +23,7 @@ pub(super) struct Lower {
 
 impl Lower {
     /// Finds the places of the entries of a matrix, of which one triangle is read.
-    pub fn new(a: CsMatView<'_, f64>, triangle: Triangle) -> Result<Self> {
+    pub fn new<T: Copy>(a: CsMatView<'_, T>, triangle: Triangle) -> Result<Self> {
         let n = a.rows();
         Error::check_shape("A", (n, n), a.shape())?;
         if n >= u32::MAX as usize {
@@ -122,10 +122,10 @@ impl Lower {
 
 /// Calls `visit(row, column, entry)` for the entries of a triangle, as those of the lower one. The
 /// rows of each column ascend.
-fn for_each(
-    a: CsMatView<'_, f64>,
+fn for_each<T: Copy>(
+    a: CsMatView<'_, T>,
     triangle: Triangle,
-    mut visit: impl FnMut(usize, usize, f64) -> Result<()>,
+    mut visit: impl FnMut(usize, usize, T) -> Result<()>,
 ) -> Result<()> {
     // Of two equal triangles, that which is stored as the columns of the lower one.
     let is_after = match triangle {

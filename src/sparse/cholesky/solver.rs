@@ -86,13 +86,13 @@ impl Cholesky {
     }
 
     /// Finds the order of elimination and the pattern of L for all matrices with entries in the
-    /// places of A, stored by rows or by columns, whose values are not read. The diagonal is part of
-    /// the pattern.
+    /// places of A, stored by rows or by columns, whose values, of any type, are not read. The
+    /// diagonal is part of the pattern.
     ///
     /// ```
     /// use catamaran::sparse::{Cholesky, CholeskyOptions, CsMat};
     ///
-    /// let cholesky = Cholesky::analyse(CsMat::eye(5).view(), &CholeskyOptions::new())?;
+    /// let cholesky = Cholesky::analyse(CsMat::<f64>::eye(5).view(), &CholeskyOptions::new())?;
     /// assert_eq!((cholesky.n(), cholesky.entries()), (5, 5));
     /// # Ok::<(), catamaran::Error>(())
     /// ```
@@ -100,7 +100,7 @@ impl Cholesky {
     /// # Errors
     /// [`Error::Shape`] of "A" when it is not square, [`Error::Argument`] of "A" with 2^32 - 1 rows
     /// or more, and of "tolerance"; [`Error::OutOfMemory`], [`Error::Cancelled`].
-    pub fn analyse(a: CsMatView<'_, f64>, options: &CholeskyOptions<'_>) -> Result<Self> {
+    pub fn analyse<T: Copy>(a: CsMatView<'_, T>, options: &CholeskyOptions<'_>) -> Result<Self> {
         let tolerance = options.tolerance_for(a.rows())?;
         options.progress.watch(|| {
             options.progress.report(0.0)?;
