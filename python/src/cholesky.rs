@@ -1,7 +1,6 @@
 //! Sparse Cholesky factorizations.
 
-use catamaran::faer::MatRef;
-use catamaran::sparse::{Cholesky, CholeskyOptions, CsMatView, Triangle};
+use catamaran::sparse::{Cholesky, CholeskyOptions, Triangle};
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
@@ -49,7 +48,7 @@ impl CholeskyHandle {
     fn factor(&self, py: Python<'_>, a: Csr<'_>, progress: Option<Py<PyAny>>) -> PyResult<()> {
         let a = a.matrix("a")?.to_matrix()?;
         let mut state = self.state.lock(py)?;
-        let (cholesky, a): (&mut Cholesky, CsMatView<'_, f64>) = (&mut state, a.view());
+        let (cholesky, a) = (&mut *state, a.view());
         run(py, Length::Long, progress, move |progress| cholesky.factor(a, progress))
     }
 
@@ -65,7 +64,7 @@ impl CholeskyHandle {
         let b = Array::<f64>::new("b", b, &[1, 2])?;
         let rows = rows.map(numbers).transpose()?;
         let state = self.state.lock(py)?;
-        let (cholesky, b): (&Cholesky, MatRef<'_, f64>) = (&state, b.view());
+        let (cholesky, b) = (&*state, b.view());
         let found = run(py, Length::Long, progress, move |_| match rows {
             Some(rows) => cholesky.solve_rows(b, &rows),
             None => cholesky.solve(b),

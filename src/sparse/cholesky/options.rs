@@ -15,14 +15,14 @@ options! {
     /// Options of [`Cholesky`](super::Cholesky).
     ///
     /// ```
-    /// use catamaran::faer::Mat;
+    /// use catamaran::faer::mat;
     /// use catamaran::sparse::{Cholesky, CholeskyOptions, CsMat, Triangle};
     ///
-    /// // The Laplacian of an edge, its upper triangle by rows: one of its two rows is held at zero.
+    /// // The Laplacian of an edge, its upper triangle by rows. One of the rows is held at zero.
     /// let w = CsMat::new((2, 2), vec![0, 2, 3], vec![0, 1, 1], vec![1.0, -1.0, 1.0]);
     /// let options = CholeskyOptions::new().triangle(Triangle::Upper).semidefinite(true);
     /// let cholesky = Cholesky::new(w.view(), &options)?;
-    /// let x = cholesky.solve(Mat::from_fn(2, 1, |i, _| if i == 0 { 3.0 } else { -3.0 }).as_ref())?;
+    /// let x = cholesky.solve(mat![[3.0], [-3.0]].as_ref())?;
     /// assert_eq!((cholesky.held().len(), x[(0, 0)] - x[(1, 0)]), (1, 3.0));
     /// # Ok::<(), catamaran::Error>(())
     /// ```

@@ -310,8 +310,8 @@ impl Cholesky {
     }
 
     /// Returns the row of A with the smallest pivot relative to its diagonal entry, and this ratio:
-    /// at 1e-12, solutions may lose 12 digits. Held rows do not count. `None` without other rows, or
-    /// without a factor.
+    /// at 1e-12, solutions may lose 12 digits. Held rows do not count. `None` without a factor, or
+    /// without other rows.
     ///
     /// ```
     /// use catamaran::sparse::{Cholesky, CholeskyOptions, CsMat};

@@ -194,8 +194,9 @@ impl Sweeps {
         Ok(())
     }
 
-    /// Computes [`Sweeps::solve_for`] for at most [`WIDTH`] columns, with memory for all rows of all
-    /// parts. With `UNIT` the factor is that of `L B L^T`; for `FUSED` see [`Supernode::down`].
+    /// Computes [`Sweeps::solve_for`] for at most [`WIDTH`] columns, with memory for all rows of
+    /// all parts. With `UNIT` the factor is that of `L B L^T`; for `FUSED` see
+    /// [`Supernode::down`].
     fn solve_block<const UNIT: bool, const FUSED: bool>(
         &self,
         factor: Factor<'_>,
