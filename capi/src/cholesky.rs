@@ -22,8 +22,8 @@ use super::boundary::boundary;
 use super::layout::{CATA_BOTH, CATA_LOWER, CATA_UPPER};
 use super::params::{Versioned, flag, init, read_or_zeros};
 use super::pointer::{
-    Layout, free, known, known_mut, matrix, matrix_mut, optional_output, output, pattern, slice,
-    slice_mut, sparse,
+    Layout, free, known, known_mut, matrix, matrix_mut, optional_output, optional_slice, output,
+    pattern, slice, slice_mut, sparse,
 };
 use super::progress::{cata_progress, par, watched, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -49,6 +49,9 @@ pub struct cata_cholesky_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
+    /// n elements: the rows in the order of elimination, from 0, each once, as that of METIS; NULL:
+    /// approximate minimum degree.
+    pub order: *const usize,
     /// Largest pivot that is zero, relative to the diagonal entry of its row, at most 0.01; 0: 8 n
     /// 2^-52 with `semidefinite`, and only zero itself without.
     pub tolerance: f64,
@@ -97,16 +100,16 @@ pub unsafe extern "C" fn cata_cholesky_analyse(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (places, params, handle) = unsafe {
-            (
-                pattern(n, n, row_starts, columns)?,
-                read_or_zeros("params", params)?,
-                output("cholesky", cholesky)?,
-            )
+        let (places, params, order, handle) = unsafe {
+            let places = pattern(n, n, row_starts, columns)?;
+            let params = read_or_zeros("params", params)?;
+            let order = optional_slice("params.order", params.order, n)?;
+            (places, params, order, output("cholesky", cholesky)?)
         };
         let watch = watcher(params.progress, params.progress_user);
         let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let cholesky = Cholesky::analyse(places.view(), &options(&params)?.progress(progress))?;
+        let options = options(&params)?.order(order).progress(progress);
+        let cholesky = Cholesky::analyse(places.view(), &options)?;
         let (progress, user) = (params.progress, params.progress_user);
         *handle = Box::into_raw(Box::new(cata_cholesky { cholesky, progress, user }));
         Ok(())
@@ -296,7 +299,7 @@ pub unsafe extern "C" fn cata_cholesky_weakest(
     })
 }
 
-/// Returns the options of the caller, without progress.
+/// Returns the options of the caller, without the order and progress.
 pub(super) fn options(params: &cata_cholesky_params) -> Result<CholeskyOptions<'static>, Failure> {
     let triangle = match params.triangle {
         0 | CATA_BOTH => Triangle::Both,

@@ -23,6 +23,8 @@ struct cholesky_options {
     /// Largest pivot that is zero, relative to the diagonal entry of its row; 0: 8 n 2^-52 if
     /// semidefinite, and only zero itself if not.
     double tolerance = 0.0;
+    /// The rows in the order of elimination, each once; none: approximate minimum degree.
+    std::vector<std::size_t> order;
     /// As options::progress, of all calls of the factorization.
     std::function<bool(double)> progress;
 };
@@ -40,10 +42,13 @@ public:
     /// Analyses matrices with entries in the places of A, whose entries are not read and may be
     /// null: factor comes next.
     static cholesky analysis(const sparse_view& a, const cholesky_options& how = {}) {
+        detail::require(how.order.empty() || how.order.size() == a.rows, CATA_ERR_SHAPE,
+                        "order: must be as many as rows, or none");
         cholesky made(how.progress);
         cata_cholesky_params params;
         detail::check(cata_cholesky_params_init(&params, sizeof params));
         params.threads = how.threads;
+        params.order = how.order.empty() ? nullptr : how.order.data();
         params.triangle = static_cast<std::int32_t>(how.triangle);
         params.semidefinite = how.semidefinite ? 1 : 0;
         params.tolerance = how.tolerance;

@@ -19,13 +19,14 @@ pub struct CholeskyHandle {
 #[pymethods]
 impl CholeskyHandle {
     #[new]
-    #[pyo3(signature = (a, triangle, semidefinite, tolerance, threads, progress))]
+    #[pyo3(signature = (a, triangle, semidefinite, tolerance, order, threads, progress))]
     fn new(
         py: Python<'_>,
         a: Csr<'_>,
         triangle: &str,
         semidefinite: bool,
         tolerance: Option<f64>,
+        order: Option<&Bound<'_, PyAny>>,
         threads: Option<i64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
@@ -37,8 +38,9 @@ impl CholeskyHandle {
             .tolerance(tolerance)
             .par(par(threads)?);
         let a = a.matrix("a")?.to_matrix()?;
+        let order = order.map(|order| numbers("order", order)).transpose()?;
         let cholesky = run(py, Length::Long, progress, move |progress| {
-            Cholesky::new(a.view(), &options.progress(progress))
+            Cholesky::new(a.view(), &options.order(order.as_deref()).progress(progress))
         })?;
         Ok(Self { state: Exclusive::new(cholesky) })
     }
@@ -62,7 +64,7 @@ impl CholeskyHandle {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let b = Array::<f64>::new("b", b, &[1, 2])?;
-        let rows = rows.map(numbers).transpose()?;
+        let rows = rows.map(|rows| numbers("rows", rows)).transpose()?;
         let state = self.state.lock(py)?;
         let (cholesky, b) = (&*state, b.view());
         let found = run(py, Length::Long, progress, move |_| match rows {
@@ -96,12 +98,12 @@ impl CholeskyHandle {
 }
 
 /// Numbers of rows, from 0; whether a matrix has them is for the library to say.
-fn numbers(rows: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
-    let array = Array::<i64>::new("rows", rows, &[1])?;
+fn numbers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
+    let array = Array::<i64>::new(name, object, &[1])?;
     let entries = array.entries();
     let numbers = entries.iter().map(|&row| {
         usize::try_from(row)
-            .map_err(|_| refused("rows", format_args!("{row} is not the number of a row")))
+            .map_err(|_| refused(name, format_args!("{row} is not the number of a row")))
     });
     numbers.collect()
 }

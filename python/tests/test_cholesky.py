@@ -41,6 +41,16 @@ def test_triangles_and_threads_change_nothing(rng):
     assert np.array_equal(catamaran.cholesky(upper, triangle="upper").solve(b), expected)
 
 
+def test_any_order_has_the_same_solution(rng):
+    a, b = grid(17) + sparse.eye(289), rng.standard_normal(289)
+    expected = catamaran.cholesky(a).solve(b)
+    factors = catamaran.cholesky(a, order=rng.permutation(289))
+    assert np.allclose(factors.solve(b), expected, atol=1e-12)
+    assert factors.entries > catamaran.cholesky(a).entries
+    with pytest.raises(ValueError, match="order: must have every row once, but entry 1 is 0"):
+        catamaran.cholesky(a, order=np.zeros(289, dtype=int))
+
+
 def test_selected_rows_are_those_of_all(rng):
     factors = catamaran.cholesky(grid(17), semidefinite=True)
     b = rng.standard_normal((289, 9))

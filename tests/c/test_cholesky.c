@@ -141,7 +141,21 @@ static void test_refusals(void)
     CHECK_STATUS(cata_cholesky_analyse(3, row_starts, columns, &params, &cholesky),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("tolerance");
+    params.tolerance = 0;
+    const size_t twice[3] = {2, 0, 2}, order[3] = {2, 0, 1};
+    params.order = twice;
+    CHECK_STATUS(cata_cholesky_analyse(3, row_starts, columns, &params, &cholesky),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("order: must have every row once, but entry 2 is 2");
     CHECK(cholesky == NULL);
+    params.order = order;
+    CHECK_STATUS(cata_cholesky_analyse(3, row_starts, columns, &params, &cholesky), CATA_OK);
+    CHECK_STATUS(cata_cholesky_factor(cholesky, row_starts, columns, entries), CATA_OK);
+    double ordered[3] = {1, 0, 1};
+    CHECK_STATUS(cata_cholesky_solve(cholesky, CATA_COL_MAJOR, 1, ordered, 3), CATA_OK);
+    CHECK(near(ordered[0], 1) && near(ordered[1], 1) && near(ordered[2], 1));
+    cata_cholesky_free(cholesky);
+    cholesky = NULL;
 
     CHECK_STATUS(cata_cholesky_analyse(3, upper_starts, upper_columns, NULL, &cholesky), CATA_OK);
     CHECK_STATUS(cata_cholesky_factor(cholesky, upper_starts, upper_columns, upper_entries),

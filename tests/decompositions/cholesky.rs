@@ -1,6 +1,6 @@
 //! Sparse Cholesky factorizations: an analytic inverse, a dense oracle, invariants, refusals.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -189,6 +189,63 @@ fn permuted_matrices_have_permuted_solutions() {
         let back = Mat::from_fn(n, 3, |i, j| moved[(place(i), j)]);
         assert_close(&back, &found, 1e-12, "permuted");
     }
+}
+
+/// The rows of a part of a grid of b columns, with a middle line of the longer sides last.
+fn dissected(rows: Range<usize>, columns: Range<usize>, b: usize) -> Vec<usize> {
+    let nodes = |rows: Range<usize>, columns: Range<usize>| -> Vec<usize> {
+        rows.flat_map(|i| columns.clone().map(move |j| i * b + j)).collect()
+    };
+    if rows.len() <= 2 || columns.len() <= 2 {
+        return nodes(rows, columns);
+    }
+    let (row, column) = (rows.start + rows.len() / 2, columns.start + columns.len() / 2);
+    let parts = match rows.len() >= columns.len() {
+        true => [
+            dissected(rows.start..row, columns.clone(), b),
+            dissected(row + 1..rows.end, columns.clone(), b),
+            nodes(row..row + 1, columns),
+        ],
+        false => [
+            dissected(rows.clone(), columns.start..column, b),
+            dissected(rows.clone(), column + 1..columns.end, b),
+            nodes(rows, column..column + 1),
+        ],
+    };
+    parts.concat()
+}
+
+#[test]
+fn any_order_of_elimination_has_the_same_solution_and_dissection_a_sparse_factor() {
+    let (side, n) = (40, 1600);
+    let a = shifted_grid(side, side);
+    let x = random_columns(n, 2, 3);
+    let b = product(&a, x.as_ref());
+    let by_rows: Vec<usize> = (0..n).collect();
+    // A step that is prime to n.
+    let mixed: Vec<usize> = (0..n).map(|i| (611 * i + 5) % n).collect();
+    let dissected = dissected(0..side, 0..side, side);
+    let mut entries = Vec::new();
+    for order in [&by_rows, &mixed, &dissected] {
+        let options = options().order(&order[..]);
+        let mut cholesky = Cholesky::new(a.view(), &options).unwrap();
+        assert_close(&cholesky.solve(b.as_ref()).unwrap(), &x, 1e-12, "any order");
+        let found = cholesky.solve(b.as_ref()).unwrap();
+        cholesky.factor(a.view(), Progress::none()).unwrap();
+        assert_eq!(cholesky.solve(b.as_ref()).unwrap(), found);
+        entries.push(cholesky.entries());
+    }
+    // The entries of a band of 40 rows, with zeros of wider supernodes.
+    assert!(entries[0] < 60 * n && entries[1] > entries[0], "{entries:?}");
+    assert!(2 * entries[2] < entries[0], "{entries:?}");
+    let refused = |order: &[usize]| {
+        Cholesky::new(a.view(), &options().order(order)).map(|_| ()).unwrap_err().to_string()
+    };
+    assert_eq!(refused(&by_rows[1..]), "order: expected 1600 x 1, got 1599 x 1");
+    let twice: Vec<usize> = (0..n).map(|i| i.max(1)).collect();
+    assert_eq!(refused(&twice), "order: must have every row once, but entry 1 is 1");
+    let beyond: Vec<usize> = (1..=n).collect();
+    assert_eq!(refused(&beyond), "order: must have every row once, but entry 1599 is 1600");
 }
 
 #[test]

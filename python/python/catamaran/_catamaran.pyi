@@ -127,6 +127,7 @@ class CholeskyHandle:
         triangle: str,
         semidefinite: bool,
         tolerance: Optional[float],
+        order: Optional[ArrayLike],
         threads: Optional[int],
         progress: Callback,
     ) -> Self: ...

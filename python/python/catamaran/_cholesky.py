@@ -99,6 +99,7 @@ def cholesky(
     triangle: str = "both",
     semidefinite: bool = False,
     tolerance: Optional[float] = None,
+    order: Optional[ArrayLike] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Cholesky:
@@ -117,6 +118,9 @@ def cholesky(
     tolerance : float, optional
         Largest pivot that is zero, relative to the diagonal entry of its row: 8 n 2^-52 for
         semidefinite matrices, 0 for others.
+    order : array_like of n integers, optional
+        The rows in the order of elimination, each once, as that of METIS; approximate minimum
+        degree by default.
     threads, progress
         As in `ata`. A factorization runs on one thread, solutions on several.
 
@@ -149,6 +153,6 @@ def cholesky(
     True
     """
     handle = _catamaran.CholeskyHandle(
-        sparse_of(a), triangle, semidefinite, tolerance, threads, callback(progress)
+        sparse_of(a), triangle, semidefinite, tolerance, order, threads, callback(progress)
     )
     return Cholesky(handle)

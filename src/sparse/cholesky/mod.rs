@@ -7,11 +7,13 @@ mod numeric;
 mod options;
 mod parts;
 mod pattern;
+mod postorder;
 mod solver;
 mod supernode;
 mod sweeps;
 
 use faer::MatMut;
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
@@ -19,10 +21,11 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Error, Par, Progress, Result, apart, reserved};
+use crate::base::{Error, Par, Progress, Result, apart, repeated, reserved};
 use numeric::Pivots;
 pub use options::{CholeskyOptions, Triangle};
 use pattern::{Entries, Pattern};
+use postorder::postordered;
 pub use solver::Cholesky;
 use supernode::Block;
 use sweeps::Sweeps;
@@ -33,8 +36,8 @@ const ORDERED: f64 = 200.0;
 /// The order of elimination and the pattern of the factor. All matrices with the same pattern share
 /// it.
 ///
-/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
-/// dissection fills in as much on surfaces (docs/decisions/0007).
+/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996), as nested
+/// dissection fills in as much on surfaces (docs/decisions/0007), or one that is given.
 #[derive(Debug)]
 pub struct Symbolic {
     pattern: Pattern,
@@ -50,6 +53,23 @@ impl Symbolic {
     /// # Errors
     /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
+        Self::of(places, None)
+    }
+
+    /// Analyses as [`Symbolic::new`] does, with a permutation of the rows as the order of
+    /// elimination, up to the order of subtrees that do not depend on each other.
+    fn in_order(places: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Result<Self> {
+        let order = postordered(places, order)?;
+        let mut inverse = repeated(0, order.len())?;
+        order.iter().enumerate().for_each(|(i, &row)| inverse[row] = i);
+        Self::of(places, Some((order, inverse)))
+    }
+
+    /// Analyses with an order and its inverse, or with minimum degree.
+    fn of(
+        places: SymbolicSparseColMatRef<'_, usize>,
+        order: Option<(Vec<usize>, Vec<usize>)>,
+    ) -> Result<Self> {
         let refused = Error::OutOfMemory { bytes: size_of_val(places.row_idx()) };
         let owned = places.to_owned().map_err(|_| refused.clone())?;
         let found = apart(ORDERED * places.row_idx().len() as f64, move || {
@@ -60,8 +80,11 @@ impl Symbolic {
                 supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
                 ..Default::default()
             };
-            let (side, order) = (faer::Side::Lower, SymmetricOrdering::Amd);
-            factorize_symbolic_cholesky(owned.as_ref(), side, order, parameters)
+            let given: Option<PermRef<'_, usize>> = order
+                .as_ref()
+                .map(|(order, inverse)| PermRef::new_checked(order, inverse, order.len()));
+            let order = given.map_or(SymmetricOrdering::Amd, SymmetricOrdering::Custom);
+            factorize_symbolic_cholesky(owned.as_ref(), faer::Side::Lower, order, parameters)
         })?
         .map_err(|_| refused)?;
         let found_order = found.perm().expect("an order was asked for").arrays().0;

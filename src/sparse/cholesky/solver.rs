@@ -16,7 +16,7 @@ use crate::dense;
 /// matrix A (n x n), and solutions of `A X = B`.
 ///
 /// The rows are eliminated in the order of approximate minimum degree (Amestoy, Davis and Duff
-/// 1996), by supernodes. [`Cholesky::analyse`] finds the order and the pattern of L;
+/// 1996), or in a given one, by supernodes. [`Cholesky::analyse`] finds the order and the pattern of L;
 /// [`Cholesky::factor`] computes L, any number of times for other values in the same places.
 /// Results are the same, bit for bit, for any number of threads.
 ///
@@ -98,14 +98,19 @@ impl Cholesky {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] of "A" when it is not square, [`Error::Argument`] of "A" with 2^32 - 1 rows
-    /// or more, and of "tolerance"; [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::Shape`] of "A" when it is not square, and of "order"; [`Error::Argument`] of "A"
+    /// with 2^32 - 1 rows or more, of "order" and of "tolerance"; [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
     pub fn analyse<T: Copy>(a: CsMatView<'_, T>, options: &CholeskyOptions<'_>) -> Result<Self> {
         let tolerance = options.tolerance_for(a.rows())?;
         options.progress.watch(|| {
             options.progress.report(0.0)?;
             let lower = Lower::new(a, options.triangle)?;
-            let symbolic = Symbolic::new(lower.places())?;
+            options.check_order(lower.n())?;
+            let symbolic = match options.order {
+                Some(order) => Symbolic::in_order(lower.places(), order)?,
+                None => Symbolic::new(lower.places())?,
+            };
             let sweeps = Sweeps::new(&symbolic.pattern, |i| symbolic.order[i], |i| i)?;
             options.progress.report(1.0)?;
             Ok(Self {
