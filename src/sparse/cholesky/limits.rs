@@ -3,7 +3,7 @@
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
-use crate::base::Result;
+use crate::base::{Result, count};
 use crate::dense;
 
 /// The entry of L on the diagonal of a row that is held. All that is divided by it is far below the
@@ -63,6 +63,7 @@ impl Limits {
             (Some(j), None) => Err(j),
             (Some(_), Some(before)) => {
                 triangle.copy_from(&before);
+                count((n * n * n / 3) as f64);
                 self.by_columns(triangle, start)
             }
         })
