@@ -16,8 +16,8 @@ use crate::dense;
 /// matrix A (n x n), and solutions of `A X = B`.
 ///
 /// The rows are eliminated in the order of approximate minimum degree (Amestoy, Davis and Duff
-/// 1996), or in a given one, by supernodes. [`Cholesky::analyse`] finds the order and the pattern of L;
-/// [`Cholesky::factor`] computes L, any number of times for other values in the same places.
+/// 1996), or in a given one, by supernodes. [`Cholesky::analyse`] finds the order and the pattern
+/// of L; [`Cholesky::factor`] computes L, any number of times for other values in the same places.
 /// Results are the same, bit for bit, for any number of threads.
 ///
 /// **Semidefinite matrices.** With [`CholeskyOptions::semidefinite`], a row whose pivot is zero up
