@@ -43,7 +43,7 @@ pub struct cata_cholesky {
 pub struct cata_cholesky_params {
     /// sizeof(cata_cholesky_params).
     pub struct_size: usize,
-    /// Threads of solutions, at most; 0: all. A factorization runs on the calling thread.
+    /// Threads, at most; 0: all.
     pub threads: usize,
     /// Progress callback; NULL: none.
     pub progress: cata_progress,

@@ -14,7 +14,7 @@ namespace catamaran {
 
 /// What is read of a matrix, and which pivots are allowed: the fields of cata_cholesky_params.
 struct cholesky_options {
-    /// Of solutions; 0: as many as the process may use (catamaran.h, Threads).
+    /// 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// The triangle that is read; both: they must agree.
     uplo triangle = uplo::both;

@@ -160,6 +160,32 @@ fn solutions_are_those_of_a_dense_factorization_the_same_for_any_threads_and_str
 }
 
 #[test]
+fn threads_that_share_large_supernodes_do_not_change_the_factor() {
+    // 1000 columns: supernodes of 256, with updates of 10^8 operations.
+    for (n, rank) in [(1000, 1000), (1000, 991)] {
+        let entry = |i: usize, j: usize| match (i.max(j) < rank, i == j) {
+            (true, true) => n as f64,
+            (true, false) => ((i * j) % 7) as f64 / 7.0 - 0.5,
+            // Rows that are zero.
+            _ => 0.0,
+        };
+        let a = sparse(n, (0..n * n).map(|k| (k / n, k % n, entry(k / n, k % n))));
+        let x = Mat::from_fn(n, 2, |i, j| if i < rank { (i % 5 + j) as f64 } else { 0.0 });
+        let b = product(&a, x.as_ref());
+        let solve = |par| {
+            let options = options().par(par).semidefinite(rank < n);
+            let cholesky = Cholesky::new(a.view(), &options).unwrap();
+            assert_eq!(cholesky.held(), (rank..n).collect::<Vec<_>>());
+            cholesky.solve(b.as_ref()).unwrap()
+        };
+        let found = solve(Par::Seq);
+        assert_close(&found, &x, 1e-11, "large supernodes");
+        assert_eq!(solve(Par::Threads(3)), found);
+        assert_eq!(solve(Par::Threads(2)), found);
+    }
+}
+
+#[test]
 fn a_grid_is_solved_and_its_factor_is_sparse() {
     let (shifted, n) = (shifted_grid(61, 67), 61 * 67);
     let x = random_columns(n, 2, 1);

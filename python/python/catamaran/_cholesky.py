@@ -122,7 +122,7 @@ def cholesky(
         The rows in the order of elimination, each once, as that of METIS; approximate minimum
         degree by default.
     threads, progress
-        As in `ata`. A factorization runs on one thread, solutions on several.
+        As in `ata`.
 
     Returns
     -------

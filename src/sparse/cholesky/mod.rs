@@ -112,9 +112,9 @@ impl Symbolic {
     /// # Errors
     /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
-        let (memory, progress) = (Vec::new(), Progress::none());
-        let found =
-            numeric::positive(&self.pattern, &self.entries, a.val(), memory, None, progress)?;
+        let (pattern, entries, memory) = (&self.pattern, &self.entries, Vec::new());
+        let (par, progress) = (Par::Seq, Progress::none());
+        let found = numeric::positive(pattern, entries, a.val(), memory, None, par, progress)?;
         let Ok(values) = found else { return Ok(None) };
         let sweeps = Sweeps::new(&self.pattern, |i| self.order[i], |i| i)?;
         let (subdiagonal, below_zero, is_singular) = (None, 0, false);

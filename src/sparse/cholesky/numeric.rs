@@ -15,7 +15,9 @@ use faer::{Accum, MatMut, MatRef};
 use super::limits::Limits;
 use super::pattern::{Entries, Pattern};
 use super::supernode::Supernode;
-use crate::base::{PIECE, Progress, Result, ask, count, repeated, reserved, room, zeros};
+use crate::base::{
+    PIECE, Par, Progress, Result, ask, count, repeated, reserved, room, spend, zeros,
+};
 use crate::dense::{self, buffer};
 
 /// Marks the end of a list.
@@ -44,13 +46,15 @@ impl Pivots {
 
 /// Computes the values of `L L^T` for the entries `a` of a matrix, in `memory`, which may have any
 /// contents. Returns `Ok(Err(i))` when the pivot of row i of the factor is not allowed: without
-/// `limits` it must be positive.
+/// `limits` it must be positive. Threads share the work of large supernodes; the result is the same
+/// for every `par`, bit for bit.
 pub(super) fn positive(
     pattern: &Pattern,
     entries: &Entries,
     a: &[f64],
     memory: Vec<f64>,
     mut limits: Option<&mut Limits>,
+    par: Par,
     progress: Progress<'_>,
 ) -> Result<std::result::Result<Vec<f64>, usize>> {
     /// Part of the work between two reports.
@@ -58,7 +62,7 @@ pub(super) fn positive(
     let work = |node: &Supernode| (node.rows() as f64).powi(2) * node.columns as f64;
     let total = pattern.nodes.iter().map(work).sum::<f64>();
     let (mut done, mut reported) = (0.0, 0.0);
-    let mut numeric = Numeric::new(pattern, entries, a, memory)?;
+    let mut numeric = Numeric::new(pattern, entries, a, memory, par)?;
     for (s, node) in pattern.nodes.iter().enumerate() {
         numeric.gather(s, None)?;
         if let Err(i) = numeric.factorize(s, limits.as_deref_mut())? {
@@ -80,7 +84,7 @@ pub(super) fn indefinite(
     entries: &Entries,
     a: &[f64],
 ) -> Result<(Vec<f64>, Pivots)> {
-    let mut numeric = Numeric::new(pattern, entries, a, Vec::new())?;
+    let mut numeric = Numeric::new(pattern, entries, a, Vec::new(), Par::Seq)?;
     let mut pivots = Pivots::new(pattern.n)?;
     for s in 0..pattern.nodes.len() {
         numeric.gather(s, Some(&pivots))?;
@@ -94,6 +98,7 @@ struct Numeric<'a> {
     pattern: &'a Pattern,
     entries: &'a Entries,
     a: &'a [f64],
+    par: Par,
     values: Vec<f64>,
     /// For each supernode, the first of the earlier ones whose next rows are in it, and after each
     /// supernode the next one of its list.
@@ -116,6 +121,7 @@ impl<'a> Numeric<'a> {
         entries: &'a Entries,
         a: &'a [f64],
         mut memory: Vec<f64>,
+        par: Par,
     ) -> Result<Self> {
         let count = pattern.nodes.len();
         let values = match memory.len() == pattern.values {
@@ -129,6 +135,7 @@ impl<'a> Numeric<'a> {
             pattern,
             entries,
             a,
+            par,
             values,
             first: repeated(NONE, count)?,
             next: repeated(NONE, count)?,
@@ -194,21 +201,33 @@ impl<'a> Numeric<'a> {
                 across.into_const()
             }
         };
-        let piece = (PIECE / (2 * width * k)).max(1);
-        for first in (0..rows.len()).step_by(piece) {
-            let height = piece.min(rows.len() - first);
-            resize(&mut self.update, height * width)?;
-            let product = MatMut::from_column_major_slice_mut(&mut self.update, height, width);
-            let left = source.subrows(first, height);
-            matmul(product, Accum::Replace, left, across.transpose(), 1.0, SEQ);
-            count((2 * height * width * k) as f64);
-            for (j, update) in self.update.chunks_exact(height).enumerate() {
-                let column = (rows[j] as usize - node.start) * node.rows();
-                let column = &mut panel[column..column + node.rows()];
-                // Above the diagonal there is nothing.
-                let skipped = j.saturating_sub(first).min(height);
-                for (row, x) in rows[first + skipped..].iter().zip(&update[skipped..]) {
-                    column[self.place[*row as usize] as usize] -= x;
+        // Pieces of rows do not depend on the number of threads, which compute some at a time.
+        let piece = (PIECE / (2 * width * k)).clamp(1, rows.len());
+        let pieces = rows.len().div_ceil(piece);
+        let par = if pieces > 1 { self.par } else { Par::Seq };
+        let together = par.at_most(pieces).threads();
+        for start in (0..rows.len()).step_by(piece * together) {
+            let end = rows.len().min(start + piece * together);
+            resize(&mut self.update, (end - start) * width)?;
+            let firsts = (start..end).step_by(piece);
+            let products = firsts.clone().zip(self.update.chunks_mut(piece * width));
+            par.for_each(products, |_, (first, product)| {
+                let height = product.len() / width;
+                let product = MatMut::from_column_major_slice_mut(product, height, width);
+                let left = source.subrows(first, height);
+                matmul(product, Accum::Replace, left, across.transpose(), 1.0, SEQ);
+            });
+            count((2 * piece.min(end - start) * width * k) as f64);
+            for (first, product) in firsts.zip(self.update.chunks(piece * width)) {
+                let height = product.len() / width;
+                for (j, update) in product.chunks_exact(height).enumerate() {
+                    let column = (rows[j] as usize - node.start) * node.rows();
+                    let column = &mut panel[column..column + node.rows()];
+                    // Above the diagonal there is nothing.
+                    let skipped = j.saturating_sub(first).min(height);
+                    for (row, x) in rows[first + skipped..].iter().zip(&update[skipped..]) {
+                        column[self.place[*row as usize] as usize] -= x;
+                    }
                 }
             }
             ask()?;
@@ -238,7 +257,7 @@ impl<'a> Numeric<'a> {
             let root = triangle[(0, 0)];
             below.rb_mut().col_mut(0).iter_mut().for_each(|x| *x /= root);
         } else {
-            solve_below(node, triangle.into_const(), below.rb_mut(), |l, x| {
+            solve_below(node, triangle.into_const(), below.rb_mut(), self.par, |l, x| {
                 solve_lower_triangular_in_place(l, x, SEQ);
             })?;
         }
@@ -277,7 +296,7 @@ impl<'a> Numeric<'a> {
                 (0..n).for_each(|j| row[j] = below[(i, forward[j])]);
                 (0..n).for_each(|j| below[(i, j)] = row[j]);
             }
-            solve_below(node, triangle.as_ref(), below.rb_mut(), |l, x| {
+            solve_below(node, triangle.as_ref(), below.rb_mut(), self.par, |l, x| {
                 solve_unit_lower_triangular_in_place(l, x, SEQ);
             })?;
         }
@@ -306,23 +325,31 @@ fn resize(list: &mut Vec<f64>, len: usize) -> Result<()> {
     Ok(())
 }
 
-/// Solves for the rows below the triangle L of a supernode, some at a time.
+/// Solves for the rows below the triangle L of a supernode, in pieces that do not depend on the
+/// number of threads.
 fn solve_below(
     node: Supernode,
     l: MatRef<'_, f64>,
     below: MatMut<'_, f64>,
-    solve: impl Fn(MatRef<'_, f64>, MatMut<'_, f64>),
+    par: Par,
+    solve: impl Fn(MatRef<'_, f64>, MatMut<'_, f64>) + Sync,
 ) -> Result<()> {
-    let n = node.columns;
+    let (n, height) = (node.columns, below.nrows());
     let piece = (PIECE / (n * n)).max(1);
-    let mut rest = below;
+    if height <= piece {
+        if height > 0 {
+            solve(l, below.transpose_mut());
+        }
+        return spend((height * n * n) as f64);
+    }
+    let (mut pieces, mut rest) = (Vec::new(), below);
     while rest.nrows() > 0 {
         let height = piece.min(rest.nrows());
         let (head, tail) = rest.split_at_row_mut(height);
-        solve(l, head.transpose_mut());
-        count((height * n * n) as f64);
-        ask()?;
+        pieces.push(head);
         rest = tail;
     }
-    ask()
+    par.for_each_asking(pieces.into_iter(), (piece * n * n) as f64, |_, rows| {
+        solve(l, rows.transpose_mut());
+    })
 }

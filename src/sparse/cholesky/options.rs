@@ -40,7 +40,7 @@ options! {
         /// first. `None`: approximate minimum degree, which is as good on surfaces of up to
         /// 100,000 vertices (docs/decisions/0007).
         order: Option<&'a [usize]> = None, range "every row once", setter into;
-        /// Threads of solutions; a factorization runs on the calling thread. Their number does not
+        /// Threads of solutions, and of large supernodes of factorizations. Their number does not
         /// change the result.
         par: Par = Par::all();
         /// Progress callback of [`Cholesky::new`](super::Cholesky::new) and

@@ -149,9 +149,10 @@ impl Cholesky {
                 holds: self.semidefinite,
                 held: Vec::new(),
             };
-            let memory = std::mem::take(&mut self.values);
+            let (memory, par) = (std::mem::take(&mut self.values), self.par);
+            let limited = Some(&mut limits);
             let found =
-                numeric::positive(pattern, places, &entries, memory, Some(&mut limits), progress)?;
+                numeric::positive(pattern, places, &entries, memory, limited, par, progress)?;
             self.values = found.map_err(|i| self.not_definite(order[i]))?;
             if !self.values.iter().all(|x| x.is_finite()) {
                 let why = "its factor overflows".into();
