@@ -263,7 +263,7 @@ fn any_order_of_elimination_has_the_same_solution_and_dissection_a_sparse_factor
     }
     // The entries of a band of 40 rows, with zeros of wider supernodes.
     assert!(entries[0] < 60 * n && entries[1] > entries[0], "{entries:?}");
-    assert!(2 * entries[2] < entries[0], "{entries:?}");
+    assert!(3 * entries[2] < 2 * entries[0], "{entries:?}");
     let refused = |order: &[usize]| {
         Cholesky::new(a.view(), &options().order(order)).map(|_| ()).unwrap_err().to_string()
     };
@@ -339,6 +339,80 @@ fn the_row_of_a_pivot_that_is_not_positive_is_named() {
         assert!(refused.contains("not positive definite (elimination fails at row"), "{refused}");
         let refused = Cholesky::new(a.view(), &options().semidefinite(true)).unwrap_err();
         assert!(refused.to_string().contains("not positive semidefinite"), "{refused}");
+    }
+}
+
+/// The matrix L D L^T of n rows with ones in the lower triangle L, and in D but for one pivot: all
+/// numbers of its elimination are integers.
+fn of_ones(n: usize, wrong: usize, pivot: f64) -> CsMat<f64> {
+    let sum = |count: usize| count as f64 + if wrong < count { pivot - 1.0 } else { 0.0 };
+    sparse(n, (0..n * n).map(|k| (k / n, k % n, sum((k / n).min(k % n) + 1))))
+}
+
+#[test]
+fn the_first_wrong_pivot_of_a_dense_matrix_is_named_in_a_given_order() {
+    // Up to 8 columns are factorized one by one, 256 in one supernode.
+    for n in [3, 8, 9, 61, 300, 521] {
+        let order: Vec<usize> = (0..n).collect();
+        let options = options().order(&order[..]);
+        for wrong in [0, n / 2, n - 1] {
+            let named = |a: &CsMat<f64>, options: &CholeskyOptions<'_>| {
+                let refused = Cholesky::new(a.view(), options).unwrap_err().to_string();
+                let at = format!("(elimination fails at row {wrong})");
+                assert!(refused.contains(&at), "n = {n}, row {wrong}: {refused}");
+            };
+            for pivot in [-3.0, -0.25, 0.0] {
+                named(&of_ones(n, wrong, pivot), &options);
+            }
+            let semidefinite = options.clone().semidefinite(true);
+            named(&of_ones(n, wrong, -0.25), &semidefinite);
+            // Positive, and zero by the tolerance of the caller.
+            if wrong > 0 {
+                let small = of_ones(n, wrong, 1.0 / 4096.0);
+                let cholesky = Cholesky::new(small.view(), &options).unwrap();
+                assert_eq!(cholesky.weakest().unwrap().0, wrong);
+                named(&small, &options.clone().tolerance(1e-3));
+            }
+
+            let a = of_ones(n, wrong, 0.0);
+            let cholesky = Cholesky::new(a.view(), &semidefinite).unwrap();
+            assert_eq!(cholesky.held(), [wrong], "n = {n}");
+            let x = Mat::from_fn(n, 2, |i, j| if i == wrong { 0.0 } else { (i % 3 + j) as f64 });
+            let found = cholesky.solve(product(&a, x.as_ref()).as_ref()).unwrap();
+            assert_close(&found, &x, 1e-9, &format!("n = {n}, row {wrong}"));
+        }
+    }
+}
+
+#[test]
+fn powers_of_four_scale_factors_of_singular_matrices_bit_for_bit() {
+    let full = |n: usize| {
+        let entry = |k: usize| if k / n == k % n { n as f64 - 1.0 } else { -1.0 };
+        sparse(n, (0..n * n).map(|k| (k / n, k % n, entry(k))))
+    };
+    for a in [laplacian(401, 3, 2), full(7), full(40)] {
+        let n = a.rows();
+        let b = product(&a, random_columns(n, 3, 4).as_ref());
+        let options = options().semidefinite(true);
+        let expected = Cholesky::new(a.view(), &options).unwrap();
+        let x = expected.solve(b.as_ref()).unwrap();
+        for exponent in [-900, -2, 600, 1000] {
+            let scale = 2f64.powi(exponent);
+            let mut scaled = a.clone();
+            scaled.scale(scale);
+            let found = Cholesky::new(scaled.view(), &options).unwrap();
+            assert_eq!(found.held(), expected.held(), "2^{exponent}");
+            assert_eq!(found.weakest(), expected.weakest(), "2^{exponent}");
+            let scaled = Mat::from_fn(n, 3, |i, j| b[(i, j)] * scale);
+            assert_eq!(found.solve(scaled.as_ref()).unwrap(), x, "2^{exponent}");
+        }
+    }
+    // An entry beside a zero pivot is not rounding at any scale.
+    for scale in [1e-300, 1e-150, 1.0, 1e150, 1e300] {
+        let entries = [(0, 2, scale), (2, 0, scale), (1, 1, scale), (2, 2, 2.0 * scale)];
+        let a = sparse(3, entries);
+        let refused = Cholesky::new(a.view(), &options().semidefinite(true)).unwrap_err();
+        assert!(refused.to_string().contains("not positive semidefinite"), "{scale:e}: {refused}");
     }
 }
 

@@ -6,9 +6,10 @@ use faer::prelude::ReborrowMut;
 use crate::base::{Result, count};
 use crate::dense;
 
-/// The entry of L on the diagonal of a row that is held. All that is divided by it is far below the
-/// rounding of the rest, so that solutions are zero there.
-const HELD: f64 = 1e150;
+/// The entry of L on the diagonal of a row that is held, in units of the largest possible entry of
+/// L. All that is divided by it is far below the rounding of the rest, so that solutions are zero
+/// there. A power of two, which leaves the digits of what it multiplies.
+const HELD: f64 = f64::from_bits((1023 + 500) << 52);
 
 /// Most columns of a triangle that are factorized one by one, not by a blocked factorization.
 const NARROW: usize = 8;
@@ -24,9 +25,19 @@ pub(super) struct Limits {
     pub holds: bool,
     /// The rows of the factor that are held, ascending.
     pub held: Vec<usize>,
+    /// The entry of L on the diagonal of rows that are held.
+    hold: f64,
 }
 
 impl Limits {
+    /// Creates the limits for a matrix with this diagonal, by rows of the factor.
+    pub fn new(diagonal: Vec<f64>, tolerance: f64, holds: bool) -> Self {
+        let largest = diagonal.iter().copied().fold(0.0, f64::max);
+        // A power of two near the root of the largest entry.
+        let unit = if largest > 0.0 { (largest.log2() / 2.0).round().exp2() } else { 1.0 };
+        Self { diagonal, tolerance, holds, held: Vec::new(), hold: HELD * unit }
+    }
+
     /// Returns the largest zero pivot of a row.
     fn zero(&self, row: usize) -> f64 {
         (self.tolerance * self.diagonal[row]).max(0.0)
@@ -51,7 +62,8 @@ impl Limits {
         if n <= NARROW {
             return Ok(self.by_columns(triangle, start));
         }
-        let before = match self.holds {
+        // Columns one by one find the first zero pivot, blocks some pivot.
+        let before = match self.holds || self.tolerance > 0.0 {
             true => Some(dense::filled(n, n, |i, j| triangle[(i, j)])?),
             false => None,
         };
@@ -86,7 +98,7 @@ impl Limits {
                     return Err(j);
                 }
                 (j + 1..n).for_each(|i| l[(i, j)] = 0.0);
-                l[(j, j)] = HELD;
+                l[(j, j)] = self.hold;
                 self.held.push(start + j);
                 continue;
             }
@@ -114,7 +126,7 @@ impl Limits {
         for &held in &self.held[first..] {
             let j = held - start;
             for (i, &row) in rows.iter().enumerate() {
-                if self.is_coupled(HELD * below[(i, j)], held, row as usize) {
+                if self.is_coupled(self.hold * below[(i, j)], held, row as usize) {
                     return Err(held);
                 }
                 below[(i, j)] = 0.0;

@@ -143,12 +143,7 @@ impl Cholesky {
             let Symbolic { pattern, entries: places, order } = &self.symbolic;
             let mut diagonal = reserved(order.len())?;
             diagonal.extend(order.iter().map(|&row| self.lower.diagonal(&entries, row)));
-            let mut limits = Limits {
-                diagonal,
-                tolerance: self.tolerance,
-                holds: self.semidefinite,
-                held: Vec::new(),
-            };
+            let mut limits = Limits::new(diagonal, self.tolerance, self.semidefinite);
             let (memory, par) = (std::mem::take(&mut self.values), self.par);
             let limited = Some(&mut limits);
             let found =
