@@ -32,7 +32,7 @@
 //! | [`rows`] | A^T A of rows from anywhere, in sums that can be saved, continued and merged |
 //! | [`dense`] | small dense factorizations |
 //! | [`solve`] | least squares, principal components, singular values, in extended precision |
-//! | [`sparse`] | eigenpairs of sparse pencils |
+//! | [`sparse`] | Cholesky factorizations and eigenpairs of sparse matrices |
 //! | [`ortho`] | Gram-Schmidt, Cholesky QR, rank-revealing bases |
 //! | [`io`] | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 |
 //! | [`ranks`] | the same over many machines: plans, and their execution (feature `mpi`) |
@@ -88,6 +88,7 @@ pub const OPTIONS: &[(&str, &[base::Field])] = &[
     ("rows::RowOptions", rows::RowOptions::<f64>::FIELDS),
     ("solve::LeastSquaresOptions", solve::LeastSquaresOptions::FIELDS),
     ("solve::PrincipalComponentsOptions", solve::PrincipalComponentsOptions::FIELDS),
+    ("sparse::CholeskyOptions", sparse::CholeskyOptions::FIELDS),
     ("sparse::EigenOptions", sparse::EigenOptions::FIELDS),
     ("ortho::GramSchmidtOptions", ortho::GramSchmidtOptions::FIELDS),
     ("io::ReadOptions", io::ReadOptions::FIELDS),

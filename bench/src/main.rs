@@ -9,8 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, decimate, exact, functional_map, gram, grid, laplacian, ortho, race, reproduce,
-    scale, spectrum, stream,
+    accuracy, cholesky, decimate, exact, functional_map, gram, grid, laplacian, ortho, race,
+    reproduce, scale, spectrum, stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
@@ -32,6 +32,8 @@ enum Command {
     Stream(stream::Arguments),
     /// Eigenpairs of the Laplacian of meshes beside scipy's.
     Spectrum(spectrum::Arguments),
+    /// Factorizations of the Laplacian of meshes beside CHOLMOD's.
+    Cholesky(cholesky::Arguments),
     /// Tufted Laplacians of meshes beside robust_laplacian's.
     Laplacian(laplacian::Arguments),
     /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
@@ -61,6 +63,7 @@ fn main() {
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),
+        Command::Cholesky(a) => cholesky::run(a),
         Command::Laplacian(a) => laplacian::run(a),
         Command::FunctionalMap(a) => functional_map::run(a),
         Command::Gram(a) => gram::run(a),

@@ -37,6 +37,8 @@ mod ata_sparse;
 #[cfg(feature = "chapters")]
 mod basis;
 #[cfg(feature = "chapters")]
+mod cholesky;
+#[cfg(feature = "chapters")]
 mod curve;
 #[cfg(feature = "chapters")]
 mod decimation;
@@ -109,6 +111,8 @@ pub use accumulator::*;
 pub use ata_sparse::*;
 #[cfg(feature = "chapters")]
 pub use basis::*;
+#[cfg(feature = "chapters")]
+pub use cholesky::*;
 #[cfg(feature = "chapters")]
 pub use curve::*;
 #[cfg(feature = "chapters")]

@@ -8,6 +8,7 @@
 mod accumulator;
 mod array;
 mod ata;
+mod cholesky;
 mod curve;
 mod decimate;
 mod environment;
@@ -39,6 +40,8 @@ mod _catamaran {
     use crate::accumulator::Accumulator;
     #[pymodule_export]
     use crate::ata::{ata, ata_sparse};
+    #[pymodule_export]
+    use crate::cholesky::CholeskyHandle;
     #[pymodule_export]
     use crate::curve::curve;
     #[pymodule_export]

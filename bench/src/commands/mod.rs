@@ -1,6 +1,7 @@
 //! The commands, and their common options and contenders.
 
 pub mod accuracy;
+pub mod cholesky;
 pub mod decimate;
 pub mod exact;
 pub mod functional_map;

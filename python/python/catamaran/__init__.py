@@ -13,6 +13,7 @@ array([[10., 14.],
 
 from . import shapes
 from ._catamaran import Plan, __version__
+from ._cholesky import Cholesky, cholesky
 from ._curve import Curve, Curves, curve
 from ._decimate import Decimated, FarthestPoints, Origin, decimate, farthest_points
 from ._distribution import warn_of_other
@@ -39,6 +40,7 @@ del warn_of_other
 
 __all__ = [
     "Accumulator",
+    "Cholesky",
     "Curve",
     "Curves",
     "Decimated",
@@ -62,6 +64,7 @@ __all__ = [
     "Wilting",
     "__version__",
     "ata",
+    "cholesky",
     "corrcoef",
     "cov",
     "curve",

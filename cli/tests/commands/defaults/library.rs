@@ -6,7 +6,7 @@ use std::path::Path;
 use catamaran::AtaOptions;
 use catamaran::ortho::GramSchmidtOptions;
 use catamaran::solve::{LeastSquaresOptions, PrincipalComponentsOptions};
-use catamaran::sparse::EigenOptions;
+use catamaran::sparse::{CholeskyOptions, EigenOptions};
 use catamaran_geometry::curve::CurveOptions;
 use catamaran_geometry::decimate::DecimateOptions;
 use catamaran_geometry::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
@@ -68,6 +68,7 @@ fn all() -> Vec<(&'static str, String)> {
         of::<LeastSquaresOptions>("LeastSquaresOptions"),
         of::<PrincipalComponentsOptions>("PrincipalComponentsOptions"),
         of::<GramSchmidtOptions<'_>>("GramSchmidtOptions"),
+        of::<CholeskyOptions<'_>>("CholeskyOptions"),
         of::<EigenOptions<'_>>("EigenOptions"),
         of::<LaplacianOptions>("LaplacianOptions"),
         of::<HeatOptions>("HeatOptions"),
