@@ -2,7 +2,6 @@
 
 pub mod accuracy;
 pub mod decimate;
-pub mod exact;
 pub mod functional_map;
 pub mod gram;
 pub mod grid;
