@@ -69,12 +69,10 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
     };
     assert_eq!(done(found), printed(&DecimateOptions::default()));
 
-    let mut options = CurveOptions::default();
-    done(curve::fill(&mut options, &zeros()));
+    let options = done(curve::options(&zeros()));
     assert_eq!(printed(&options), printed(&CurveOptions::default()));
 
-    let mut options = NewtonOptions::default();
-    done(newton::fill(&mut options, &zeros(), &[]));
+    let options = done(newton::options(&zeros(), &[]));
     assert_eq!(printed(&options), printed(&NewtonOptions::default()));
 
     assert_eq!(
