@@ -659,8 +659,8 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
  * Products of weighted and centred rows, which are read in blocks.
  * @code{.c}
  * double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2, its covariance
- * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
- *     2, NULL);
+ * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0,
+ *     c, 2, NULL);
  * printf("%g\n", c[1]); // 4
  * @endcode
  * @{

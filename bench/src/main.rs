@@ -9,8 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, cholesky, decimate, exact, functional_map, gram, grid, laplacian, ortho, race,
-    reproduce, scale, spectrum, stream,
+    accuracy, cholesky, decimate, functional_map, gram, grid, laplacian, ortho, race, reproduce,
+    scale, spectrum, stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
@@ -24,8 +24,6 @@ enum Command {
     Grid(grid::Arguments),
     /// Errors of A^T A, entry by entry, beside those of the syrk of BLAS libraries.
     Accuracy(accuracy::Arguments),
-    /// Stages of the exact path, and the rates of its kernels.
-    Exact(exact::Arguments),
     /// A^T A on many ranks, as the plans predict it.
     Scale(scale::Arguments),
     /// A^T A of a file, beside reading it alone and computing alone.
@@ -59,7 +57,6 @@ fn main() {
         Command::Atb(a) => beside(&a.common.libraries, &|| race::run(Operation::Gemm, a)),
         Command::Grid(a) => beside(&a.common.libraries, &|| grid::run(a)),
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
-        Command::Exact(a) => exact::run(a),
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),

@@ -72,12 +72,10 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
     let found = done(cholesky::options(&zeros()));
     assert_eq!(printed(&found), printed(&CholeskyOptions::default()));
 
-    let mut options = CurveOptions::default();
-    done(curve::fill(&mut options, &zeros()));
+    let options = done(curve::options(&zeros()));
     assert_eq!(printed(&options), printed(&CurveOptions::default()));
 
-    let mut options = NewtonOptions::default();
-    done(newton::fill(&mut options, &zeros(), &[]));
+    let options = done(newton::options(&zeros(), &[]));
     assert_eq!(printed(&options), printed(&NewtonOptions::default()));
 
     assert_eq!(

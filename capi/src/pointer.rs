@@ -30,10 +30,9 @@ impl Layout {
         match layout {
             CATA_ROW_MAJOR => Ok(Self::RowMajor),
             CATA_COL_MAJOR => Ok(Self::ColMajor),
-            other => Err(Failure::new(
-                CATA_ERR_ARGUMENT,
-                format!("{what}: must be CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102), is {other}"),
-            )),
+            other => {
+                Err(Failure::argument(what, "CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102)", other))
+            }
         }
     }
 }
@@ -43,12 +42,10 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
         CATA_UPPER => Ok(Uplo::Upper),
         CATA_LOWER => Ok(Uplo::Lower),
         CATA_BOTH => Ok(Uplo::Both),
-        other => Err(Failure::new(
-            CATA_ERR_ARGUMENT,
-            format!(
-                "uplo: must be CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123), is {other}"
-            ),
-        )),
+        other => {
+            let any = "CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123)";
+            Err(Failure::argument("uplo", any, other))
+        }
     }
 }
 
@@ -285,6 +282,13 @@ pub(super) unsafe fn optional_output<'a, T>(
     }
     // SAFETY: passed on to the caller.
     unsafe { output(what, pointer) }.map(Some)
+}
+
+/// Writes a value where it is wanted.
+pub(super) fn put<T>(place: Option<&mut T>, value: T) {
+    if let Some(place) = place {
+        *place = value;
+    }
 }
 
 /// Returns a mesh of x, y, z of each vertex and three vertices of each face, which are copied.

@@ -8,7 +8,7 @@ use catamaran::faer::Mat;
 use catamaran::io as files;
 use catamaran_geometry::mesh::io as meshes;
 use catamaran_geometry::mesh::{Components, TriMesh};
-use catamaran_geometry::spectral::test_functions::coordinates;
+use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::{
     Basis, Orthogonalization, ProductBasis, ProductBasisOptions, Response, add_coefficient,
     dirichlet_energies, filter,

@@ -8,11 +8,11 @@ use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
 use catamaran::io::{self as files, Output};
 use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
+use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
 };
-use catamaran_geometry::spectral::test_functions::coordinates;
 use catamaran_geometry::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, relative_errors,
     transfer_details,

@@ -3,7 +3,6 @@
 pub mod accuracy;
 pub mod cholesky;
 pub mod decimate;
-pub mod exact;
 pub mod functional_map;
 pub mod gram;
 pub mod grid;
