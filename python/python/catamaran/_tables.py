@@ -47,7 +47,9 @@ class Table:
 
     def factor(self, column: Union[int, str]) -> Factor:
         """Return a factor, given by its name or its place, as `lstsq` takes it."""
-        place = self.names.index(column) if column in self.names else column
+        place = column
+        if isinstance(column, str) and column in self.names:
+            place = self.names.index(column)
         if not isinstance(place, int) or place not in self.levels:
             raise ValueError(f"column {column}: not a factor of this table")
         entries = self.values[:, place]
