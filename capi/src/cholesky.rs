@@ -25,16 +25,14 @@ use super::pointer::{
     Layout, free, known, known_mut, matrix, matrix_mut, optional_output, optional_slice, output,
     pattern, slice, slice_mut, sparse,
 };
-use super::progress::{cata_progress, par, watched, watcher};
+use super::progress::{Caller, cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::Progress;
 use catamaran::sparse::{Cholesky, CholeskyOptions, Triangle};
 
 /// The factorization A = L L^T of a sparse symmetric matrix, or its analysis alone.
 pub struct cata_cholesky {
     cholesky: Cholesky,
-    progress: cata_progress,
-    user: *mut c_void,
+    caller: Caller,
 }
 
 /// What is read of a matrix, and which pivots are allowed.
@@ -106,12 +104,11 @@ pub unsafe extern "C" fn cata_cholesky_analyse(
             let order = optional_slice("params.order", params.order, n)?;
             (places, params, order, output("cholesky", cholesky)?)
         };
-        let watch = watcher(params.progress, params.progress_user);
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let options = options(&params)?.order(order).progress(progress);
-        let cholesky = Cholesky::analyse(places.view(), &options)?;
-        let (progress, user) = (params.progress, params.progress_user);
-        *handle = Box::into_raw(Box::new(cata_cholesky { cholesky, progress, user }));
+        let caller = Caller::new(params.progress, params.progress_user);
+        let options = options(&params)?.order(order);
+        let cholesky = caller
+            .with(|progress| Cholesky::analyse(places.view(), &options.progress(progress)))?;
+        *handle = Box::into_raw(Box::new(cata_cholesky { cholesky, caller }));
         Ok(())
     })
 }
@@ -147,9 +144,7 @@ pub unsafe extern "C" fn cata_cholesky_factor(
             let a = sparse(n, n, row_starts, columns, entries)?;
             (handle, a)
         };
-        let watch = watcher(handle.progress, handle.user);
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        Ok(handle.cholesky.factor(a, progress)?)
+        Ok(handle.caller.with(|progress| handle.cholesky.factor(a, progress))?)
     })
 }
 
@@ -172,7 +167,7 @@ pub unsafe extern "C" fn cata_cholesky_solve(
             let handle = known("cholesky", cholesky)?;
             (handle, matrix_mut("x", layout, handle.cholesky.n(), count, x, ldx)?)
         };
-        watched(handle.progress, handle.user, || Ok(handle.cholesky.solve_in_place(x)?))
+        Ok(handle.caller.watch_the_end(|| handle.cholesky.solve_in_place(x))?)
     })
 }
 
@@ -208,8 +203,7 @@ pub unsafe extern "C" fn cata_cholesky_solve_rows(
                 matrix_mut("x", layout, n_rows, count, x, ldx)?,
             )
         };
-        let find = || handle.cholesky.solve_rows(b, rows);
-        x.copy_from(&watched(handle.progress, handle.user, find)?);
+        x.copy_from(&handle.caller.watch_the_end(|| handle.cholesky.solve_rows(b, rows))?);
         Ok(())
     })
 }

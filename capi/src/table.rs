@@ -24,9 +24,8 @@ use faer::Mat;
 use super::boundary::{boundary, path, text};
 use super::params::{Versioned, init, read_or_zeros};
 use super::pointer::{Layout, free, known, matrix_mut, optional_output, output};
-use super::progress::{cata_progress, par, watcher};
+use super::progress::{Caller, cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
-use catamaran::base::Progress;
 use catamaran::io::{
     ColumnKind, Columns, FileContent, FileFormat, Matrix, Missing, ReadOptions, Separator,
     TableOptions, read_file,
@@ -143,10 +142,9 @@ pub unsafe extern "C" fn cata_table_read(
         };
         // SAFETY: the caller's promise.
         let options = unsafe { params.options() }?;
-        let watch = watcher(params.progress, params.progress_user);
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let found = cata_table::of(read_file(&path, &options.progress(progress))?)?;
-        *place = Box::into_raw(Box::new(found));
+        let caller = Caller::new(params.progress, params.progress_user);
+        let found = caller.with(|progress| read_file(&path, &options.progress(progress)))?;
+        *place = Box::into_raw(Box::new(cata_table::of(found)?));
         Ok(())
     })
 }
