@@ -778,6 +778,109 @@ cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t la
 
 /** @} */
 
+/* ==== Tables ================================================================================ */
+/**
+ * @defgroup tables Tables
+ * The matrix in a file: a text table as spreadsheets, R or pandas write it, .npy, or a dense
+ * MatrixMarket file. What the file leaves open is an error that names the field which decides.
+ * @code{.c}
+ * cata_table *table = NULL;
+ * if (cata_table_read("heights.csv", NULL, &table) == CATA_OK) {
+ *     size_t rows, columns;
+ *     cata_table_shape(table, &rows, &columns, NULL);
+ *     double *entries = malloc(rows * columns * sizeof *entries);
+ *     cata_table_entries(table, CATA_ROW_MAJOR, entries, columns);
+ *     printf("the first column is called %s\n", cata_table_name(table, 0));
+ *     free(entries);
+ * }
+ * cata_table_free(table);
+ * @endcode
+ * @{
+ */
+
+#define CATA_AUTO 0 /**< `header`, `index`: the file decides. */
+#define CATA_YES 1 /**< `header`, `index`: there is one. */
+#define CATA_NO 2 /**< `header`, `index`: there is none. */
+
+/** `missing`: a row with a missing cell in a column that is used is an error. */
+#define CATA_MISSING_ERROR 0
+#define CATA_MISSING_DROP 1 /**< `missing`: such a row is left out. */
+#define CATA_MISSING_NAN 2 /**< `missing`: such a cell becomes NaN. */
+
+/** A matrix that was read, and what is known about its columns. Made by cata_table_read. */
+typedef struct cata_table cata_table;
+
+/** How a table is read. What is 0 or NULL, the file decides. */
+typedef struct cata_table_params {
+    size_t struct_size; /**< sizeof(cata_table_params). */
+    size_t threads; /**< Threads, at most; 0: all. The result does not depend on them. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** Bytes of memory that the table may take; 0: a limit that suits usual files. */
+    uint64_t max_memory;
+    size_t skip; /**< Lines at the start of the file that are left out. */
+    /** Columns that are used: names, numbers from 0, ranges `3..5`, or a list of these between
+     * commas; NULL: all but those of words. */
+    const char *columns;
+    /** Names or numbers of columns that become factors if one of their entries is a word, between
+     * commas; NULL: none. */
+    const char *factors;
+    /** The words of missing cells, between commas; NULL: those of pandas, such as NA. */
+    const char *missing_words;
+    /** The encoding of the text, such as "latin1"; NULL: the file decides. */
+    const char *encoding;
+    /** "npy", "mtx" or "table"; NULL: the name of the file, or else its content, decides. */
+    const char *format;
+    int32_t missing; /**< CATA_MISSING_*. */
+    /** Whether the first row has the names of the columns: CATA_AUTO, CATA_YES or CATA_NO. */
+    int32_t header;
+    /** Whether the first column numbers or names the rows, and is left out: CATA_AUTO, CATA_YES or
+     * CATA_NO. */
+    int32_t index;
+    /** The character between fields; a blank: runs of blanks and tabs. 0: the file decides. */
+    char separator;
+    char decimal; /**< '.' or ','; 0: the file decides. */
+    char thousands; /**< The separator of groups of three digits; 0: the file decides. */
+    char comment; /**< The character that starts a comment; 0: '#'. */
+} cata_table_params;
+/** Fills a struct with the defaults. */
+cata_status cata_table_params_init(cata_table_params *params, size_t struct_size);
+
+/** Reads the matrix in a file, whose `path` is in UTF-8: a text table (also as .gz or .xz), .npy,
+ * an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of words is left out
+ * unless it is a factor. Errors name the file, the line and the column. */
+cata_status cata_table_read(const char *path, const cata_table_params *params, cata_table **table);
+
+/** Gets the number of rows, the number of columns, and the number of rows that were left out
+ * because a cell is missing. NULL where not wanted. */
+cata_status cata_table_shape(const cata_table *table, size_t *rows, size_t *columns,
+    uint64_t *dropped_rows);
+
+/** Gets the entries, rows x columns. An entry of a factor is the number of its level, from 0; a
+ * missing cell is NaN. */
+cata_status cata_table_entries(const cata_table *table, int32_t layout, double *entries, size_t ld);
+
+/** Returns the name of a column, in UTF-8; valid until cata_table_free. Empty for NULL, for a
+ * column that does not exist, and without names. Never NULL; do not free it. */
+const char *cata_table_name(const cata_table *table, size_t column);
+
+/** Returns the number of levels of a factor; 0 for NULL, for a column that does not exist, and for
+ * one of numbers. */
+size_t cata_table_levels(const cata_table *table, size_t column);
+
+/** Returns a level of a factor, from 0, in UTF-8; valid until cata_table_free. Empty where there is
+ * none. Never NULL; do not free it. */
+const char *cata_table_level(const cata_table *table, size_t column, size_t level);
+
+/** Returns what was decided about a text table, such as "separator ;, decimal comma, header", in
+ * UTF-8; valid until cata_table_free. Empty for NULL and for other formats. Never NULL; do not
+ * free it. */
+const char *cata_table_reading(const cata_table *table);
+
+void cata_table_free(cata_table *table); /**< Frees a table. */
+
+/** @} */
+
 /* ==== Sparse Cholesky factorizations ======================================================== */
 /**
  * @defgroup cholesky Sparse Cholesky factorizations

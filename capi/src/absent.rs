@@ -72,6 +72,15 @@ absent! { "chapters":
     fn cata_accumulator_gram(accumulator: *const c_void, layout: i32, uplo: i32, alpha: f64, c: *mut f64, ldc: usize) -> cata_status;
     fn cata_accumulator_lstsq(accumulator: *const c_void, k: usize, layout: i32, x: *mut f64, ldx: usize, result: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_accumulator_pca(accumulator: *const c_void, layout: i32, count: usize, components: *mut f64, ldcomponents: usize, explained_variance: *mut f64, explained_variance_ratio: *mut f64, singular_values: *mut f64, mean: *mut f64, scale: *mut f64, params: *const c_void) -> cata_status;
+    fn cata_table_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
+    fn cata_table_read(path: *const c_char, params: *const c_void, table: *mut *mut c_void) -> cata_status;
+    fn cata_table_shape(table: *const c_void, rows: *mut usize, columns: *mut usize, dropped_rows: *mut u64) -> cata_status;
+    fn cata_table_entries(table: *const c_void, layout: i32, entries: *mut f64, ld: usize) -> cata_status;
+    fn cata_table_name(table: *const c_void, column: usize) -> *const c_char;
+    fn cata_table_levels(table: *const c_void, column: usize) -> usize;
+    fn cata_table_level(table: *const c_void, column: usize, level: usize) -> *const c_char;
+    fn cata_table_reading(table: *const c_void) -> *const c_char;
+    fn cata_table_free(table: *mut c_void);
     fn cata_cholesky_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_cholesky_analyse(n: usize, row_starts: *const usize, columns: *const usize, params: *const c_void, cholesky: *mut *mut c_void) -> cata_status;
     fn cata_cholesky_free(cholesky: *mut c_void);
