@@ -1,4 +1,5 @@
-//! Signals that end the program: SIGINT (Ctrl-C), SIGTERM and SIGHUP.
+//! Signals that end the program: SIGINT (Ctrl-C), SIGTERM, SIGHUP, and SIGUSR1, which batch systems
+//! send some time before they kill a job (`sbatch --signal`).
 //!
 //! The first one asks the command to stop ([`check`], which every progress bar calls). A command
 //! that is still there after [`GRACE`] is ended from outside: outputs that are not committed are
@@ -15,7 +16,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use catamaran::{Error, io::discard_unfinished};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::iterator::Signals;
 
 /// The time that a command has to stop by itself: with what the exit takes, less than a second.
@@ -40,7 +41,7 @@ static SAVING: Mutex<()> = Mutex::new(());
 /// # Errors
 /// The operating system refuses the handlers or the thread.
 pub fn watch() -> io::Result<()> {
-    let mut wanted = vec![SIGINT, SIGTERM];
+    let mut wanted = vec![SIGINT, SIGTERM, SIGUSR1];
     if !is_ignored(SIGHUP)? {
         wanted.push(SIGHUP);
     }
@@ -64,8 +65,11 @@ pub fn check() -> catamaran::Result<()> {
 /// Returns the status of a cancelled command, as a shell reports it: 128 plus the number of the
 /// signal.
 pub fn status() -> u8 {
-    // Without a signal nothing cancels a command.
-    status_of(RECEIVED.load(Ordering::Relaxed))
+    match RECEIVED.load(Ordering::Relaxed) {
+        // Another process of `mpirun` has received it.
+        0 => status_of(SIGTERM),
+        signal => status_of(signal),
+    }
 }
 
 /// Returns [`status`] as an exit code.

@@ -70,12 +70,15 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
-        bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
-    }
-    let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
-    args.gram.check(ranks)?;
-    let Rows { table, columns, targets } = rows(args)?;
+    let begin = || -> Result<_> {
+        if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
+            bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
+        }
+        let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
+        args.gram.check(ranks)?;
+        Ok((outputs, rows(args)?))
+    };
+    let (outputs, Rows { table, columns, targets }) = ranks.meet(begin())?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let options =
