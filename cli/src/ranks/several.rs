@@ -256,7 +256,8 @@ impl Ranks {
     /// Returns the result of the only process. Among several, the one that has failed says why. If
     /// the others do not know that yet, it ends all of them, because they would wait for ever.
     pub fn end(self, done: Result<()>) -> Result<()> {
-        let (Some(mpi), Err(error)) = (&self.mpi, &done) else { return done };
+        let Some(mpi) = &self.mpi else { return done };
+        let Err(error) = done else { return Ok(()) };
         signals::wait_for_end();
         shortage::wait_for_abort();
         let is_cancelled = matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled));
@@ -266,7 +267,7 @@ impl Ranks {
         match error.is::<Said>() {
             true => {}
             false if is_cancelled => report::complain(format_args!("cancelled")),
-            false => mpi.complain(error),
+            false => mpi.complain(&error),
         }
         if mpi.agreed.get() {
             let status = if is_cancelled { signals::status() } else { 1 };

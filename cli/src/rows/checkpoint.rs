@@ -11,7 +11,7 @@ use catamaran::io::{self as files, Output, Overwrite};
 use catamaran::rows::Accumulator;
 
 use super::list::RowList;
-use super::parts::{Part, ROWS, Saved};
+use super::parts::{CheckpointFile, ROWS, Saved};
 use crate::claims::{Purpose, claim};
 use crate::common::Force;
 use crate::parse;
@@ -50,7 +50,7 @@ impl CheckpointArgs {
 
     /// Returns the file of the checkpoints of this process.
     fn path(&self, ranks: &Ranks) -> Option<PathBuf> {
-        Some(Part::name(self.checkpoint.as_ref()?, ranks.label().as_deref()))
+        Some(CheckpointFile::name(self.checkpoint.as_ref()?, ranks.label().as_deref()))
     }
 
     /// Refuses a file that exists, of this process or of any of another run, unless --resume or
@@ -58,7 +58,7 @@ impl CheckpointArgs {
     pub fn check(&self, ranks: &Ranks, force: Force) -> Result<()> {
         let (Some(base), Some(path)) = (&self.checkpoint, self.path(ranks)) else { return Ok(()) };
         if ranks.is_first() {
-            for part in Part::find(base)? {
+            for part in CheckpointFile::find(base)? {
                 force.check_resumable(&part.path, self.resume)?;
             }
         }
@@ -120,7 +120,7 @@ impl CheckpointArgs {
         let Some(base) = &self.checkpoint else { return Ok(()) };
         let mut files: Vec<_> = self.path(ranks).into_iter().collect();
         if ranks.is_first() {
-            files.extend(Part::find(base)?.into_iter().map(|part| part.path));
+            files.extend(CheckpointFile::find(base)?.into_iter().map(|part| part.path));
         }
         files.iter().try_for_each(|path| remove(path))
     }
@@ -154,12 +154,12 @@ fn of_this_process<T: BlasReal>(
     labels: &[(String, String)],
 ) -> Result<Begun<T>> {
     let rows = RowList::from(ranks.share(m));
-    let path = Part::name(base, ranks.label().as_deref());
+    let path = CheckpointFile::name(base, ranks.label().as_deref());
     let saved = || -> Result<Option<Accumulator<T>>> {
         if path.symlink_metadata().is_ok() {
             return read(&path, n, labels, Some(&rows)).map(Some);
         }
-        let parts = Part::find(base)?;
+        let parts = CheckpointFile::find(base)?;
         match parts.first() {
             Some(other) if parts.iter().all(|part| part.ranks != ranks.size()) => bail!(
                 "{}: a checkpoint of {} processes, which only as many can continue, and these are \
@@ -223,7 +223,7 @@ fn of_any_run<T: BlasReal>(
 fn find(base: &Path, ranks: usize, labels: &[(String, String)]) -> Result<String> {
     let saved = Saved::find(base, labels)?;
     if saved.ranks != ranks {
-        let parts = Part::find(base)?;
+        let parts = CheckpointFile::find(base)?;
         parts.iter().filter(|part| part.ranks == ranks).try_for_each(|part| remove(&part.path))?;
     }
     Ok(saved.to_text())

@@ -15,7 +15,7 @@ pub const ROWS: &str = "rows";
 
 /// A file of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct CheckpointFile {
     /// The path of the file.
     pub path: PathBuf,
     /// The process that wrote it.
@@ -24,7 +24,7 @@ pub struct Part {
     pub ranks: usize,
 }
 
-impl Part {
+impl CheckpointFile {
     /// Returns the file of a process: `label` is `RANK-of-RANKS`, or `None` for a single process.
     pub fn name(base: &Path, label: Option<&str>) -> PathBuf {
         let mut name = base.to_owned().into_os_string();
@@ -67,7 +67,7 @@ fn process_of(end: &str) -> Option<(usize, usize)> {
 
 /// A file of a checkpoint, and the rows that it has the sums of.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SavedPart {
+pub struct SavedFile {
     /// The path of the file.
     pub path: PathBuf,
     /// The process that wrote it.
@@ -80,7 +80,7 @@ pub struct SavedPart {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Saved {
     /// The files.
-    pub parts: Vec<SavedPart>,
+    pub parts: Vec<SavedFile>,
     /// The number of processes of the run; 0 where there are no files.
     pub ranks: usize,
 }
@@ -92,7 +92,7 @@ impl Saved {
     /// A file is not that of a checkpoint.
     pub fn find(base: &Path, labels: &[(String, String)]) -> Result<Self> {
         let mut runs: BTreeMap<usize, (bool, Self)> = BTreeMap::new();
-        for Part { path, rank, ranks } in Part::find(base)? {
+        for CheckpointFile { path, rank, ranks } in CheckpointFile::find(base)? {
             let (rows, found) = accumulator_labels(&path)?;
             let name = path.display();
             let list = found.iter().find(|(name, _)| name == ROWS);
@@ -105,7 +105,7 @@ impl Saved {
             let run = runs.entry(ranks).or_insert((true, Self::default()));
             run.0 &= others.eq(labels);
             run.1.ranks = ranks;
-            run.1.parts.push(SavedPart { path, rank, rows: list.part(0..rows) });
+            run.1.parts.push(SavedFile { path, rank, rows: list.part(0..rows) });
         }
         let best = runs.into_values().max_by_key(|(same, run)| (*same, run.rows().len()));
         Ok(best.map(|(_, run)| run).unwrap_or_default())
@@ -118,7 +118,7 @@ impl Saved {
 
     /// Writes the files and their rows as text, for other processes.
     pub fn to_text(&self) -> String {
-        let line = |SavedPart { path, rank, rows }: &SavedPart| {
+        let line = |SavedFile { path, rank, rows }: &SavedFile| {
             format!("{rank}\t{rows}\t{}\n", path.display())
         };
         format!("{}\n", self.ranks) + &self.parts.iter().map(line).collect::<String>()
@@ -132,7 +132,7 @@ impl Saved {
             let (rank, line) = line.split_once('\t')?;
             let (rows, path) = line.split_once('\t')?;
             let (rank, rows) = (rank.parse().ok()?, rows.parse().ok()?);
-            Some(SavedPart { path: path.into(), rank, rows })
+            Some(SavedFile { path: path.into(), rank, rows })
         };
         Some(Self { ranks, parts: lines.map(part).collect::<Option<_>>()? })
     }
@@ -156,13 +156,16 @@ mod tests {
         ] {
             assert_eq!(process_of(end), process, "{end}");
         }
-        assert_eq!(Part::name(Path::new("a/sums"), Some("0-of-2")), Path::new("a/sums.0-of-2"));
-        assert_eq!(Part::name(Path::new("sums"), None), Path::new("sums"));
+        assert_eq!(
+            CheckpointFile::name(Path::new("a/sums"), Some("0-of-2")),
+            Path::new("a/sums.0-of-2")
+        );
+        assert_eq!(CheckpointFile::name(Path::new("sums"), None), Path::new("sums"));
     }
 
     #[test]
     fn files_and_rows_are_passed_on_as_text() {
-        let part = |path: &str, rank, rows: &str| SavedPart {
+        let part = |path: &str, rank, rows: &str| SavedFile {
             path: path.into(),
             rank,
             rows: rows.parse().unwrap(),
