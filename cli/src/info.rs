@@ -11,8 +11,9 @@ use crate::{backend, device};
 /// Width of a label, in characters.
 pub const WIDTH: usize = 14;
 
-/// Print the version, the CPU, the MPI library and HDF5, the BLAS back ends, the instruction sets of
-/// the native kernels and of the exact path, the rates that `tune` measured, and the OpenCL devices.
+/// Print the version, the CPU, the MPI library and HDF5, the BLAS back ends, the instruction sets
+/// of the native kernels and of the exact path, the rates that `tune` measured, and the OpenCL
+/// devices.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and print its description.

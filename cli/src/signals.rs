@@ -31,6 +31,9 @@ static RECEIVED: AtomicI32 = AtomicI32::new(0);
 /// Set before the process is ended from outside.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// Whether a second signal ends the process with the status of the first one.
+static KEEPS_STATUS: AtomicBool = AtomicBool::new(false);
+
 /// Locked while a command writes the state that a later run resumes from.
 static SAVING: Mutex<()> = Mutex::new(());
 
@@ -77,6 +80,13 @@ pub fn exit_code() -> ExitCode {
     ExitCode::from(status())
 }
 
+/// Makes the first signal decide about the status from now on: other ones follow from the end of
+/// the other processes of a job.
+#[cfg(feature = "mpi")]
+pub fn keep_status() {
+    KEEPS_STATUS.store(true, Ordering::Relaxed);
+}
+
 /// Delays the end after the first signal while the guard lives: the command finishes its step and
 /// writes the state that a later run resumes from.
 pub fn finish_first() -> MutexGuard<'static, ()> {
@@ -96,14 +106,15 @@ fn serve(mut signals: Signals) {
     RECEIVED.store(first, Ordering::Relaxed);
     let received = Instant::now();
     let is_saving = || matches!(SAVING.try_lock(), Err(TryLockError::WouldBlock));
+    let after = |second: i32| if KEEPS_STATUS.load(Ordering::Relaxed) { first } else { second };
     while received.elapsed() < GRACE || is_saving() {
         if let Some(second) = signals.pending().next() {
-            end(second);
+            end(after(second));
         }
         thread::sleep(POLL);
     }
     // On a busy machine, much time may have passed since the last look.
-    end(signals.pending().next().unwrap_or(first))
+    end(signals.pending().next().map_or(first, after))
 }
 
 /// Ends the process without destructors and exit handlers: other threads are at work.

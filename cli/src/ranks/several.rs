@@ -304,6 +304,7 @@ impl Several {
             self.notices.send(Notice::Stop);
         }
         self.notices.meet(if self.saved.get() { PATIENCE_TO_SAVE } else { PATIENCE });
+        signals::keep_status();
         if self.world.rank() == 0 {
             if !self.notices.has(Notice::Failed) {
                 report::complain(format_args!("cancelled"));

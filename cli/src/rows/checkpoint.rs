@@ -21,9 +21,9 @@ use crate::report::{complain, status};
 /// The options of checkpoints.
 #[derive(clap::Args)]
 pub struct CheckpointArgs {
-    /// Save the sums to this file from time to time, and after SIGTERM, SIGINT (Ctrl-C) and SIGUSR1,
-    /// for --resume; the file is removed at the end. Under mpirun, each process writes a file, whose
-    /// name ends with its number.
+    /// Save the sums to this file from time to time, and after SIGTERM, SIGINT (Ctrl-C) and
+    /// SIGUSR1, for --resume; the file is removed at the end. Under mpirun, each process writes a
+    /// file, whose name ends with its number.
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Minutes between two checkpoints; 0 writes one after each block.

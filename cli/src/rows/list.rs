@@ -68,8 +68,8 @@ impl RowList {
         self.0.iter().flat_map(|rows| values[rows.clone()].iter().copied()).collect()
     }
 
-    /// Returns the rows of `0..m` that are not in the list; `None` if a row is in it twice or not in
-    /// `0..m`.
+    /// Returns the rows of `0..m` that are not in the list; `None` if a row is in it twice or not
+    /// in `0..m`.
     pub fn rest(&self, m: usize) -> Option<Self> {
         let mut sorted = self.0.clone();
         sorted.sort_by_key(|rows| rows.start);
