@@ -122,11 +122,11 @@ impl Launch {
         Err(Error::Argument { what: "launcher", why })
     }
 
-    /// Returns the error of a program that has no MPI, or of work that one process does.
+    /// Checks that there is one process: for a program without MPI, and for work that ranks do not
+    /// share.
     ///
     /// # Errors
-    /// [`Error::Argument`] that names the launcher, when it has started several processes; `what`
-    /// says why they are one too many.
+    /// [`Error::Argument`] that names the launcher and says `what` stands against its processes.
     pub fn check_alone(&self, what: &str) -> Result<()> {
         if self.least_processes() == 1 {
             return Ok(());
