@@ -374,7 +374,7 @@ mod tests {
         };
         assert_eq!(all(8, 2), [0..4, 4..8]);
         assert_eq!(all(8, 3), [0..2, 2..5, 5..8]);
-        assert_eq!(all(5, 1), [0..5]);
+        assert_eq!(part_of_cores(5, 0, 1), 0..5);
         // More processes than cores.
         assert_eq!(all(2, 4), [0..1, 0..1, 1..2, 1..2]);
         assert_eq!(all(0, 2), [0..0, 0..0]);

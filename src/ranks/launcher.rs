@@ -44,10 +44,10 @@ const PMIX_RANK: &str = "PMIX_RANK";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Launch {
     launcher: &'static str,
-    /// The variable of the rank.
-    variable: &'static str,
     rank: usize,
     size: Option<usize>,
+    /// The variables of ranks that are set: without them, there is no launcher.
+    variables: Vec<&'static str>,
 }
 
 impl Launch {
@@ -67,7 +67,9 @@ impl Launch {
                     return None;
                 }
             }
-            Some(Self { launcher: name, variable: rank_name, rank, size })
+            let names = LAUNCHERS.iter().map(|launcher| launcher.rank);
+            let variables = names.filter(|name| variable(name).is_some()).collect();
+            Some(Self { launcher: name, rank, size, variables })
         })
     }
 
@@ -115,9 +117,9 @@ impl Launch {
         let why = format!(
             "{}, but each is alone in {mpi}, for which this program was built: start it by the \
              launcher of that library (mpirun.openmpi, mpirun.mpich, or srun with --mpi=pmix or \
-             --mpi=pmi2); where each process has work of its own, unset {}",
+             --mpi=pmi2); {}",
             self.text(),
-            self.variable
+            self.advice()
         );
         Err(Error::Argument { what: "launcher", why })
     }
@@ -131,11 +133,7 @@ impl Launch {
         if self.least_processes() == 1 {
             return Ok(());
         }
-        let why = format!(
-            "{}, but {what}; where each process has work of its own, unset {}",
-            self.text(),
-            self.variable
-        );
+        let why = format!("{}, but {what}; {}", self.text(), self.advice());
         Err(Error::Argument { what: "launcher", why })
     }
 
@@ -143,6 +141,12 @@ impl Launch {
     fn text(&self) -> String {
         let least = if self.size.is_none() { "at least " } else { "" };
         format!("{} started {least}{} processes", self.launcher, self.least_processes())
+    }
+
+    /// Says how processes can work for themselves.
+    fn advice(&self) -> String {
+        let names = self.variables.join(" and ");
+        format!("where each process has work of its own, unset {names}")
     }
 }
 
@@ -219,6 +223,9 @@ mod tests {
         assert!(said.contains("Slurm's srun started 4 processes"), "{said}");
         assert!(said.contains("alone in Open MPI v4.1.4"), "{said}");
         assert!(said.ends_with("unset SLURM_PROCID"), "{said}");
+        let both = [("PMIX_RANK", "1"), ("SLURM_PROCID", "1"), ("SLURM_STEP_NUM_TASKS", "4")];
+        let said = of(&both).unwrap().check(1, "MPICH").unwrap_err().to_string();
+        assert!(said.ends_with("unset SLURM_PROCID and PMIX_RANK"), "{said}");
         let said = of(&[("PMIX_RANK", "1")]).unwrap().check(1, "MPICH").unwrap_err().to_string();
         assert!(said.contains("PMIx started at least 2 processes"), "{said}");
         let said = launch.check_alone("`basis` runs in one").unwrap_err().to_string();
