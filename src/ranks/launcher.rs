@@ -95,6 +95,12 @@ impl Launch {
         self.size.unwrap_or(1).max(self.rank + 1)
     }
 
+    /// Returns whether this process is the one that reports an error of all processes that the
+    /// launcher started: the first one that knows of others.
+    pub fn speaks(&self) -> bool {
+        self.rank == 0 || self.size.is_none() && self.rank == 1
+    }
+
     /// Checks that MPI, whose library calls itself `mpi`, has several ranks where the launcher
     /// started several processes. Each process is alone when the launcher belongs to another MPI
     /// library than the program.
@@ -213,6 +219,11 @@ mod tests {
         let first = of(&[("PMIX_RANK", "0")]).unwrap();
         assert!(first.may_be_several());
         first.check(1, "MPI").unwrap();
+        // Only the second process knows that there are two.
+        let rank = |variable, rank: &str| of(&[(variable, rank)]).unwrap();
+        assert_eq!(["0", "1", "2"].map(|r| rank("PMIX_RANK", r).speaks()), [true, true, false]);
+        let of_two = of(&[("PMI_RANK", "1"), ("PMI_SIZE", "2")]).unwrap();
+        assert!(!of_two.speaks());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use catamaran::ranks::Launch;
 use catamaran::rows::{Accumulator, RowBlocks, RowBounds};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs_sliced};
 
-use super::{Crowd, Scalar, said_by_first};
+use super::{Crowd, Scalar, said_by_one};
 use crate::signals;
 
 /// The only process.
@@ -17,7 +17,7 @@ impl Ranks {
     pub fn join() -> Result<Self> {
         if let Some(launch) = Launch::of_process() {
             let what = "this program was built without MPI (--features mpi)";
-            said_by_first(&launch, launch.check_alone(what))?;
+            said_by_one(&launch, launch.check_alone(what))?;
         }
         Ok(Self {})
     }

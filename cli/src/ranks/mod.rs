@@ -33,14 +33,14 @@ pub fn refuse(command: &str) -> Result<()> {
     let what = format!(
         "`{command}` runs in one process (ata, lstsq, pca, svd and spectrum share their work)"
     );
-    said_by_first(&launch, launch.check_alone(&what))
+    said_by_one(&launch, launch.check_alone(&what))
 }
 
-/// Returns an error that all processes of a launcher have, of which the first one speaks. The
-/// others succeed: `mpirun` ends all when one fails, possibly before the first one has spoken.
-fn said_by_first(launch: &Launch, checked: catamaran::Result<()>) -> Result<()> {
+/// Returns an error that all processes of a launcher have, of which one speaks. The others succeed:
+/// `mpirun` ends all when one fails, possibly before that one has spoken.
+fn said_by_one(launch: &Launch, checked: catamaran::Result<()>) -> Result<()> {
     match checked {
-        Err(_) if launch.rank() > 0 => Err(Said { status: 0 }.into()),
+        Err(_) if !launch.speaks() => Err(Said { status: 0 }.into()),
         checked => Ok(checked?),
     }
 }

@@ -15,7 +15,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
 use super::notices::{Notice, Notices, wait_on};
-use super::{Crowd, Said, Scalar, said_by_first};
+use super::{Crowd, Said, Scalar, said_by_one};
 use crate::{report, shortage, signals};
 
 /// How long a process that was told to stop waits for the others, unless sums are being saved.
@@ -58,7 +58,7 @@ impl Ranks {
         let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
         let (universe, _) = start.context("MPI is initialized already")?;
         let world = World::new(&universe.world())?;
-        said_by_first(&launch, launch.check(world.size(), &mpi_version()))?;
+        said_by_one(&launch, launch.check(world.size(), &mpi_version()))?;
         if world.size() == 1 {
             return Ok(Self { mpi: None });
         }

@@ -82,6 +82,11 @@ fn a_program_without_mpi_refuses_every_launcher() {
     // Those that pass no number are noticed by the second process.
     for (name, launcher) in [("PALS_RANKID", "PALS"), ("PMIX_RANK", "a launcher with PMIx")] {
         let run = launched(&folder, &[(name, "1")], "ata a.csv -o c.csv");
+        let expected =
+            format!("catamaran: launcher: {launcher} started at least 2 processes, but ");
+        assert_eq!(run.code, Some(1), "{}", run.stderr);
+        assert!(run.stderr.starts_with(&expected), "{}", run.stderr);
+        let run = launched(&folder, &[(name, "2")], "ata a.csv -o c.csv");
         assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{launcher}");
         assert_eq!(folder.names(), ["a.csv"], "{launcher}");
     }

@@ -53,7 +53,7 @@ fn main() -> ExitCode {
 /// returns `code`, the others return success, for mpirun ends all when the first process fails,
 /// possibly before the report.
 fn of_job(code: u8, report: impl FnOnce()) -> ExitCode {
-    if Launch::of_process().is_some_and(|launch| launch.rank() > 0) {
+    if Launch::of_process().is_some_and(|launch| !launch.speaks()) {
         return ExitCode::SUCCESS;
     }
     report();
