@@ -91,7 +91,7 @@ impl Ranks {
     }
 
     /// Notes that this process has saved its sums after a signal.
-    pub fn note_saved(&self) {}
+    pub fn note_stop(&self) {}
 
     /// Merges the sums of all processes, and returns them on the first one.
     pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {

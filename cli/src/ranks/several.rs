@@ -208,7 +208,7 @@ impl Ranks {
     }
 
     /// Notes that this process has saved its sums after a signal, and so may others still do.
-    pub fn note_saved(&self) {
+    pub fn note_stop(&self) {
         if let Some(mpi) = &self.mpi {
             mpi.saved.set(true);
         }

@@ -47,13 +47,16 @@ pub fn add_rows<T: BlasReal>(
         ControlFlow::Continue(())
     };
     let options = options.clone().progress(Progress::new(&update).part(shown.part.clone()));
-    let mut is_saved = false;
+    let mut is_stopped = false;
     let mut after_block = |sum: &Accumulator<T>| {
         let go_on = ranks.check();
         if let Some(checkpoint) = &mut checkpoint {
             match go_on {
                 Ok(()) => checkpoint.after_block(sum),
-                Err(_) => is_saved = checkpoint.save(sum),
+                Err(_) => {
+                    checkpoint.save(sum);
+                    is_stopped = true;
+                }
             }
         }
         go_on
@@ -62,11 +65,12 @@ pub fn add_rows<T: BlasReal>(
     if done.is_ok() {
         done = ranks.gather_up();
         if let (Err(_), Some(checkpoint)) = (&done, &checkpoint) {
-            is_saved = checkpoint.save(sum);
+            checkpoint.save(sum);
+            is_stopped = true;
         }
     }
-    if is_saved && ranks.size() > 1 {
-        ranks.note_saved();
+    if is_stopped && ranks.size() > 1 {
+        ranks.note_stop();
         // Others may save their sums still: this process ends when they have done so.
         mem::forget(saving);
     }

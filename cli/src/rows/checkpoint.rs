@@ -251,11 +251,10 @@ impl Checkpoint {
         self.last = Instant::now();
     }
 
-    /// Writes the file after a signal, and says so; returns whether it is written.
-    pub fn save<T: BlasReal>(&self, sum: &Accumulator<T>) -> bool {
+    /// Writes the file after a signal, and says so, or why it is not written.
+    pub fn save<T: BlasReal>(&self, sum: &Accumulator<T>) {
         if let Err(e) = self.write(sum) {
-            complain(format_args!("{e}; the last checkpoint stays, if there is one"));
-            return false;
+            return complain(format_args!("{e}; the last checkpoint stays, if there is one"));
         }
         let (path, rows, all) = (self.path.display(), sum.rows(), sum.expected_rows());
         // A closed stdout does not matter now.
@@ -266,7 +265,6 @@ impl Checkpoint {
             rows = all;
             "{path}: row {rows} of {all}; --resume continues"
         );
-        true
     }
 
     fn write<T: BlasReal>(&self, sum: &Accumulator<T>) -> catamaran::Result<()> {
