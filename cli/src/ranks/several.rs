@@ -270,7 +270,7 @@ impl Ranks {
             false => mpi.complain(&error),
         }
         if mpi.agreed.get() {
-            let status = if is_cancelled { signals::status() } else { 1 };
+            let status = if signals::check().is_err() { signals::status() } else { 1 };
             return Err(Said { status }.into());
         }
         mpi.notices.send(Notice::Failed);
