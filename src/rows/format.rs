@@ -1,13 +1,17 @@
 //! An [`Accumulator`] as bytes, little-endian:
 //!
-//! | part | content |
-//! |---|---|
-//! | preamble | `CATAACC` and a zero; version, u32; bytes of a scalar (4 or 8), u32 |
-//! | head | its length in bytes, u32; columns, first and end of the strip, rows, expected rows and rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as length (u32) and UTF-8 |
-//! | check | CRC-32 of everything before, u32 |
-//! | body, floating point | sum of the weights, and of their sizes, f64; shift, n scalars, if given; sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal, scalars |
-//! | body, exact | of the grid: lower and upper bounds, shift if given, n scalars each; powers, n i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of the weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of the strip up to the diagonal, i128; what is not finite, u8 for each entry, if given |
-//! | check | CRC-32 of the body, u32 |
+//! - preamble: `CATAACC` and a zero; version, u32; bytes of a scalar (4 or 8), u32;
+//! - head: its length in bytes, u32; columns, first and end of the strip, rows, expected rows and
+//!   rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as
+//!   length (u32) and UTF-8;
+//! - check: CRC-32 of everything before, u32;
+//! - body, floating point: sum of the weights, and of their sizes, f64; shift, n scalars, if given;
+//!   sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal, scalars;
+//! - body, exact: of the grid: lower and upper bounds, shift if given, n scalars each; powers, n
+//!   i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of
+//!   the weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of
+//!   the strip up to the diagonal, i128; what is not finite, u8 for each entry, if given;
+//! - check: CRC-32 of the body, u32.
 //!
 //! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not
 //! finite, 32 extended precision (entries of 256 bits), 64 some entries were rounded there.
@@ -71,6 +75,53 @@ const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE | EXTENDED 
 /// one of another version.
 pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {
     preamble(&mut Checked::new(source))
+}
+
+/// Returns the number of rows in the accumulator at the start of `source`, and its labels.
+///
+/// # Errors
+/// As [`scalar_of`]; [`io::ErrorKind::InvalidData`] when the head is damaged.
+pub(crate) fn labels_of(source: &mut dyn Read) -> io::Result<(u64, Vec<(String, String)>)> {
+    let mut source = Checked::new(source);
+    preamble(&mut source)?;
+    let head = Head::read(&mut source)?;
+    Ok((head.numbers[3], head.labels))
+}
+
+/// The head of an accumulator.
+struct Head {
+    /// Columns, first and end of the strip, rows, expected rows and rows of a block.
+    numbers: [u64; 6],
+    flags: u8,
+    labels: Vec<(String, String)>,
+}
+
+impl Head {
+    /// Reads the head after the preamble, and its checksum.
+    fn read(source: &mut Checked<&mut dyn Read>) -> io::Result<Self> {
+        let length = source.number()?;
+        if length > LONGEST_HEAD {
+            return Err(invalid("damaged: its head is too long"));
+        }
+        let mut head = vec![0; length as usize];
+        source.get(&mut head)?;
+        source.get_check()?;
+
+        let mut head = Checked::new(&head[..]);
+        let mut numbers = [0; 6];
+        for number in &mut numbers {
+            *number = u64::from_le_bytes(head.bytes()?);
+        }
+        let [flags] = head.bytes()?;
+        let mut labels = Vec::new();
+        for _ in 0..head.number()? {
+            labels.push((head.text()?, head.text()?));
+        }
+        if flags & !KNOWN != 0 || !head.stream.is_empty() {
+            return Err(invalid("damaged: its head"));
+        }
+        Ok(Self { numbers, flags, labels })
+    }
 }
 
 fn flag(flag: u8, set: bool) -> u8 {
@@ -164,28 +215,8 @@ impl<T: BlasReal> Accumulator<T> {
         if scalar != T::NAME {
             return Err(invalid(format!("an accumulator of {scalar}, not of {}", T::NAME)));
         }
-        let length = source.number()?;
-        if length > LONGEST_HEAD {
-            return Err(invalid("damaged: its head is too long"));
-        }
-        let mut head = vec![0; length as usize];
-        source.get(&mut head)?;
-        source.get_check()?;
-
-        let mut head = Checked::new(&head[..]);
-        let mut numbers = [0; 6];
-        for number in &mut numbers {
-            *number = u64::from_le_bytes(head.bytes()?);
-        }
-        let [flags] = head.bytes()?;
+        let Head { numbers, flags, labels } = Head::read(&mut source)?;
         let has = |flag: u8| flags & flag != 0;
-        let mut labels = Vec::new();
-        for _ in 0..head.number()? {
-            labels.push((head.text()?, head.text()?));
-        }
-        if flags & !KNOWN != 0 || !head.stream.is_empty() {
-            return Err(invalid("damaged: its head"));
-        }
         let fits = |number: u64| usize::try_from(number).map_err(|_| invalid("damaged: its shape"));
         let [ncols, first, end] = [fits(numbers[0])?, fits(numbers[1])?, fits(numbers[2])?];
         let [rows, expected_rows, block_rows] = [numbers[3], numbers[4], numbers[5]];

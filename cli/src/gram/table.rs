@@ -1,16 +1,16 @@
 //! The rows that are added: those of a file, of two files side by side, or of a file with its
 //! columns in another order.
 
-use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use catamaran::faer::MatMut;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::rows::RowBlocks;
 use catamaran::solve::JoinedRows;
 
-use crate::rows::{Part, Source};
+use crate::ranks::Ranks;
+use crate::rows::{Part, RowList, Source};
 
 /// Rows of f64.
 pub struct Table {
@@ -87,15 +87,38 @@ impl Table {
         [self.a.identity(), with]
     }
 
+    /// Checks that all processes have opened or read the same files.
+    ///
+    /// # Errors
+    /// A process has another one; the error names it, and what differs.
+    pub fn check_same(&self, ranks: &Ranks) -> Result<()> {
+        if ranks.size() == 1 {
+            return Ok(());
+        }
+        let mut numbers: Vec<_> = self.a.numbers().into();
+        let mut name = self.a.path().display().to_string();
+        if let With::Columns(b) = &self.with {
+            let names = ["the size of an entry of B", "the size of the file of B"];
+            numbers.extend(names.into_iter().zip(b.numbers().map(|(_, number)| number)));
+            name = format!("{name}, {}", b.path().display());
+        }
+        let (all, mut same) = (RowList::from(0..self.nrows()), Ok(()));
+        self.read(&all, false, |rows| {
+            same = ranks.same_rows(rows, &numbers);
+            Ok(())
+        })?;
+        ranks.meet(same.with_context(|| name))
+    }
+
     /// Calls `work` with some of the rows; `require_finite` refuses NaN and infinities.
     pub fn read<R>(
         &self,
-        range: Range<usize>,
+        list: &RowList,
         require_finite: bool,
         work: impl FnOnce(&mut (dyn RowBlocks<f64> + Send)) -> catamaran::Result<R>,
     ) -> Result<R> {
         let part = |source| -> Result<_> {
-            Ok(Part { rows: Source::rows::<f64>(source, require_finite)?, range: range.clone() })
+            Ok(Part { rows: Source::rows::<f64>(source, require_finite)?, list })
         };
         let mut a = part(&self.a)?;
         Ok(match &self.with {

@@ -70,16 +70,17 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
-        bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
-    }
-    let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
-    args.gram.check(ranks)?;
-    let Rows { table, columns, targets } = rows(args)?;
-    refuse_empty(args, &columns, &targets)?;
-    if table.nrows() == 0 {
-        bail!("{}: no rows", args.gram.input().display());
-    }
+    let begin = || -> Result<_> {
+        if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
+            bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
+        }
+        let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
+        args.gram.check(ranks)?;
+        let rows = rows(args)?;
+        refuse_empty(args, &rows)?;
+        Ok((outputs, rows))
+    };
+    let (outputs, Rows { table, columns, targets }) = ranks.meet(begin())?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let options =
@@ -147,8 +148,8 @@ fn rows(args: &Args) -> Result<Rows> {
     Ok(Rows { table: Table::ordered(a, order), columns, targets })
 }
 
-/// Refuses a matrix A or B without columns.
-fn refuse_empty(args: &Args, columns: &[String], targets: &[String]) -> Result<()> {
+/// Refuses a matrix A or B without columns, and one without rows.
+fn refuse_empty(args: &Args, Rows { table, columns, targets }: &Rows) -> Result<()> {
     let a = args.gram.input().display();
     match &args.b {
         _ if columns.is_empty() && !args.by_column.is_empty() => {
@@ -156,6 +157,7 @@ fn refuse_empty(args: &Args, columns: &[String], targets: &[String]) -> Result<(
         }
         _ if columns.is_empty() => bail!("{a}: no columns"),
         Some(b) if targets.is_empty() => bail!("{}: no columns", b.display()),
+        _ if table.nrows() == 0 => bail!("{a}: no rows"),
         _ => Ok(()),
     }
 }
