@@ -84,6 +84,22 @@ pub fn check_header(path: &Path, header: &str) -> Result<()> {
     }
 }
 
+/// Returns an error unless lines under `header` can be appended to the table `path` later: as
+/// [`check_header`], and the file, or one in its folder, can be written. Writes nothing.
+///
+/// # Errors
+/// As [`check_header`], or when the file can't be written.
+pub fn check_writable(path: &Path, header: &str) -> Result<()> {
+    check_header(path, header)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let opened = match path.exists() {
+        true => OpenOptions::new().append(true).open(path),
+        false => tempfile::tempfile_in(folder.unwrap_or(Path::new("."))),
+    };
+    let place = |error: io::Error| format!("{}: can't be written: {error}", path.display());
+    Ok(opened.map(drop).map_err(place)?)
+}
+
 /// Appends `line` to the table `path`, after `header` when it is new or empty, by a single write,
 /// so that lines of jobs that end at the same time do not mix.
 ///
@@ -155,6 +171,20 @@ mod tests {
         append(&path, "x,y,z", "1,2,3").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "x,y,z\n1,2,3\n");
         assert!(append(&folder.path().join("none/runs.csv"), "x", "1").is_err());
+    }
+
+    #[test]
+    fn a_table_that_can_not_be_written_is_found_before_there_is_a_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.csv");
+        check_writable(&path, "x,y").unwrap();
+        assert!(!path.exists());
+        append(&path, "x,y", "1,2").unwrap();
+        check_writable(&path, "x,y").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "x,y\n1,2\n");
+        assert!(check_writable(&path, "x").is_err());
+        let error = check_writable(&folder.path().join("none/runs.csv"), "x").unwrap_err();
+        assert!(error.to_string().contains("none/runs.csv: can't be written: "), "{error}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use catamaran::Par;
 use catamaran::ranks::plan::{Mode, proposition_8_3};
 
 /// The driver on some ranks.
@@ -122,4 +123,50 @@ fn a_table_with_other_columns_is_refused_before_the_work() {
     assert_eq!(said.matches("has another header").count(), 1, "{said}");
     assert!(!said.contains("GFLOP/s"), "{said}");
     assert_eq!(fs::read_to_string(&path).unwrap(), "mode,seconds\n");
+}
+
+#[test]
+fn a_table_that_can_not_be_written_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("none/runs.csv");
+    let (code, said) = run(2, &format!("-m 40 -n 30 --csv {}", path.display()));
+    assert_eq!(code, Some(3), "{said}");
+    assert_eq!(said.matches("runs.csv: can't be written").count(), 1, "{said}");
+    assert!(!said.contains("GFLOP/s"), "{said}");
+}
+
+#[test]
+fn threads_are_labelled_as_many_as_are_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.csv");
+    let most = Par::Threads(60_000).threads();
+    assert!(most < 60_000);
+    // The mask of this process is that of the only rank, unless mpirun binds it.
+    let (code, said) =
+        run(1, &format!("-m 40 -n 30 --repeat 1 --threads 60000 --csv {}", path.display()));
+    assert_eq!(code, Some(0), "{said}");
+    let used: usize = table(&path)[0]["threads"].parse().unwrap();
+    assert!(used <= most, "{used} threads in the table, at most {most} are used");
+    let note = format!("note      {used} threads of a rank instead of 60000");
+    assert!(said.contains(&note), "{said}");
+}
+
+#[test]
+fn a_launcher_whose_processes_are_alone_in_mpi_is_refused_once_with_both_names() {
+    let alone = |rank: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_catamaran-ata-mpi"))
+            .args(["-m", "40", "-n", "30"])
+            .env("SLURM_PROCID", rank)
+            .env("SLURM_STEP_NUM_TASKS", "4")
+            .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+            .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+            .output()
+            .unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = alone("0");
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("Slurm's srun started 4 processes, but each is alone in"), "{said}");
+    let (code, said) = alone("1");
+    assert_eq!((code, said.contains("srun")), (Some(0), false), "{said}");
 }

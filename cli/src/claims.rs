@@ -74,12 +74,16 @@ fn is_output(arg: &Arg) -> bool {
 }
 
 fn claim_input(path: &Path) {
-    // Of FILE.h5:/dataset the file.
-    let file = path.to_str().and_then(|name| name.split_once(":/")).filter(|_| !path.exists());
-    if let Some(place) = Place::of(file.map_or(path, |(file, _)| Path::new(file))) {
+    if let Some(place) = Place::of(file_of(path)) {
         let mut used = USED.lock().unwrap_or_else(PoisonError::into_inner);
         used.push(Used { place, purpose: Purpose::Input });
     }
+}
+
+/// Returns the file of `FILE.h5:/dataset`, or of another name.
+pub fn file_of(name: &Path) -> &Path {
+    let dataset = name.to_str().and_then(|text| text.split_once(":/")).filter(|_| !name.exists());
+    dataset.map_or(name, |(file, _)| Path::new(file))
 }
 
 /// Refuses an output in the place of an input.

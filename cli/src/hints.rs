@@ -10,8 +10,16 @@ use clap::{ArgGroup, Command, CommandFactory as _, Id};
 
 use crate::{Cli, parse};
 
-/// Options of cargo and of scripts.
-const OTHERS: [&str; 3] = ["--features", "--sanitize", "--transformer"];
+/// Options of cargo, of scripts and of launchers.
+const OTHERS: [&str; 7] = [
+    "--features",
+    "--sanitize",
+    "--transformer",
+    "--mpi",
+    "--bind-to",
+    "--cpus-per-task",
+    "--signal",
+];
 
 /// Returns the options of a command and of those below it.
 fn options(command: &Command) -> BTreeSet<String> {

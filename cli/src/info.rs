@@ -11,8 +11,9 @@ use crate::{backend, device};
 /// Width of a label, in characters.
 pub const WIDTH: usize = 14;
 
-/// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and
-/// of the exact path, the rates that `tune` measured, and the OpenCL devices.
+/// Print the version, the CPU, the MPI library and HDF5, the BLAS back ends, the instruction sets
+/// of the native kernels and of the exact path, the rates that `tune` measured, and the OpenCL
+/// devices.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and print its description.
@@ -31,6 +32,7 @@ pub fn run(args: &Args) -> Result<()> {
     let known = if names.is_empty() { "none known".into() } else { names.join(" ") };
     row!("instructions", names = names; "{:WIDTH$}{known}", "instructions")?;
     limit()?;
+    libraries()?;
     let back_ends = ["native", "openblas"].into_iter().chain(args.backend.as_deref());
     back_ends.into_iter().try_for_each(back_end)?;
     head(format_args!("{:WIDTH$}any CBLAS library: --backend PATH", ""))?;
@@ -60,6 +62,20 @@ fn limit() -> Result<()> {
     let limit = isa_limit()?;
     let what = if limit == IsaLevel::Amx { "none" } else { limit.name() };
     row!("limit", isa = limit.name(); "{:WIDTH$}{what} (CATAMARAN_ISA)", "limit")
+}
+
+/// Reports the libraries that this program was built with, or how to build it with them.
+fn libraries() -> Result<()> {
+    #[cfg(feature = "mpi")]
+    let mpi = catamaran::ranks::mpi_version();
+    #[cfg(not(feature = "mpi"))]
+    let mpi = "not in this build (build with --features mpi)".to_owned();
+    row!("mpi", available = cfg!(feature = "mpi"), library = mpi; "{:WIDTH$}{mpi}", "MPI")?;
+    let hdf5 = match cfg!(feature = "hdf5") {
+        true => "built in",
+        false => "not in this build (build with --features hdf5)",
+    };
+    row!("hdf5", available = cfg!(feature = "hdf5"); "{:WIDTH$}{hdf5}", "HDF5")
 }
 
 fn back_end(name: &str) -> Result<()> {

@@ -69,7 +69,10 @@ Exit codes:
   0    success
   1    an error, which the last line on stderr names
   2    a wrong command line
-  129  SIGHUP; 130: SIGINT (Ctrl-C); 143: SIGTERM";
+  129  SIGHUP; 130: SIGINT (Ctrl-C); 138: SIGUSR1; 143: SIGTERM
+
+Under mpirun or srun, the processes share the work of ata, lstsq, pca, svd and spectrum; other
+commands refuse to run several times.";
 
 /// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
@@ -131,13 +134,43 @@ enum Command {
     Man(man::Args),
 }
 
+impl Command {
+    /// Returns whether the processes of `mpirun` share the work of the command.
+    fn uses_ranks(&self) -> bool {
+        match self {
+            Self::Ata(_) | Self::Lstsq(_) | Self::Pca(_) | Self::Svd(_) | Self::Spectrum(_) => true,
+            Self::AtaMerge(_)
+            | Self::Predict(_)
+            | Self::Mesh(_)
+            | Self::Decimate(_)
+            | Self::Farthest(_)
+            | Self::Info(_)
+            | Self::Demo(_)
+            | Self::Tune(_)
+            | Self::Basis(_)
+            | Self::Transfer(_)
+            | Self::Filter(_)
+            | Self::Wilt(_)
+            | Self::Curve(_)
+            | Self::Distance(_)
+            | Self::Descriptors(_)
+            | Self::ShapeDna(_)
+            | Self::Newton(_)
+            | Self::Slime(_)
+            | Self::Unions(_)
+            | Self::Completions(_)
+            | Self::Man(_) => false,
+        }
+    }
+}
+
 fn main() -> ExitCode {
     // Before any other code allocates memory.
     let watched = shortage::watch();
     // A library that is linked with -ffast-math sets flush-to-zero when it is loaded.
     let _nearest = FloatEnv::nearest();
     use_own_threads_only();
-    let cli = parse_command_line();
+    let (cli, name) = parse_command_line();
     input::set_limit(cli.input_limit);
     if cli.quiet {
         report::be_quiet();
@@ -149,10 +182,14 @@ fn main() -> ExitCode {
         .and_then(|()| signals::watch())
         .context("the handling of signals can't be started")
         .and_then(|()| Ok(isa_limit().map(drop)?))
+        .and_then(|()| if cli.command.uses_ranks() { Ok(()) } else { ranks::refuse(&name) })
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
     signals::wait_for_end();
     shortage::wait_for_abort();
+    if let Some(ranks::Said { status }) = error.downcast_ref() {
+        return ExitCode::from(*status);
+    }
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
         report::complain(format_args!("cancelled"));
         return signals::exit_code();
@@ -165,8 +202,9 @@ fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Parses the command line; exits with status 2 if it is wrong.
-fn parse_command_line() -> Cli {
+/// Parses the command line, and returns it with the name of the command; exits with status 2 if it
+/// is wrong.
+fn parse_command_line() -> (Cli, String) {
     let mut command = parse::with_negative_numbers(Cli::command());
     let words: Vec<_> = std::env::args_os().collect();
     let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
@@ -182,7 +220,9 @@ fn parse_command_line() -> Cli {
     }
     claims::claim_inputs(&command, &matches);
     arguments::set_command(&command, &matches);
-    Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|e| e.format(&mut command).exit())
+    let name = matches.subcommand_name().unwrap_or_default().to_owned();
+    let cli = Cli::from_arg_matches_mut(&mut matches);
+    (cli.unwrap_or_else(|e| e.format(&mut command).exit()), name)
 }
 
 fn run(command: &Command) -> Result<()> {

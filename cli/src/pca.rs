@@ -60,13 +60,17 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    let path = args.output.as_deref().filter(|_| ranks.is_first());
-    let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
-    let path = args.picture.as_deref().filter(|_| ranks.is_first());
-    let picture = path.map(|path| picture::create(path, args.gram.force)).transpose()?;
-    args.gram.check(ranks)?;
+    let begin = || -> Result<_> {
+        let path = args.output.as_deref().filter(|_| ranks.is_first());
+        let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
+        let path = args.picture.as_deref().filter(|_| ranks.is_first());
+        let picture = path.map(|path| picture::create(path, args.gram.force)).transpose()?;
+        args.gram.check(ranks)?;
+        Ok((output, picture, Table::of(args.gram.open()?)))
+    };
+    let (output, picture, table) = ranks.meet(begin())?;
     let name = || args.gram.input().display().to_string();
-    let table = args.gram.complete(Table::of(args.gram.open()?))?;
+    let table = args.gram.complete(ranks, table)?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), true)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let components = match (args.k, args.variance) {

@@ -33,6 +33,26 @@ static VOLUME: AtomicU8 = AtomicU8::new(ALL);
 /// Whether lines are JSON.
 static JSON: AtomicBool = AtomicBool::new(false);
 
+/// Whether progress is shown by lines instead of bars.
+static LINES: AtomicBool = AtomicBool::new(false);
+
+/// Shows progress by lines from now on: `mpirun` passes on what a process writes, but no terminal.
+#[cfg(feature = "mpi")]
+pub fn show_lines_of_progress() {
+    LINES.store(true, Ordering::Relaxed);
+}
+
+/// Returns whether progress is shown by lines.
+pub fn has_lines_of_progress() -> bool {
+    LINES.load(Ordering::Relaxed) && !is_quiet()
+}
+
+/// Prints a line on stderr, in one write like [`complain`].
+pub fn progress_line(line: Arguments<'_>) {
+    // A closed stderr leaves no place for a line.
+    let _ = io::stderr().write_all(format!("{line}\n").as_bytes());
+}
+
 /// Suppresses status lines and progress bars (`--quiet`).
 pub fn be_quiet() {
     VOLUME.fetch_max(QUIET, Ordering::Relaxed);

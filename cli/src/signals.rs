@@ -1,4 +1,5 @@
-//! Signals that end the program: SIGINT (Ctrl-C), SIGTERM and SIGHUP.
+//! Signals that end the program: SIGINT (Ctrl-C), SIGTERM, SIGHUP, and SIGUSR1, which batch systems
+//! send some time before they kill a job (`sbatch --signal`).
 //!
 //! The first one asks the command to stop ([`check`], which every progress bar calls). A command
 //! that is still there after [`GRACE`] is ended from outside: outputs that are not committed are
@@ -15,7 +16,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use catamaran::{Error, io::discard_unfinished};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::iterator::Signals;
 
 /// The time that a command has to stop by itself: with what the exit takes, less than a second.
@@ -30,6 +31,9 @@ static RECEIVED: AtomicI32 = AtomicI32::new(0);
 /// Set before the process is ended from outside.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// Whether a second signal ends the process with the status of the first one.
+static KEEPS_STATUS: AtomicBool = AtomicBool::new(false);
+
 /// Locked while a command writes the state that a later run resumes from.
 static SAVING: Mutex<()> = Mutex::new(());
 
@@ -40,7 +44,7 @@ static SAVING: Mutex<()> = Mutex::new(());
 /// # Errors
 /// The operating system refuses the handlers or the thread.
 pub fn watch() -> io::Result<()> {
-    let mut wanted = vec![SIGINT, SIGTERM];
+    let mut wanted = vec![SIGINT, SIGTERM, SIGUSR1];
     if !is_ignored(SIGHUP)? {
         wanted.push(SIGHUP);
     }
@@ -64,13 +68,23 @@ pub fn check() -> catamaran::Result<()> {
 /// Returns the status of a cancelled command, as a shell reports it: 128 plus the number of the
 /// signal.
 pub fn status() -> u8 {
-    // Without a signal nothing cancels a command.
-    status_of(RECEIVED.load(Ordering::Relaxed))
+    match RECEIVED.load(Ordering::Relaxed) {
+        // Another process of `mpirun` has received it.
+        0 => status_of(SIGTERM),
+        signal => status_of(signal),
+    }
 }
 
 /// Returns [`status`] as an exit code.
 pub fn exit_code() -> ExitCode {
     ExitCode::from(status())
+}
+
+/// Makes the first signal decide about the status from now on: other ones follow from the end of
+/// the other processes of a job.
+#[cfg(feature = "mpi")]
+pub fn keep_status() {
+    KEEPS_STATUS.store(true, Ordering::Relaxed);
 }
 
 /// Delays the end after the first signal while the guard lives: the command finishes its step and
@@ -92,14 +106,15 @@ fn serve(mut signals: Signals) {
     RECEIVED.store(first, Ordering::Relaxed);
     let received = Instant::now();
     let is_saving = || matches!(SAVING.try_lock(), Err(TryLockError::WouldBlock));
+    let after = |second: i32| if KEEPS_STATUS.load(Ordering::Relaxed) { first } else { second };
     while received.elapsed() < GRACE || is_saving() {
         if let Some(second) = signals.pending().next() {
-            end(second);
+            end(after(second));
         }
         thread::sleep(POLL);
     }
     // On a busy machine, much time may have passed since the last look.
-    end(signals.pending().next().unwrap_or(first))
+    end(signals.pending().next().map_or(first, after))
 }
 
 /// Ends the process without destructors and exit handlers: other threads are at work.

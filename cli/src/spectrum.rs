@@ -19,6 +19,7 @@ use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{head, note, report, row, seconds, shown, status};
+use crate::rows::fingerprint;
 use crate::shape::LaplacianArgs;
 use crate::{output, parse};
 
@@ -199,14 +200,19 @@ fn report_pairs(args: &Args, results: &Results<'_>, time: Duration) -> Result<()
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    args.check(ranks)?;
-    let path = args.output.as_deref().filter(|_| ranks.is_first());
-    let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
-    let picture = match ranks.is_first() {
-        true => args.picture.create(args.force)?,
-        false => None,
+    let begin = || -> Result<_> {
+        args.check(ranks)?;
+        let path = args.output.as_deref().filter(|_| ranks.is_first());
+        let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
+        let picture = match ranks.is_first() {
+            true => args.picture.create(args.force)?,
+            false => None,
+        };
+        Ok((output, picture, assemble(args)?))
     };
-    let (mesh, operator) = assemble(args)?;
+    let (output, picture, (mesh, operator)) = ranks.meet(begin())?;
+    check_same(args, ranks, &operator)?;
+    ranks.report(args.laplacian.par().threads())?;
 
     let start = Instant::now();
     let bar = Bar::new("spectrum");
@@ -219,7 +225,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         .verify_count(args.verify)
         .par(args.laplacian.par())
         .progress(&watch);
-    let mut results = Results::new(output, &operator, args.k)?;
+    let mut results = ranks.meet(Results::new(output, &operator, args.k))?;
     let (found, mesh) = match args.via_decimation {
         Some(n) => {
             let found = via_decimation(&mesh, n, &operator, &options);
@@ -233,7 +239,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             (ranks.eigenpairs(stiffness, mass, &options, args.memory.unwrap_or(MEMORY), take), mesh)
         }
     };
-    found.map_err(|error| {
+    let found = found.map_err(|error| {
         let name = args.input.display();
         let context = match error {
             catamaran::Error::NotConverged { .. } => {
@@ -244,7 +250,8 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             _ => name.to_string(),
         };
         anyhow::Error::from(error).context(context)
-    })?;
+    });
+    ranks.meet(found)?;
     drop(bar);
     report_pairs(args, &results, start.elapsed())?;
     if let (Some(picture), Some(mesh)) = (picture, mesh) {
@@ -255,7 +262,22 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     if args.via_decimation.is_some() {
         return Ok(());
     }
-    check_residual(args, ranks, worst, tolerance)
+    // The first process has written all results by now.
+    ranks.meet(check_residual(args, ranks, worst, tolerance))
+}
+
+/// Checks that all processes have read the same mesh.
+///
+/// # Errors
+/// A process has another one; the error names it, and what differs.
+fn check_same(args: &Args, ranks: &Ranks, operator: &Laplacian) -> Result<()> {
+    let entries = fingerprint(operator.stiffness.data()) as usize;
+    let numbers = [
+        ("the number of vertices", operator.vertices),
+        ("the number of entries of the matrix", operator.stiffness.nnz()),
+        ("the fingerprint of its entries", entries),
+    ];
+    ranks.same_numbers(&numbers).with_context(|| args.input.display().to_string())
 }
 
 /// Reads the mesh and computes the matrices of its Laplacian.
@@ -304,8 +326,6 @@ fn check_residual(
         args.input.display()
     );
     if args.tolerance.is_some() {
-        // The first process has written all results by then.
-        ranks.wait();
         bail!(missed);
     }
     if ranks.is_first() {

@@ -41,11 +41,15 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    let path = args.output.as_deref().filter(|_| ranks.is_first());
-    let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
-    args.gram.check(ranks)?;
+    let begin = || -> Result<_> {
+        let path = args.output.as_deref().filter(|_| ranks.is_first());
+        let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
+        args.gram.check(ranks)?;
+        Ok((output, Table::of(args.gram.open()?)))
+    };
+    let (output, table) = ranks.meet(begin())?;
     let name = || args.gram.input().display().to_string();
-    let table = args.gram.complete(Table::of(args.gram.open()?))?;
+    let table = args.gram.complete(ranks, table)?;
     let pass = Pass::new(&args.gram, ranks, &table, None, false)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let found = SingularValues::from_gram(&gram, args.gram.par()).with_context(name)?;

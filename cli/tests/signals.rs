@@ -11,7 +11,7 @@ use std::process::{Child, Command, ExitStatus};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::{Output, Overwrite, read_accumulator};
 use catamaran_geometry::mesh::{TriMesh, families, io};
 use common::Folder;
 
@@ -152,6 +152,49 @@ fn ata_ends_and_keeps_its_checkpoint() {
     ends_amid_its_work(folder, "ata wide.csv -o c.csv.gz");
 }
 
+/// Numbers that every order of additions rounds differently.
+fn with_numbers(m: usize, n: usize) -> Folder {
+    let folder = Folder::new();
+    let numbers: Vec<f64> = (0..m * n).map(|k| ((k * 7919 + 13) % 10007) as f64 * 0.37).collect();
+    folder.write_npy("a.npy", &[m as u64, n as u64], &numbers);
+    folder
+}
+
+/// A signal comes long before a checkpoint is due.
+#[test]
+fn a_signal_writes_a_checkpoint_at_once_and_the_run_goes_on_from_it() {
+    let (m, n) = (100_000, 40);
+    for (signal, status, kind) in
+        [("-TERM", 143, "--center"), ("-INT", 130, "--reproducible"), ("-USR1", 138, "--center")]
+    {
+        let whole = with_numbers(m, n);
+        let options = format!("ata a.npy -o c.npy {kind} --block-rows 8 --threads 1");
+        whole.succeed(&options);
+        let whole = fs::read(whole.path("c.npy")).unwrap();
+        // The run may be faster than the signal.
+        for attempt in 0.. {
+            assert!(attempt < 20, "no signal was sent in time");
+            let options = format!("{options} --checkpoint sums");
+            let mut run = Run::start(with_numbers(m, n), &options);
+            std::thread::sleep(Duration::from_millis(5 * attempt));
+            run.send(signal);
+            if run.end().code() != Some(status) || !run.folder.path("sums").exists() {
+                // At its end, or before its first block.
+                continue;
+            }
+            let sum = read_accumulator::<f64>(&run.folder.path("sums")).unwrap();
+            assert!(sum.rows() > 0 && sum.rows() <= m as u64);
+            let said = fs::read_to_string(run.folder.path(SAID)).unwrap();
+            assert!(said.contains(&format!("sums: row {} of {m}", sum.rows())), "{said}");
+            let report = run.folder.succeed(&format!("{options} --resume"));
+            assert!(report.contains("resumed     sums: row "), "{report}");
+            assert!(fs::read(run.folder.path("c.npy")).unwrap() == whole, "{kind}");
+            assert!(!run.folder.path("sums").exists());
+            break;
+        }
+    }
+}
+
 #[test]
 fn mesh_commands_end() {
     let sphere = || with_mesh(families::icosphere(6).unwrap());
@@ -194,7 +237,7 @@ fn the_data_set_of_unions_ends() {
 
 #[test]
 fn a_command_that_hears_nothing_is_ended_and_leaves_no_file() {
-    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129), ("-USR1", 138)] {
         // Blocked until somebody writes into the pipe, which nobody does.
         let mut run = Run::start(with_pipe(), "ata a.csv -o c.npy");
         run.send(signal);

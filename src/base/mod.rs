@@ -43,6 +43,8 @@ pub(crate) use par::PIECE;
 pub use par::Par;
 pub(crate) use plain::Plain;
 pub use pool::{Pin, ThreadPool, release_threads, use_own_threads_only};
+#[cfg(feature = "mpi")]
+pub(crate) use pool::{core_ids, share_cores};
 pub use progress::Progress;
 pub use rng::Rng;
 pub use scalar::Real;

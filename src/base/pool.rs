@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::mem::{self, ManuallyDrop};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -25,15 +26,48 @@ pub enum Pin {
     /// operating system allows it.
     ///
     /// The mask is that of the process at the first call that needs it, as set by `taskset` or by
-    /// the binding of `mpirun`. Processes that share a mask share its first cores.
+    /// the binding of `mpirun`. Processes that share a mask share its first cores, unless they are
+    /// ranks of a `ranks::World` whose function `share_cores` divides them.
     Cores,
 }
 
 /// Returns the cores of the affinity mask in ascending order, or none where the system does not
 /// report them. The mask is read once, because a pinned thread sees one core only.
-fn cores() -> &'static [CoreId] {
+fn mask() -> &'static [CoreId] {
     static CORES: OnceLock<Vec<CoreId>> = OnceLock::new();
     CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
+}
+
+/// The part of the mask that this process has for its pinned threads: which one, and of how many.
+static SHARE: Mutex<(usize, usize)> = Mutex::new((0, 1));
+
+/// Returns the cores for pinned threads: the part of the mask that [`share_cores`] has set.
+fn cores() -> &'static [CoreId] {
+    let (part, parts) = *SHARE.lock().unwrap_or_else(PoisonError::into_inner);
+    &mask()[part_of_cores(mask().len(), part, parts)]
+}
+
+/// Returns part `part` of `parts` of `count` cores: at least one core, which parts share when there
+/// are more parts than cores.
+fn part_of_cores(count: usize, part: usize, parts: usize) -> Range<usize> {
+    let bound = |part: usize| part * count / parts.max(1);
+    let start = bound(part);
+    start..bound(part + 1).max(start + 1).min(count)
+}
+
+/// Returns the numbers of the cores in the affinity mask, ascending; none where the system does not
+/// report them.
+#[cfg(feature = "mpi")]
+pub(crate) fn core_ids() -> Vec<usize> {
+    mask().iter().map(|core| core.id).collect()
+}
+
+/// Restricts threads that are pinned from now on to part `part` of `parts` equal parts of the
+/// affinity mask, and returns how many cores this part has, at least 1.
+#[cfg(feature = "mpi")]
+pub(crate) fn share_cores(part: usize, parts: usize) -> usize {
+    *SHARE.lock().unwrap_or_else(PoisonError::into_inner) = (part, parts);
+    cores().len().max(1)
 }
 
 /// A group of threads, made once and used for many calls: everything that is called inside
@@ -331,6 +365,19 @@ mod tests {
         // Whoever still has a pool can use it.
         assert_eq!(narrow.run(|| 7), 7);
         assert!(!Arc::ptr_eq(&narrow, &shared(2).unwrap()));
+    }
+
+    #[test]
+    fn ranks_of_a_node_pin_to_parts_of_its_cores_that_differ() {
+        let all = |count: usize, parts: usize| -> Vec<_> {
+            (0..parts).map(|part| part_of_cores(count, part, parts)).collect()
+        };
+        assert_eq!(all(8, 2), [0..4, 4..8]);
+        assert_eq!(all(8, 3), [0..2, 2..5, 5..8]);
+        assert_eq!(part_of_cores(5, 0, 1), 0..5);
+        // More processes than cores.
+        assert_eq!(all(2, 4), [0..1, 0..1, 1..2, 1..2]);
+        assert_eq!(all(0, 2), [0..0, 0..0]);
     }
 
     #[test]

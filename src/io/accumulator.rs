@@ -8,7 +8,7 @@ use super::Output;
 use super::source::error_at;
 use crate::base::Result;
 use crate::blas::BlasReal;
-use crate::rows::{Accumulator, scalar_of};
+use crate::rows::{Accumulator, labels_of, scalar_of};
 
 const BUFFER: usize = 1 << 20;
 
@@ -89,6 +89,18 @@ pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
 /// [`Error::Io`](crate::Error::Io): no such file, or not an accumulator.
 pub fn accumulator_scalar(path: &Path) -> Result<&'static str> {
     scalar_of(&mut open(path)?).map_err(|e| error_at(path, None, e))
+}
+
+/// Returns the number of rows in the accumulator in the file at `path`, and its labels, which are
+/// at the start of the file.
+///
+/// Public for the command line, which looks for the checkpoints of a run.
+///
+/// # Errors
+/// As [`accumulator_scalar`].
+#[doc(hidden)]
+pub fn accumulator_labels(path: &Path) -> Result<(u64, Vec<(String, String)>)> {
+    labels_of(&mut open(path)?).map_err(|e| error_at(path, None, e))
 }
 
 fn open(path: &Path) -> Result<BufReader<File>> {

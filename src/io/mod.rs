@@ -55,6 +55,8 @@ pub use table::{
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
+pub use accumulator::accumulator_labels;
+#[doc(hidden)]
 pub use limits::LARGER_MAX_MEMORY;
 #[doc(hidden)]
 pub use source::{Packing, Source};

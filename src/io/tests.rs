@@ -432,6 +432,29 @@ fn small_files_may_take_a_gibibyte_and_more_if_they_are_told() {
 }
 
 #[test]
+fn the_head_of_an_accumulator_tells_its_rows_and_labels() {
+    let folder = Folder::new();
+    let path = folder.path("sums");
+    let mut sum = Accumulator::<f32>::new(2, false).unwrap();
+    sum.add_block(mat![[1.0_f32, 2.0], [3.0, 4.0]], None, &AtaOptions::new()).unwrap();
+    let labels = vec![("rows".to_owned(), "0..9".to_owned())];
+    sum.set_labels(labels.clone());
+    sum.set_expected_rows(9);
+    assert_eq!((sum.rows(), sum.expected_rows()), (2, 9));
+    write_accumulator(Output::create(&path, Overwrite::Never).unwrap(), &sum).unwrap();
+    assert_eq!(accumulator_labels(&path).unwrap(), (2, labels));
+    // Its sums need not be whole, but its head must be.
+    let bytes = fs::read(&path).unwrap();
+    let cut = folder.file("cut", &bytes[..bytes.len() - 1]);
+    assert_eq!(accumulator_labels(&cut).unwrap().0, 2);
+    let cut = folder.file("cut", &bytes[..40]);
+    let said = accumulator_labels(&cut).unwrap_err().to_string();
+    assert!(said.contains("cut: truncated"), "{said}");
+    let said = accumulator_labels(&folder.file("text", "not one of ours")).unwrap_err();
+    assert!(said.to_string().contains("text: not an accumulator"), "{said}");
+}
+
+#[test]
 fn an_accumulator_gets_memory_for_what_is_there() {
     // The offsets of the number of columns and of the end of the strip, and where the head ends.
     const COLUMNS: [usize; 2] = [20, 36];

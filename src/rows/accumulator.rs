@@ -229,6 +229,13 @@ impl<T: BlasReal> Accumulator<T> {
         self.expected_rows.max(self.rows())
     }
 
+    /// Sets the number of rows of the source that [`stream`](super::stream()) continues: one that
+    /// begins with the rows that are summed already, in any order, as merged exact sums have.
+    #[doc(hidden)]
+    pub fn set_expected_rows(&mut self, rows: u64) {
+        self.expected_rows = rows;
+    }
+
     /// Returns the sum of the weights of the rows so far; without weights, their number.
     pub fn weight(&self) -> f64 {
         match &self.sums {

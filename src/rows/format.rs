@@ -79,6 +79,53 @@ pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {
     preamble(&mut Checked::new(source))
 }
 
+/// Returns the number of rows in the accumulator at the start of `source`, and its labels.
+///
+/// # Errors
+/// As [`scalar_of`]; [`io::ErrorKind::InvalidData`] when the head is damaged.
+pub(crate) fn labels_of(source: &mut dyn Read) -> io::Result<(u64, Vec<(String, String)>)> {
+    let mut source = Checked::new(source);
+    preamble(&mut source)?;
+    let head = Head::read(&mut source)?;
+    Ok((head.numbers[3], head.labels))
+}
+
+/// The head of an accumulator.
+struct Head {
+    /// Columns, first and end of the strip, rows, expected rows and rows of a block.
+    numbers: [u64; 6],
+    flags: u8,
+    labels: Vec<(String, String)>,
+}
+
+impl Head {
+    /// Reads the head after the preamble, and its checksum.
+    fn read(source: &mut Checked<&mut dyn Read>) -> io::Result<Self> {
+        let length = source.number()?;
+        if length > LONGEST_HEAD {
+            return Err(invalid("damaged: its head is too long"));
+        }
+        let mut head = vec![0; length as usize];
+        source.get(&mut head)?;
+        source.get_check()?;
+
+        let mut head = Checked::new(&head[..]);
+        let mut numbers = [0; 6];
+        for number in &mut numbers {
+            *number = u64::from_le_bytes(head.bytes()?);
+        }
+        let [flags] = head.bytes()?;
+        let mut labels = Vec::new();
+        for _ in 0..head.number()? {
+            labels.push((head.text()?, head.text()?));
+        }
+        if !head.stream.is_empty() {
+            return Err(invalid("damaged: its head"));
+        }
+        Ok(Self { numbers, flags, labels })
+    }
+}
+
 fn flag(flag: u8, set: bool) -> u8 {
     if set { flag } else { 0 }
 }
@@ -171,28 +218,8 @@ impl<T: BlasReal> Accumulator<T> {
         if scalar != T::NAME {
             return Err(invalid(format!("an accumulator of {scalar}, not of {}", T::NAME)));
         }
-        let length = source.number()?;
-        if length > LONGEST_HEAD {
-            return Err(invalid("damaged: its head is too long"));
-        }
-        let mut head = vec![0; length as usize];
-        source.get(&mut head)?;
-        source.get_check()?;
-
-        let mut head = Checked::new(&head[..]);
-        let mut numbers = [0; 6];
-        for number in &mut numbers {
-            *number = u64::from_le_bytes(head.bytes()?);
-        }
-        let [flags] = head.bytes()?;
+        let Head { numbers, flags, labels } = Head::read(&mut source)?;
         let has = |flag: u8| flags & flag != 0;
-        let mut labels = Vec::new();
-        for _ in 0..head.number()? {
-            labels.push((head.text()?, head.text()?));
-        }
-        if !head.stream.is_empty() {
-            return Err(invalid("damaged: its head"));
-        }
         let fits = |number: u64| usize::try_from(number).map_err(|_| invalid("damaged: its shape"));
         let [ncols, first, end] = [fits(numbers[0])?, fits(numbers[1])?, fits(numbers[2])?];
         let [rows, expected_rows, block_rows] = [numbers[3], numbers[4], numbers[5]];

@@ -37,5 +37,6 @@ pub use strip::Strip;
 pub use verify::verify_rows;
 
 pub(crate) use extended::About;
+pub(crate) use format::labels_of;
 #[cfg(feature = "mpi")]
 pub(crate) use stream::exact_sums;

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-use catamaran::ranks::World;
+use catamaran::ranks::{Launch, World};
 use mpi::topology::Communicator;
 
 use crate::{Case, Scene};
@@ -28,8 +28,8 @@ fn be_rank(role: &str, cases: &[Case], scenes: &[Scene]) -> ExitCode {
     let scene = scenes.iter().find(|scene| scene.name == role);
     if let Some(rank) = scene.and_then(|scene| scene.starved) {
         // Before MPI starts, and with it the first thread, which settles the size of all stacks.
-        let own = ["OMPI_COMM_WORLD_RANK", "PMI_RANK"].iter().find_map(|v| std::env::var(v).ok());
-        if own == Some(rank.to_string()) {
+        let own = Launch::of_process().map(|launch| launch.rank());
+        if own == usize::try_from(rank).ok() {
             // SAFETY: this process has no other thread yet. The stack of a thread is then larger
             // than the address space.
             unsafe { std::env::set_var("RUST_MIN_STACK", (1_u64 << 47).to_string()) };

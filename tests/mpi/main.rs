@@ -17,6 +17,7 @@ mod memory;
 mod ortho;
 mod root;
 mod rows;
+mod same;
 mod verify;
 
 use std::process::ExitCode;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         ortho::CASES,
         eigen::CASES,
         gram::CASES,
+        same::CASES,
     ];
     let scenes = [
         failures::SCENES,
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         ortho::SCENES,
         eigen::SCENES,
         gram::SCENES,
+        same::SCENES,
     ];
     launch::run(&cases.concat(), &scenes.concat())
 }

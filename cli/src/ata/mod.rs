@@ -11,14 +11,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::base::{Pin, Progress, Workspace};
+use catamaran::base::{Pin, Workspace};
 use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::{MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Output, StripOutput};
 use catamaran::product::{Plan, ata_sparse, sparse_is_faster, sparse_multiplications};
-use catamaran::rows::{
-    Accumulator, Center, RowBounds, RowOptions, StreamPlan, Strip, stream, verify_rows,
-};
+use catamaran::rows::{Accumulator, Center, RowBounds, RowOptions, StreamPlan, Strip, verify_rows};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
 use crate::common::{Force, Threads};
@@ -26,7 +24,10 @@ use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{note, report, seconds, status};
-use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, open, read_weights};
+use crate::rows::{
+    Begun, CheckpointArgs, Part, RowList, Shown, Source, Watched, add_rows, check_same_weights,
+    fingerprint, labels_with_rows, open, read_weights,
+};
 use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
@@ -36,7 +37,7 @@ pub use unbounded::Unbounded;
 /// Reads .npy, .mtx and text tables, each also as .gz or .xz, from a file or stdin (-), and HDF5
 /// where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file and
 /// a large table are read block by block, while the block before is multiplied: they may be larger
-/// than memory.
+/// than memory. Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
 #[derive(clap::Args)]
 pub struct Args {
     /// The matrix A, m x n.
@@ -63,7 +64,8 @@ pub struct Args {
     #[command(flatten)]
     threads: Threads,
     /// Pin each thread to one core: thread i to the i-th core of the affinity mask, as taskset or
-    /// the binding of mpirun sets it. Does not change C.
+    /// the binding of mpirun sets it. Processes of mpirun with the same mask divide its cores. Does
+    /// not change C.
     #[arg(long)]
     pin: bool,
     /// Scheme of the recursion.
@@ -110,7 +112,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// Most memory to use, in GiB; if C does not fit, A is read several times, each time for some
-    /// rows of C [default: four fifths of the available memory].
+    /// rows of C. Under mpirun this is the memory of each process, and those of a machine share
+    /// what is available [default: four fifths of the available memory].
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
     memory: Option<usize>,
     /// Number of rows in a block, two of which are in memory. Changes the rounding of C unless sums
@@ -142,7 +145,24 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    // Wrong arguments are refused before any work.
+    let (backend, outputs, a) = ranks.meet(begin(args, ranks))?;
+    a.check_same(ranks)?;
+    let read = |path: &PathBuf| read_weights(path, &a, &args.matrix.table);
+    let weights = ranks.meet(args.weights.as_ref().map(read).transpose())?;
+    check_same_weights(ranks, weights.as_deref())?;
+    let par = threads(args, ranks);
+    ranks.report(par.threads())?;
+    let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend, par };
+    let done = if args.double || !args.single && !a.is_single() {
+        work.run::<f64>(outputs)
+    } else {
+        work.run::<f32>(outputs)
+    };
+    done.map_err(|error| of_weights(args, error))
+}
+
+/// Begins the outputs and opens A. Wrong arguments are refused before any work.
+fn begin(args: &Args, ranks: &Ranks) -> Result<(Arc<dyn Backend>, Outputs, Source)> {
     refuse(args, ranks)?;
     let backend = backend::find(&args.backend)?;
     let create = |path: &Option<PathBuf>| {
@@ -155,22 +175,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         picture: picture.map(|path| picture::create(path, args.force)).transpose()?,
         accumulator: create(&args.accumulator)?,
     };
-
-    let a = open("A", &args.input, &args.matrix.read())?;
-    if ranks.size() > 1 {
-        ranks.report()?;
-    }
-    let weights = match &args.weights {
-        Some(path) => Some(read_weights(path, &a, &args.matrix.table)?),
-        None => None,
-    };
-    let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend };
-    let done = if args.double || !args.single && !a.is_single() {
-        work.run::<f64>(outputs)
-    } else {
-        work.run::<f32>(outputs)
-    };
-    done.map_err(|error| of_weights(args, error))
+    Ok((backend, outputs, open("A", &args.input, &args.matrix.read())?))
 }
 
 /// Adds the file to an error about the weights.
@@ -180,6 +185,17 @@ fn of_weights(args: &Args, error: anyhow::Error) -> anyhow::Error {
     match args.weights.as_ref().filter(|_| is_theirs) {
         Some(path) => error.context(path.display().to_string()),
         None => error,
+    }
+}
+
+/// Returns the threads of this process. Processes that share cores pin their threads to parts of
+/// them, and have no more threads by default.
+fn threads(args: &Args, ranks: &Ranks) -> Par {
+    let par = args.threads.par();
+    let cores = if args.pin { ranks.share_cores() } else { None };
+    match cores {
+        Some(cores) if args.threads.asked().is_none() => Par::Threads(par.threads().min(cores)),
+        _ => par,
     }
 }
 
@@ -215,19 +231,25 @@ struct Work<'w> {
     a: &'w Source,
     weights: Option<&'w [f64]>,
     backend: Arc<dyn Backend>,
+    /// The threads of this process.
+    par: Par,
 }
 
 impl Work<'_> {
     /// Computes C in the precision of T, and the other outputs.
     fn run<T: Scalar>(&self, outputs: Outputs) -> Result<()> {
-        let Self { args, a, .. } = self;
+        let Self { args, a, ranks, .. } = self;
         let (m, n) = a.shape();
-        if args.covariance && m < 2 {
-            bail!("{}: {m} rows, where --covariance needs at least 2", args.input.display());
-        }
+        let enough = || -> Result<()> {
+            if args.covariance && m < 2 {
+                bail!("{}: {m} rows, where --covariance needs at least 2", args.input.display());
+            }
+            Ok(())
+        };
+        ranks.meet(enough())?;
         let options = AtaOptions::new()
             .uplo(args.uplo)
-            .par(args.threads.par())
+            .par(self.par)
             .pin(if args.pin { Pin::Cores } else { Pin::No })
             .scheme(args.scheme)
             .accuracy(args.accuracy)
@@ -237,24 +259,42 @@ impl Work<'_> {
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);
         }
-        let memory = args.memory.unwrap_or_else(memory::allowed);
-        let height = args.block_rows.map(NonZeroUsize::get);
-        let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options)?;
+        let plan = self.plan::<T>((m, n), &options)?;
         if args.explain {
             self.explain(&plan, &options)?;
         } else {
             self.outline(&plan, &options)?;
         }
-        if plan.reads() == 1 {
-            self.whole::<T>(&plan, &options, outputs)
-        } else if self.ranks.size() > 1 {
-            bail!(
-                "C of {n} x {n} entries does not fit in memory (--memory), and strips need a \
-                 single process"
-            );
-        } else {
-            self.strips::<T>(&plan, &options, outputs)
+        match plan.reads() {
+            1 => self.whole::<T>(&plan, &options, outputs),
+            _ => self.strips::<T>(&plan, &options, outputs),
         }
+    }
+
+    /// Returns the plan, which is the same for all processes: for the least memory and the most
+    /// threads that one of them has.
+    fn plan<T: Scalar>(
+        &self,
+        (m, n): (usize, usize),
+        options: &AtaOptions<'_>,
+    ) -> Result<StreamPlan> {
+        let Self { args, ranks, .. } = self;
+        let memory = ranks.least(args.memory.unwrap_or_else(|| memory::allowed(ranks)));
+        // A process holds the sums of another one, too, when it merges them.
+        let memory = if ranks.size() > 1 { memory / 2 } else { memory };
+        let most = usize::MAX - ranks.least(usize::MAX - options.par.threads());
+        let options = options.clone().par(Par::Threads(most));
+        let height = args.block_rows.map(NonZeroUsize::get);
+        let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options);
+        let plan = ranks.meet(plan.map_err(Into::into))?;
+        let strips = plan.strips().iter();
+        let hash = strips.fold(0, |hash: usize, strip| hash.wrapping_mul(31) ^ strip.end);
+        ranks.same_numbers(&[
+            ("the number of rows of a block", plan.block_rows()),
+            ("the number of reads of A", plan.reads()),
+            ("the hash of the strips of C", hash),
+        ])?;
+        Ok(plan)
     }
 
     /// Reports when fewer threads are used than `--threads` asks for.
@@ -278,33 +318,36 @@ impl Work<'_> {
         options: &AtaOptions<'_>,
         mut outputs: Outputs,
     ) -> Result<()> {
-        let (args, n) = (self.args, self.a.shape().1);
-        let labels = self.labels(options);
-        let begun = args.checkpoint.resume::<T>(self.ranks, n, &labels)?;
-        // All processes agree on the bounds, even if only some start from the first row.
-        let bounds = match &begun {
-            Some(_) if self.ranks.size() == 1 => None,
-            _ => self.bounds::<T>(plan, options)?,
+        let (args, ranks) = (self.args, self.ranks);
+        let (m, n) = self.a.shape();
+        let (labels, exact) = (self.labels(options), options.asks_for_exact());
+        let begun = args.checkpoint.resume::<T>(ranks, (m, n), &labels, exact)?;
+        let Begun { sum, rows, done } = begun;
+        // Processes without sums need the grid of those of the others.
+        let bounds = match ranks.total(usize::from(sum.is_none())) {
+            0 => None,
+            _ => self.bounds::<T>(&rows, plan, options)?,
         };
-        let mut sum = match begun {
-            Some(sum) => sum,
-            None => self
-                .empty(bounds.as_ref(), 0..n)
-                .with_context(|| format!("C of {n} x {n} entries"))?,
+        let sum = match sum {
+            Some(sum) => Ok(sum),
+            None => {
+                self.empty(bounds.as_ref(), 0..n).with_context(|| format!("C of {n} x {n} entries"))
+            }
         };
-        sum.set_labels(labels);
-        let (start, done) = (Instant::now(), sum.rows() as usize);
+        let mut sum = ranks.meet(sum)?;
+        sum.set_labels(labels_with_rows(labels, &rows));
+        let start = Instant::now();
         let bar = Bar::new("computing");
-        let sum = self.add(sum, plan, options, 0, &bar)?;
+        let sum = self.add(sum, &rows, plan, options, 0, &bar)?;
         drop(bar);
-        let sum = self.ranks.merge(sum)?;
-        let Some(sum) = sum else { return args.checkpoint.remove(self.ranks) };
+        let sum = ranks.merge(sum)?;
+        let Some(sum) = sum else { return args.checkpoint.remove(ranks) };
         if let Some(output) = &mut outputs.accumulator {
             sum.write(output).map_err(|e| output.error(e))?;
         }
         let mean = sum.mean();
         let c = sum.finish(self.alpha(), args.uplo)?;
-        self.report_time::<T>(self.a.shape().0 - done, start.elapsed())?;
+        self.report_time::<T>(m - done, start.elapsed())?;
         self.check(&mean, c.as_ref())?;
         self.note_unbounded::<T>(&Unbounded::of(c.as_ref(), args.uplo))?;
         progress::check()?;
@@ -314,7 +357,7 @@ impl Work<'_> {
             status!("kept", path = path; "{path}")?;
         }
         self.write(c.as_ref(), outputs.c, outputs.picture)?;
-        args.checkpoint.remove(self.ranks)
+        args.checkpoint.remove(ranks)
     }
 
     /// Returns the factor of C.
@@ -385,9 +428,11 @@ impl Work<'_> {
         self.write(c, outputs.c, outputs.picture)
     }
 
-    /// Computes the bounds of all rows, by a pass over them, if sums must be exact.
+    /// Computes the bounds of all rows, by a pass over those of this process, if sums must be
+    /// exact.
     fn bounds<T: Scalar>(
         &self,
+        list: &RowList,
         plan: &StreamPlan,
         options: &AtaOptions<'_>,
     ) -> Result<Option<RowBounds<T>>> {
@@ -397,8 +442,11 @@ impl Work<'_> {
         let bar = Bar::new("bounds");
         let update = |fraction| bar.update(fraction);
         let options = options.clone().progress(&update);
-        let (mut rows, weights) = self.rows::<T>()?;
-        let bounds = RowBounds::of(&mut rows, weights.as_deref(), plan.block_rows(), &options)?;
+        let found = || -> Result<_> {
+            let (mut rows, weights) = self.rows::<T>(list)?;
+            Ok(RowBounds::of(&mut rows, weights.as_deref(), plan.block_rows(), &options)?)
+        };
+        let bounds = self.ranks.meet(found())?;
         Ok(Some(self.ranks.common_bounds(bounds)?))
     }
 
@@ -414,100 +462,104 @@ impl Work<'_> {
         }
     }
 
-    /// Returns the rows of this process, and their weights.
-    fn rows<T: BlasReal>(&self) -> Result<(Part<'_, T>, Option<Vec<T>>)> {
-        let range = self.ranks.share(self.a.shape().0);
-        let weights = self.weights.map(|w| &w[range.clone()]);
-        let weights = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
-        Ok((Part { rows: self.a.rows::<T>(self.args.require_finite)?, range }, weights))
+    /// Returns the rows of a list, and their weights.
+    fn rows<'r, T: BlasReal>(&'r self, list: &'r RowList) -> Result<(Part<'r, T>, Option<Vec<T>>)> {
+        let weights = self.weights.map(|weights| list.pick(weights));
+        let weights = weights.map(|w| w.into_iter().map(T::from_f64).collect());
+        Ok((Part { rows: self.a.rows::<T>(self.args.require_finite)?, list }, weights))
     }
 
-    /// Adds the rows that `sum` lacks, with checkpoints. `read` is the number of this read of A,
-    /// from 0.
+    /// Adds the rows of the list that `sum` lacks, with checkpoints. `read` is the number of this
+    /// read of A, from 0.
     fn add<T: BlasReal>(
         &self,
         mut sum: Accumulator<T>,
+        list: &RowList,
         plan: &StreamPlan,
         options: &AtaOptions<'_>,
         read: usize,
         bar: &Bar,
     ) -> Result<Accumulator<T>> {
-        let args = self.args;
-        let update = |fraction| bar.update(fraction);
         let share = |read: usize| read as f64 / plan.reads() as f64;
-        let progress = Progress::new(&update).part(share(read)..share(read + 1));
-        let options = options.clone().progress(progress);
-        let (mut rows, weights) = self.rows::<T>()?;
-        let mut checkpoint = args.checkpoint.begin(self.ranks);
-        let mut after_block = |sum: &Accumulator<T>| {
-            if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.after_block(sum);
-            }
-            progress::check()
-        };
-        let height = plan.block_rows();
-        stream(&mut rows, weights.as_deref(), height, &mut sum, &options, &mut after_block)?;
+        let shown = Shown { bar, part: share(read)..share(read + 1) };
+        let (mut rows, weights) = self.rows::<T>(list)?;
+        let checkpoint = self.args.checkpoint.begin(self.ranks);
+        let (weights, height) = (weights.as_deref(), plan.block_rows());
+        let ranks = self.ranks;
+        add_rows(ranks, checkpoint, &mut rows, weights, height, &mut sum, options, shown)?;
         Ok(sum)
     }
 
-    /// Computes C strip by strip: each strip needs a read of A, and is written to the disk.
+    /// Computes C strip by strip: each strip needs a read of A, and is written to the disk by the
+    /// first process.
     fn strips<T: Scalar>(
         &self,
         plan: &StreamPlan,
         options: &AtaOptions<'_>,
         outputs: Outputs,
     ) -> Result<()> {
-        let args = self.args;
+        let (args, ranks) = (self.args, self.ranks);
         let (m, n) = self.a.shape();
-        let given = [
-            ("--verify", args.verify),
-            ("--picture", args.picture.is_some()),
-            ("--checkpoint", args.checkpoint.is_given()),
-            ("--accumulator", args.accumulator.is_some()),
-        ];
-        if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
-            bail!(
-                "{name} needs all of C in memory, and C of {n} x {n} entries does not fit: see \
-                 --memory"
-            );
-        }
-        let Some(output) = outputs.c else {
-            bail!("C of {n} x {n} entries does not fit in memory (--memory): name a file with -o");
+        let begun = || -> Result<Option<StripOutput>> {
+            let given = [
+                ("--verify", args.verify),
+                ("--picture", args.picture.is_some()),
+                ("--checkpoint", args.checkpoint.is_given()),
+                ("--accumulator", args.accumulator.is_some()),
+            ];
+            if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
+                bail!(
+                    "{name} needs all of C in memory, and C of {n} x {n} entries does not fit: see \
+                     --memory"
+                );
+            }
+            if args.output.is_none() {
+                bail!(
+                    "C of {n} x {n} entries does not fit in memory (--memory): name a file with -o"
+                );
+            }
+            Ok(outputs.c.map(|output| StripOutput::new::<T>(output, n, args.uplo)).transpose()?)
         };
-        let path = output.path().display().to_string();
-        let mut output = StripOutput::new::<T>(output, n, args.uplo)?;
+        let mut output = ranks.meet(begun())?;
         let start = Instant::now();
-        let bounds = self.bounds::<T>(plan, options)?;
+        let list = RowList::from(ranks.share(m));
+        let bounds = self.bounds::<T>(&list, plan, options)?;
         let bar = Bar::new("computing");
         let mut unbounded = Unbounded::default();
         for (read, strip) in plan.strips().iter().enumerate() {
-            let sum = self.empty(bounds.as_ref(), strip.clone())?;
-            let sum = self.add(sum, plan, options, read, &bar)?;
+            let sum = ranks.meet(self.empty(bounds.as_ref(), strip.clone()).map_err(Into::into))?;
+            let sum = self.add(sum, &list, plan, options, read, &bar)?;
+            // Only the first process has the output, and the merged sums.
+            let (Some(sum), Some(output)) = (ranks.merge(sum)?, &mut output) else { continue };
             let c: Strip<T> = sum.finish(self.alpha(), Uplo::Lower)?;
             unbounded.add(c.as_ref(), strip.start, args.uplo);
             output.write(&c)?;
         }
         drop(bar);
+        let Some(output) = output else { return args.checkpoint.remove(ranks) };
         self.report_time::<T>(m, start.elapsed())?;
         self.note_unbounded::<T>(&unbounded)?;
         progress::check()?;
         output.commit()?;
-        status!("written", path = path; "{path}")
+        let path = args.output.as_deref().map(|path| path.display().to_string());
+        let path = path.unwrap_or_default();
+        status!("written", path = path; "{path}")?;
+        args.checkpoint.remove(ranks)
     }
 
-    /// Returns what a checkpoint must have been made with.
+    /// Returns what a checkpoint must have been made with. All processes call this function: A has
+    /// the name and the time of the first one's copy.
     fn labels(&self, options: &AtaOptions<'_>) -> Vec<(String, String)> {
         let args = self.args;
         let weights = self.weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
         [
-            ("A", self.a.identity()),
+            ("A", self.ranks.text_of_first(self.a.identity())),
             ("weights", weights),
             ("centring", if self.centered() { "mean" } else { "none" }.into()),
             ("scheme", parse::scheme_name(args.scheme).into()),
             ("accuracy", format!("{:?}", args.accuracy).to_lowercase()),
             ("reproducible", args.reproducible.to_string()),
             ("back end", options.backend.name().into()),
-            ("rank", self.ranks.label().unwrap_or_else(|| "alone".into())),
         ]
         .map(|(name, value)| (name.to_owned(), value))
         .into()

@@ -6,18 +6,28 @@ use catamaran::rows::{Design, DesignColumn, Survey};
 use catamaran::{Error, Par};
 
 use super::{GramArgs, Table};
+use crate::ranks::Ranks;
 use crate::report::{is_json, note, status};
+use crate::rows::RowList;
 
 impl GramArgs {
-    /// Leaves out the rows of a table with a missing value, if `--missing` says so.
-    pub fn complete(&self, table: Table) -> Result<Table> {
-        let missing = self.other_tables().missing();
-        if missing != Missing::Drop {
+    /// Leaves out the rows of a table with a missing value, if `--missing` says so. All processes
+    /// call this function.
+    pub fn complete(&self, ranks: &Ranks, table: Table) -> Result<Table> {
+        if self.other_tables().missing() != Missing::Drop {
             return Ok(table);
         }
-        let rows = survey(&table, &[], missing, self.par())?.missing;
+        let rows = self.survey(ranks, &table, &[])?.missing;
         let columns = (0..table.ncols()).map(DesignColumn::Numbers).collect();
         Ok(table.designed(Design::new(columns).without_rows(rows)))
+    }
+
+    /// Calls [`survey`] with all rows on each process: what it finds decides which rows and columns
+    /// there are.
+    pub fn survey(&self, ranks: &Ranks, table: &Table, factors: &[usize]) -> Result<Survey> {
+        // In copies that differ, each process would find something else.
+        table.check_same(ranks)?;
+        ranks.meet(survey(table, factors, self.other_tables().missing(), self.par()))
     }
 }
 
@@ -27,7 +37,9 @@ pub fn survey(table: &Table, factors: &[usize], missing: Missing, par: Par) -> R
     let path = table.a().path().display();
     let used: Vec<usize> = (0..table.ncols()).collect();
     let survey = table
-        .read_all(0..table.all_rows(), false, |rows| Survey::of(rows, &used, factors, par))
+        .read_all(&RowList::from(0..table.all_rows()), false, |rows| {
+            Survey::of(rows, &used, factors, par)
+        })
         .map_err(|error| match error.downcast_ref() {
             Some(&Error::NonFinite { index: (row, j), .. }) => {
                 let (path, name) = table.column(j);

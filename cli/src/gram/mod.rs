@@ -6,13 +6,12 @@ mod second;
 mod table;
 
 use std::num::NonZeroUsize;
-use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::block_rows;
-use catamaran::rows::{Accumulator, ExtendedGram, RowBounds, stream};
+use catamaran::rows::{Accumulator, ExtendedGram, RowBounds};
 use catamaran::solve::check_weights;
 use catamaran::{AtaOptions, Par};
 
@@ -20,10 +19,13 @@ pub use self::complete::survey;
 pub use self::second::second_pass;
 pub use self::table::Table;
 use crate::common::{Force, Threads};
-use crate::progress::{self, Bar};
+use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
-use crate::rows::{CheckpointArgs, Source, fingerprint, open, read_weights};
+use crate::rows::{
+    Begun, CheckpointArgs, RowList, Shown, Source, add_rows, check_same_weights, fingerprint,
+    labels_with_rows, open, read_weights,
+};
 use crate::tables::{MatrixArgs, MatrixFile, TableArgs};
 
 /// Most lines of a table on the screen.
@@ -67,6 +69,9 @@ impl GramArgs {
     }
 
     /// Refuses wrong arguments before any work.
+    ///
+    /// # Errors
+    /// As [`CheckpointArgs::check`].
     pub fn check(&self, ranks: &Ranks) -> Result<()> {
         self.checkpoint.check(ranks, self.force)
     }
@@ -104,27 +109,30 @@ impl<'a> Pass<'a> {
         weights: Option<&Path>,
         centered: bool,
     ) -> Result<Self> {
-        if table.ncols() == 0 {
-            bail!("{}: no columns", args.input.display());
-        }
-        if centered && table.nrows() == 0 {
-            bail!("{}: no rows, so that there is no mean", args.input.display());
-        }
-        let weights = match weights {
-            Some(path) => {
-                let weights = read_weights(path, table.a(), args.other_tables())?;
-                check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
-                let weights = table.kept(weights)?;
-                if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
-                    bail!("{}: all weights are zero", path.display());
-                }
-                Some(weights)
+        let named = || args.input.display();
+        let enough = || -> Result<()> {
+            if table.ncols() == 0 {
+                bail!("{}: no columns", named());
             }
-            None => None,
+            if centered && table.nrows() == 0 {
+                bail!("{}: no rows, so that there is no mean", named());
+            }
+            Ok(())
         };
-        if ranks.size() > 1 {
-            ranks.report()?;
-        }
+        table.check_same(ranks)?;
+        ranks.meet(enough())?;
+        let read = |path: &Path| -> Result<Vec<f64>> {
+            let weights = read_weights(path, table.a(), args.other_tables())?;
+            check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+            let weights = table.kept(weights)?;
+            if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
+                bail!("{}: all weights are zero", path.display());
+            }
+            Ok(weights)
+        };
+        let weights = ranks.meet(weights.map(read).transpose())?;
+        check_same_weights(ranks, weights.as_deref())?;
+        ranks.report(args.par().threads())?;
         Ok(Self { args, ranks, table, weights, centered })
     }
 
@@ -133,37 +141,37 @@ impl<'a> Pass<'a> {
     /// # Errors
     /// Besides those of reading and adding up, a column whose squared length is out of range.
     pub fn gram(&self) -> Result<Option<ExtendedGram>> {
-        let (checkpoint, n) = (&self.args.checkpoint, self.table.ncols());
+        let (args, ranks) = (self.args, self.ranks);
+        let (m, n) = (self.table.nrows(), self.table.ncols());
         let labels = self.labels();
-        let mut sum = match checkpoint.resume::<f64>(self.ranks, n, &labels)? {
-            Some(sum) => {
-                if self.ranks.size() > 1 {
-                    // A rank that starts from the first row waits for the bounds of all ranks.
-                    self.bounds()?;
-                }
-                sum
-            }
-            None => Accumulator::extended(&self.bounds()?, self.centered)
-                .with_context(|| format!("{}: A^T A of {n} columns", self.args.input.display()))?,
+        let Begun { sum, rows, .. } =
+            args.checkpoint.resume::<f64>(ranks, (m, n), &labels, true)?;
+        let weights = self.weights.as_ref().map(|weights| rows.pick(weights));
+        let weights = weights.as_deref();
+        // Processes without sums need the grid of those of the others.
+        let bounds = match ranks.total(usize::from(sum.is_none())) {
+            0 => None,
+            _ => Some(self.bounds(&rows, weights)?),
         };
-        sum.set_labels(labels);
+        let sum = match (sum, bounds) {
+            (None, Some(bounds)) => Accumulator::extended(&bounds, self.centered)
+                .with_context(|| format!("{}: A^T A of {n} columns", args.input.display()))
+                .map(Some),
+            (sum, _) => Ok(sum),
+        };
+        let sum = ranks.meet(sum)?;
+        let mut sum = sum.context("there are sums, or bounds for them")?;
+        sum.set_labels(labels_with_rows(labels, &rows));
         let start = Instant::now();
         let bar = Bar::new("computing");
-        let update = |fraction| bar.update(fraction);
-        let options = AtaOptions::new().par(self.args.par()).progress(&update);
-        let mut checkpoint = checkpoint.begin(self.ranks);
-        let mut after_block = |sum: &Accumulator<f64>| {
-            if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.after_block(sum);
-            }
-            progress::check()
-        };
-        let (weights, height) = (self.own_weights(), self.height());
-        self.table.read(self.own_rows(), false, |rows| {
-            stream(rows, weights, height, &mut sum, &options, &mut after_block)
+        let options = AtaOptions::new().par(args.par());
+        let (checkpoint, height) = (args.checkpoint.begin(ranks), self.height());
+        self.table.read(&rows, false, |rows| {
+            let shown = Shown { bar: &bar, part: 0.0..1.0 };
+            add_rows(ranks, checkpoint, rows, weights, height, &mut sum, &options, shown)
         })?;
         drop(bar);
-        let Some(sum) = self.ranks.merge(sum)? else { return Ok(None) };
+        let Some(sum) = ranks.merge(sum)? else { return Ok(None) };
         let gram = sum
             .finish_extended(self.args.par())
             .with_context(|| self.args.input.display().to_string())?;
@@ -185,24 +193,16 @@ impl<'a> Pass<'a> {
         self.args.checkpoint.remove(self.ranks)
     }
 
-    /// Computes the bounds of the rows of all ranks by a pass that refuses NaN and infinities.
-    fn bounds(&self) -> Result<RowBounds<f64>> {
+    /// Computes the bounds of the rows of all ranks, by a pass over those of this rank that refuses
+    /// NaN and infinities.
+    fn bounds(&self, rows: &RowList, weights: Option<&[f64]>) -> Result<RowBounds<f64>> {
         let bar = Bar::new("bounds");
         let update = |fraction| bar.update(fraction);
         let options = AtaOptions::new().par(self.args.par()).progress(&update);
-        let (weights, height) = (self.own_weights(), self.height());
-        let bounds = self
-            .table
-            .read(self.own_rows(), true, |rows| RowBounds::of(rows, weights, height, &options))?;
-        self.ranks.common_bounds(bounds)
-    }
-
-    fn own_rows(&self) -> Range<usize> {
-        self.ranks.share(self.table.nrows())
-    }
-
-    fn own_weights(&self) -> Option<&[f64]> {
-        self.weights.as_ref().map(|weights| &weights[self.own_rows()])
+        let height = self.height();
+        let bounds =
+            self.table.read(rows, true, |rows| RowBounds::of(rows, weights, height, &options));
+        self.ranks.common_bounds(self.ranks.meet(bounds)?)
     }
 
     fn height(&self) -> usize {
@@ -210,18 +210,18 @@ impl<'a> Pass<'a> {
         height.unwrap_or_else(|| block_rows::<f64>(self.table.ncols(), self.weights.is_some()))
     }
 
-    /// Returns what a checkpoint must have been made with.
+    /// Returns what a checkpoint must have been made with. All processes call this function: files
+    /// have the names and the times of the first one's copies.
     fn labels(&self) -> Vec<(String, String)> {
         let weights = self.weights.as_ref();
         let weights = weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
-        let [a, b] = self.table.identity();
+        let [a, b] = self.table.identity().map(|text| self.ranks.text_of_first(text));
         [
             ("sums", "extended".into()),
             ("A", a),
             ("B", b),
             ("weights", weights),
             ("centring", if self.centered { "mean" } else { "none" }.into()),
-            ("rank", self.ranks.label().unwrap_or_else(|| "alone".into())),
         ]
         .map(|(name, value): (&str, String)| (name.to_owned(), value))
         .into()

@@ -7,6 +7,7 @@ use catamaran::io::ArraysWriter;
 
 use super::table::Table;
 use crate::progress::Bar;
+use crate::rows::RowList;
 
 /// Most rows in a block; wide rows have smaller blocks.
 const ROWS: usize = 4096;
@@ -26,7 +27,7 @@ pub fn second_pass(
     let height = block_rows::<f64>(n, true).min(ROWS).min(m).max(1);
     let mut memory = Workspace::<f64>::new(height.saturating_mul(n))?;
     let bar = Bar::new("rows");
-    table.read(0..m, false, |rows| {
+    table.read(&RowList::from(0..m), false, |rows| {
         for first in (0..m).step_by(height) {
             bar.step(first as f64 / m as f64)?;
             let count = height.min(m - first);

@@ -1,16 +1,16 @@
 //! The rows that are added: those of a file, of two files side by side, or of a file with its
 //! columns in another order; as they are, or those of a design.
 
-use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use catamaran::faer::MatMut;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::rows::{Design, DesignColumn, RowBlocks};
 use catamaran::solve::JoinedRows;
 
-use crate::rows::{Part, Source, fingerprint};
+use crate::ranks::Ranks;
+use crate::rows::{Part, RowList, Source, fingerprint, fingerprint_of_text};
 
 /// Rows of f64.
 pub struct Table {
@@ -117,39 +117,61 @@ impl Table {
         };
         let with = match &self.design {
             None => with,
-            Some(design) => {
-                let left_out: Vec<f64> = design.left_out().iter().map(|&row| row as f64).collect();
-                let (count, rows) = (left_out.len(), fingerprint(&left_out));
-                let columns = design.columns();
-                format!("{with}, without {count} rows ({rows:016x}), columns {columns:?}")
-            }
+            Some(design) => format!("{with}, {}", about(design)),
         };
         [self.a.identity(), with]
+    }
+
+    /// Checks that all processes have opened or read the same files, and have the same design.
+    ///
+    /// # Errors
+    /// A process has another one; the error names it, and what differs.
+    pub fn check_same(&self, ranks: &Ranks) -> Result<()> {
+        if ranks.size() == 1 {
+            return Ok(());
+        }
+        let mut numbers: Vec<_> = self.a.facts().into();
+        let mut name = self.a.path().display().to_string();
+        if let With::Columns(b) = &self.with {
+            let names = ["the size of an entry of B", "the size of the file of B"];
+            numbers.extend(names.into_iter().zip(b.facts().map(|(_, number)| number)));
+            name = format!("{name}, {}", b.path().display());
+        }
+        if let Some(design) = &self.design {
+            let hash = fingerprint_of_text(&about(design)) as usize;
+            numbers.push(("the fingerprint of factors and of rows that are left out", hash));
+        }
+        let (all, mut same) = (RowList::from(0..self.nrows()), Ok(()));
+        self.read(&all, false, |rows| {
+            same = ranks.same_rows(rows, &numbers);
+            Ok(())
+        })?;
+        ranks.meet(same.with_context(|| name))
     }
 
     /// Calls `work` with some of the rows; `require_finite` refuses NaN and infinities, of which
     /// the rows of a design have none.
     pub fn read<R>(
         &self,
-        range: Range<usize>,
+        list: &RowList,
         require_finite: bool,
         work: impl FnOnce(&mut (dyn RowBlocks<f64> + Send)) -> catamaran::Result<R>,
     ) -> Result<R> {
-        let Some(design) = &self.design else { return self.read_all(range, require_finite, work) };
-        self.read_all(0..self.all_rows(), false, |table| {
-            work(&mut Part { rows: Box::new(design.rows(table)?), range })
+        let Some(design) = &self.design else { return self.read_all(list, require_finite, work) };
+        self.read_all(&RowList::from(0..self.all_rows()), false, |table| {
+            work(&mut Part { rows: Box::new(design.rows(table)?), list })
         })
     }
 
     /// Calls `work` as [`Table::read`] does, with the rows of the files.
     pub fn read_all<R>(
         &self,
-        range: Range<usize>,
+        list: &RowList,
         require_finite: bool,
         work: impl FnOnce(&mut (dyn RowBlocks<f64> + Send)) -> catamaran::Result<R>,
     ) -> Result<R> {
         let part = |source| -> Result<_> {
-            Ok(Part { rows: Source::rows::<f64>(source, require_finite)?, range: range.clone() })
+            Ok(Part { rows: Source::rows::<f64>(source, require_finite)?, list })
         };
         let mut a = part(&self.a)?;
         Ok(match &self.with {
@@ -160,6 +182,14 @@ impl Table {
             }
         })
     }
+}
+
+/// Returns a short text that identifies a design, of which some have thousands of levels.
+fn about(design: &Design) -> String {
+    let left_out: Vec<f64> = design.left_out().iter().map(|&row| row as f64).collect();
+    let (count, rows) = (left_out.len(), fingerprint(&left_out));
+    let columns = fingerprint_of_text(&format!("{:?}", design.columns()));
+    format!("without {count} rows ({rows:016x}), columns {columns:016x}")
 }
 
 /// Returns the column of the table that column j of the matrix comes from.

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use catamaran::io::Missing;
-use catamaran::rows::{Design, DesignColumn, Factor};
+use catamaran::rows::{Design, DesignColumn, Factor, Survey};
 
 use super::Rows;
 use super::names::list;
-use crate::gram::{GramArgs, survey};
+use crate::gram::GramArgs;
+use crate::ranks::Ranks;
 use crate::report::status;
 
 /// A column of A as the coefficients see it.
@@ -40,34 +41,33 @@ pub(super) fn possible_names(factors: &[String]) -> Vec<String> {
     factors.iter().cloned().chain(before).collect()
 }
 
-/// Leaves out rows with missing values, and replaces factors by their indicators.
-pub(super) fn apply(args: &GramArgs, rows: Rows, factors: &[String]) -> Result<Designed> {
+/// Leaves out rows with missing values, and replaces factors by their indicators. All processes
+/// call this function.
+pub(super) fn apply(
+    args: &GramArgs,
+    ranks: &Ranks,
+    rows: Rows,
+    factors: &[String],
+) -> Result<Designed> {
     let path = args.input();
     let numbers = |column: &String| Term { column: column.clone(), levels: Vec::new() };
     let mut terms: Vec<Term> = rows.columns.iter().map(numbers).collect();
-    let missing = args.other_tables().missing();
-    if factors.is_empty() && missing != Missing::Drop {
+    if factors.is_empty() && args.other_tables().missing() != Missing::Drop {
         return Ok(Designed { rows, terms, dropped: 0 });
     }
     let Rows { table, columns, targets, levels } = rows;
-    let wanted = wanted(path, &columns, factors)?;
+    let wanted = ranks.meet(wanted(path, &columns, factors))?;
     let at: Vec<usize> = wanted.iter().map(|wanted| wanted.column).collect();
-    let survey = survey(&table, &at, missing, args.par())?;
-    let dropped = survey.missing.len();
-    let mut design: Vec<DesignColumn> = (0..table.ncols()).map(DesignColumn::Numbers).collect();
-    for (wanted, entries) in wanted.iter().zip(survey.entries) {
+    let Survey { missing, entries, .. } = args.survey(ranks, &table, &at)?;
+    let dropped = missing.len();
+    let of_column = |(wanted, entries): (&Wanted<'_>, Vec<f64>)| {
         let j = wanted.column;
-        let factor = match &levels[j][..] {
-            [] => Factor::of_numbers(&columns[j], entries),
-            words => Factor::of_codes(&columns[j], words.to_vec())
-                .and_then(|factor| factor.with_entries(&entries)),
-        };
-        let factor = factor
-            .and_then(|factor| match wanted.base {
-                Some(base) => factor.with_base(base),
-                None => Ok(factor),
-            })
-            .with_context(|| path.display().to_string())?;
+        factor(&columns[j], &levels[j], entries, wanted.base)
+    };
+    let found = wanted.iter().zip(entries).map(of_column).collect::<catamaran::Result<Vec<_>>>();
+    let found = ranks.meet(found.with_context(|| path.display().to_string()))?;
+    let mut design: Vec<DesignColumn> = (0..table.ncols()).map(DesignColumn::Numbers).collect();
+    for (j, factor) in at.into_iter().zip(found) {
         let (name, base, levels) = (factor.name(), factor.base(), factor.levels().len());
         status!(
             "factor", column = name, base = base, levels = levels;
@@ -77,8 +77,28 @@ pub(super) fn apply(args: &GramArgs, rows: Rows, factors: &[String]) -> Result<D
         design[j] = DesignColumn::Indicators(j, factor);
     }
     let columns = terms.iter().flat_map(names).collect();
-    let table = table.designed(Design::new(design).without_rows(survey.missing));
+    let table = table.designed(Design::new(design).without_rows(missing));
     Ok(Designed { rows: Rows { table, columns, targets, levels }, terms, dropped })
+}
+
+/// Returns a factor with the levels of a column that are among its entries: numbers, or codes of
+/// words.
+fn factor(
+    name: &str,
+    words: &[String],
+    entries: Vec<f64>,
+    base: Option<&str>,
+) -> catamaran::Result<Factor> {
+    let factor = match words {
+        [] => Factor::of_numbers(name, entries),
+        words => {
+            Factor::of_codes(name, words.to_vec()).and_then(|factor| factor.with_entries(&entries))
+        }
+    };
+    match base {
+        Some(base) => factor?.with_base(base),
+        None => factor,
+    }
 }
 
 /// Returns the names of the columns of a term.

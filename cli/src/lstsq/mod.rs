@@ -91,19 +91,21 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
-    if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
-        bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
-    }
-    let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
-    args.gram.check(ranks)?;
-    let rows = rows(args)?;
-    refuse_empty(args, &rows.columns, &rows.targets)?;
-    let input = args.gram.input();
-    let designed = design::apply(&args.gram, rows, &args.factor)?;
+    let begin = || -> Result<_> {
+        if !(args.ridge >= 0.0 && args.ridge.is_finite()) {
+            bail!("--ridge {}: a finite number of at least 0 is needed", args.ridge);
+        }
+        let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
+        args.gram.check(ranks)?;
+        let rows = rows(args)?;
+        refuse_empty(args, &rows)?;
+        Ok((outputs, rows))
+    };
+    let (outputs, rows) = ranks.meet(begin())?;
+    let designed = design::apply(&args.gram, ranks, rows, &args.factor)?;
+    // All rows may have been left out.
+    ranks.meet(refuse_empty(args, &designed.rows))?;
     let Designed { rows: Rows { table, columns, targets, .. }, terms, dropped } = designed;
-    if table.nrows() == 0 {
-        bail!("{}: no rows", input.display());
-    }
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let options =
@@ -187,8 +189,8 @@ fn rows(args: &Args) -> Result<Rows> {
     Ok(Rows { table: Table::ordered(a, order), columns, targets, levels })
 }
 
-/// Refuses a matrix A or B without columns.
-fn refuse_empty(args: &Args, columns: &[String], targets: &[String]) -> Result<()> {
+/// Refuses a matrix A or B without columns, and one without rows.
+fn refuse_empty(args: &Args, Rows { table, columns, targets, .. }: &Rows) -> Result<()> {
     let a = args.gram.input().display();
     match &args.b {
         _ if columns.is_empty() && !args.by_column.is_empty() => {
@@ -196,6 +198,7 @@ fn refuse_empty(args: &Args, columns: &[String], targets: &[String]) -> Result<(
         }
         _ if columns.is_empty() => bail!("{a}: no columns"),
         Some(b) if targets.is_empty() => bail!("{}: no columns", b.display()),
+        _ if table.nrows() == 0 => bail!("{a}: no rows"),
         _ => Ok(()),
     }
 }

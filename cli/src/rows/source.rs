@@ -17,7 +17,10 @@ use catamaran::io::{
 };
 use catamaran::rows::{DenseRows, RowBlocks};
 
+use super::list::RowList;
+use crate::claims::file_of;
 use crate::progress::Bar;
+use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::tables::{self, TableArgs};
 
@@ -119,8 +122,8 @@ impl Source {
         match self.reading().map_or(0, |reading| reading.dropped_rows) {
             0 => Ok(()),
             count => bail!(
-                "{}: --missing drop leaves out rows ({count}), so that the rows of {} are no longer \
-                 theirs: it needs all columns in one table",
+                "{}: --missing drop leaves out rows ({count}), so that the rows of {} are no \
+                 longer theirs: it needs all columns in one table",
                 self.name.display(),
                 other.display()
             ),
@@ -212,6 +215,27 @@ impl Source {
                 format!("{}, {columns}, {bytes:?} bytes, {changed:?}", path.display())
             }
         }
+    }
+
+    /// Returns numbers that are the same for copies of the file, with their names.
+    pub fn facts(&self) -> [(&'static str, usize); 2] {
+        let about = fs::metadata(file_of(&self.name)).ok().filter(fs::Metadata::is_file);
+        let bytes = about.map_or(0, |about| about.len() as usize);
+        let scalar = if self.is_single() { size_of::<f32>() } else { size_of::<f64>() };
+        [("the size of an entry", scalar), ("the size of the file", bytes)]
+    }
+
+    /// Checks that all processes have read or opened the same matrix.
+    ///
+    /// # Errors
+    /// A process has another one; the error names it, and what differs.
+    pub fn check_same(&self, ranks: &Ranks) -> Result<()> {
+        if ranks.size() == 1 {
+            return Ok(());
+        }
+        let mut rows = self.rows::<f64>(false)?;
+        let same = ranks.same_rows(&mut *rows, &self.facts());
+        ranks.meet(same.with_context(|| self.name.display().to_string()))
     }
 
     /// Returns the rows, converted to T; `require_finite` refuses NaN and infinities. May be called
@@ -432,30 +456,52 @@ pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f6
     }
 }
 
+/// Checks that all processes have read the same weights, if there are any.
+///
+/// # Errors
+/// A process has other ones.
+pub fn check_same_weights(ranks: &Ranks, weights: Option<&[f64]>) -> Result<()> {
+    let hash = weights.map_or(0, fingerprint) as usize;
+    ranks.same_numbers(&[("the fingerprint of the weights", hash)])
+}
+
 /// Some of the rows of a source.
 pub struct Part<'a, T> {
     /// All rows.
     pub rows: Rows<'a, T>,
-    /// The rows of this part.
-    pub range: Range<usize>,
+    /// The rows of this part, in its order.
+    pub list: &'a RowList,
 }
 
 impl<T> RowBlocks<T> for Part<'_, T> {
     fn nrows(&self) -> usize {
-        self.range.len()
+        self.list.len()
     }
 
     fn ncols(&self) -> usize {
         self.rows.ncols()
     }
 
-    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
-        self.rows.read(self.range.start + first, out)
+    fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
+        let (list, rows) = (self.list, &mut self.rows);
+        list.for_each(first..first + out.nrows(), |place, range| {
+            let out = out.rb_mut().subrows_mut(place, range.len());
+            rows.read(range.start, out)
+        })
     }
 }
 
 /// Returns a number that distinguishes weights: FNV-1a of their bits.
 pub fn fingerprint(weights: &[f64]) -> u64 {
+    fnv_1a(weights.iter().flat_map(|w| w.to_le_bytes()))
+}
+
+/// Returns a number that distinguishes texts: FNV-1a of their bytes.
+pub fn fingerprint_of_text(text: &str) -> u64 {
+    fnv_1a(text.bytes())
+}
+
+fn fnv_1a(bytes: impl Iterator<Item = u8>) -> u64 {
     let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    weights.iter().flat_map(|w| w.to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, mix)
+    bytes.fold(0xcbf2_9ce4_8422_2325, mix)
 }

@@ -7,9 +7,10 @@ use catamaran::kernel::{int8, packed};
 use crate::common::{Folder, Run, with_input};
 
 #[test]
-fn info_names_version_cpu_back_ends_and_instances() {
+fn info_names_version_cpu_libraries_back_ends_and_instances() {
     let text = Folder::new().succeed("info");
-    for part in [env!("CARGO_PKG_VERSION"), "cpu", "affinity mask", "native", "openblas"] {
+    assert!(text.contains(env!("CARGO_PKG_VERSION")), "{text}");
+    for part in ["cpu", "affinity mask", "native", "openblas", "\nMPI  ", "\nHDF5  "] {
         assert!(text.contains(part), "{part:?} in {text}");
     }
     let state = |refusal: Option<&'static str>, best| {

@@ -115,7 +115,8 @@ fn others() -> String {
     let ours: String = paths.iter().map(text).collect();
     // cargo, ld, CMake, Open MPI and Slurm.
     ours + "--gc-sections --features --release --locked --no-default-features --workspace --path \
-            --target --bin --open --config --preset --map-by --cpu-bind --ntasks-per-socket"
+            --target --bin --open --config --preset --map-by --cpu-bind --ntasks-per-socket --mpi \
+            --mem --signal --requeue"
 }
 
 #[test]

@@ -606,14 +606,8 @@ fn singular_values_keep_their_digits_and_the_factors_give_a() {
     assert!(difference.norm_max() < 1e-12);
 }
 
-#[test]
-fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
-    let folder = Folder::new();
-    let (m, n) = (60_000, 24);
-    folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
-    let options = "lstsq a.npy --by-column 0 --intercept --block-rows 300";
-    folder.succeed(&format!("{options} -o whole.npz"));
-    let arguments = format!("{options} -o x.npz --checkpoint sums --checkpoint-every 0 --resume");
+/// Runs a command until it is killed after it has saved its sums in `sums`.
+fn kill_after_a_checkpoint(folder: &Folder, arguments: &str) {
     loop {
         let mut command = folder.program();
         command.args(arguments.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -630,6 +624,17 @@ fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
         assert_eq!(run.code, Some(0), "{}", run.stderr);
         fs::remove_file(folder.path("x.npz")).unwrap();
     }
+}
+
+#[test]
+fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
+    let folder = Folder::new();
+    let (m, n) = (60_000, 24);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
+    let options = "lstsq a.npy --by-column 0 --intercept --block-rows 300";
+    folder.succeed(&format!("{options} -o whole.npz"));
+    let arguments = format!("{options} -o x.npz --checkpoint sums --checkpoint-every 0 --resume");
+    kill_after_a_checkpoint(&folder, &arguments);
     let other = arguments.replace("--intercept", "");
     let message = folder.fail(&other);
     assert!(message.contains("sums: accumulator: centring was mean, and is none now"), "{message}");
@@ -637,6 +642,27 @@ fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
     assert!(report.contains("resumed     sums: row "), "{report}");
     assert!(bytes(&folder, "x.npz") == bytes(&folder, "whole.npz"));
     assert!(!folder.path("sums").exists(), "the checkpoint is removed in the end");
+}
+
+#[test]
+fn a_run_that_leaves_rows_out_goes_on_with_the_same_rows_only() {
+    let folder = Folder::new();
+    let (m, n) = (60_000, 24);
+    let mut a = table(m, n);
+    for row in [5, 30_000, m - 1] {
+        a[row * n + 3] = f64::NAN;
+    }
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    let options = "lstsq a.npy --by-column 0 --missing drop --block-rows 300";
+    folder.succeed(&format!("{options} -o whole.npz"));
+    let arguments = format!("{options} -o x.npz --checkpoint sums --checkpoint-every 0 --resume");
+    kill_after_a_checkpoint(&folder, &arguments);
+    let message = folder.fail(&arguments.replace(" --missing drop", ""));
+    assert!(message.contains("sums: accumulator: B was columns in the order"), "{message}");
+    assert!(message.contains("], without 3 rows"), "{message}");
+    let report = folder.succeed(&arguments);
+    assert!(report.contains("resumed     sums: row "), "{report}");
+    assert!(bytes(&folder, "x.npz") == bytes(&folder, "whole.npz"));
 }
 
 #[test]

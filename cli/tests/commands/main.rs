@@ -13,6 +13,7 @@ mod files;
 mod gram;
 mod guide;
 mod json;
+mod launchers;
 #[allow(dead_code, reason = "the tests of faults use all of it")]
 #[path = "../faults/commands.rs"]
 mod lines;

@@ -11,12 +11,14 @@ mod factor;
 mod form;
 mod gram;
 mod memory;
+mod node;
 mod ortho;
 mod pending_send;
 mod reduction;
 mod requests;
 mod root;
 mod rows;
+mod same;
 mod spread;
 mod stream;
 mod symmetric;
@@ -24,6 +26,7 @@ mod tags;
 mod transfer;
 mod tree;
 mod verify;
+mod version;
 mod world;
 
 pub use columns::ata_columns;
@@ -31,16 +34,21 @@ pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use eigen::eigs;
 pub use exchange::gather_rows;
 pub use gram::lstsq;
+pub use node::Node;
 pub use ortho::{cholesky_qr, gram_schmidt, gram_schmidt_in_place};
 pub use root::{ata_deal, ata_root, ata_tree};
 pub use rows::{ata_rows, sum_symmetric};
+pub use same::agree_rows;
 pub use stream::{agree_bounds, merge_accumulators};
 pub use symmetric::Symmetric;
 pub use verify::{Distributed, verify};
+pub use version::mpi_version;
 pub use world::{MpiReal, Traffic, World};
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
 pub use ortho::watched_cholesky_qr;
+#[doc(hidden)]
+pub use same::agree_numbers;
 #[doc(hidden)]
 pub use world::Operation;

@@ -465,6 +465,11 @@ pub(super) fn fact(what: &'static str, count: usize) -> Fact {
     Fact { what, bits: count as u64, text: |bits| bits.to_string() }
 }
 
+/// Returns the fact that all ranks have the same hash `what`.
+pub(super) fn hash_fact(what: &'static str, hash: u64) -> Fact {
+    Fact { what, bits: hash, text: |bits| format!("{bits:016x}") }
+}
+
 /// Returns the fact that `what` is on or off on all ranks.
 pub(super) fn flag(what: &'static str, on: bool) -> Fact {
     Fact { what, bits: u64::from(on), text: |bits| (bits != 0).to_string() }
@@ -499,4 +504,7 @@ pub enum Operation {
     GatherRows,
     Bounds,
     LeastSquares,
+    SameShape,
+    SameRows,
+    SameNumbers,
 }

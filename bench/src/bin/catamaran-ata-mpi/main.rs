@@ -5,7 +5,6 @@
 mod arguments;
 mod checks;
 mod job;
-mod launcher;
 mod ours;
 mod picture;
 mod race;
@@ -18,6 +17,7 @@ mod scalapack;
 use std::path::Path;
 use std::process::ExitCode;
 
+use catamaran::ranks::Launch;
 use catamaran_bench::host::Kernels;
 use catamaran_bench::{Result, host};
 use clap::Parser;
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
 /// returns `code`, the others return success, for mpirun ends all when the first process fails,
 /// possibly before the report.
 fn of_job(code: u8, report: impl FnOnce()) -> ExitCode {
-    if !launcher::is_first() {
+    if Launch::of_process().is_some_and(|launch| !launch.speaks()) {
         return ExitCode::SUCCESS;
     }
     report();

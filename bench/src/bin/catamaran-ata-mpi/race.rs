@@ -3,15 +3,15 @@
 use std::thread;
 use std::time::Duration;
 
+use catamaran::Par;
 use catamaran::base::available_cores;
-use catamaran::ranks::{MpiReal, Traffic, World};
+use catamaran::ranks::{Launch, MpiReal, Traffic, World, mpi_version};
 use catamaran_bench::race::Outcome;
 use catamaran_bench::{Result, host, peak, record};
 
 use crate::arguments::Arguments;
 use crate::checks::{self, Check};
 use crate::job::Job;
-use crate::launcher;
 use crate::ours::{Ours, ROOT};
 use crate::picture;
 use crate::ranks::Ranks;
@@ -90,10 +90,14 @@ impl<'a> Setting<'a> {
     /// Checks the launcher and the tables, starts the threads and measures the peak.
     fn prepare<T: MpiReal>(arguments: &'a Arguments, ranks: &'a Ranks<'a>) -> Result<Self> {
         let mpi = mpi_version();
-        launcher::check(ranks.count(), &mpi)?;
+        if let Some(launch) = Launch::of_process() {
+            launch.check(ranks.count(), &mpi)?;
+        }
         // A table that can't take the row is reported before the work, not after it.
         ranks.agree(on_root(ranks, || check_tables(arguments)))?;
-        let job = arguments.job(ranks.count());
+        let mut job = arguments.job(ranks.count());
+        // All ranks use as many threads as the one that may use the fewest.
+        job.threads = -ranks.largest(-(Par::Threads(job.threads).threads() as f64)) as usize;
         let threads = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build_global();
         ranks.agree(threads.map_err(Into::into))?;
         let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
@@ -128,7 +132,15 @@ impl<'a> Setting<'a> {
     }
 
     fn note_too_many_threads(&self) {
-        let Self { ranks, job, .. } = self;
+        let Self { ranks, job, arguments, .. } = self;
+        let asked = usize::from(arguments.threads);
+        if job.threads < asked {
+            self.say(&format!(
+                "note      {} threads of a rank instead of {asked}: at most {} for each core",
+                job.threads,
+                Par::MOST_PER_CORE
+            ));
+        }
         let cores_needed = ranks.on_this_machine() * job.threads;
         if ranks.largest(cores_needed as f64 / host::cores() as f64) > 1.0 {
             self.say("note      more threads than cores on a machine: times say little");
@@ -246,12 +258,15 @@ fn on_root(ranks: &Ranks<'_>, work: impl FnOnce() -> Result<()>) -> Result<()> {
     if ranks.own() == ROOT { work() } else { Ok(()) }
 }
 
-/// Returns an error if the table of `--csv` or `--record` has other columns.
+/// Returns an error if the table of `--csv` or `--record` has other columns, or can't be written.
 fn check_tables(arguments: &Arguments) -> Result<()> {
     let table = arguments.csv.as_deref();
-    table.map_or(Ok(()), |path| record::check_header(path, Row::HEADER))?;
-    let record = arguments.record.as_deref().map(record::table);
-    record.map_or(Ok(()), |path| record::check_header(&path, Row::HEADER))
+    table.map_or(Ok(()), |path| record::check_writable(path, Row::HEADER))?;
+    let Some(record) = arguments.record.as_deref().map(record::table) else { return Ok(()) };
+    if let Some(folder) = record.parent() {
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
+    record::check_writable(&record, Row::HEADER)
 }
 
 /// How the rival takes part: its fastest distribution.
@@ -390,11 +405,4 @@ fn peak_of_all<T>(ranks: &Ranks<'_>, threads: usize) -> (f64, String) {
 
 fn scalar<T>() -> &'static str {
     if size_of::<T>() == 8 { "f64" } else { "f32" }
-}
-
-/// Returns the version that the MPI library reports.
-fn mpi_version() -> String {
-    let all = mpi::environment::library_version().unwrap_or_default();
-    let first = all.split([',', '\n']).next().unwrap_or_default();
-    first.replace('\t', " ").trim_end_matches(['\0', ' ']).to_owned()
 }
