@@ -33,7 +33,7 @@ pub struct Source {
 
 enum Content {
     File(RowFile),
-    Table(TableFile),
+    Table(Box<TableFile>),
     Whole(FileContent),
 }
 
@@ -79,7 +79,7 @@ impl Source {
             Content::File(file)
         } else if let Some(file) = large_table(name, options)? {
             names = file.reading().names();
-            Content::Table(file)
+            Content::Table(Box::new(file))
         } else {
             let content = read(name, "reading", options)?;
             names = content.names.clone();
