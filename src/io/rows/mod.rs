@@ -20,7 +20,7 @@ use super::columns::checked_columns;
 use super::names::RowsFormat;
 #[cfg(not(feature = "hdf5"))]
 use super::names::without_hdf5;
-use super::npy;
+use super::npy::is_complex;
 use super::source::error;
 use crate::base::{Error, Real, Result};
 use crate::rows::RowBlocks;
@@ -97,7 +97,7 @@ impl RowFile {
     /// ```
     pub fn is_one(name: &Path) -> bool {
         match RowsFormat::of(name) {
-            Ok(RowsFormat::Npy) => name.is_file() && !npy::is_complex(name),
+            Ok(RowsFormat::Npy) => name.is_file() && !is_complex(name),
             Ok(RowsFormat::Hdf5 { .. }) => true,
             Err(_) => false,
         }
