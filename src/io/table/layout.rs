@@ -240,6 +240,16 @@ impl Found<'_> {
         }
     }
 
+    /// Returns whether the caller asks for this column as a factor.
+    fn is_named_factor(&self, names: &[String], j: usize) -> bool {
+        let is_own = |factor: &String| names.get(j) == Some(factor) || *factor == j.to_string();
+        self.options.factors.iter().any(is_own)
+    }
+
+    fn has_word(&self, from: usize, width: usize, j: usize) -> bool {
+        self.rows(from, width).any(|row| self.cell(&row.fields[j]) == Cell::Word)
+    }
+
     fn decide(self) -> Result<Decided> {
         let width = width(&self.sample);
         let trailing = self.has_trailing_separator(width);
@@ -264,7 +274,12 @@ impl Found<'_> {
                     && names[1..].iter().all(|name| !name.is_empty())
             }
         };
-        let kinds: Vec<Kind> = (0..ncells).map(|j| self.kind(data, width, j)).collect();
+        let kinds: Vec<Kind> = (0..ncells)
+            .map(|j| match self.is_named_factor(&names, j) && self.has_word(data, width, j) {
+                true => Kind::Words,
+                false => self.kind(data, width, j),
+            })
+            .collect();
         let (used, left_out) = self.used(&kinds, &names, index, data, width)?;
         let notation = self.notation(&used, &kinds, data, width)?;
         let (start, first_line) = match has_header {
@@ -572,7 +587,8 @@ impl Found<'_> {
         data: usize,
         width: usize,
     ) -> Result<(Vec<usize>, Vec<String>)> {
-        let takes_words = self.options.words == Words::Factor;
+        let takes_words =
+            |j: usize| self.options.words == Words::Factor || self.is_named_factor(names, j);
         let name = |j: usize| match names.get(j).filter(|name| !name.is_empty()) {
             Some(name) => name.clone(),
             None => j.to_string(),
@@ -590,7 +606,7 @@ impl Found<'_> {
         };
         if !self.columns.is_all() {
             let used = self.columns.of(names, kinds.len())?;
-            match used.iter().find(|&&j| kinds[j] == Kind::Words && !takes_words) {
+            match used.iter().find(|&&j| kinds[j] == Kind::Words && !takes_words(j)) {
                 Some(&j) => return Err(wrong(j)),
                 None => return Ok((used, Vec::new())),
             }
@@ -598,7 +614,7 @@ impl Found<'_> {
         let (mut used, mut left_out) = (Vec::new(), Vec::new());
         for j in usize::from(index)..kinds.len() {
             match kinds[j] {
-                Kind::Words if !takes_words => left_out.push(name(j)),
+                Kind::Words if !takes_words(j) => left_out.push(name(j)),
                 _ => used.push(j),
             }
         }

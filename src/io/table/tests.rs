@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use faer::Mat;
+use faer::{Mat, mat};
 use proptest::prelude::*;
 
 use super::*;
@@ -502,6 +502,32 @@ proptest! {
         prop_assert_eq!(doubles(&found.matrix), expected, "{:?}", text);
         prop_assert_eq!(found.names.len(), if dialect.has_header { rows[0].len() } else { 0 });
     }
+}
+
+#[test]
+fn named_columns_of_words_are_factors_and_others_are_left_out() {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", "u,v,x,k\nb,p,1,10\na,q,2,9\nb,p,3,w\n");
+    let read = |factors: &[&str], columns: &str| {
+        let factors = factors.iter().map(|&name| name.to_owned()).collect();
+        let columns = if columns.is_empty() { Columns::ALL } else { Columns::parse(columns) };
+        let options = options(TableOptions::new().factors(factors)).columns(columns);
+        read_file(&path, &options)
+            .map(|content| (doubles(&content.matrix), content.reading.unwrap()))
+    };
+    let (found, reading) = read(&["u", "k", "none"], "").unwrap();
+    same(&found, &mat![[1.0, 1.0, 0.0], [0.0, 2.0, 1.0], [1.0, 3.0, 2.0]]);
+    assert_eq!(reading.left_out, ["v"]);
+    let kinds: Vec<_> = reading.columns.iter().map(|column| column.kind.clone()).collect();
+    let levels = |words: &[&str]| ColumnKind::Factor {
+        levels: words.iter().map(|&word| word.to_owned()).collect(),
+    };
+    assert_eq!(kinds, [levels(&["a", "b"]), ColumnKind::Numbers, levels(&["10", "9", "w"])]);
+    // By number; numbers stay numbers; only what is asked for may be words.
+    let (found, _) = read(&["1", "x"], "x,v").unwrap();
+    same(&found, &mat![[1.0, 0.0], [2.0, 1.0], [3.0, 0.0]]);
+    let said = read(&["u"], "v,u").unwrap_err().to_string();
+    assert!(said.contains("column v has words"), "{said}");
 }
 
 #[test]
