@@ -1,5 +1,6 @@
 //! `catamaran ata`.
 
+mod complex;
 mod memory;
 mod shown;
 mod unbounded;
@@ -31,7 +32,7 @@ use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
 
-/// Compute C = A^T A of a matrix in a file.
+/// Compute C = A^T A of a matrix in a file, or A^H A of a complex one.
 ///
 /// Reads .npy, .mtx and text tables, each also as .gz or .xz, from a file or stdin (-), and HDF5
 /// where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file and
@@ -157,6 +158,10 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     };
 
     let a = open("A", &args.input, &args.matrix.read())?;
+    if let Some(matrix) = a.complex() {
+        complex::refuse(args, ranks)?;
+        return complex::run(args, matrix, &options(args, backend), outputs);
+    }
     if ranks.size() > 1 {
         ranks.report()?;
     }
@@ -171,6 +176,18 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         work.run::<f32>(outputs)
     };
     done.map_err(|error| of_weights(args, error))
+}
+
+/// Returns the options of products of matrices.
+fn options<'a>(args: &Args, backend: Arc<dyn Backend>) -> AtaOptions<'a> {
+    AtaOptions::new()
+        .uplo(args.uplo)
+        .par(args.threads.par())
+        .pin(if args.pin { Pin::Cores } else { Pin::No })
+        .scheme(args.scheme)
+        .accuracy(args.accuracy)
+        .reproducible(args.reproducible)
+        .backend(backend)
 }
 
 /// Adds the file to an error about the weights.
@@ -225,14 +242,7 @@ impl Work<'_> {
         if args.covariance && m < 2 {
             bail!("{}: {m} rows, where --covariance needs at least 2", args.input.display());
         }
-        let options = AtaOptions::new()
-            .uplo(args.uplo)
-            .par(args.threads.par())
-            .pin(if args.pin { Pin::Cores } else { Pin::No })
-            .scheme(args.scheme)
-            .accuracy(args.accuracy)
-            .reproducible(args.reproducible)
-            .backend(self.backend.clone());
+        let options = options(args, self.backend.clone());
         self.report_cap(options.par)?;
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);
