@@ -171,6 +171,9 @@ pub fn dense(path: &Path, table: &TableArgs) -> Result<Mat<f64>> {
             let dense = dense.as_ref();
             Ok(Mat::from_fn(dense.nrows(), dense.ncols(), |i, j| f64::from(dense[(i, j)])))
         }
+        Matrix::Complex(_) => {
+            bail!("{}: complex numbers, where real ones are needed", path.display())
+        }
         _ => bail!("{}: the matrix must be dense, but is sparse", path.display()),
     }
 }

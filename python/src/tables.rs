@@ -125,6 +125,13 @@ pub fn read<'py>(
             let a = Mat::from_fn(a.nrows(), a.ncols(), |i, j| f64::from(a[(i, j)]));
             found.set_item("values", from_matrix(py, a.as_ref())?)?;
         }
+        Matrix::Complex(dense) => {
+            let (a, (m, n)) = (dense.as_ref(), dense.as_ref().shape());
+            let real = Mat::from_fn(m, n, |i, j| a[(i, j)].re);
+            let imaginary = Mat::from_fn(m, n, |i, j| a[(i, j)].im);
+            found.set_item("values", from_matrix(py, real.as_ref())?)?;
+            found.set_item("imaginary", from_matrix(py, imaginary.as_ref())?)?;
+        }
         Matrix::Sparse(sparse) => found.set_item("sparse", parts(py, sparse))?,
         _ => return Err(refused("path", "another kind of matrix")),
     }

@@ -73,6 +73,9 @@ def test_other_formats_are_read(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, np.array([[True, False], [False, True]]))
     assert catamaran.read(path).values.tolist() == [[1, 0], [0, 1]]
+    text = "%%MatrixMarket matrix coordinate complex hermitian\n2 2 2\n1 1 2 0\n2 1 0.5 -1.25\n"
+    found = catamaran.read(write(tmp_path, text, "b.mtx")).values
+    assert found.tolist() == [[2, 0.5 + 1.25j], [0.5 - 1.25j, 0]]
     text = "%%MatrixMarket matrix coordinate real general\n2 2 1\n2 1 5.0\n"
     sparse = catamaran.read(write(tmp_path, text, "a.mtx")).values
     assert sparse.toarray().tolist() == [[0, 0], [5, 0]]

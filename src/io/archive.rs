@@ -100,6 +100,7 @@ impl Archive {
         Ok(match &matrix {
             Matrix::F32(dense) => rows.map(|i| f64::from(dense.as_ref()[(i, 0)])).collect(),
             Matrix::F64(dense) => rows.map(|i| dense.as_ref()[(i, 0)]).collect(),
+            Matrix::Complex(_) => return Err(self.fail(format!("`{name}` is complex"))),
             Matrix::Sparse(_) => Vec::new(),
         })
     }

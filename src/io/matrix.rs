@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use faer::{MatMut, MatRef};
+use faer::{MatMut, MatRef, c64};
 use sprs::{CsMat, TriMat};
 
 use super::columns::{ColumnNumbers, Columns};
@@ -27,6 +27,8 @@ pub enum Matrix {
     F32(Dense<f32>),
     /// Dense, double precision.
     F64(Dense<f64>),
+    /// Dense, complex, double precision; also of a complex file of coordinates.
+    Complex(Dense<c64>),
     /// Sparse by rows (CSR), double precision.
     Sparse(CsMat<f64>),
 }
@@ -37,6 +39,7 @@ impl Matrix {
         match self {
             Self::F32(dense) => dense.nrows,
             Self::F64(dense) => dense.nrows,
+            Self::Complex(dense) => dense.nrows,
             Self::Sparse(sparse) => sparse.rows(),
         }
     }
@@ -46,6 +49,7 @@ impl Matrix {
         match self {
             Self::F32(dense) => dense.columns.len(),
             Self::F64(dense) => dense.columns.len(),
+            Self::Complex(dense) => dense.columns.len(),
             Self::Sparse(sparse) => sparse.cols(),
         }
     }
@@ -68,6 +72,7 @@ impl Matrix {
         let matrix = match self {
             Self::F32(dense) => Self::F32(dense.select(&chosen)?),
             Self::F64(dense) => Self::F64(dense.select(&chosen)?),
+            Self::Complex(dense) => Self::Complex(dense.select(&chosen)?),
             Self::Sparse(sparse) => Self::Sparse(select_sparse(&sparse, &chosen)),
         };
         Ok((matrix, ColumnNumbers::List(chosen)))

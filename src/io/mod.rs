@@ -38,7 +38,7 @@ use std::path::Path;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 pub use columns::Columns;
-use faer::MatRef;
+use faer::{MatRef, c64};
 pub use limits::SourceOptions;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use names::FileFormat;
@@ -63,7 +63,7 @@ pub use source::{Packing, Source};
 
 use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;
-use crate::base::{Progress, Real, Result, options};
+use crate::base::{Error, Progress, Real, Result, options};
 
 options! {
     /// How [`read`] reads. The default reads everything.
@@ -118,10 +118,12 @@ impl FileContent {
 /// Reads the matrix in the file at `path`, in the format of its name.
 ///
 /// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f2,
-///   f8, f16 (the long double of x86), b1 and integers become f64 (rounded beyond 53 bits).
+///   f8, f16 (the long double of x86), b1 and integers become f64 (rounded beyond 53 bits), c8 and
+///   c16 complex numbers.
 /// - `.mtx`: `array` becomes a dense f64 matrix, `coordinate` a sparse one; `real`, `integer` and
 ///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`, with one triangle, be it the lower
-///   or the upper one. Repeated coordinates are summed.
+///   or the upper one. Repeated coordinates are summed. `complex`, also `hermitian`, becomes a
+///   dense complex matrix.
 /// - `.csv`, `.tsv`, `.txt`: f64. Separators, the notation of numbers and whether there is a header
 ///   are found as [`TableOptions`] says; [`read_file`] returns what was found. Lines that start
 ///   with `#` and empty lines are skipped, columns of words are left out, and a missing cell is an
@@ -222,6 +224,54 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
         MatrixFormat::Mtx => mtx::write(sink, matrix, "real"),
         MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
     })
+}
+
+/// Writes a complex `matrix` (any shape and strides) into `output`, in the format of its name, and
+/// lets it appear: `.npy` in C order with entries of type c16, `.mtx` as a general complex array.
+///
+/// ```
+/// use catamaran::faer::{c64, mat};
+/// use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write_complex};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.mtx");
+/// let a = mat![[c64::new(1.0, 2.0)], [c64::new(0.5, 0.0)]];
+/// write_complex(Output::create(path, Overwrite::Never)?, a.as_ref())?;
+/// let Matrix::Complex(found) = read(path, &ReadOptions::new())? else { panic!("real") };
+/// assert_eq!(found.as_ref(), a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io), also where the name ends in that of a text table, whose fields
+/// are real numbers; no file is left behind then.
+pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
+    check_complex_name(output.path())?;
+    write_with(output, |sink, format| match format {
+        MatrixFormat::Npy => npy::write_complex(sink, matrix),
+        MatrixFormat::Mtx => mtx::write_complex(sink, matrix),
+        MatrixFormat::Table(_) => Ok(()),
+    })
+}
+
+/// Checks that [`write_complex`] knows the format that this file name ends in.
+///
+/// ```
+/// use catamaran::io::check_complex_name;
+///
+/// assert!(check_complex_name("a.npy".as_ref()).is_ok());
+/// assert!(check_complex_name("a.csv".as_ref()).is_err());
+/// ```
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io) when it does not.
+pub fn check_complex_name(path: &Path) -> Result<()> {
+    match MatrixFormat::of(path)? {
+        (MatrixFormat::Table(_), _) => {
+            Err(Error::file(path, "complex numbers: the name must end in .npy or .mtx"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes integers, such as numbers of vertices, as [`write()`] writes real numbers: `.npy` with

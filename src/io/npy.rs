@@ -1,8 +1,10 @@
 //! NumPy arrays: entries converted chunk by chunk.
 
-use std::io::{self, Read, Write};
+use std::fs::File;
+use std::io::{self, BufReader, Read, Write};
+use std::path::Path;
 
-use faer::MatRef;
+use faer::{MatRef, c64};
 
 use super::columns::Columns;
 use super::matrix::{Dense, Matrix};
@@ -166,6 +168,10 @@ impl Layout {
     /// Reads the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
         let header = npy_header::read(source).map_err(|e| source.io_error(e))?;
+        Self::of(source, header)
+    }
+
+    fn of(source: &Source<'_>, header: Header) -> Result<Self> {
         let shape = match header.shape[..] {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
@@ -206,8 +212,18 @@ pub(super) fn trailing(len: usize) -> String {
 }
 
 pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
-    let layout = Layout::read(source)?;
+    let mut header = npy_header::read(source).map_err(|e| source.io_error(e))?;
+    let parts = parts(&header.descr);
+    let is_complex = parts.is_some();
+    if let Some(parts) = parts {
+        header.descr = parts;
+    }
+    let layout = Layout::of(source, header)?;
     let columns = columns.range(layout.shape.1)?;
+    if is_complex {
+        let values = complex_values(source, &layout)?;
+        return Ok(Matrix::Complex(Dense::new(values, layout.shape, layout.row_major, columns)));
+    }
     Ok(if layout.is_single() {
         let values = values(source, &layout)?;
         Matrix::F32(Dense::new(values, layout.shape, layout.row_major, columns))
@@ -217,26 +233,59 @@ pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix>
     })
 }
 
+/// Returns the type of the real and imaginary parts of complex entries.
+fn parts(descr: &str) -> Option<String> {
+    let (order, code) = descr.split_at_checked(1)?;
+    let part = match code {
+        "c8" => "f4",
+        "c16" => "f8",
+        _ => return None,
+    };
+    Some(format!("{order}{part}"))
+}
+
+/// Returns whether the file at `path` is an array of complex numbers, which is not read by rows.
+pub(super) fn is_complex(path: &Path) -> bool {
+    let header = File::open(path).and_then(|file| npy_header::read(&mut BufReader::new(file)));
+    header.is_ok_and(|header| parts(&header.descr).is_some())
+}
+
+/// Reads all entries of a complex array, whose layout is that of their parts.
+fn complex_values(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<c64>> {
+    let what = format_args!("a matrix of the {} entries announced", layout.len());
+    source.check_memory::<c64>(what, layout.len())?;
+    let parts: Vec<f64> = values_of(source, layout, 2 * layout.len())?;
+    let mut values = reserved(layout.len())?;
+    values.extend(parts.as_chunks::<2>().0.iter().map(|&[re, im]| c64 { re, im }));
+    Ok(values)
+}
+
 /// Reads all entries, and checks that nothing follows them.
 fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
-    let len = layout.len();
-    source.check_memory::<T>(format_args!("a matrix of the {len} entries announced"), len)?;
+    values_of(source, layout, layout.len())
+}
+
+/// Reads `len` numbers, and checks that nothing follows them.
+fn values_of<T: Real>(source: &mut Source<'_>, layout: &Layout, len: usize) -> Result<Vec<T>> {
+    let announced = layout.len();
+    let what = format_args!("a matrix of the {announced} entries announced");
+    source.check_memory::<T>(what, len)?;
     let mut values = reserved(len).map_err(|_| {
-        source.fail(format!("its header announces {len} entries, more than memory can hold"))
+        source.fail(format!("its header announces {announced} entries, more than memory can hold"))
     })?;
     let mut chunk = vec![0; CHUNK];
     while values.len() < len {
         let bytes = (len - values.len()).saturating_mul(layout.entry.bytes()).min(CHUNK);
         let chunk = &mut chunk[..bytes];
         source.read_exact(chunk).map_err(|e| match e.kind() {
-            io::ErrorKind::UnexpectedEof => source.fail(truncated(len)),
+            io::ErrorKind::UnexpectedEof => source.fail(truncated(announced)),
             _ => source.io_error(e),
         })?;
         layout.entry.decode(layout.big, chunk, &mut values);
     }
     match source.read(&mut chunk[..1]) {
         Ok(0) => Ok(values),
-        Ok(_) => Err(source.fail(trailing(len))),
+        Ok(_) => Err(source.fail(trailing(announced))),
         Err(e) => Err(source.io_error(e)),
     }
 }
@@ -258,6 +307,18 @@ pub(super) fn write_integers(sink: &mut dyn Write, matrix: MatRef<'_, i64>) -> i
         for j in 0..matrix.ncols() {
             // The header announces the byte order of the machine.
             sink.write_all(&matrix[(i, j)].to_ne_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn write_complex(sink: &mut dyn Write, matrix: MatRef<'_, c64>) -> io::Result<()> {
+    npy_header::write(sink, "c16", false, &[matrix.nrows(), matrix.ncols()])?;
+    for i in 0..matrix.nrows() {
+        for j in 0..matrix.ncols() {
+            // The header announces the byte order of the machine.
+            sink.write_all(&matrix[(i, j)].re.to_ne_bytes())?;
+            sink.write_all(&matrix[(i, j)].im.to_ne_bytes())?;
         }
     }
     Ok(())

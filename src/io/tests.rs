@@ -5,7 +5,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use faer::{Mat, mat};
+use faer::{Mat, c64, mat};
 use tempfile::TempDir;
 
 use super::*;
@@ -48,6 +48,7 @@ pub(super) fn doubles(matrix: &Matrix) -> Mat<f64> {
             values = Mat::from_fn(a.nrows(), a.ncols(), |i, j| f64::from(a[(i, j)]));
         }
         Matrix::F64(dense) => values.copy_from(dense.as_ref()),
+        Matrix::Complex(_) => panic!("complex numbers"),
         Matrix::Sparse(sparse) => SparseRows(sparse).read(0, values.as_mut()).expect("rows"),
     }
     values
@@ -198,7 +199,7 @@ fn broken_npy_is_refused() {
         (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
         (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
         (npy("<f8", "False", "(1, 1, 1)", &eight), "an array of 3 dimensions"),
-        (npy("<c16", "False", "(1, 1)", &[0; 16]), "entries of type '<c16' are not real"),
+        (npy("<c32", "False", "(1, 1)", &[0; 32]), "entries of type '<c32' are not real"),
         (npy("<U2", "False", "(1, 1)", &eight), "entries of type '<U2' are not real"),
         (npy("f8", "False", "(1, 1)", &eight), "entries of type 'f8' are not real"),
         (npy("<f08", "False", "(1, 1)", &eight), "entries of type '<f08' are not real"),
@@ -237,7 +238,7 @@ fn broken_text_is_refused_with_its_line_and_the_option_that_decides() {
         ("1,2\n3,\n", 2, "column 2: nothing where a number should be", "`missing`"),
         (",,\n1,2,3\n", 1, "column 1: nothing where a number should be", "`missing`"),
         ("x,y\nm,kg\n1,2\n", 2, "column 1 (x): \"m\" is not a number, in the row", "`skip`"),
-        ("By hand\nx,y\n1,2\n3,4\n", 1, "one name less than the rows have fields", "`skip`"),
+        ("By hand\nx,y\n1,2\n3,4\n", 1, "\"By hand\" has one name less than the rows", "`skip`"),
         ("\"10,000\",1\n\"5,500\",2\n", 1, "column 1: \"10,000\" is 10 with", "`thousands`"),
         ("x,y\n# none\n", 3, "the file ends without a row of numbers", ""),
         ("", 1, "the file ends without a row of numbers", ""),
@@ -322,7 +323,7 @@ fn broken_matrix_market_is_refused_with_its_line() {
     let cases = [
         ("%%MatrixMarket matrix\n", 1, "broken MatrixMarket header"),
         ("", 1, "broken MatrixMarket header"),
-        ("%%MatrixMarket matrix array complex general\n1 1\n", 1, "entries of type \"complex\""),
+        ("%%MatrixMarket matrix array words general\n1 1\n", 1, "entries of type \"words\""),
         ("%%MatrixMarket matrix array real general\n% a\n1 x\n", 3, "broken size line"),
         (
             "%%MatrixMarket matrix array real symmetric\n1 2\n",
@@ -659,4 +660,61 @@ fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
     let refused = |name| Output::create(&path(name), Overwrite::Replace).unwrap_err().to_string();
     assert!(refused("circle").contains("symbolic links"), "{}", refused("circle"));
     assert!(refused("device").contains("not a regular file"), "{}", refused("device"));
+}
+
+#[test]
+fn complex_matrices_are_read_and_written() {
+    let folder = Folder::new();
+    let complex = |path: &Path, options: &ReadOptions<'_>| match read(path, options).unwrap() {
+        Matrix::Complex(dense) => dense.as_ref().to_owned(),
+        other => panic!("{other:?}"),
+    };
+    let all = ReadOptions::new();
+    let a =
+        mat![[c64::new(2.0, 0.0), c64::new(0.5, 1.25)], [c64::new(0.5, -1.25), c64::new(3.0, 0.0)]];
+    let header = "%%MatrixMarket matrix coordinate complex";
+    let market = [
+        ("hermitian", "2 2 3\n1 1 2.0 0.0\n2 1 0.5 -1.25\n2 2 3.0 0.0\n"),
+        ("hermitian", "2 2 3\n1 1 2.0 0.0\n1 2 0.5 1.25D0\n2 2 3.0 0.0\n"),
+        ("general", "2 2 5\n1 1 2 0\n2 1 0.5 -1\n2 1 0 -0.25\n1 2 0.5 1.25\n2 2 3 0\n"),
+    ];
+    for (symmetry, entries) in market {
+        let path = folder.file("a.mtx", format!("{header} {symmetry}\n{entries}"));
+        assert_eq!(complex(&path, &all), a, "{entries}");
+        assert_eq!(complex(&path, &ReadOptions::new().columns(1..2)), a.get(.., 1..2));
+    }
+    let array = "%%MatrixMarket matrix array complex hermitian\n2 2\n2 0\n0.5 -1.25\n3 0\n";
+    assert_eq!(complex(&folder.file("b.mtx", array), &all), a);
+    let pairs: Vec<u8> = [2.0_f32, 0.0, 0.5, -1.25, 0.5, 1.25, 3.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_be_bytes())
+        .collect();
+    let path = folder.file("a.npy", npy(">c8", "True", "(2, 2)", &pairs));
+    assert_eq!(complex(&path, &all), a);
+    assert!(!RowFile::is_one(&path));
+    for name in ["c.npy", "c.mtx"] {
+        let path = folder.path(name);
+        write_complex(Output::create(&path, Overwrite::Never).unwrap(), a.as_ref()).unwrap();
+        assert_eq!(complex(&path, &all), a, "{name}");
+    }
+    let output = Output::create(&folder.path("c.csv"), Overwrite::Never).unwrap();
+    assert!(write_complex(output, a.as_ref()).is_err());
+    assert!(!folder.path("c.csv").exists());
+}
+
+#[test]
+fn broken_complex_matrices_are_refused() {
+    let head = "%%MatrixMarket matrix coordinate complex hermitian\n2 2 1\n";
+    for (text, line, what) in [
+        (format!("{head}1 1 2.0 1.0\n"), 3, "not real on the diagonal of a Hermitian matrix"),
+        (format!("{head}2 1 2.0\n"), 3, "expected row column real imaginary"),
+        (format!("{head}2 1 2.0 x\n"), 3, "\"x\" is not a number"),
+        (head.replace("complex", "real"), 1, "symmetry \"hermitian\" is not one of a real matrix"),
+        (format!("{}2 1 1 1\n1 2 1 -1\n", head.replace("2 2 1", "2 2 2")), 4, "both triangles"),
+    ] {
+        let (found, said) = refusal("a.mtx", &text);
+        assert!(found == Some(line) && said.contains(what), "{text:?}: {found:?} {said}");
+    }
+    let short = npy("<c16", "False", "(1, 2)", &[0; 16]);
+    assert!(refusal("a.npy", short).1.starts_with("truncated: fewer than the 2 entries"));
 }

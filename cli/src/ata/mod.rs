@@ -1,5 +1,6 @@
 //! `catamaran ata`.
 
+mod complex;
 mod memory;
 mod shown;
 mod unbounded;
@@ -32,7 +33,7 @@ use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
 
-/// Compute C = A^T A of a matrix in a file.
+/// Compute C = A^T A of a matrix in a file, or A^H A of a complex one.
 ///
 /// Reads .npy, .mtx and text tables, each also as .gz or .xz, from a file or stdin (-), and HDF5
 /// where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file and
@@ -152,6 +153,9 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     check_same_weights(ranks, weights.as_deref())?;
     let par = threads(args, ranks);
     ranks.report(par.threads())?;
+    if let Some(matrix) = a.complex() {
+        return complex::run(args, matrix, &options(args, par, backend), outputs);
+    }
     let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend, par };
     let done = if args.double || !args.single && !a.is_single() {
         work.run::<f64>(outputs)
@@ -175,7 +179,23 @@ fn begin(args: &Args, ranks: &Ranks) -> Result<(Arc<dyn Backend>, Outputs, Sourc
         picture: picture.map(|path| picture::create(path, args.force)).transpose()?,
         accumulator: create(&args.accumulator)?,
     };
-    Ok((backend, outputs, open("A", &args.input, &args.matrix.read())?))
+    let a = open("A", &args.input, &args.matrix.read())?;
+    if a.complex().is_some() {
+        complex::refuse(args, ranks)?;
+    }
+    Ok((backend, outputs, a))
+}
+
+/// Returns the options of products of matrices.
+fn options<'a>(args: &Args, par: Par, backend: Arc<dyn Backend>) -> AtaOptions<'a> {
+    AtaOptions::new()
+        .uplo(args.uplo)
+        .par(par)
+        .pin(if args.pin { Pin::Cores } else { Pin::No })
+        .scheme(args.scheme)
+        .accuracy(args.accuracy)
+        .reproducible(args.reproducible)
+        .backend(backend)
 }
 
 /// Adds the file to an error about the weights.
@@ -247,14 +267,7 @@ impl Work<'_> {
             Ok(())
         };
         ranks.meet(enough())?;
-        let options = AtaOptions::new()
-            .uplo(args.uplo)
-            .par(self.par)
-            .pin(if args.pin { Pin::Cores } else { Pin::No })
-            .scheme(args.scheme)
-            .accuracy(args.accuracy)
-            .reproducible(args.reproducible)
-            .backend(self.backend.clone());
+        let options = options(args, self.par, self.backend.clone());
         self.report_cap(options.par)?;
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::base::{Real, zeros};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
-use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::faer::{Mat, MatMut, MatRef, c64};
 use catamaran::io::{
     self as files, ColumnKind, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows,
     TableFile, TableReading,
@@ -36,7 +36,7 @@ pub struct Source {
 
 enum Content {
     File(RowFile),
-    Table(TableFile),
+    Table(Box<TableFile>),
     Whole(FileContent),
 }
 
@@ -61,7 +61,7 @@ pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Resu
         path = path,
         rows = m,
         columns = n,
-        scalar = if source.is_single() { "f32" } else { "f64" },
+        scalar = source.scalar(),
         nonzeros = source.sparse().map(|sparse| sparse.nnz()),
         seconds = time.map(|time| time.as_secs_f64());
         "{path}: {m} x {n}, {kind}, {how}"
@@ -82,7 +82,7 @@ impl Source {
             Content::File(file)
         } else if let Some(file) = large_table(name, options)? {
             names = file.reading().names();
-            Content::Table(file)
+            Content::Table(Box::new(file))
         } else {
             let content = read(name, "reading", options)?;
             names = content.names.clone();
@@ -177,6 +177,25 @@ impl Source {
         }
     }
 
+    /// Returns the complex matrix, if the source is one.
+    pub fn complex(&self) -> Option<MatRef<'_, c64>> {
+        match &self.content {
+            Content::Whole(FileContent { matrix: Matrix::Complex(dense), .. }) => {
+                Some(dense.as_ref())
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the name of the type of the entries.
+    fn scalar(&self) -> &'static str {
+        match (self.is_single(), self.complex()) {
+            (_, Some(_)) => "c64",
+            (true, None) => "f32",
+            (false, None) => "f64",
+        }
+    }
+
     /// Returns the sparse matrix, if the source is one.
     pub fn sparse(&self) -> Option<&CsMat<f64>> {
         match &self.content {
@@ -189,7 +208,7 @@ impl Source {
     pub fn kind(&self) -> String {
         match self.sparse() {
             Some(sparse) => format!("f64, {} nonzeros", sparse.nnz()),
-            None => if self.is_single() { "f32" } else { "f64" }.into(),
+            None => self.scalar().into(),
         }
     }
 
@@ -244,7 +263,7 @@ impl Source {
         let rows: Rows<'_, T> = match &self.content {
             Content::File(file) => self.chosen_rows(file)?,
             Content::Table(file) => Box::new(file.try_clone()?),
-            Content::Whole(content) => rows_of::<T>(&content.matrix),
+            Content::Whole(content) => rows_of::<T>(&self.name, &content.matrix)?,
         };
         Ok(if require_finite { Box::new(Finite { rows, name: &self.name }) } else { rows })
     }
@@ -395,13 +414,13 @@ impl<T> RowBlocks<T> for Watched<'_, T> {
     }
 }
 
-fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
-    match a {
+fn rows_of<'a, T: BlasReal>(path: &Path, a: &'a Matrix) -> Result<Rows<'a, T>> {
+    Ok(match a {
         Matrix::F32(dense) => Box::new(DenseRows(dense.as_ref())),
         Matrix::F64(dense) => Box::new(DenseRows(dense.as_ref())),
         Matrix::Sparse(sparse) => Box::new(SparseRows(sparse)),
-        _ => unreachable!("no other kind of matrix comes out of a file"),
-    }
+        _ => bail!("{}: complex numbers, where real ones are needed", path.display()),
+    })
 }
 
 /// Opens a text table that is read block by block, if the file is a large one.
@@ -447,7 +466,7 @@ pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f6
         );
     }
     let mut values = Mat::zeros(nrows, ncols);
-    rows_of::<f64>(&matrix).read(0, values.as_mut())?;
+    rows_of::<f64>(path, &matrix)?.read(0, values.as_mut())?;
     let weights: Vec<f64> =
         (0..m).map(|i| if ncols == 1 { values[(i, 0)] } else { values[(0, i)] }).collect();
     match weights.iter().position(|w| !w.is_finite()) {

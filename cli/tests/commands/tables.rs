@@ -126,6 +126,29 @@ fn rows_that_belong_to_those_of_another_file_are_not_dropped() {
     assert_eq!(folder.read_npy::<f64>("c.npy", &[2; 2]), weighted);
 }
 
+#[test]
+fn complex_matrices_are_multiplied_by_their_conjugates() {
+    let folder = Folder::new();
+    let head = "%%MatrixMarket matrix coordinate complex general\n2 1 2\n";
+    folder.write("a.mtx", format!("{head}1 1 1 2\n2 1 0 -3\n"));
+    let said = folder.succeed("ata a.mtx --explain");
+    assert!(said.lines().any(|line| line.trim() == "14+0i"), "{said}");
+    folder.succeed("ata a.mtx -o c.mtx --reproducible --require-finite");
+    let c = fs::read_to_string(folder.path("c.mtx")).unwrap();
+    assert_eq!(c, "%%MatrixMarket matrix array complex general\n1 1\n14.0 0.0\n");
+    let said = folder.fail("ata a.mtx -o c.csv");
+    assert!(said.contains("c.csv: complex numbers: the name must end in .npy or .mtx"), "{said}");
+    let said = folder.fail("ata a.mtx --covariance");
+    assert!(said.contains("a.mtx: --covariance: for real numbers only"), "{said}");
+    for command in ["pca a.mtx", "svd a.mtx", "lstsq a.mtx a.mtx"] {
+        let said = folder.fail(command);
+        assert!(said.contains("a.mtx: complex numbers, where real ones"), "{command}: {said}");
+    }
+    folder.write("b.mtx", format!("{head}1 1 1 2\n2 1 nan 0\n"));
+    let said = folder.fail("ata b.mtx --require-finite");
+    assert!(said.contains("b.mtx: NaN+0i at row 1, column 0"), "{said}");
+}
+
 /// The rows of `inputs/tables/a.csv.xz` and of the arrays beside it.
 const RANDOM: [f64; 18] = [
     0.001_230_153_357_482_574_2,
@@ -219,8 +242,11 @@ fn every_table_that_people_sent_is_read_right_or_says_what_decides() {
             assert!(said.contains(&(file + place)) && said.contains(option), "{command}: {said}");
         }
     }
-    let complex = folder.fail(&format!("ata {}", inputs.join("herm.mtx").display()));
-    assert!(complex.contains("herm.mtx:1: entries of type \"complex\""), "{complex}");
+    let hermitian = inputs.join("herm.mtx");
+    folder.succeed(&format!("ata {} -o h.mtx", hermitian.display()));
+    let c = fs::read_to_string(folder.path("h.mtx")).unwrap();
+    // 2^2 + |0.5 + 1.25i|^2, then 5 times 0.5 - 1.25i.
+    assert!(c.ends_with("\n2 2\n5.8125 0.0\n2.5 -6.25\n2.5 6.25\n10.8125 0.0\n"), "{c}");
     known.insert("herm.mtx".into());
     let names = fs::read_dir(&inputs).unwrap().map(|entry| entry.unwrap().file_name());
     let unknown: Vec<_> = names.filter(|name| !known.contains(name.to_str().unwrap())).collect();

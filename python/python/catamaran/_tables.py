@@ -30,7 +30,8 @@ class Factor(NamedTuple):
 class Table:
     """A matrix that `read` has read, and what is known about its columns."""
 
-    #: The entries, m x n: an array, or a `scipy.sparse.csr_array` of a file of coordinates.
+    #: The entries, m x n: an array, also a complex one, or a `scipy.sparse.csr_array` of a file of
+    #: real coordinates.
     values: Any
     #: The names of the columns; empty without a header.
     names: List[str]
@@ -170,9 +171,14 @@ def read(
     found = _catamaran.read(path, options, callback(progress))
     if not found.get("is_plain", True):
         warn_caller(f"{os.fspath(path)}: {found['reading']}")
-    sparse = found.get("sparse")
+    if "sparse" in found:
+        values = to_scipy(found["sparse"])
+    elif "imaginary" in found:
+        values = found["values"] + 1j * found["imaginary"]
+    else:
+        values = found["values"]
     return Table(
-        found["values"] if sparse is None else to_scipy(sparse),
+        values,
         found["names"],
         found["numbers"],
         found["levels"],

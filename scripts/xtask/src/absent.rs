@@ -131,6 +131,12 @@ impl Refusal for usize {
     }
 }
 
+impl Refusal for *const c_char {
+    fn without(_feature: &str) -> Self {
+        c\"\".as_ptr()
+    }
+}
+
 macro_rules! absent {
     ($feature:literal: $(fn $name:ident($($argument:ident: $kind:ty),*) $(-> $returns:ty)?;)*) => {
         $(

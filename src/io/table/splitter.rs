@@ -278,7 +278,7 @@ pub(super) fn comment_start(line: &[u8], comment: u8) -> Option<usize> {
     memchr_iter(comment, line).find(|&at| {
         at > 0
             && matches!(line[at - 1], b' ' | b'\t')
-            && memchr_iter(b'"', &line[..at]).count() % 2 == 0
+            && memchr_iter(b'"', &line[..at]).count().is_multiple_of(2)
     })
 }
 
