@@ -6,8 +6,8 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
-use super::direct::{Products, Row};
 use super::kernel::{Kernel, Next, Operands, Session};
+use super::lanes::LaneSet;
 use super::moduli::{Moduli, Modulus};
 use super::tile::{DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms};
 use crate::base::IsaLevel;
@@ -162,8 +162,8 @@ impl Kernel for Amx {
         self.others.recombine(residues, moduli, rows, columns, next, out);
     }
 
-    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
-        self.others.multiply_strips(left, right, products);
+    fn lanes(&self) -> LaneSet {
+        self.others.lanes()
     }
 
     fn spin(&self, count: usize) -> Option<usize> {

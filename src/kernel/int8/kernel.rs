@@ -1,4 +1,4 @@
-use super::direct::{Products, Row};
+use super::lanes::LaneSet;
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
     DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,
@@ -65,8 +65,8 @@ pub(crate) trait Kernel: Sync {
         out: &mut Square<f64>,
     );
 
-    /// Computes the products of the columns of two strips of the same height, modulo 2^64.
-    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products);
+    /// Returns the vectors for small products.
+    fn lanes(&self) -> LaneSet;
 
     /// Performs at least `count` multiplications of residues on registers alone, in a
     /// [`Kernel::session`], and returns how many; `None` for a kernel without such a loop.

@@ -17,6 +17,7 @@ mod emulator;
 mod integer;
 mod kernel;
 mod ladder;
+mod lanes;
 mod moduli;
 mod portable;
 mod recombine;
@@ -25,10 +26,11 @@ mod rounding;
 pub(crate) mod tests;
 mod tile;
 
-pub(crate) use direct::{Direct, LANES, MOST_PARTS, MOST_ROWS, Products, Row};
+pub(crate) use direct::{Direct, Right, products, to_integers};
 pub(crate) use integer::{I256, Integer, U256};
 pub(crate) use kernel::{Kernel, Next, Operands};
 pub use ladder::{Ladder, Level, Rung, StepRates};
+pub(crate) use lanes::{LANES, Lanes, OnLanes, Row};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
 pub(crate) use tile::{
