@@ -201,8 +201,8 @@ thread_local! {
     static OWN: Cell<Workspace<f64>> = const { Cell::new(Workspace::empty()) };
 }
 
-/// Most bytes of the small block of a thread.
-const SMALL: usize = 1 << 20;
+/// Most bytes of the small block of a thread: enough for products of 100 x 100 x 100 by integers.
+const SMALL: usize = 256 << 10;
 
 /// Bytes of a block that is kept: the allocator handles smaller ones, larger ones are too much. The
 /// exact path takes up to 1.25 GiB for A^T B of 8192 x 8192 in f64.
@@ -227,7 +227,7 @@ impl Scratch {
         let len = len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>());
         if self.0.as_slice().len() < len {
             self.give_back();
-            self.0 = if len * size_of::<f64>() <= SMALL {
+            self.0 = if len <= SMALL / size_of::<f64>() {
                 // A thread that ends has none any more.
                 OWN.try_with(Cell::take).unwrap_or_default()
             } else {
@@ -296,8 +296,9 @@ fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
     }
 }
 
-/// Frees the memory that products keep for later products: at most 1.25 GiB, and at most 1 MiB for
-/// each thread, of which that of the calling thread is freed; the others end with their threads.
+/// Frees the memory that products keep for later products: at most 1.25 GiB, and at most 256 KiB
+/// for each thread. Of the latter only that of the calling thread is freed; the others end with
+/// their threads.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata_into, base::release_memory, faer::Mat};

@@ -277,9 +277,10 @@ fn put<L: Lanes>(lanes: L, entries: L::Floats, first: usize, row: &mut Row) {
 
 /// What decides the exponents of columns.
 ///
-/// The exponent of a column is the largest q for which `2^q |a|` is below the limit, but |a| is
-/// bounded from above by a sum of integers ([`columns`]). That bound is at most `1 + 2^-19 sqrt(m)
-/// + 2^-38 m` times as large, so that the norm itself nearly always gives the same exponent.
+/// The exponent of a column is the largest q for which `2^q |a|` is below the limit, but with a
+/// bound of |a| that is a sum of integers ([`columns`]). The square of that bound exceeds that of
+/// |a| by at most a factor of `1 + sqrt(m) / 2^18 + m / 2^37`, so that the norm itself nearly
+/// always gives the same exponent.
 struct Bounds {
     /// The bits of the squared limit, less and more than it by what the bound and roundings may be
     /// wrong.
@@ -466,15 +467,18 @@ impl<T: IntegerOperand> Multiply<'_, '_, '_, T> {
         for strip in first..self.c.nrows().div_ceil(LANES) {
             let left = &strips.rows[strip * strips.height..(strip + 1) * strips.height];
             let found = products::<L, T, COUNT>(lanes, left, factors);
-            let units = lanes.load(&strips.units[strip]);
+            let present = 0..(self.c.nrows() - strip * LANES).min(LANES);
+            // Zeros elsewhere: products of other columns must not raise exceptions.
+            // SAFETY: the units of a strip.
+            let units = unsafe { lanes.read_f64(strips.units[strip].as_ptr(), present.clone()) };
             for (j, &(_, exponent, unit)) in right.iter().enumerate() {
                 let value = if strips.moderate {
                     lanes.mul(lanes.mul(found[j], units), lanes.splat(unit))
                 } else {
                     let mut values = [0.0; LANES];
                     lanes.store(found[j], &mut values);
-                    for (value, of_row) in values.iter_mut().zip(&strips.exponents[strip]) {
-                        *value = scaled(*value, -(of_row + exponent));
+                    for i in present.clone() {
+                        values[i] = scaled(values[i], -(strips.exponents[strip][i] + exponent));
                     }
                     lanes.load(&values)
                 };
