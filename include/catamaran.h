@@ -448,6 +448,7 @@ typedef struct cata_lstsq_params {
     /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
      * them. 0: the solution of least norm is returned. */
     int32_t refuse_dependent;
+    double confidence; /**< Confidence of `result.lower` and `result.upper`, below 1; 0: 0.95. */
 } cata_lstsq_params;
 
 /** Results of least squares beside X. The caller sets `struct_size` and the pointers, each to an
@@ -475,7 +476,8 @@ typedef struct cata_lstsq_result {
     size_t *dependent;
     /** Written: columns of A that do not depend on others, as far as the precision can tell. */
     size_t rank;
-    /** Written: m less the rank, and less one more with an intercept; at least 0. */
+    /** Written: rows of a weight other than 0, less the rank, and less one more with an
+     * intercept; at least 0. */
     size_t degrees_of_freedom;
     /** Written: an estimate of the condition number of A, about the mean with an intercept, and
      * with sqrt(ridge) I below it. */
@@ -483,6 +485,38 @@ typedef struct cata_lstsq_result {
     /** Written: decimal digits of X, relative to its largest entry when columns of A have norm
      * 1, that agree with the exact solution; from 0 to 15.95. */
     double digits;
+    /** n x k, written, with the layout and the leading dimension of X: each coefficient over its
+     * standard error. */
+    double *t_statistics;
+    /** n x k, written, with the layout and the leading dimension of X: the probability of a t
+     * statistic as far from 0, or farther, were the coefficient 0. */
+    double *p_values;
+    /** n x k, written, with the layout and the leading dimension of X: the lower end of the
+     * confidence interval of each coefficient; see `params.confidence`. */
+    double *lower;
+    /** n x k, written, with the layout and the leading dimension of X: the upper end. */
+    double *upper;
+    /** k elements, written: the p value of each constant; untouched without `params.intercept`. */
+    double *intercept_p_values;
+    /** k elements, written: the lower end of the confidence interval of each constant; untouched
+     * without `params.intercept`. */
+    double *intercept_lower;
+    /** k elements, written: the upper end; untouched without `params.intercept`. */
+    double *intercept_upper;
+    /** k elements, written: the standard deviation of the residuals of each target; NaN without
+     * degrees of freedom. */
+    double *residual_deviations;
+    /** k elements, written: `r_squared`, adjusted for the number of coefficients. */
+    double *adjusted_r_squared;
+    /** k elements, written: the F statistic of each target, that all coefficients but the
+     * constant are 0, with `rank` and `degrees_of_freedom` degrees of freedom; NaN with a ridge. */
+    double *f_statistics;
+    double *f_p_values; /**< k elements, written: the p value of each F statistic. */
+    /** k symmetric matrices (n + 1) x (n + 1), one after another without gaps, written: the
+     * covariance of the coefficients of each target, in row and column 0 of the constant; zeros
+     * there without `params.intercept`. */
+    double *covariances;
+    size_t *observations; /**< One element, written: rows of a weight other than 0. */
 } cata_lstsq_result;
 /** Fills a struct with the defaults. */
 cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);
@@ -625,8 +659,8 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
  * Products of weighted and centred rows, which are read in blocks.
  * @code{.c}
  * double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2, its covariance
- * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
- *     2, NULL);
+ * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0,
+ *     c, 2, NULL);
  * printf("%g\n", c[1]); // 4
  * @endcode
  * @{
@@ -741,6 +775,197 @@ cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t la
     double *components, size_t ldcomponents, double *explained_variance,
     double *explained_variance_ratio, double *singular_values, double *mean, double *scale,
     const cata_pca_params *params);
+
+/** @} */
+
+/* ==== Tables ================================================================================ */
+/**
+ * @defgroup tables Tables
+ * The matrix in a file: a text table as spreadsheets, R or pandas write it, .npy, or a dense
+ * MatrixMarket file. What the file leaves open is an error that names the field which decides.
+ * @code{.c}
+ * cata_table *table = NULL;
+ * if (cata_table_read("heights.csv", NULL, &table) == CATA_OK) {
+ *     size_t rows, columns;
+ *     cata_table_shape(table, &rows, &columns, NULL);
+ *     double *entries = malloc(rows * columns * sizeof *entries);
+ *     cata_table_entries(table, CATA_ROW_MAJOR, entries, columns);
+ *     printf("the first column is called %s\n", cata_table_name(table, 0));
+ *     free(entries);
+ * }
+ * cata_table_free(table);
+ * @endcode
+ * @{
+ */
+
+#define CATA_AUTO 0 /**< `header`, `index`: the file decides. */
+#define CATA_YES 1 /**< `header`, `index`: there is one. */
+#define CATA_NO 2 /**< `header`, `index`: there is none. */
+
+/** `missing`: a row with a missing cell in a column that is used is an error. */
+#define CATA_MISSING_ERROR 0
+#define CATA_MISSING_DROP 1 /**< `missing`: such a row is left out. */
+#define CATA_MISSING_NAN 2 /**< `missing`: such a cell becomes NaN. */
+
+/** A matrix that was read, and what is known about its columns. Made by cata_table_read. */
+typedef struct cata_table cata_table;
+
+/** How a table is read. What is 0 or NULL, the file decides. */
+typedef struct cata_table_params {
+    size_t struct_size; /**< sizeof(cata_table_params). */
+    size_t threads; /**< Threads, at most; 0: all. The result does not depend on them. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** Bytes of memory that the table may take; 0: a limit that suits usual files. */
+    uint64_t max_memory;
+    size_t skip; /**< Lines at the start of the file that are left out. */
+    /** Columns that are used: names, numbers from 0, ranges `3..5`, or a list of these between
+     * commas; NULL: all but those of words. */
+    const char *columns;
+    /** Names or numbers of columns that become factors if one of their entries is a word, between
+     * commas; NULL: none. */
+    const char *factors;
+    /** The words of missing cells, between commas; NULL: those of pandas, such as NA. */
+    const char *missing_words;
+    /** The encoding of the text, such as "latin1"; NULL: the file decides. */
+    const char *encoding;
+    /** "npy", "mtx" or "table"; NULL: the name of the file, or else its content, decides. */
+    const char *format;
+    int32_t missing; /**< CATA_MISSING_*. */
+    /** Whether the first row has the names of the columns: CATA_AUTO, CATA_YES or CATA_NO. */
+    int32_t header;
+    /** Whether the first column numbers or names the rows, and is left out: CATA_AUTO, CATA_YES or
+     * CATA_NO. */
+    int32_t index;
+    /** The character between fields; a blank: runs of blanks and tabs. 0: the file decides. */
+    char separator;
+    char decimal; /**< '.' or ','; 0: the file decides. */
+    char thousands; /**< The separator of groups of three digits; 0: the file decides. */
+    char comment; /**< The character that starts a comment; 0: '#'. */
+} cata_table_params;
+/** Fills a struct with the defaults. */
+cata_status cata_table_params_init(cata_table_params *params, size_t struct_size);
+
+/** Reads the matrix in a file, whose `path` is in UTF-8: a text table (also as .gz or .xz), .npy,
+ * an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of words is left out
+ * unless it is a factor. Errors name the file, the line and the column. */
+cata_status cata_table_read(const char *path, const cata_table_params *params, cata_table **table);
+
+/** Gets the number of rows, the number of columns, and the number of rows that were left out
+ * because a cell is missing. NULL where not wanted. */
+cata_status cata_table_shape(const cata_table *table, size_t *rows, size_t *columns,
+    uint64_t *dropped_rows);
+
+/** Gets the entries, rows x columns. An entry of a factor is the number of its level, from 0; a
+ * missing cell is NaN. */
+cata_status cata_table_entries(const cata_table *table, int32_t layout, double *entries, size_t ld);
+
+/** Returns the name of a column, in UTF-8; valid until cata_table_free. Empty for NULL, for a
+ * column that does not exist, and without names. Never NULL; do not free it. */
+const char *cata_table_name(const cata_table *table, size_t column);
+
+/** Returns the number of levels of a factor; 0 for NULL, for a column that does not exist, and for
+ * one of numbers. */
+size_t cata_table_levels(const cata_table *table, size_t column);
+
+/** Returns a level of a factor, from 0, in UTF-8; valid until cata_table_free. Empty where there is
+ * none. Never NULL; do not free it. */
+const char *cata_table_level(const cata_table *table, size_t column, size_t level);
+
+/** Returns what was decided about a text table, such as "separator ;, decimal comma, header", in
+ * UTF-8; valid until cata_table_free. Empty for NULL and for other formats. Never NULL; do not
+ * free it. */
+const char *cata_table_reading(const cata_table *table);
+
+void cata_table_free(cata_table *table); /**< Frees a table. */
+
+/** @} */
+
+/* ==== Sparse Cholesky factorizations ======================================================== */
+/**
+ * @defgroup cholesky Sparse Cholesky factorizations
+ * Solutions of A X = B for a sparse symmetric matrix, positive definite or semidefinite: analysed
+ * once for all matrices with entries in the same places, factorized for each, solved for any
+ * number of right-hand sides.
+ * @code{.c}
+ * size_t starts[] = {0, 2, 4}, columns[] = {0, 1, 0, 1};
+ * double entries[] = {2, -1, -1, 2}, x[] = {1, 1};
+ * cata_cholesky *cholesky;
+ * cata_cholesky_analyse(2, starts, columns, NULL, &cholesky);
+ * cata_cholesky_factor(cholesky, starts, columns, entries);
+ * cata_cholesky_solve(cholesky, CATA_COL_MAJOR, 1, x, 2);
+ * printf("%g %g\n", x[0], x[1]); // 1 1
+ * cata_cholesky_free(cholesky);
+ * @endcode
+ * @{
+ */
+
+/** The factorization A = L L^T of a sparse symmetric matrix, or its analysis alone. */
+typedef struct cata_cholesky cata_cholesky;
+
+/** What is read of a matrix, and which pivots are allowed. */
+typedef struct cata_cholesky_params {
+    size_t struct_size; /**< sizeof(cata_cholesky_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** n elements: the rows in the order of elimination, from 0, each once, as that of METIS; NULL:
+     * approximate minimum degree. */
+    const size_t *order;
+    /** Largest pivot that is zero, relative to the diagonal entry of its row, at most 0.01; 0: 8 n
+     * 2^-52 with `semidefinite`, and only zero itself without. */
+    double tolerance;
+    /** The triangle that is read, the other one being ignored; 0: CATA_BOTH, which must agree. */
+    int32_t triangle;
+    /** 1: pivots may be zero: their rows are held (cata_cholesky_held). 0: all are positive. */
+    int32_t semidefinite;
+} cata_cholesky_params;
+/** Fills a struct with the defaults. */
+cata_status cata_cholesky_params_init(cata_cholesky_params *params, size_t struct_size);
+
+/** Finds the order of elimination and the pattern of L for the n x n matrices with entries in these
+ * places. The diagonal is part of the pattern.
+ * - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
+ *   `row_starts[i + 1] - 1`, the first being 0.
+ * - `columns`: `row_starts[n]` elements, ascending within a row, from 0. A matrix by columns is
+ *   given as its transpose: CATA_UPPER and CATA_LOWER change places.
+ * - `cholesky`: a handle, written. */
+cata_status cata_cholesky_analyse(size_t n, const size_t *row_starts, const size_t *columns,
+    const cata_cholesky_params *params, cata_cholesky **cholesky);
+
+void cata_cholesky_free(cata_cholesky *cholesky); /**< Frees a factorization. */
+
+/** Computes L for a matrix without entries outside of the pattern that was analysed, any number of
+ * times: arrays as in cata_cholesky_analyse, and `entries`: `row_starts[n]` finite elements. After
+ * an error there is no factor; CATA_ERR_ARGUMENT names the row at which elimination fails. */
+cata_status cata_cholesky_factor(cata_cholesky *cholesky, const size_t *row_starts,
+    const size_t *columns, const double *entries);
+
+/** Solves A X = B: replaces B in `x` (n x count) by X. */
+cata_status cata_cholesky_solve(const cata_cholesky *cholesky, int32_t layout, size_t count,
+    double *x, size_t ldx);
+
+/** Computes some rows of the solution of A X = B, without memory for the others.
+ * - `b`: n x count.
+ * - `rows`: n_rows elements: the rows of X wanted, from 0, in any order.
+ * - `x`: n_rows x count, written. */
+cata_status cata_cholesky_solve_rows(const cata_cholesky *cholesky, int32_t layout, size_t count,
+    const double *b, size_t ldb, size_t n_rows, const size_t *rows, double *x, size_t ldx);
+
+/** Gets the size of a factorization, each number NULL where not wanted: rows of A, entries of L,
+ * zeros among them, and held rows, 0 without a factor. */
+cata_status cata_cholesky_size(const cata_cholesky *cholesky, size_t *n, size_t *entries,
+    size_t *held);
+
+/** Copies the numbers of the held rows (cata_cholesky_size), ascending: X is 0 there, and the
+ * equations of these rows follow from the others where there is a solution. A Laplacian has one in
+ * each component. */
+cata_status cata_cholesky_held(const cata_cholesky *cholesky, size_t *held);
+
+/** Gets the row with the smallest pivot relative to its diagonal entry, and this ratio: at 1e-12,
+ * solutions may lose 12 digits. Held rows do not count. Without other rows or a factor they are n
+ * and 1. Each is NULL where not wanted. */
+cata_status cata_cholesky_weakest(const cata_cholesky *cholesky, size_t *row, double *ratio);
 
 /** @} */
 

@@ -28,14 +28,14 @@
 //! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers |
 //! | [`kernel`] | kernels for each instruction set |
 //! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time |
-//! | [`product`] | A^T A, A A^T, A^T B, A^H A, A^H B, sparse A, plans, the exact path, checks of results |
+//! | [`product`] | A^T A, A A^T, A^T B, A^H A, A^H B, sparse A, plans, the exact path, checks |
 //! | [`rows`] | A^T A of rows from anywhere, in sums that can be saved, continued and merged |
 //! | [`dense`] | small dense factorizations |
-//! | [`solve`] | least squares, principal components, singular values from a Gram matrix in extended precision |
-//! | [`sparse`] | eigenpairs of sparse pencils |
+//! | [`solve`] | least squares, principal components, singular values, in extended precision |
+//! | [`sparse`] | Cholesky factorizations and eigenpairs of sparse matrices |
 //! | [`ortho`] | Gram-Schmidt, Cholesky QR, rank-revealing bases |
 //! | [`io`] | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 |
-//! | [`ranks`] | the same products and decompositions over many machines: plans, and their execution (feature `mpi`) |
+//! | [`ranks`] | the same over many machines: plans, and their execution (feature `mpi`) |
 //!
 //! Meshes, spectra of surfaces, decimation and curves are in the crate `catamaran-geometry`, plants
 //! and textures in `catamaran-simulation`, the C interface in `catamaran-capi`.
@@ -88,8 +88,10 @@ pub const OPTIONS: &[(&str, &[base::Field])] = &[
     ("rows::RowOptions", rows::RowOptions::<f64>::FIELDS),
     ("solve::LeastSquaresOptions", solve::LeastSquaresOptions::FIELDS),
     ("solve::PrincipalComponentsOptions", solve::PrincipalComponentsOptions::FIELDS),
+    ("sparse::CholeskyOptions", sparse::CholeskyOptions::FIELDS),
     ("sparse::EigenOptions", sparse::EigenOptions::FIELDS),
     ("ortho::GramSchmidtOptions", ortho::GramSchmidtOptions::FIELDS),
     ("io::ReadOptions", io::ReadOptions::FIELDS),
     ("io::SourceOptions", io::SourceOptions::FIELDS),
+    ("io::TableOptions", io::TableOptions::FIELDS),
 ];

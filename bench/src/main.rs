@@ -9,7 +9,7 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, decimate, exact, functional_map, gram, grid, laplacian, ortho, race, reproduce,
+    accuracy, cholesky, decimate, functional_map, gram, grid, laplacian, ortho, race, reproduce,
     scale, spectrum, stream,
 };
 
@@ -24,14 +24,14 @@ enum Command {
     Grid(grid::Arguments),
     /// Errors of A^T A, entry by entry, beside those of the syrk of BLAS libraries.
     Accuracy(accuracy::Arguments),
-    /// Stages of the exact path, and the rates of its kernels.
-    Exact(exact::Arguments),
     /// A^T A on many ranks, as the plans predict it.
     Scale(scale::Arguments),
     /// A^T A of a file, beside reading it alone and computing alone.
     Stream(stream::Arguments),
     /// Eigenpairs of the Laplacian of meshes beside scipy's.
     Spectrum(spectrum::Arguments),
+    /// Factorizations of the Laplacian of meshes beside CHOLMOD's.
+    Cholesky(cholesky::Arguments),
     /// Tufted Laplacians of meshes beside robust_laplacian's.
     Laplacian(laplacian::Arguments),
     /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
@@ -57,10 +57,10 @@ fn main() {
         Command::Atb(a) => beside(&a.common.libraries, &|| race::run(Operation::Gemm, a)),
         Command::Grid(a) => beside(&a.common.libraries, &|| grid::run(a)),
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
-        Command::Exact(a) => exact::run(a),
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),
+        Command::Cholesky(a) => cholesky::run(a),
         Command::Laplacian(a) => laplacian::run(a),
         Command::FunctionalMap(a) => functional_map::run(a),
         Command::Gram(a) => gram::run(a),

@@ -1,11 +1,12 @@
 use faer::complex::Complex;
 
-use super::ata_params::{cata_ata_params, with_options};
-use super::boundary::boundary;
-use super::pointer::{Layout, matrix, matrix_mut, slice, uplo_from};
-use super::status::cata_status;
+use super::ata::symmetric;
+use super::ata_params::cata_ata_params;
+use super::atb::general;
+use super::pointer::slice;
+use super::status::{Failure, cata_status};
 use catamaran::blas::BlasReal;
-use catamaran::{AtaOptions, Uplo};
+use catamaran::{aha_into, ahb_into};
 
 /// Computes C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta
 /// are real.
@@ -43,8 +44,13 @@ pub unsafe extern "C" fn cata_aha_c64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
-    unsafe { aha(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+    let (a, c) = (a.cast::<Complex<f64>>(), c.cast::<Complex<f64>>());
+    // SAFETY: the promises are the same; a Complex is two reals, without more alignment.
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            aha_into(alpha, a, beta, c, options)
+        })
+    }
 }
 
 /// Computes cata_aha_c64 in float: `float complex` and `std::complex<float>`.
@@ -65,8 +71,13 @@ pub unsafe extern "C" fn cata_aha_c32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
-    unsafe { aha(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+    let (a, c) = (a.cast::<Complex<f32>>(), c.cast::<Complex<f32>>());
+    // SAFETY: the promises are the same; a Complex is two reals, without more alignment.
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            aha_into(alpha, a, beta, c, options)
+        })
+    }
 }
 
 /// Computes C := alpha A^H B + beta C, complex, for A m x n, B m x k, C n x k. A and B may overlap.
@@ -122,35 +133,6 @@ pub unsafe extern "C" fn cata_ahb_c32(
     unsafe { ahb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
-/// Implements `cata_aha_*`.
-///
-/// # Safety
-/// The pointers are as the header describes them.
-unsafe fn aha<T: BlasReal>(
-    layout: i32,
-    uplo: i32,
-    m: usize,
-    n: usize,
-    alpha: T,
-    a: *const T,
-    lda: usize,
-    beta: T,
-    c: *mut T,
-    ldc: usize,
-    params: *const cata_ata_params,
-) -> cata_status {
-    boundary(|| {
-        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        let (a, c) = (a.cast::<Complex<T>>(), c.cast::<Complex<T>>());
-        // SAFETY: the caller's promise; a Complex is two reals, without more alignment.
-        let (a, c) =
-            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::aha_into(alpha, a, beta, c, options)?);
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, uplo, work) }
-    })
-}
-
 /// Implements `cata_ahb_*`.
 ///
 /// # Safety
@@ -170,23 +152,13 @@ unsafe fn ahb<T: BlasReal>(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    boundary(|| {
-        let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
-        let [alpha, beta] = unsafe { [slice("alpha", alpha, 2)?, slice("beta", beta, 2)?] }
-            .map(|parts| Complex { re: parts[0], im: parts[1] });
-        let (a, b, c) = (a.cast(), b.cast(), c.cast());
-        // SAFETY: the caller's promise; a Complex is two reals, without more alignment.
-        let (a, b, c) = unsafe {
-            (
-                matrix::<Complex<T>>("a", layout, m, n, a, lda)?,
-                matrix::<Complex<T>>("b", layout, m, k, b, ldb)?,
-                matrix_mut::<Complex<T>>("c", layout, n, k, c, ldc)?,
-            )
-        };
-        let work =
-            |options: &AtaOptions<'_>| Ok(catamaran::ahb_into(alpha, a, b, beta, c, options)?);
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, Uplo::Lower, work) }
-    })
+    let (a, b, c) = (a.cast::<Complex<T>>(), b.cast(), c.cast());
+    // SAFETY: the caller's promise; a Complex is two reals, without more alignment.
+    unsafe {
+        general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
+            let [alpha, beta] = [slice("alpha", alpha, 2)?, slice("beta", beta, 2)?]
+                .map(|parts| Complex { re: parts[0], im: parts[1] });
+            Ok::<_, Failure>(ahb_into(alpha, a, b, beta, c, options)?)
+        })
+    }
 }

@@ -12,11 +12,12 @@
 use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
 use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut, uplo_from};
-use super::status::cata_status;
+use super::status::{Failure, cata_status};
 use catamaran::blas::BlasReal;
 use catamaran::product::ata_planned;
 use catamaran::rows::{DenseRows, RowOptions, ata_rows};
-use catamaran::{AtaOptions, Plan, Uplo};
+use catamaran::{AtaOptions, Plan, Uplo, aat_into, ata_into};
+use faer::{MatMut, MatRef};
 
 /// Computes C := alpha A^T A + beta C, for A m x n and C n x n.
 ///
@@ -53,7 +54,11 @@ pub unsafe extern "C" fn cata_ata_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     // SAFETY: the promises are the same.
-    unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            ata_into(alpha, a, beta, c, options)
+        })
+    }
 }
 
 /// Computes cata_ata_f64 in float.
@@ -75,7 +80,11 @@ pub unsafe extern "C" fn cata_ata_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     // SAFETY: the promises are the same.
-    unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            ata_into(alpha, a, beta, c, options)
+        })
+    }
 }
 
 /// Computes cata_ata_f64 with A in float, in blocks: sums and products are in double. C holds
@@ -97,21 +106,15 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    boundary(|| {
-        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
-        let (a, c) =
-            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| {
+    // SAFETY: the promises are the same.
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             if n == 0 {
                 return Ok(()); // m may exceed the address space
             }
-            let rows = &mut DenseRows(a);
-            Ok(ata_rows(alpha, rows, &RowOptions::new(), beta, c, options)?)
-        };
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, uplo, work) }
-    })
+            ata_rows(alpha, &mut DenseRows(a), &RowOptions::new(), beta, c, options)
+        })
+    }
 }
 
 /// Gets the length of the scratch of cata_ata_with_scratch_f64 for the same m, n and params.
@@ -167,21 +170,10 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f64(
 ) -> cata_status {
     // SAFETY: the promises are the same.
     unsafe {
-        ata_with_scratch(
-            layout,
-            uplo,
-            m,
-            n,
-            alpha,
-            a,
-            lda,
-            beta,
-            c,
-            ldc,
-            scratch,
-            scratch_len,
-            params,
-        )
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            let scratch = slice_mut("scratch", scratch, scratch_len)?;
+            ata_in(alpha, a, beta, c, options, scratch)
+        })
     }
 }
 
@@ -207,21 +199,10 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f32(
 ) -> cata_status {
     // SAFETY: the promises are the same.
     unsafe {
-        ata_with_scratch(
-            layout,
-            uplo,
-            m,
-            n,
-            alpha,
-            a,
-            lda,
-            beta,
-            c,
-            ldc,
-            scratch,
-            scratch_len,
-            params,
-        )
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            let scratch = slice_mut("scratch", scratch, scratch_len)?;
+            ata_in(alpha, a, beta, c, options, scratch)
+        })
     }
 }
 
@@ -244,7 +225,11 @@ pub unsafe extern "C" fn cata_aat_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     // SAFETY: the promises are the same.
-    unsafe { aat(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (m, c, ldc), params, |a, c, options| {
+            aat_into(alpha, a, beta, c, options)
+        })
+    }
 }
 
 /// Computes cata_aat_f64 in float.
@@ -266,98 +251,51 @@ pub unsafe extern "C" fn cata_aat_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     // SAFETY: the promises are the same.
-    unsafe { aat(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (m, c, ldc), params, |a, c, options| {
+            aat_into(alpha, a, beta, c, options)
+        })
+    }
 }
 
-/// Implements `cata_ata_*`.
+/// Calls `work` with A (m x n), a square C, each with its leading dimension, and the options of the
+/// caller.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
-unsafe fn ata<T: BlasReal>(
+pub(super) unsafe fn symmetric<A: Copy, C: Copy, X>(
     layout: i32,
     uplo: i32,
-    m: usize,
-    n: usize,
-    alpha: T,
-    a: *const T,
-    lda: usize,
-    beta: T,
-    c: *mut T,
-    ldc: usize,
+    (m, n, a, lda): (usize, usize, *const A, usize),
+    (side, c, ldc): (usize, *mut C, usize),
     params: *const cata_ata_params,
-) -> cata_status {
+    work: impl FnOnce(MatRef<'_, A>, MatMut<'_, C>, &AtaOptions<'_>) -> Result<(), X>,
+) -> cata_status
+where
+    Failure: From<X>,
+{
     boundary(|| {
         let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
         // SAFETY: the caller's promise.
-        let (a, c) =
-            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::ata_into(alpha, a, beta, c, options)?);
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, uplo, work) }
+        unsafe {
+            let a = matrix("a", layout, m, n, a, lda)?;
+            let c = matrix_mut("c", layout, side, side, c, ldc)?;
+            with_options(params, uplo, |options| Ok(work(a, c, options)?))
+        }
     })
 }
 
-/// Implements `cata_aat_*`.
-///
-/// # Safety
-/// The pointers are as the header describes them.
-unsafe fn aat<T: BlasReal>(
-    layout: i32,
-    uplo: i32,
-    m: usize,
-    n: usize,
+/// Computes A^T A in scratch of the caller.
+fn ata_in<T: BlasReal>(
     alpha: T,
-    a: *const T,
-    lda: usize,
+    a: MatRef<'_, T>,
     beta: T,
-    c: *mut T,
-    ldc: usize,
-    params: *const cata_ata_params,
-) -> cata_status {
-    boundary(|| {
-        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
-        let (a, c) =
-            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, m, m, c, ldc)?) };
-        let work = |options: &AtaOptions<'_>| Ok(catamaran::aat_into(alpha, a, beta, c, options)?);
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, uplo, work) }
-    })
-}
-
-/// Implements `cata_ata_with_scratch_*`.
-///
-/// # Safety
-/// The pointers are as the header describes them.
-unsafe fn ata_with_scratch<T: BlasReal>(
-    layout: i32,
-    uplo: i32,
-    m: usize,
-    n: usize,
-    alpha: T,
-    a: *const T,
-    lda: usize,
-    beta: T,
-    c: *mut T,
-    ldc: usize,
-    scratch: *mut T,
-    scratch_len: usize,
-    params: *const cata_ata_params,
-) -> cata_status {
-    boundary(|| {
-        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
-        let (a, c) =
-            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        // SAFETY: the caller's promise.
-        let scratch = unsafe { slice_mut("scratch", scratch, scratch_len) }?;
-        let work = |options: &AtaOptions<'_>| {
-            let plan = Plan::ata::<T>(m, n, options)?;
-            Ok(ata_planned(&plan, alpha, a, beta, c, options, Some(scratch))?)
-        };
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, uplo, work) }
-    })
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<(), Failure> {
+    let plan = Plan::ata::<T>(a.nrows(), a.ncols(), options)?;
+    Ok(ata_planned(&plan, alpha, a, beta, c, options, Some(scratch))?)
 }
 
 /// Implements `cata_ata_scratch_len_*`.
@@ -370,13 +308,32 @@ unsafe fn ata_scratch_len<T: BlasReal>(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        scratch_len::<T>(&[("a", m, n), ("c", n, n)], params, len, |options| {
+            Ok(Plan::ata::<T>(m, n, options)?.scratch_len::<T>(options.par))
+        })
+    }
+}
+
+/// Writes the length of the scratch of a product of matrices of these sizes.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+pub(super) unsafe fn scratch_len<T>(
+    matrices: &[(&str, usize, usize)],
+    params: *const cata_ata_params,
+    len: *mut usize,
+    find: impl FnOnce(&AtaOptions<'_>) -> catamaran::Result<usize>,
+) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
         let len = unsafe { output("len", len) }?;
-        check_size::<T>("a", m, n)?;
-        check_size::<T>("c", n, n)?;
+        for &(what, rows, columns) in matrices {
+            check_size::<T>(what, rows, columns)?;
+        }
         let work = |options: &AtaOptions<'_>| {
-            *len = Plan::ata::<T>(m, n, options)?.scratch_len::<T>(options.par);
+            *len = find(options)?;
             Ok(())
         };
         // SAFETY: the caller's promise.

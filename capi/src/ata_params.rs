@@ -1,11 +1,10 @@
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::backend::cata_backend;
-use super::params::{Versioned, flag, init, read};
-use super::progress::{cata_progress, par, watcher};
+use super::params::{Params, flag, init, params, read};
+use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::{Pin, Progress};
+use catamaran::base::Pin;
 use catamaran::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 
 /// `scheme`: the fastest within the requested accuracy.
@@ -77,10 +76,7 @@ const MOST_LEAF: usize = 1 << 31;
 /// The planner makes a list of the tasks, which must fit into memory.
 const MOST_TASKS: usize = 1 << 16;
 
-impl Versioned for cata_ata_params {
-    const NAME: &'static str = "cata_ata_params";
-    const FIRST_SIZE: usize = offset_of!(Self, pin) + size_of::<i32>();
-}
+params!(cata_ata_params, pin: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -124,9 +120,7 @@ pub(super) unsafe fn with_options(
     if let Some(backend) = unsafe { params.backend.as_ref() } {
         options = options.backend(backend.get());
     }
-    let watch = watcher(params.progress, params.progress_user);
-    let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    progress.watch(|| work(&options.progress(progress)))
+    params.caller().watch(|progress| work(&options.progress(progress)))
 }
 
 /// Refuses schemes that differ between machines where the same bytes are asked for, also for
@@ -144,7 +138,7 @@ fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
     if value <= most {
         return Ok(());
     }
-    Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be at most {most}, is {value}")))
+    Err(Failure::argument(what, format!("at most {most}"), value))
 }
 
 fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
@@ -158,10 +152,7 @@ fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
         CATA_SCHEME_KGP3 => SchemeChoice::Kgp3,
         CATA_SCHEME_EXACT => SchemeChoice::Exact,
         CATA_SCHEME_FLOAT => SchemeChoice::Float,
-        other => {
-            let why = format!("params.scheme: must be a CATA_SCHEME_* value, is {other}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
+        other => return Err(Failure::argument("params.scheme", "a CATA_SCHEME_* value", other)),
     })
 }
 
@@ -178,9 +169,7 @@ fn accuracy(error_factor: f64) -> Result<Accuracy, Failure> {
     } else if error_factor > 1.0 {
         Accuracy::Bounded(error_factor)
     } else {
-        let why = format!(
-            "params.error_factor: must be at least 1, 0 or CATA_ERROR_LEAST (-1), is {error_factor}"
-        );
-        return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        let any = "at least 1, 0 or CATA_ERROR_LEAST (-1)";
+        return Err(Failure::argument("params.error_factor", any, error_factor));
     })
 }

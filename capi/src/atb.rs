@@ -1,10 +1,12 @@
+use super::ata::scratch_len;
 use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut};
-use super::status::cata_status;
+use super::pointer::{Layout, matrix, matrix_mut, slice_mut};
+use super::status::{Failure, cata_status};
 use catamaran::blas::BlasReal;
 use catamaran::product::atb_planned;
-use catamaran::{AtaOptions, Plan, Uplo};
+use catamaran::{AtaOptions, Plan, Uplo, atb_into};
+use faer::{MatMut, MatRef};
 
 /// Computes C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The
 /// rest as in cata_ata_f64, with NaN and infinities of columns of A and of B.
@@ -28,7 +30,11 @@ pub unsafe extern "C" fn cata_atb_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     // SAFETY: the promises are the same.
-    unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
+    unsafe {
+        general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
+            atb_into(alpha, a, b, beta, c, options)
+        })
+    }
 }
 
 /// Computes cata_atb_f64 in float.
@@ -52,7 +58,11 @@ pub unsafe extern "C" fn cata_atb_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     // SAFETY: the promises are the same.
-    unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
+    unsafe {
+        general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
+            atb_into(alpha, a, b, beta, c, options)
+        })
+    }
 }
 
 /// Gets the length of the scratch of cata_atb_with_scratch_f64 for the same m, n, k and params.
@@ -112,23 +122,11 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f64(
 ) -> cata_status {
     // SAFETY: the promises are the same.
     unsafe {
-        atb_with_scratch(
-            layout,
-            m,
-            n,
-            k,
-            alpha,
-            a,
-            lda,
-            b,
-            ldb,
-            beta,
-            c,
-            ldc,
-            scratch,
-            scratch_len,
-            params,
-        )
+        general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
+            let scratch = slice_mut("scratch", scratch, scratch_len)?;
+            let plan = Plan::atb::<f64>(m, n, k, options)?;
+            Ok::<_, Failure>(atb_planned(&plan, alpha, a, b, beta, c, options, Some(scratch))?)
+        })
     }
 }
 
@@ -156,101 +154,39 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f32(
 ) -> cata_status {
     // SAFETY: the promises are the same.
     unsafe {
-        atb_with_scratch(
-            layout,
-            m,
-            n,
-            k,
-            alpha,
-            a,
-            lda,
-            b,
-            ldb,
-            beta,
-            c,
-            ldc,
-            scratch,
-            scratch_len,
-            params,
-        )
+        general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
+            let scratch = slice_mut("scratch", scratch, scratch_len)?;
+            let plan = Plan::atb::<f32>(m, n, k, options)?;
+            Ok::<_, Failure>(atb_planned(&plan, alpha, a, b, beta, c, options, Some(scratch))?)
+        })
     }
 }
 
-/// Implements `cata_atb_*`.
+/// Calls `work` with A (m x n), B (m x k) and C (n x k), each with its leading dimension, and the
+/// options of the caller.
 ///
 /// # Safety
 /// The pointers are as the header describes them.
-unsafe fn atb<T: BlasReal>(
+pub(super) unsafe fn general<T: Copy, X>(
     layout: i32,
-    m: usize,
-    n: usize,
-    k: usize,
-    alpha: T,
-    a: *const T,
-    lda: usize,
-    b: *const T,
-    ldb: usize,
-    beta: T,
-    c: *mut T,
-    ldc: usize,
+    (m, a, lda, n): (usize, *const T, usize, usize),
+    (b, ldb, k): (*const T, usize, usize),
+    (c, ldc): (*mut T, usize),
     params: *const cata_ata_params,
-) -> cata_status {
+    work: impl FnOnce(MatRef<'_, T>, MatRef<'_, T>, MatMut<'_, T>, &AtaOptions<'_>) -> Result<(), X>,
+) -> cata_status
+where
+    Failure: From<X>,
+{
     boundary(|| {
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
-        let (a, b, c) = unsafe {
-            (
-                matrix("a", layout, m, n, a, lda)?,
-                matrix("b", layout, m, k, b, ldb)?,
-                matrix_mut("c", layout, n, k, c, ldc)?,
-            )
-        };
-        let work =
-            |options: &AtaOptions<'_>| Ok(catamaran::atb_into(alpha, a, b, beta, c, options)?);
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, Uplo::Both, work) }
-    })
-}
-
-/// Implements `cata_atb_with_scratch_*`.
-///
-/// # Safety
-/// The pointers are as the header describes them.
-unsafe fn atb_with_scratch<T: BlasReal>(
-    layout: i32,
-    m: usize,
-    n: usize,
-    k: usize,
-    alpha: T,
-    a: *const T,
-    lda: usize,
-    b: *const T,
-    ldb: usize,
-    beta: T,
-    c: *mut T,
-    ldc: usize,
-    scratch: *mut T,
-    scratch_len: usize,
-    params: *const cata_ata_params,
-) -> cata_status {
-    boundary(|| {
-        let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
-        let (a, b, c) = unsafe {
-            (
-                matrix("a", layout, m, n, a, lda)?,
-                matrix("b", layout, m, k, b, ldb)?,
-                matrix_mut("c", layout, n, k, c, ldc)?,
-            )
-        };
-        // SAFETY: the caller's promise.
-        let scratch = unsafe { slice_mut("scratch", scratch, scratch_len) }?;
-        let work = |options: &AtaOptions<'_>| {
-            let plan = Plan::atb::<T>(m, n, k, options)?;
-            Ok(atb_planned(&plan, alpha, a, b, beta, c, options, Some(scratch))?)
-        };
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, Uplo::Both, work) }
+        unsafe {
+            let a = matrix("a", layout, m, n, a, lda)?;
+            let b = matrix("b", layout, m, k, b, ldb)?;
+            let c = matrix_mut("c", layout, n, k, c, ldc)?;
+            with_options(params, Uplo::Lower, |options| Ok(work(a, b, c, options)?))
+        }
     })
 }
 
@@ -265,17 +201,10 @@ unsafe fn atb_scratch_len<T: BlasReal>(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: the caller's promise.
-        let len = unsafe { output("len", len) }?;
-        check_size::<T>("a", m, n)?;
-        check_size::<T>("b", m, k)?;
-        check_size::<T>("c", n, k)?;
-        let work = |options: &AtaOptions<'_>| {
-            *len = Plan::atb::<T>(m, n, k, options)?.scratch_len::<T>(options.par);
-            Ok(())
-        };
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, Uplo::Both, work) }
-    })
+    // SAFETY: the promises are the same.
+    unsafe {
+        scratch_len::<T>(&[("a", m, n), ("b", m, k), ("c", n, k)], params, len, |options| {
+            Ok(Plan::atb::<T>(m, n, k, options)?.scratch_len::<T>(options.par))
+        })
+    }
 }

@@ -14,18 +14,17 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 use std::sync::Arc;
 
 use super::boundary::boundary;
 use super::ortho::{
     CATA_ORTHO_RANK_REVEALING, CATA_ORTHO_REORTHOGONALIZED, CATA_ORTHO_SINGLE_PASS, known_method,
 };
-use super::params::{Versioned, init, read};
+use super::params::{init, or_default, params, with_params};
 use super::pointer::{
-    Layout, free, known, matrix, matrix_mut, optional_output, output, slice, slice_mut,
+    Layout, free, known, matrix, matrix_mut, optional_output, output, put, slice, slice_mut,
 };
-use super::progress::{cata_progress, par, watcher};
+use super::progress::{cata_progress, par, reported};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -102,10 +101,7 @@ pub struct cata_basis_params {
     pub method: i32,
 }
 
-impl Versioned for cata_basis_params {
-    const NAME: &'static str = "cata_basis_params";
-    const FIRST_SIZE: usize = offset_of!(Self, method) + size_of::<i32>();
-}
+params!(cata_basis_params, method: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -151,10 +147,10 @@ pub unsafe extern "C" fn cata_basis_new(
             )
         };
         let work = |options: &BasisOptions<'_>| {
-            options.progress.report(0.0)?;
-            let mass = Mass::Lumped(masses.to_vec());
-            let eigen = Eigenbasis::new(values.to_vec(), vectors.to_owned(), mass)?;
-            options.progress.report(1.0)?;
+            let eigen = reported(options.progress, || {
+                let mass = Mass::Lumped(masses.to_vec());
+                Eigenbasis::new(values.to_vec(), vectors.to_owned(), mass)
+            })?;
             Ok(made(Functions::Eigen(eigen), options.par))
         };
         // SAFETY: the caller's promise.
@@ -226,11 +222,7 @@ pub unsafe extern "C" fn cata_basis_size(
             Functions::Products(products) => products.products().len(),
         };
         let sizes = [basis.basis().vertices(), basis.basis().len(), products];
-        for (place, size) in places.into_iter().zip(sizes) {
-            if let Some(place) = place {
-                *place = size;
-            }
-        }
+        places.into_iter().zip(sizes).for_each(|(place, size)| put(place, size));
         Ok(())
     })
 }
@@ -469,20 +461,14 @@ pub(super) unsafe fn with_basis_options<X>(
     params: *const cata_basis_params,
     work: impl FnOnce(&BasisOptions<'_>) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
-    let (mut order, mut method) = (2, CATA_ORTHO_SINGLE_PASS);
-    let (mut threads, mut watch) = (Par::all(), None);
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        let params = unsafe { read("params", params) }?;
-        threads = par(params.threads);
-        method = known_method(params.method, method)?;
-        if params.order > 0 {
-            order = params.order;
-        }
-        watch = watcher(params.progress, params.progress_user);
+    // SAFETY: passed on to the caller.
+    unsafe {
+        with_params(params, |params, progress| {
+            let order = or_default(params.order, 2);
+            let method = known_method(params.method, CATA_ORTHO_SINGLE_PASS)?;
+            work(&BasisOptions { order, method, par: par(params.threads), progress })
+        })
     }
-    let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    progress.watch(|| work(&BasisOptions { order, method, par: threads, progress }))
 }
 
 fn made(functions: Functions, par: Par) -> *mut cata_basis {

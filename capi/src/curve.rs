@@ -17,15 +17,16 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, flag, init, read};
+use super::outputs::{fill_slice, hand_over};
+use super::params::{flag, init, or_default, params, with_params};
 use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+    check_size, free, known, mesh, optional_output, optional_slice_mut, output, put, slice,
+    slice_mut,
 };
-use super::progress::{cata_progress, watcher};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::progress::cata_progress;
+use super::status::{Failure, cata_status};
 use catamaran::base::Progress;
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, CurveSolver, Mode, Outcome, Placement, Reconstruction, Site, place,
@@ -81,10 +82,7 @@ pub struct cata_curve_params {
     pub smooth: i32,
 }
 
-impl Versioned for cata_curve_params {
-    const NAME: &'static str = "cata_curve_params";
-    const FIRST_SIZE: usize = offset_of!(Self, smooth) + size_of::<i32>();
-}
+params!(cata_curve_params, smooth: i32);
 
 /// A mesh, prepared for the search for curves. Made by cata_curve_solver_new.
 pub struct cata_curve_solver {
@@ -126,7 +124,7 @@ pub unsafe extern "C" fn cata_curve_solver_new(
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("solver", solver)?) };
         let solver = CurveSolver::owning(mesh)?;
-        *place = Box::into_raw(Box::new(cata_curve_solver { solver }));
+        hand_over(place, cata_curve_solver { solver });
         Ok(())
     })
 }
@@ -176,7 +174,7 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
         let placed = place(&mesh, &sites, Placement::Insert)?;
         let solver = CurveSolver::owning(placed.mesh.map_or(mesh, |refined| refined.mesh))?;
         samples.copy_from_slice(&placed.vertices);
-        *to = Box::into_raw(Box::new(cata_curve_solver { solver }));
+        hand_over(to, cata_curve_solver { solver });
         Ok(())
     })
 }
@@ -213,53 +211,38 @@ pub unsafe extern "C" fn cata_curve_solver_find(
             let solver = solver.as_mut().ok_or_else(|| Failure::null("solver"))?;
             (&mut solver.solver, slice("samples", samples, count)?, output("curves", curves)?)
         };
-        let (mut options, mut smooth, mut watch) = (CurveOptions::default(), false, None);
-        if !params.is_null() {
-            // SAFETY: the caller's promise.
-            let params = unsafe { read("params", params) }?;
-            fill(&mut options, &params)?;
-            smooth = flag("params.smooth", params.smooth)?;
-            watch = watcher(params.progress, params.progress_user);
-        }
-        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let found = options.progress.watch(|| {
-            let mut found = solver.reconstruct(samples, &options)?;
+        let work = |params: &cata_curve_params, progress: Progress<'_>| {
+            let smooth = flag("params.smooth", params.smooth)?;
+            let mut found = solver.reconstruct(samples, &options(params)?.progress(progress))?;
             if smooth {
                 found.smooth(solver.mesh(), samples)?;
             }
-            Ok::<_, Failure>(found)
-        })?;
-        *curves = Box::into_raw(Box::new(cata_curves { found }));
+            Ok(found)
+        };
+        // SAFETY: the caller's promise.
+        let found = unsafe { with_params(params, work) }?;
+        hand_over(curves, cata_curves { found });
         Ok(())
     })
 }
 
-pub(super) fn fill(
-    options: &mut CurveOptions<'_>,
-    params: &cata_curve_params,
-) -> Result<(), Failure> {
-    if flag("params.faithful", params.faithful)? {
-        options.mode = Mode::Faithful;
-    }
-    if flag("params.single", params.single)? {
-        options.count = Count::One;
-    }
-    options.open = flag("params.open", params.open)?;
-    options.steiner = match params.points {
-        CATA_CURVE_STEINER => true,
-        CATA_CURVE_VERTICES => false,
-        other => {
-            let why = format!(
-                "params.points: must be CATA_CURVE_STEINER or CATA_CURVE_VERTICES, is {other}"
-            );
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-    };
-    options.start = params.start;
-    if params.candidates > 0 {
-        options.candidates = params.candidates;
-    }
-    Ok(())
+/// Returns the options of the caller.
+pub(super) fn options(params: &cata_curve_params) -> Result<CurveOptions<'static>, Failure> {
+    let default = CurveOptions::default();
+    Ok(CurveOptions::new()
+        .mode(if flag("params.faithful", params.faithful)? { Mode::Faithful } else { default.mode })
+        .count(if flag("params.single", params.single)? { Count::One } else { default.count })
+        .open(flag("params.open", params.open)?)
+        .steiner(match params.points {
+            CATA_CURVE_STEINER => true,
+            CATA_CURVE_VERTICES => false,
+            other => {
+                let any = "CATA_CURVE_STEINER or CATA_CURVE_VERTICES";
+                return Err(Failure::argument("params.points", any, other));
+            }
+        })
+        .start(params.start)
+        .candidates(or_default(params.candidates, default.candidates)))
 }
 
 /// Frees curves.
@@ -304,11 +287,9 @@ pub unsafe extern "C" fn cata_curves_outcome(
                 _ => unreachable!("an outcome without a value of its own: {:?}", found.outcome),
             };
         }
-        for (place, number) in numbers.into_iter().zip([found.curves.len(), found.left_out.len()]) {
-            if let Some(place) = place {
-                *place = number;
-            }
-        }
+        let [count, left_out] = numbers;
+        put(count, found.curves.len());
+        put(left_out, found.left_out.len());
         Ok(())
     })
 }
@@ -341,14 +322,8 @@ pub unsafe extern "C" fn cata_curves_size(
             )
         };
         let found = [curve.order.len(), curve.path.len(), curve.points.len()];
-        for (place, number) in numbers.into_iter().zip(found) {
-            if let Some(place) = place {
-                *place = number;
-            }
-        }
-        if let Some(length) = length {
-            *length = curve.length;
-        }
+        numbers.into_iter().zip(found).for_each(|(place, number)| put(place, number));
+        put(length, curve.length);
         Ok(())
     })
 }
@@ -382,15 +357,9 @@ pub unsafe extern "C" fn cata_curves_get(
                 optional_slice_mut("points", points, 3 * curve.points.len())?,
             )
         };
-        if let Some(order) = order {
-            order.copy_from_slice(&curve.order);
-        }
-        if let Some(path) = path {
-            path.copy_from_slice(&curve.path);
-        }
-        if let Some(points) = points {
-            points.copy_from_slice(curve.points.as_flattened());
-        }
+        fill_slice(order, &curve.order);
+        fill_slice(path, &curve.path);
+        fill_slice(points, curve.points.as_flattened());
         Ok(())
     })
 }
@@ -418,7 +387,6 @@ pub unsafe extern "C" fn cata_curves_left_out(
 fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {
     let all = &curves.found.curves;
     all.get(curve).ok_or_else(|| {
-        let why = format!("curve: must be less than {} (curves), is {curve}", all.len());
-        Failure::new(CATA_ERR_ARGUMENT, why)
+        Failure::argument("curve", format!("less than {} (curves)", all.len()), curve)
     })
 }

@@ -16,16 +16,16 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::outputs::fill_slice;
-use super::params::{Versioned, flag, init, read};
+use super::outputs::{fill_slice, hand_over};
+use super::params::{flag, init, params, with_params};
 use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+    check_size, free, known, mesh, optional_output, optional_slice_mut, output, put, slice,
+    slice_mut,
 };
-use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::progress::{cata_progress, par};
+use super::status::{Failure, cata_status};
 use catamaran::base::{Error, Par, Progress};
 use catamaran_geometry::decimate::{DecimateOptions, Decimation, FarthestPoints, Method, decimate};
 use catamaran_geometry::mesh::TriMesh;
@@ -69,10 +69,7 @@ pub struct cata_decimation_params {
     pub keep_edges: i32,
 }
 
-impl Versioned for cata_decimation_params {
-    const NAME: &'static str = "cata_decimation_params";
-    const FIRST_SIZE: usize = offset_of!(Self, keep_edges) + size_of::<i32>();
-}
+params!(cata_decimation_params, keep_edges: i32);
 
 /// A decimated mesh, and how it lies on the input. Made by cata_decimation_new; constant.
 pub struct cata_decimation {
@@ -124,7 +121,7 @@ pub unsafe extern "C" fn cata_decimation_new(
         let (found, par) = unsafe {
             with_options(params, |options| Ok((decimate(&input, n, options)?, options.par)))
         }?;
-        *place = Box::into_raw(Box::new(cata_decimation { input, found, par }));
+        hand_over(place, cata_decimation { input, found, par });
         Ok(())
     })
 }
@@ -162,15 +159,9 @@ pub unsafe extern "C" fn cata_decimation_size(
                 optional_output("repaired", repaired)?,
             )
         };
-        if let Some(place) = n_vertices {
-            *place = found.mesh.vertices().len();
-        }
-        if let Some(place) = n_faces {
-            *place = found.mesh.faces().len();
-        }
-        if let Some(place) = repaired {
-            *place = i32::from(found.repairs != Default::default());
-        }
+        put(n_vertices, found.mesh.vertices().len());
+        put(n_faces, found.mesh.faces().len());
+        put(repaired, i32::from(found.repairs != Default::default()));
         Ok(())
     })
 }
@@ -374,7 +365,7 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
             )
         };
         if n == 0 {
-            return Err(Failure::new(CATA_ERR_ARGUMENT, "n: must be at least 1, is 0"));
+            return Err(Failure::argument("n", "at least 1", 0));
         }
         let work = |options: &DecimateOptions<'_>| {
             let mut points = FarthestPoints::new(&mesh, options.first)?;
@@ -384,12 +375,8 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
         // SAFETY: the caller's promise.
         let (found, cells) = unsafe { with_options(params, work) }?;
         samples.copy_from_slice(&found);
-        if let Some(nearest) = nearest {
-            nearest.copy_from_slice(cells.of_vertices());
-        }
-        if let Some(distances) = distances {
-            distances.copy_from_slice(cells.distances());
-        }
+        fill_slice(nearest, cells.of_vertices());
+        fill_slice(distances, cells.distances());
         Ok(())
     })
 }
@@ -402,29 +389,29 @@ pub(super) unsafe fn with_options<X>(
     params: *const cata_decimation_params,
     work: impl FnOnce(&DecimateOptions<'_>) -> catamaran::Result<X>,
 ) -> Result<X, Failure> {
-    let mut options = DecimateOptions::default();
-    let mut watch = None;
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        let params = unsafe { read("params", params) }?;
-        options.par = par(params.threads);
-        options.method = match params.method {
+    let default = DecimateOptions::default();
+    let work = |params: &cata_decimation_params, progress: Progress<'_>| {
+        let method = match params.method {
             CATA_DECIMATION_UNIFORM => Method::Uniform,
             CATA_DECIMATION_THESIS => Method::Thesis,
             other => {
-                let why = format!("params.method: must be a CATA_DECIMATION_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                let any = "a CATA_DECIMATION_* value";
+                return Err(Failure::argument("params.method", any, other));
             }
         };
-        options.resample = !flag("params.keep_edges", params.keep_edges)?;
-        options.lloyd = passes("params.lloyd", params.lloyd, options.lloyd)?;
-        options.relaxation = passes("params.relaxation", params.relaxation, options.relaxation)?;
-        options.cut_narrow_handles = flag("params.cut_narrow_handles", params.cut_narrow_handles)?;
-        options.first = flag("params.has_first", params.has_first)?.then_some(params.first);
-        watch = watcher(params.progress, params.progress_user);
-    }
-    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    Ok(options.progress.watch(|| work(&options))?)
+        let options = DecimateOptions::new()
+            .par(par(params.threads))
+            .method(method)
+            .resample(!flag("params.keep_edges", params.keep_edges)?)
+            .lloyd(passes("params.lloyd", params.lloyd, default.lloyd)?)
+            .relaxation(passes("params.relaxation", params.relaxation, default.relaxation)?)
+            .cut_narrow_handles(flag("params.cut_narrow_handles", params.cut_narrow_handles)?)
+            .first(flag("params.has_first", params.has_first)?.then_some(params.first))
+            .progress(progress);
+        Ok(work(&options)?)
+    };
+    // SAFETY: passed on to the caller.
+    unsafe { with_params(params, work) }
 }
 
 /// Returns a number of passes: 0 is the default, -1 is none.
@@ -432,9 +419,8 @@ fn passes(what: &str, value: i32, default: usize) -> Result<usize, Failure> {
     match value {
         0 => Ok(default),
         CATA_NO_PASSES => Ok(0),
-        _ => usize::try_from(value).map_err(|_| {
-            let message = format!("{what}: must be -1, 0 or positive, is {value}");
-            Failure::new(CATA_ERR_ARGUMENT, message)
-        }),
+        _ => {
+            usize::try_from(value).map_err(|_| Failure::argument(what, "-1, 0 or positive", value))
+        }
     }
 }

@@ -5,10 +5,10 @@ use std::mem::MaybeUninit;
 
 use super::params::{Versioned, init};
 use super::status::Failure;
-use super::{ata_params, curve, decimation, eigs, newton, ortho, slime};
+use super::{ata_params, cholesky, curve, decimation, eigs, newton, ortho, slime};
 use catamaran::AtaOptions;
 use catamaran::ortho::GramSchmidtOptions;
-use catamaran::sparse::EigenOptions;
+use catamaran::sparse::{CholeskyOptions, EigenOptions};
 use catamaran_geometry::curve::CurveOptions;
 use catamaran_geometry::decimate::DecimateOptions;
 use catamaran_geometry::mesh::LaplacianOptions;
@@ -69,12 +69,13 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
     };
     assert_eq!(done(found), printed(&DecimateOptions::default()));
 
-    let mut options = CurveOptions::default();
-    done(curve::fill(&mut options, &zeros()));
+    let found = done(cholesky::options(&zeros()));
+    assert_eq!(printed(&found), printed(&CholeskyOptions::default()));
+
+    let options = done(curve::options(&zeros()));
     assert_eq!(printed(&options), printed(&CurveOptions::default()));
 
-    let mut options = NewtonOptions::default();
-    done(newton::fill(&mut options, &zeros(), &[]));
+    let options = done(newton::options(&zeros(), &[]));
     assert_eq!(printed(&options), printed(&NewtonOptions::default()));
 
     assert_eq!(

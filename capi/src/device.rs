@@ -106,8 +106,7 @@ fn numbered(index: usize) -> Result<(String, i32), Failure> {
     if index < all.len() {
         return Ok(all.swap_remove(index));
     }
-    let why = format!("index: must be less than {} (devices), is {index}", all.len());
-    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+    Err(Failure::argument("index", format!("less than {} (devices)", all.len()), index))
 }
 
 #[cfg(feature = "opencl")]

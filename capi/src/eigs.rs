@@ -11,18 +11,18 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use faer::{MatMut, MatRef};
 
 use super::boundary::boundary;
-use super::params::{Versioned, flag, init, read};
+use super::outputs::fill_slice;
+use super::params::{flag, init, or_default, params, with_params};
 use super::pointer::{
     Layout, check_size, matrix_mut, optional_slice_mut, output, slice, slice_mut, sparse,
 };
-use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::{Error, Progress};
+use super::progress::{cata_progress, par, reported};
+use super::status::{Failure, cata_status};
+use catamaran::Error;
 use catamaran::sparse::{
     CsMatView, EigenOptions, Eigenpairs, Mass, count_below, eigs, eigs_sliced,
 };
@@ -81,10 +81,7 @@ pub struct cata_eigs_params {
     pub boundary: i32,
 }
 
-impl Versioned for cata_eigs_params {
-    const NAME: &'static str = "cata_eigs_params";
-    const FIRST_SIZE: usize = offset_of!(Self, boundary) + size_of::<i32>();
-}
+params!(cata_eigs_params, boundary: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -219,10 +216,7 @@ pub unsafe extern "C" fn cata_eigs_count(
         let (count, (stiffness, masses)) =
             unsafe { (output("count", count)?, pencil(n, row_starts, columns, entries, masses)?) };
         let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
-            options.progress.report(0.0)?;
-            let found = count_below(stiffness, &masses, value)?;
-            options.progress.report(1.0)?;
-            Ok(found)
+            reported(options.progress, || count_below(stiffness, &masses, value))
         };
         // SAFETY: the caller's promise.
         *count = unsafe { with_eigen_options(0, params, work) }?;
@@ -309,9 +303,7 @@ impl<'a> Outputs<'a> {
     pub fn write(mut self, values: &[f64], vectors: MatRef<'_, f64>, residuals: &[f64]) {
         self.values.copy_from_slice(values);
         self.vectors.copy_from(vectors);
-        if let Some(to) = self.residuals {
-            to.copy_from_slice(residuals);
-        }
+        fill_slice(self.residuals, residuals);
     }
 }
 
@@ -324,34 +316,28 @@ pub(super) unsafe fn with_eigen_options<X>(
     params: *const cata_eigs_params,
     work: impl FnOnce(&EigenOptions<'_>, &LaplacianOptions) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
-    let mut options = EigenOptions::new().k(k);
-    let mut laplacian = LaplacianOptions::default();
-    let mut watch = None;
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        let params = unsafe { read("params", params) }?;
-        options.par = par(params.threads);
-        options.seed = params.seed;
-        options.verify_count = flag("params.verify_count", params.verify_count)?;
-        options.shift = flag("params.has_shift", params.has_shift)?.then_some(params.shift);
-        if params.max_restarts > 0 {
-            options.max_restarts = params.max_restarts;
-        }
-        if params.tolerance != 0.0 {
-            options.tolerance = params.tolerance;
-        }
-        laplacian = laplacian_options(&params)?;
-        watch = watcher(params.progress, params.progress_user);
+    let default = EigenOptions::default();
+    // SAFETY: passed on to the caller.
+    unsafe {
+        with_params(params, |params, progress| {
+            let options = EigenOptions::new()
+                .k(k)
+                .par(par(params.threads))
+                .seed(params.seed)
+                .verify_count(flag("params.verify_count", params.verify_count)?)
+                .shift(flag("params.has_shift", params.has_shift)?.then_some(params.shift))
+                .max_restarts(or_default(params.max_restarts, default.max_restarts))
+                .tolerance(or_default(params.tolerance, default.tolerance))
+                .progress(progress);
+            work(&options, &laplacian_options(params)?)
+        })
     }
-    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    options.progress.watch(|| work(&options, &laplacian))
 }
 
 fn laplacian_options(params: &cata_eigs_params) -> Result<LaplacianOptions, Failure> {
     let unknown = |what: &str, value: i32| {
-        let kind = what.to_uppercase();
-        let why = format!("params.{what}: must be a CATA_{kind}_* value, is {value}");
-        Failure::new(CATA_ERR_ARGUMENT, why)
+        let any = format!("a CATA_{}_* value", what.to_uppercase());
+        Failure::argument(&format!("params.{what}"), any, value)
     };
     Ok(LaplacianOptions::new()
         .kind(match params.laplacian {

@@ -1,20 +1,18 @@
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use faer::MatRef;
 use faer::prelude::Reborrow;
 
 use super::boundary::boundary;
 use super::outputs::{fill, fill_slice};
-use super::params::{Versioned, init, read_or_zeros};
+use super::params::{Params, init, params, read_or_zeros};
 use super::pointer::{
     Layout, matrix, matrix_mut, optional_matrix_mut, optional_output, optional_slice,
-    optional_slice_mut,
+    optional_slice_mut, put,
 };
-use super::progress::{cata_progress, par, watched, watcher};
+use super::progress::{cata_progress, par};
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::Progress;
+use super::status::{Failure, cata_status};
 use catamaran::rows::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
 use catamaran::solve::{GramQr, SingularValues, correlation, orthogonality};
 use catamaran::{AtaOptions, Error};
@@ -37,14 +35,11 @@ pub struct cata_gram_params {
 impl cata_gram_params {
     /// Calls `work`, which asks the callback whether to stop.
     pub(super) fn watch<R>(&self, work: impl FnOnce() -> R) -> R {
-        watched(self.progress, self.progress_user, work)
+        self.caller().watch_the_end(work)
     }
 }
 
-impl Versioned for cata_gram_params {
-    const NAME: &'static str = "cata_gram_params";
-    const FIRST_SIZE: usize = offset_of!(Self, progress_user) + size_of::<*mut c_void>();
-}
+params!(cata_gram_params, progress_user: *mut c_void);
 
 /// Fills a struct with the defaults.
 ///
@@ -148,10 +143,8 @@ pub unsafe extern "C" fn cata_gram_extended(
             CATA_CENTER_NONE => Center::No,
             CATA_CENTER_MEAN => Center::Mean,
             other => {
-                let why = format!(
-                    "centering: must be CATA_CENTER_NONE (0) or CATA_CENTER_MEAN (1), is {other}"
-                );
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                let any = "CATA_CENTER_NONE (0) or CATA_CENTER_MEAN (1)";
+                return Err(Failure::argument("centering", any, other));
             }
         };
         // SAFETY: the caller's promise.
@@ -175,9 +168,7 @@ pub unsafe extern "C" fn cata_gram_extended(
                 (j..n).for_each(|i| place[(i, j)] = gram.entry(i, j)[part]);
             }
         }
-        if let Some(exact) = exact {
-            *exact = gram.is_exact().into();
-        }
+        put(exact, gram.is_exact().into());
         Ok(())
     })
 }
@@ -243,12 +234,8 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
             (q, max, optional_output("frobenius", frobenius)?, read_or_zeros("params", params)?)
         };
         let found = orthogonality(&of_matrix("q", q, Center::No, &params)?)?;
-        if let Some(max) = max {
-            *max = found.max;
-        }
-        if let Some(frobenius) = frobenius {
-            *frobenius = found.frobenius;
-        }
+        put(max, found.max);
+        put(frobenius, found.frobenius);
         Ok(())
     })
 }
@@ -311,10 +298,11 @@ pub(super) fn extended(
     params: &cata_gram_params,
     name: impl Fn(usize) -> (&'static str, usize),
 ) -> Result<ExtendedGram, Failure> {
-    let watch = watcher(params.progress, params.progress_user);
-    let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    let options = AtaOptions::new().par(par(params.threads)).progress(progress);
-    ata_extended(rows, row_options, &options).map_err(|error| match error {
+    let found = params.caller().with(|progress| {
+        let options = AtaOptions::new().par(par(params.threads)).progress(progress);
+        ata_extended(rows, row_options, &options)
+    });
+    found.map_err(|error| match error {
         Error::NonFinite { what: "rows", index: (i, j) } => {
             let (what, j) = name(j);
             Error::NonFinite { what, index: (i, j) }.into()

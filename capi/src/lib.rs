@@ -37,6 +37,8 @@ mod ata_sparse;
 #[cfg(feature = "chapters")]
 mod basis;
 #[cfg(feature = "chapters")]
+mod cholesky;
+#[cfg(feature = "chapters")]
 mod curve;
 #[cfg(feature = "chapters")]
 mod decimation;
@@ -70,6 +72,8 @@ mod rods;
 mod shape_dna;
 #[cfg(feature = "chapters")]
 mod slime;
+#[cfg(feature = "chapters")]
+mod table;
 #[cfg(feature = "chapters")]
 mod transfer;
 #[cfg(feature = "chapters")]
@@ -108,6 +112,8 @@ pub use ata_sparse::*;
 #[cfg(feature = "chapters")]
 pub use basis::*;
 #[cfg(feature = "chapters")]
+pub use cholesky::*;
+#[cfg(feature = "chapters")]
 pub use curve::*;
 #[cfg(feature = "chapters")]
 pub use decimation::*;
@@ -137,6 +143,8 @@ pub use rods::*;
 pub use shape_dna::*;
 #[cfg(feature = "chapters")]
 pub use slime::*;
+#[cfg(feature = "chapters")]
+pub use table::*;
 #[cfg(feature = "chapters")]
 pub use transfer::*;
 #[cfg(feature = "chapters")]

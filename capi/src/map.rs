@@ -4,9 +4,11 @@ use faer::MatRef;
 
 use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
+use super::outputs::{fill_slice, hand_over};
 use super::pointer::{
     Layout, check_size, free, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
 };
+use super::progress::reported;
 use super::status::{Failure, cata_status};
 use catamaran::Par;
 use catamaran_geometry::spectral::Eigenbasis;
@@ -43,7 +45,7 @@ pub unsafe extern "C" fn cata_map_fit_new(
         let [from, to] = [source, target].map(|basis| Arc::clone(&basis.functions));
         let known = Correspondences::default();
         let fit = cata_map_fit { source: from, target: to, par: source.par, known };
-        *place = Box::into_raw(Box::new(fit));
+        hand_over(place, fit);
         Ok(())
     })
 }
@@ -228,9 +230,7 @@ pub unsafe extern "C" fn cata_map_icp(
             })
         }?;
         c.copy_from(&map);
-        if let Some(points) = points {
-            points.copy_from_slice(&found);
-        }
+        fill_slice(points, &found);
         Ok(())
     })
 }
@@ -273,9 +273,7 @@ pub unsafe extern "C" fn cata_map_zoomout(
             })
         }?;
         map.copy_from(&found.map);
-        if let Some(points) = points {
-            points.copy_from_slice(&found.points);
-        }
+        fill_slice(points, &found.points);
         Ok(())
     })
 }
@@ -342,10 +340,7 @@ pub unsafe extern "C" fn cata_map_from_points(
         // SAFETY: the caller's promise.
         c.copy_from(&unsafe {
             with_basis_options(params, |options| {
-                options.progress.report(0.0)?;
-                let found = map_from_points(points, source, target, options.par)?;
-                options.progress.report(1.0)?;
-                Ok(found)
+                reported(options.progress, || map_from_points(points, source, target, options.par))
             })
         }?);
         Ok(())

@@ -13,14 +13,14 @@
 //! ```
 
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::device::{Device, chosen};
-use super::params::{Versioned, init, read};
+use super::outputs::hand_over;
+use super::params::{Params, init, or_default, params, read_or_zeros};
 use super::pointer::{check_size, free, known, output, slice, slice_mut};
-use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
+use super::progress::{Caller, cata_progress, par};
+use super::status::{CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran_simulation::texture::newton::{
@@ -66,18 +66,14 @@ pub struct cata_newton_params {
     pub gradient: i32,
 }
 
-impl Versioned for cata_newton_params {
-    const NAME: &'static str = "cata_newton_params";
-    const FIRST_SIZE: usize = offset_of!(Self, gradient) + size_of::<i32>();
-}
+params!(cata_newton_params, gradient: i32);
 
 /// A Newton fractal, which is evaluated at points.
 pub struct cata_newton {
     newton: Newton,
     options: NewtonOptions,
     par: Par,
-    progress: cata_progress,
-    user: *mut c_void,
+    caller: Caller,
     device: Option<Device>,
 }
 
@@ -108,72 +104,57 @@ pub unsafe extern "C" fn cata_newton_new(
     boundary(|| {
         // SAFETY: the caller's promise.
         let out = unsafe { output("newton", newton) }?;
-        let mut options = NewtonOptions::default();
-        let mut made = cata_newton {
-            newton: Newton::new(&options)?,
-            options: options.clone(),
-            par: Par::all(),
-            progress: None,
-            user: std::ptr::null_mut(),
-            device: None,
+        // SAFETY: the caller's promise.
+        let (params, roots, device) = unsafe {
+            let params = read_or_zeros("params", params)?;
+            check_size::<f64>("params.roots", params.root_count, 2)?;
+            let roots = slice("params.roots", params.roots, 2 * params.root_count)?;
+            (params, roots, params.device)
         };
-        if !params.is_null() {
-            // SAFETY: the caller's promise.
-            let (params, roots) = unsafe {
-                let params = read("params", params)?;
-                check_size::<f64>("params.roots", params.root_count, 2)?;
-                (params, slice("params.roots", params.roots, 2 * params.root_count)?)
-            };
-            fill(&mut options, &params, roots)?;
-            made.newton = Newton::new(&options)?;
-            made.options = options;
-            made.par = par(params.threads);
-            (made.progress, made.user) = (params.progress, params.progress_user);
-            // SAFETY: the caller's promise.
-            made.device = unsafe { chosen(params.device) }?;
-        }
-        *out = Box::into_raw(Box::new(made));
+        let options = options(&params, roots)?;
+        let newton = Newton::new(&options)?;
+        // SAFETY: the caller's promise.
+        let device = unsafe { chosen(device) }?;
+        let (par, caller) = (par(params.threads), params.caller());
+        hand_over(out, cata_newton { newton, options, par, caller, device });
         Ok(())
     })
 }
 
-pub(super) fn fill(
-    options: &mut NewtonOptions,
+/// Returns the options of the caller.
+pub(super) fn options(
     params: &cata_newton_params,
     roots: &[f64],
-) -> Result<(), Failure> {
-    let given = |x: f64, default: f64| if x == 0.0 { default } else { x };
-    options.polynomial = match (roots, params.power) {
+) -> Result<NewtonOptions, Failure> {
+    let default = NewtonOptions::default();
+    let polynomial = match (roots, params.power) {
         ([], 0) => Polynomial::Power(3),
         ([], power) => {
             if power < 2 || power as usize > Polynomial::MOST_ROOTS {
-                let most = Polynomial::MOST_ROOTS;
-                let why = format!("params.power: must be from 2 to {most}, is {power}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                let any = format!("from 2 to {}", Polynomial::MOST_ROOTS);
+                return Err(Failure::argument("params.power", any, power));
             }
             Polynomial::Power(power)
         }
         (roots, 0) => Polynomial::Roots(roots.as_chunks().0.to_vec()),
         (_, power) => {
-            let why = format!("params.power: must be 0 where roots are given, is {power}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            return Err(Failure::argument("params.power", "0 where roots are given", power));
         }
     };
-    if params.iterations > 0 {
-        options.iterations = params.iterations;
-    }
-    options.scale = given(params.scale, options.scale);
-    options.theta = given(params.theta, options.theta);
-    (options.w, options.offset) = (params.w, params.offset);
-    options.gradient = match params.gradient {
-        CATA_NEWTON_THESIS => Gradient::Thesis,
-        CATA_NEWTON_SHADER => Gradient::Shader,
-        other => {
-            let why = format!("params.gradient: must be a CATA_NEWTON_* value, is {other}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-    };
-    Ok(())
+    Ok(NewtonOptions::new()
+        .polynomial(polynomial)
+        .iterations(or_default(params.iterations, default.iterations))
+        .scale(or_default(params.scale, default.scale))
+        .theta(or_default(params.theta, default.theta))
+        .w(params.w)
+        .offset(params.offset)
+        .gradient(match params.gradient {
+            CATA_NEWTON_THESIS => Gradient::Thesis,
+            CATA_NEWTON_SHADER => Gradient::Shader,
+            other => {
+                return Err(Failure::argument("params.gradient", "a CATA_NEWTON_* value", other));
+            }
+        }))
 }
 
 /// Frees a fractal.
@@ -246,8 +227,7 @@ pub unsafe extern "C" fn cata_newton_plane(
 ) -> cata_status {
     boundary(|| {
         if !(extent > 0.0 && extent.is_finite()) {
-            let why = format!("extent: must be positive, is {extent}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            return Err(Failure::argument("extent", "positive", extent));
         }
         let Some(count) = (width as usize).checked_mul(height as usize) else {
             return Err(Failure::new(CATA_ERR_SHAPE, "width, height: exceed the address space"));
@@ -305,9 +285,7 @@ unsafe fn write(
     let (roots, convergence) = unsafe {
         (slice_mut("roots", roots, count)?, slice_mut("convergence", convergence, count)?)
     };
-    let watch = watcher(newton.progress, newton.user);
-    let fractal =
-        evaluate(newton, points, watch.as_ref().map_or(Progress::none(), Progress::from))?;
+    let fractal = newton.caller.with(|progress| evaluate(newton, points, progress))?;
     roots.copy_from_slice(&fractal.roots);
     convergence.copy_from_slice(&fractal.convergence);
     Ok(())

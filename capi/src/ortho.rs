@@ -1,13 +1,11 @@
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::eigs::mass;
-use super::params::{Versioned, init, read};
+use super::params::{init, or_default, params, with_params};
 use super::pointer::{Layout, matrix_mut, optional_matrix_mut, optional_slice_mut, output};
-use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::Progress;
+use super::progress::{cata_progress, par};
+use super::status::{Failure, cata_status};
 use catamaran::ortho::{
     GramSchmidtOptions, TriangularFactor, cholesky_qr_of, gram_schmidt_in_place,
     rank_revealing_in_place,
@@ -40,10 +38,7 @@ pub struct cata_ortho_params {
     pub method: i32,
 }
 
-impl Versioned for cata_ortho_params {
-    const NAME: &'static str = "cata_ortho_params";
-    const FIRST_SIZE: usize = offset_of!(Self, method) + size_of::<i32>();
-}
+params!(cata_ortho_params, method: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -201,23 +196,18 @@ pub(super) unsafe fn with_ortho_options<X>(
     params: *const cata_ortho_params,
     work: impl FnOnce(&GramSchmidtOptions<'_>, i32) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
-    let mut options = GramSchmidtOptions::reorthogonalized();
-    let (mut watch, mut method) = (None, CATA_ORTHO_REORTHOGONALIZED);
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        let params = unsafe { read("params", params) }?;
-        method = known_method(params.method, CATA_ORTHO_REORTHOGONALIZED)?;
-        if method == CATA_ORTHO_SINGLE_PASS {
-            options = GramSchmidtOptions::single_pass();
-        }
-        if params.threshold != 0.0 {
-            options.threshold = params.threshold;
-        }
-        options.par = par(params.threads);
-        watch = watcher(params.progress, params.progress_user);
+    // SAFETY: passed on to the caller.
+    unsafe {
+        with_params(params, |params, progress| {
+            let method = known_method(params.method, CATA_ORTHO_REORTHOGONALIZED)?;
+            let mut options = match method {
+                CATA_ORTHO_SINGLE_PASS => GramSchmidtOptions::single_pass(),
+                _ => GramSchmidtOptions::reorthogonalized(),
+            };
+            options.threshold = or_default(params.threshold, options.threshold);
+            work(&options.par(par(params.threads)).progress(progress), method)
+        })
     }
-    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    options.progress.watch(|| work(&options, method))
 }
 
 /// Returns a method of the caller, or the default.
@@ -227,9 +217,6 @@ pub(super) fn known_method(method: i32, default: i32) -> Result<i32, Failure> {
         CATA_ORTHO_REORTHOGONALIZED | CATA_ORTHO_SINGLE_PASS | CATA_ORTHO_RANK_REVEALING => {
             Ok(method)
         }
-        other => {
-            let why = format!("params.method: must be a CATA_ORTHO_* value, is {other}");
-            Err(Failure::new(CATA_ERR_ARGUMENT, why))
-        }
+        other => Err(Failure::argument("params.method", "a CATA_ORTHO_* value", other)),
     }
 }

@@ -1,12 +1,13 @@
 //! Parameter structs: any version of them is read and written.
 
 use std::mem::MaybeUninit;
-#[cfg(test)]
-use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::pointer;
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
+use super::progress::Caller;
+use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
+#[cfg(feature = "chapters")]
+use catamaran::base::Progress;
 
 /// More than any version will ever have, to catch an uninitialized struct_size.
 const LARGEST_SIZE: usize = 4096;
@@ -17,6 +18,52 @@ pub(super) trait Versioned: Copy {
     const NAME: &'static str;
     /// Size of the first published version, whose fields are always there.
     const FIRST_SIZE: usize;
+}
+
+/// Implements [`Versioned`] for a struct whose first version ended with the field `$last`.
+macro_rules! versioned {
+    ($name:ident, $last:ident: $kind:ty) => {
+        impl $crate::params::Versioned for $name {
+            const NAME: &'static str = stringify!($name);
+            const FIRST_SIZE: usize = std::mem::offset_of!(Self, $last) + size_of::<$kind>();
+        }
+    };
+}
+pub(super) use versioned;
+
+/// The parameters of a call, which begin with threads and a progress callback.
+pub(super) trait Params: Versioned {
+    /// Returns the callback, and what it gets.
+    fn caller(&self) -> Caller;
+}
+
+/// Implements [`Params`] as [`versioned`] implements [`Versioned`].
+macro_rules! params {
+    ($name:ident, $last:ident: $kind:ty) => {
+        $crate::params::versioned!($name, $last: $kind);
+
+        impl $crate::params::Params for $name {
+            fn caller(&self) -> $crate::progress::Caller {
+                $crate::progress::Caller::new(self.progress, self.progress_user)
+            }
+        }
+    };
+}
+pub(super) use params;
+
+/// Returns what `work` returns for the parameters of the caller, zeros for NULL. Every call of the
+/// library in it asks their callback whether to stop.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn with_params<T: Params, R>(
+    params: *const T,
+    work: impl FnOnce(&T, Progress<'_>) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    // SAFETY: passed on to the caller.
+    let params = unsafe { read_or_zeros("params", params) }?;
+    params.caller().watch(|progress| work(&params, progress))
 }
 
 /// Implements `cata_*_params_init`.
@@ -41,12 +88,8 @@ fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failur
     if (T::FIRST_SIZE..=LARGEST_SIZE).contains(&size) {
         return Ok(());
     }
-    let why = format!(
-        "{what}.struct_size: must be sizeof({}), {} in this version, is {size}",
-        T::NAME,
-        size_of::<T>()
-    );
-    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+    let right = format!("sizeof({}), {} in this version", T::NAME, size_of::<T>());
+    Err(Failure::argument(&format!("{what}.struct_size"), right, size))
 }
 
 /// Reads a struct of the caller's version: the fields that both versions have. Fields that only the
@@ -115,18 +158,26 @@ pub(super) unsafe fn write<T: Versioned>(
     Ok(())
 }
 
+/// Returns the value of a field, or the default that 0 stands for.
+#[cfg(feature = "chapters")]
+pub(super) fn or_default<T: Default + PartialEq>(value: T, default: T) -> T {
+    if value == T::default() { default } else { value }
+}
+
 /// Returns the value of a field or an argument that is 0 or 1.
 pub(super) fn flag(what: &str, value: i32) -> Result<bool, Failure> {
     match value {
         0 => Ok(false),
         1 => Ok(true),
-        _ => Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be 0 or 1, is {value}"))),
+        _ => Err(Failure::argument(what, "0 or 1", value)),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::status::CATA_OK;
+    use std::mem::offset_of;
+
+    use super::super::status::{CATA_ERR_ARGUMENT, CATA_OK};
     use super::*;
 
     /// A struct in its second version; the first one ended with `threads`.

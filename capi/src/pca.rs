@@ -1,15 +1,14 @@
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use faer::MatMut;
 
 use super::boundary::boundary;
 use super::gram::{cata_gram_params, of_matrix, rows_of};
 use super::outputs::{fill, fill_slice};
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::params::{flag, init, params, read_or_zeros};
 use super::pointer::{Layout, optional_matrix_mut, optional_slice_mut};
 use super::progress::{cata_progress, par};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::status::{Failure, cata_status};
 use catamaran::rows::Center;
 use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions};
 
@@ -31,10 +30,7 @@ pub struct cata_pca_params {
     pub standardize: i32,
 }
 
-impl Versioned for cata_pca_params {
-    const NAME: &'static str = "cata_pca_params";
-    const FIRST_SIZE: usize = offset_of!(Self, standardize) + size_of::<i32>();
-}
+params!(cata_pca_params, standardize: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -89,7 +85,9 @@ pub unsafe extern "C" fn cata_pca(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        at_least_two(m)?;
+        if m < 2 {
+            return Err(Failure::argument("m", "at least 2 rows", m));
+        }
         // SAFETY: the caller's promise.
         let (a, outputs, params) = unsafe {
             let a = rows_of("a", layout, m, n, a, lda)?;
@@ -133,8 +131,7 @@ impl<'a> ComponentOutputs<'a> {
         [variance, ratio, singular_values, mean, scale]: [*mut f64; 5],
     ) -> Result<Self, Failure> {
         if count > n {
-            let why = format!("count: must be at most {n} (columns of a), is {count}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            return Err(Failure::argument("count", format!("at most {n} (columns of a)"), count));
         }
         // SAFETY: the caller's promise.
         unsafe {
@@ -180,11 +177,4 @@ impl cata_pca_params {
         let &Self { struct_size, threads, progress, progress_user, .. } = self;
         cata_gram_params { struct_size, threads, progress, progress_user }
     }
-}
-
-fn at_least_two(m: usize) -> Result<(), Failure> {
-    if m >= 2 {
-        return Ok(());
-    }
-    Err(Failure::new(CATA_ERR_ARGUMENT, format!("m: must be at least 2 rows, is {m}")))
 }

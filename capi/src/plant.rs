@@ -15,19 +15,17 @@
 //! ```
 
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 use std::sync::Arc;
 
 use super::boundary::{boundary, path};
-use super::params::{Versioned, flag, init, read};
+use super::params::{Params, flag, init, or_default, params, read_or_zeros};
 use super::pointer::{
     check_size, copied, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
     slice_mut,
 };
-use super::progress::{cata_progress, par, watcher};
+use super::progress::{Caller, cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::Par;
-use catamaran::base::Progress;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
     Bdf6, Conductivity, CurveOptions, Elasticity, Interval, Plant, Segment, SpectralSolution,
@@ -79,10 +77,7 @@ pub struct cata_plant_params {
     pub elasticity_literal: i32,
 }
 
-impl Versioned for cata_plant_params {
-    const NAME: &'static str = "cata_plant_params";
-    const FIRST_SIZE: usize = offset_of!(Self, elasticity_shift) + size_of::<f64>();
-}
+params!(cata_plant_params, elasticity_shift: f64);
 
 /// The water in a plant: its constants, the current state, and the data of the time steps.
 pub struct cata_plant {
@@ -90,8 +85,7 @@ pub struct cata_plant {
     pub(super) model: WaterModel,
     pub(super) elasticity: Elasticity,
     pub(super) par: Par,
-    pub(super) progress: cata_progress,
-    pub(super) user: *mut c_void,
+    pub(super) caller: Caller,
     stepper: Option<Bdf6>,
     /// Whether the model has changed since the last step.
     changed: bool,
@@ -362,9 +356,9 @@ pub unsafe extern "C" fn cata_plant_water_after(
         let (plant, water) = unsafe { (live_of(plant, n)?, copied("water", water, n)?) };
         // SAFETY: the caller's promise.
         let result = unsafe { slice_mut("result", result, n) }?;
-        let watch = watcher(plant.progress, plant.user);
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let after = plant.model.water_after_with(&water, seconds, plant.par, progress)?;
+        let after = plant
+            .caller
+            .with(|progress| plant.model.water_after_with(&water, seconds, plant.par, progress))?;
         result.copy_from_slice(&after);
         Ok(())
     })
@@ -404,10 +398,11 @@ pub unsafe extern "C" fn cata_plant_water_curve(
         };
         // SAFETY: the caller's promise.
         let water = unsafe { water_or_full(plant, water) }?;
-        let watch = watcher(plant.progress, plant.user);
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let options = CurveOptions::new().cycle(cycle).par(plant.par).progress(progress);
-        copy_rows(&water_curve(&plant.model, &water, times, &options)?, result);
+        let options = CurveOptions::new().cycle(cycle).par(plant.par);
+        let found = plant.caller.with(|progress| {
+            water_curve(&plant.model, &water, times, &options.progress(progress))
+        })?;
+        copy_rows(&found, result);
         Ok(())
     })
 }
@@ -455,7 +450,7 @@ pub unsafe extern "C" fn cata_plant_step(
         if water.is_some() {
             check_count(plant, n)?;
         }
-        let cata_plant { model, stepper, changed, progress, user, .. } = plant;
+        let cata_plant { model, stepper, changed, caller, .. } = plant;
         let Some(stepper) = stepper else {
             let why = "plant: cata_plant_start has not been called";
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
@@ -464,8 +459,7 @@ pub unsafe extern "C" fn cata_plant_step(
             stepper.restart(model, stepper.step_length())?;
             *changed = false;
         }
-        let watch = watcher(*progress, *user);
-        stepper.run(count, watch.as_ref().map_or(Progress::none(), Progress::from))?;
+        caller.with(|progress| stepper.run(count, progress))?;
         if let Some(water) = water {
             water.copy_from_slice(&stepper.water());
         }
@@ -503,53 +497,39 @@ unsafe fn model(
     graph: Plant,
     params: *const cata_plant_params,
 ) -> Result<*mut cata_plant, Failure> {
-    let mut options = WaterOptions::new().loss(0.0);
-    let mut elasticity = Elasticity::default();
-    let (mut threads, mut progress, mut user) = (0, None, std::ptr::null_mut());
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        let params = unsafe { read("params", params) }?;
-        (threads, progress, user) = (params.threads, params.progress, params.progress_user);
-        options.loss = params.loss;
-        options.intake = params.intake;
-        if params.conductance != 0.0 {
-            options.conductivity = Conductivity::Pipe { scale: params.conductance };
-        }
-        let set = |option: &mut f64, value: f64| {
-            if value != 0.0 {
-                *option = value;
-            }
-        };
-        set(&mut options.modulus, params.modulus);
-        set(&mut options.viscosity, params.viscosity);
-        set(&mut options.density, params.density);
-        if flag("params.elasticity_literal", params.elasticity_literal)? {
-            elasticity = Elasticity::Literal { full: 5e7, steepness: 10.0, shift: 0.0 };
-        }
-        match &mut elasticity {
-            Elasticity::Relative { dry, full, steepness, shift } => {
-                set(full, params.elasticity_full);
-                set(dry, params.elasticity_dry);
-                set(steepness, params.elasticity_steepness);
-                set(shift, params.elasticity_shift);
-            }
-            Elasticity::Literal { full, steepness, shift } => {
-                set(full, params.elasticity_full);
-                set(steepness, params.elasticity_steepness);
-                set(shift, params.elasticity_shift);
-            }
-        }
-        // The constants are checked even without water to use them on.
-        elasticity.moduli(&[1.0], &[1.0])?;
+    // SAFETY: the caller's promise.
+    let params = unsafe { read_or_zeros("params", params) }?;
+    let default = WaterOptions::default();
+    let mut options = WaterOptions::new()
+        .loss(params.loss)
+        .intake(params.intake)
+        .modulus(or_default(params.modulus, default.modulus))
+        .viscosity(or_default(params.viscosity, default.viscosity))
+        .density(or_default(params.density, default.density));
+    if params.conductance != 0.0 {
+        options.conductivity = Conductivity::Pipe { scale: params.conductance };
     }
+    let mut elasticity = match flag("params.elasticity_literal", params.elasticity_literal)? {
+        true => Elasticity::Literal { full: 5e7, steepness: 10.0, shift: 0.0 },
+        false => Elasticity::default(),
+    };
+    let (Elasticity::Relative { full, steepness, shift, .. }
+    | Elasticity::Literal { full, steepness, shift }) = &mut elasticity;
+    *full = or_default(params.elasticity_full, *full);
+    *steepness = or_default(params.elasticity_steepness, *steepness);
+    *shift = or_default(params.elasticity_shift, *shift);
+    if let Elasticity::Relative { dry, .. } = &mut elasticity {
+        *dry = or_default(params.elasticity_dry, *dry);
+    }
+    // The constants are checked even without water to use them on.
+    elasticity.moduli(&[1.0], &[1.0])?;
     let model = WaterModel::new(&graph, &options)?;
     let plant = cata_plant {
         graph: Arc::new(graph),
         model,
         elasticity,
-        par: par(threads),
-        progress,
-        user,
+        par: par(params.threads),
+        caller: params.caller(),
         stepper: None,
         changed: false,
     };

@@ -2,7 +2,7 @@
 
 use faer::{MatMut, MatRef};
 #[cfg(feature = "chapters")]
-use sprs::CsMatView;
+use sprs::{CsMatBase, CsMatView};
 
 use super::boundary::boundary;
 use super::layout::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
@@ -30,10 +30,9 @@ impl Layout {
         match layout {
             CATA_ROW_MAJOR => Ok(Self::RowMajor),
             CATA_COL_MAJOR => Ok(Self::ColMajor),
-            other => Err(Failure::new(
-                CATA_ERR_ARGUMENT,
-                format!("{what}: must be CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102), is {other}"),
-            )),
+            other => {
+                Err(Failure::argument(what, "CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102)", other))
+            }
         }
     }
 }
@@ -43,12 +42,10 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
         CATA_UPPER => Ok(Uplo::Upper),
         CATA_LOWER => Ok(Uplo::Lower),
         CATA_BOTH => Ok(Uplo::Both),
-        other => Err(Failure::new(
-            CATA_ERR_ARGUMENT,
-            format!(
-                "uplo: must be CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123), is {other}"
-            ),
-        )),
+        other => {
+            let any = "CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123)";
+            Err(Failure::argument("uplo", any, other))
+        }
     }
 }
 
@@ -67,17 +64,57 @@ pub(super) unsafe fn sparse<'a, T: Real>(
 ) -> Result<CsMatView<'a, T>, Failure> {
     // SAFETY: the caller's promise.
     unsafe {
-        let row_starts = match rows {
-            0 => &[0],
-            _ => slice("row_starts", row_starts, rows.saturating_add(1))?,
-        };
+        let row_starts = starts(rows, row_starts)?;
         let count = row_starts[rows];
         let columns = slice("columns", columns, count)?;
         let entries = slice("entries", entries, count)?;
-        CsMatView::try_new((rows, cols), row_starts, columns, entries).map_err(|(_, _, _, why)| {
-            Failure::new(CATA_ERR_ARGUMENT, format!("row_starts, columns: {why}"))
-        })
+        CsMatView::try_new((rows, cols), row_starts, columns, entries)
+            .map_err(|(_, _, _, why)| not_sparse(why))
     }
+}
+
+/// A sparse matrix of which only the places of the entries are known.
+#[cfg(feature = "chapters")]
+pub(super) type Places<'a> = CsMatBase<(), usize, &'a [usize], &'a [usize], Vec<()>>;
+
+/// Returns the places of the entries of a sparse m x n matrix by rows.
+///
+/// # Safety
+/// As for [`sparse`], without entries.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn pattern<'a>(
+    rows: usize,
+    cols: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+) -> Result<Places<'a>, Failure> {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let row_starts = starts(rows, row_starts)?;
+        let count = row_starts[rows];
+        let columns = slice("columns", columns, count)?;
+        Places::try_new((rows, cols), row_starts, columns, vec![(); count])
+            .map_err(|(_, _, _, why)| not_sparse(why))
+    }
+}
+
+/// Returns where the rows of a sparse matrix begin and the last one ends.
+///
+/// # Safety
+/// As for [`sparse`].
+#[cfg(feature = "chapters")]
+unsafe fn starts<'a>(rows: usize, row_starts: *const usize) -> Result<&'a [usize], Failure> {
+    match rows {
+        0 => Ok(&[0]),
+        // SAFETY: the caller's promise.
+        _ => unsafe { slice("row_starts", row_starts, rows.saturating_add(1)) },
+    }
+}
+
+/// Returns the error about arrays that are no sparse matrix.
+#[cfg(feature = "chapters")]
+fn not_sparse(why: impl std::fmt::Display) -> Failure {
+    Failure::new(CATA_ERR_ARGUMENT, format!("row_starts, columns: {why}"))
 }
 
 /// Returns an m x n matrix to read. `what` names the pointer, `ld` + `what` its leading dimension.
@@ -245,6 +282,13 @@ pub(super) unsafe fn optional_output<'a, T>(
     }
     // SAFETY: passed on to the caller.
     unsafe { output(what, pointer) }.map(Some)
+}
+
+/// Writes a value where it is wanted.
+pub(super) fn put<T>(place: Option<&mut T>, value: T) {
+    if let Some(place) = place {
+        *place = value;
+    }
 }
 
 /// Returns a mesh of x, y, z of each vertex and three vertices of each face, which are copied.

@@ -11,9 +11,9 @@
 use std::ffi::c_void;
 use std::ops::ControlFlow;
 
-use catamaran::base::Par;
 #[cfg(feature = "chapters")]
-use catamaran::base::Progress;
+use super::status::Failure;
+use catamaran::base::{Par, Progress};
 
 /// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to continue; anything
 /// else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
@@ -48,16 +48,46 @@ pub(super) fn watcher(
     })
 }
 
-/// Calls `work`, which asks a callback of the ABI whether to stop, after it was told that all is
-/// done.
-#[cfg(feature = "chapters")]
-pub(super) fn watched<R>(
+/// The progress callback of a caller, and what it gets.
+#[derive(Clone, Copy)]
+pub(super) struct Caller {
     progress: cata_progress,
     user: *mut c_void,
-    work: impl FnOnce() -> R,
-) -> R {
-    let watch = watcher(progress, user);
-    watch.as_ref().map_or(Progress::none(), Progress::from).part(1.0..1.0).watch(work)
+}
+
+impl Caller {
+    pub(super) fn new(progress: cata_progress, user: *mut c_void) -> Self {
+        Self { progress, user }
+    }
+
+    /// Calls `work` with the callback as a progress.
+    pub(super) fn with<R>(self, work: impl FnOnce(Progress<'_>) -> R) -> R {
+        let watch = watcher(self.progress, self.user);
+        work(watch.as_ref().map_or(Progress::none(), Progress::from))
+    }
+
+    /// Calls `work` with the callback as a progress. Every call of the library in it asks the
+    /// callback whether to stop.
+    pub(super) fn watch<R>(self, work: impl FnOnce(Progress<'_>) -> R) -> R {
+        self.with(|progress| progress.watch(|| work(progress)))
+    }
+
+    /// Calls `work`, which asks the callback whether to stop, after it was told that all is done.
+    pub(super) fn watch_the_end<R>(self, work: impl FnOnce() -> R) -> R {
+        self.with(|progress| progress.part(1.0..1.0).watch(work))
+    }
+}
+
+/// Calls `work`, which reports nothing, and reports its beginning and its end.
+#[cfg(feature = "chapters")]
+pub(super) fn reported<R>(
+    progress: Progress<'_>,
+    work: impl FnOnce() -> catamaran::Result<R>,
+) -> Result<R, Failure> {
+    progress.report(0.0)?;
+    let found = work()?;
+    progress.report(1.0)?;
+    Ok(found)
 }
 
 /// Returns the threads of a field of that name: 0 stands for all.

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::ata_params::{cata_ata_params, with_options};
 use super::entries::{Entries, Held};
 use super::pointer::{
-    Layout, known, matrix, matrix_mut, optional_output, output, slice, uplo_from,
+    Layout, known, matrix, matrix_mut, optional_output, output, put, slice, uplo_from,
 };
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_world};
@@ -232,10 +232,8 @@ pub(super) unsafe fn check<T: Held>(
                 CATA_BY_ROWS => Distributed::Rows(a),
                 CATA_BY_COLUMNS => Distributed::Columns(a),
                 other => {
-                    let why = format!(
-                        "spread: must be CATA_BY_ROWS (141) or CATA_BY_COLUMNS (142), is {other}"
-                    );
-                    return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                    let any = "CATA_BY_ROWS (141) or CATA_BY_COLUMNS (142)";
+                    return Err(Failure::argument("spread", any, other));
                 }
             };
             let rounds = u32::try_from(rounds).unwrap_or(0);
@@ -244,12 +242,8 @@ pub(super) unsafe fn check<T: Held>(
             let tolerance = optional_output("tolerance", tolerance)?;
             let found = verify(entrance.enter(), alpha, a, symmetric, rounds, seed)?;
             *passed = found.passed.into();
-            if let Some(out) = residual {
-                *out = found.residual;
-            }
-            if let Some(out) = tolerance {
-                *out = found.tolerance;
-            }
+            put(residual, found.residual);
+            put(tolerance, found.tolerance);
             Ok(())
         })
     }

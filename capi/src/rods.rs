@@ -1,18 +1,17 @@
 //! Rods: the positions of the segments of a plant.
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 use std::sync::Arc;
 
 use super::boundary::boundary;
-use super::params::{Versioned, init, read};
+use super::outputs::{fill_slice, hand_over};
+use super::params::{Params, init, or_default, params, read_or_zeros};
 use super::plant::{cata_plant, copy_rows, count_is, cycle, live_of};
 use super::pointer::{
-    check_size, free, known, known_mut, optional_output, optional_slice_mut, output, slice,
+    check_size, free, known, known_mut, optional_output, optional_slice_mut, output, put, slice,
 };
-use super::progress::{cata_progress, watcher};
+use super::progress::{Caller, cata_progress};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::Progress;
 use catamaran_simulation::plant::{
     Motion, MotionOptions, Plant, Pose, RelaxOptions, RodOptions, Rods, WiltOptions, tubes, wilt,
 };
@@ -47,10 +46,7 @@ pub struct cata_plant_rods_params {
     pub damping: f64,
 }
 
-impl Versioned for cata_plant_rods_params {
-    const NAME: &'static str = "cata_plant_rods_params";
-    const FIRST_SIZE: usize = offset_of!(Self, damping) + size_of::<f64>();
-}
+params!(cata_plant_rods_params, damping: f64);
 
 /// A plant whose segments have weight and whose joints have stiffness, in a pose.
 pub struct cata_plant_rods {
@@ -62,8 +58,7 @@ pub struct cata_plant_rods {
     tolerance: f64,
     iterations: usize,
     motion_options: MotionOptions,
-    progress: cata_progress,
-    user: *mut c_void,
+    caller: Caller,
 }
 
 /// Fills a struct with the defaults.
@@ -92,28 +87,21 @@ pub unsafe extern "C" fn cata_plant_rods_new(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (plant, place) = unsafe { (known("plant", plant)?, output("rods", rods)?) };
-        let (mut options, mut relax) = (RodOptions::default(), RelaxOptions::default());
-        let mut motion_options = MotionOptions::default();
-        let (mut progress, mut user) = (None, std::ptr::null_mut());
-        if !params.is_null() {
-            // SAFETY: the caller's promise.
-            let params = unsafe { read("params", params) }?;
-            (progress, user) = (params.progress, params.progress_user);
-            if params.gravity != [0.0; 3] {
-                options.gravity = params.gravity;
-            }
-            set(&mut options.poisson, params.poisson);
-            set(&mut options.dry_density, params.dry_density);
-            set(&mut relax.tolerance, params.tolerance);
-            set(&mut relax.max_iterations, params.iterations);
-            set(&mut motion_options.step, params.step);
-            set(&mut motion_options.iterations, params.step_iterations);
-            set(&mut motion_options.damping, params.damping);
-        }
-        if !(1e-12..=1e-2).contains(&relax.tolerance) {
-            let why =
-                format!("params.tolerance: must be from 1e-12 to 1e-2, is {}", relax.tolerance);
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        // SAFETY: the caller's promise.
+        let params = unsafe { read_or_zeros("params", params) }?;
+        let (default, rest) = (RodOptions::default(), RelaxOptions::default());
+        let options = RodOptions::new()
+            .gravity(or_default(params.gravity, default.gravity))
+            .poisson(or_default(params.poisson, default.poisson))
+            .dry_density(or_default(params.dry_density, default.dry_density));
+        let moving = MotionOptions::default();
+        let motion_options = MotionOptions::new()
+            .step(or_default(params.step, moving.step))
+            .iterations(or_default(params.step_iterations, moving.iterations))
+            .damping(or_default(params.damping, moving.damping));
+        let tolerance = or_default(params.tolerance, rest.tolerance);
+        if !(1e-12..=1e-2).contains(&tolerance) {
+            return Err(Failure::argument("params.tolerance", "from 1e-12 to 1e-2", tolerance));
         }
         let full = plant.model.full();
         let mut made = Rods::new(&plant.graph, &options)?;
@@ -121,17 +109,17 @@ pub unsafe extern "C" fn cata_plant_rods_new(
         let pose = made.rest_pose();
         // The options are checked now, not by the first step.
         Motion::new(&made, &pose, &motion_options)?;
-        *place = Box::into_raw(Box::new(cata_plant_rods {
+        let made = cata_plant_rods {
             graph: plant.graph.clone(),
             rods: made,
             pose,
             motion: None,
-            tolerance: relax.tolerance,
-            iterations: relax.max_iterations,
+            tolerance,
+            iterations: or_default(params.iterations, rest.max_iterations),
             motion_options,
-            progress,
-            user,
-        }));
+            caller: params.caller(),
+        };
+        hand_over(place, made);
         Ok(())
     })
 }
@@ -226,9 +214,9 @@ pub unsafe extern "C" fn cata_plant_rods_pose(
             )
         };
         let pose = &rods.pose;
-        copy(heads, pose.heads.as_flattened());
-        copy(tails, pose.tails.as_flattened());
-        copy(rotations, pose.rotations.as_flattened());
+        fill_slice(heads, pose.heads.as_flattened());
+        fill_slice(tails, pose.tails.as_flattened());
+        fill_slice(rotations, pose.rotations.as_flattened());
         Ok(())
     })
 }
@@ -254,19 +242,13 @@ pub unsafe extern "C" fn cata_plant_rods_relax(
                 optional_output("residual", residual)?,
             )
         };
-        let watch = watcher(rods.progress, rods.user);
-        let options = RelaxOptions::new()
-            .tolerance(rods.tolerance)
-            .max_iterations(rods.iterations)
-            .progress(watch.as_ref().map_or(Progress::none(), Progress::from));
         rods.motion = None;
-        let done = rods.rods.relax(&mut rods.pose, &options)?;
-        if let Some(iterations) = iterations {
-            *iterations = done.iterations;
-        }
-        if let Some(residual) = residual {
-            *residual = done.residual;
-        }
+        let options = RelaxOptions::new().tolerance(rods.tolerance).max_iterations(rods.iterations);
+        let done = rods
+            .caller
+            .with(|progress| rods.rods.relax(&mut rods.pose, &options.progress(progress)))?;
+        put(iterations, done.iterations);
+        put(residual, done.residual);
         Ok(())
     })
 }
@@ -285,18 +267,15 @@ pub unsafe extern "C" fn cata_plant_rods_step(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (handle, gap) = unsafe { (known_mut("rods", rods)?, optional_output("gap", gap)?) };
-        let cata_plant_rods { rods, pose, motion, motion_options, progress, user, .. } = handle;
+        let cata_plant_rods { rods, pose, motion, motion_options, caller, .. } = handle;
         let motion = match motion {
             Some(motion) => motion,
             none => none.insert(Motion::new(rods, pose, motion_options)?),
         };
-        let watch = watcher(*progress, *user);
-        let done = motion.run(count, watch.as_ref().map_or(Progress::none(), Progress::from));
+        let done = caller.with(|progress| motion.run(count, progress));
         *pose = motion.pose();
         done?;
-        if let Some(gap) = gap {
-            *gap = motion.largest_gap();
-        }
+        put(gap, motion.largest_gap());
         Ok(())
     })
 }
@@ -329,8 +308,8 @@ pub unsafe extern "C" fn cata_plant_rods_tubes(
             )
         };
         let mesh = tubes(&rods.graph, &rods.pose, sides, thinnest)?;
-        copy(vertices, mesh.vertices().as_flattened());
-        copy(faces, mesh.faces().as_flattened());
+        fill_slice(vertices, mesh.vertices().as_flattened());
+        fill_slice(faces, mesh.faces().as_flattened());
         Ok(())
     })
 }
@@ -390,13 +369,10 @@ pub unsafe extern "C" fn cata_plant_wilt(
                 &default
             }
         };
-        let watch = watcher(plant.progress, plant.user);
-        let options = WiltOptions::new()
-            .elasticity(plant.elasticity)
-            .cycle(cycle)
-            .par(plant.par)
-            .progress(watch.as_ref().map_or(Progress::none(), Progress::from));
-        let found = wilt(&plant.model, rods, times, &options)?;
+        let options = WiltOptions::new().elasticity(plant.elasticity).cycle(cycle).par(plant.par);
+        let found = plant
+            .caller
+            .with(|progress| wilt(&plant.model, rods, times, &options.progress(progress)))?;
         for (rows, place) in [(&found.water, water), (&found.moduli, moduli)] {
             if let Some(place) = place {
                 copy_rows(rows, place);
@@ -414,17 +390,4 @@ pub unsafe extern "C" fn cata_plant_wilt(
         }
         Ok(())
     })
-}
-
-/// Sets an option, unless the field is 0, which leaves the default.
-fn set<T: Default + PartialEq>(option: &mut T, value: T) {
-    if value != T::default() {
-        *option = value;
-    }
-}
-
-fn copy<T: Copy>(place: Option<&mut [T]>, values: &[T]) {
-    if let Some(place) = place {
-        place.copy_from_slice(values);
-    }
 }

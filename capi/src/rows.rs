@@ -4,16 +4,15 @@
 //!
 //! ```c
 //! double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2, its covariance
-//! cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
-//!     2, NULL);
+//! cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0,
+//!     c, 2, NULL);
 //! printf("%g\n", c[1]); // 4
 //! ```
 
-use super::ata_params::{cata_ata_params, with_options};
-use super::boundary::boundary;
-use super::pointer::{Layout, matrix, matrix_mut, optional_slice, slice, uplo_from};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::AtaOptions;
+use super::ata::symmetric;
+use super::ata_params::cata_ata_params;
+use super::pointer::{optional_slice, slice};
+use super::status::{Failure, cata_status};
 use catamaran::blas::BlasReal;
 use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
 
@@ -107,31 +106,24 @@ unsafe fn rows<T: BlasReal>(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    boundary(|| {
-        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
-        let (a, c) =
-            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        // SAFETY: the caller's promise.
-        let weights = unsafe { optional_slice("weights", weights, m) }?;
-        let center = match centering {
-            CATA_CENTER_NONE => Center::No,
-            CATA_CENTER_MEAN => Center::Mean,
-            // SAFETY: the caller's promise.
-            CATA_CENTER_GIVEN => Center::Given(unsafe { slice("center", center, n) }?),
-            other => {
-                let why = format!("centering: must be a CATA_CENTER_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-            }
-        };
-        let work = |options: &AtaOptions<'_>| {
+    // SAFETY: the promises are the same.
+    unsafe {
+        symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
+            let weights = optional_slice("weights", weights, m)?;
+            let center = match centering {
+                CATA_CENTER_NONE => Center::No,
+                CATA_CENTER_MEAN => Center::Mean,
+                CATA_CENTER_GIVEN => Center::Given(slice("center", center, n)?),
+                other => {
+                    let any = "a CATA_CENTER_* value";
+                    return Err(Failure::argument("centering", any, other));
+                }
+            };
             if n == 0 {
                 return Ok(()); // m may exceed the address space
             }
             let row_options = RowOptions::new().weights(weights).center(center);
             Ok(ata_rows(alpha, &mut DenseRows(a), &row_options, beta, c, options)?)
-        };
-        // SAFETY: the caller's promise.
-        unsafe { with_options(params, uplo, work) }
-    })
+        })
+    }
 }

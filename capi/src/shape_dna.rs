@@ -2,7 +2,7 @@ use super::boundary::boundary;
 use super::eigs::{cata_eigs_params, with_eigen_options};
 use super::params::flag;
 use super::pointer::{check_size, mesh, slice, slice_mut};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::status::{Failure, cata_status};
 use catamaran::Par;
 use catamaran::sparse::EigenOptions;
 use catamaran_geometry::mesh::LaplacianOptions;
@@ -73,8 +73,7 @@ pub unsafe extern "C" fn cata_shape_dna_retrieve(
     boundary(|| {
         check_size::<f64>("signatures", count, k)?;
         if wanted > count {
-            let why = format!("wanted: must be at most {count} (count), is {wanted}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            return Err(Failure::argument("wanted", format!("at most {count} (count)"), wanted));
         }
         // SAFETY: the caller's promise.
         let (query, signatures, indices, distances) = unsafe {

@@ -16,18 +16,17 @@
 //! ```
 
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::device::chosen;
-use super::params::{Versioned, init, read_or_zeros};
+use super::outputs::hand_over;
+use super::params::{Params, init, or_default, params, read_or_zeros};
 use super::pointer::{
-    check_size, free, known, known_mut, mesh, optional_output, output, slice, slice_mut,
+    check_size, free, known, known_mut, mesh, optional_output, output, put, slice, slice_mut,
 };
-use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::progress::{Caller, cata_progress, par};
+use super::status::{Failure, cata_status};
 use catamaran::Par;
-use catamaran::base::Progress;
 #[cfg(feature = "opencl")]
 use catamaran_simulation::opencl::SlimeOnDevice;
 use catamaran_simulation::texture::slime::{
@@ -99,10 +98,7 @@ pub struct cata_slime_params {
     pub lengths: i32,
 }
 
-impl Versioned for cata_slime_params {
-    const NAME: &'static str = "cata_slime_params";
-    const FIRST_SIZE: usize = offset_of!(Self, lengths) + size_of::<i32>();
-}
+params!(cata_slime_params, lengths: i32);
 
 /// Slime moulds on a surface.
 pub struct cata_slime {
@@ -111,8 +107,7 @@ pub struct cata_slime {
     #[cfg(feature = "opencl")]
     on_device: Option<Box<SlimeOnDevice>>,
     par: Par,
-    progress: cata_progress,
-    user: *mut c_void,
+    caller: Caller,
 }
 
 /// Fills a struct with the defaults.
@@ -191,14 +186,14 @@ pub unsafe extern "C" fn cata_slime_new(
         };
         #[cfg(not(feature = "opencl"))]
         let None = device;
-        *slime = Box::into_raw(Box::new(cata_slime {
+        let made = cata_slime {
             simulation,
             #[cfg(feature = "opencl")]
             on_device,
             par: par(params.threads),
-            progress: params.progress,
-            user: params.progress_user,
-        }));
+            caller: params.caller(),
+        };
+        hand_over(slime, made);
         Ok(())
     })
 }
@@ -206,22 +201,20 @@ pub unsafe extern "C" fn cata_slime_new(
 /// Returns the options of the caller.
 pub(super) fn options(params: &cata_slime_params) -> Result<Options, Failure> {
     let default = Options::default();
-    let count = |value: usize, default: usize| if value == 0 { default } else { value };
-    let real = |value: f64, default: f64| if value == 0.0 { default } else { value };
     let [turns, blur, lengths] =
         [("turns", params.turns), ("blur", params.blur), ("lengths", params.lengths)];
     Ok(Options::new()
-        .agents(count(params.agents, default.agents))
-        .species(count(params.species, default.species))
-        .size(count(params.size, CATA_SLIME_SIZE))
+        .agents(or_default(params.agents, default.agents))
+        .species(or_default(params.species, default.species))
+        .size(or_default(params.size, CATA_SLIME_SIZE))
         .seed(params.seed)
-        .time_step(real(params.time_step, default.time_step))
-        .movement_speed(real(params.movement_speed, default.movement_speed))
-        .turn_speed(real(params.turn_speed, default.turn_speed))
-        .vision_distance(real(params.vision_distance, default.vision_distance))
-        .vision_angle(real(params.vision_angle, default.vision_angle))
-        .evaporation_rate(real(params.evaporation_rate, default.evaporation_rate))
-        .diffusion_rate(real(params.diffusion_rate, default.diffusion_rate))
+        .time_step(or_default(params.time_step, default.time_step))
+        .movement_speed(or_default(params.movement_speed, default.movement_speed))
+        .turn_speed(or_default(params.turn_speed, default.turn_speed))
+        .vision_distance(or_default(params.vision_distance, default.vision_distance))
+        .vision_angle(or_default(params.vision_angle, default.vision_angle))
+        .evaporation_rate(or_default(params.evaporation_rate, default.evaporation_rate))
+        .diffusion_rate(or_default(params.diffusion_rate, default.diffusion_rate))
         .turn_noise(if is_second(turns)? { 0.0 } else { 1.0 })
         .tangent_step(match params.substeps {
             0 => TangentStep::Unfold,
@@ -236,9 +229,8 @@ fn is_second((field, value): (&str, i32)) -> Result<bool, Failure> {
     match value {
         0 | 1 => Ok(value == 1),
         _ => {
-            let kind = field.to_uppercase();
-            let why = format!("params.{field}: must be a CATA_SLIME_{kind}_* value, is {value}");
-            Err(Failure::new(CATA_ERR_ARGUMENT, why))
+            let any = format!("a CATA_SLIME_{}_* value", field.to_uppercase());
+            Err(Failure::argument(&format!("params.{field}"), any, value))
         }
     }
 }
@@ -262,13 +254,13 @@ pub unsafe extern "C" fn cata_slime_step(slime: *mut cata_slime, steps: u32) -> 
     boundary(|| {
         // SAFETY: the caller's promise.
         let slime = unsafe { known_mut("slime", slime) }?;
-        let watch = watcher(slime.progress, slime.user);
-        let watch = watch.as_ref().map_or(Progress::none(), Progress::from);
-        #[cfg(feature = "opencl")]
-        if let Some(on_device) = &mut slime.on_device {
-            return Ok(on_device.run(steps, watch)?);
-        }
-        Ok(slime.simulation.run(steps, slime.par, watch)?)
+        slime.caller.with(|progress| {
+            #[cfg(feature = "opencl")]
+            if let Some(on_device) = &mut slime.on_device {
+                return Ok(on_device.run(steps, progress)?);
+            }
+            Ok(slime.simulation.run(steps, slime.par, progress)?)
+        })
     })
 }
 
@@ -301,14 +293,8 @@ pub unsafe extern "C" fn cata_slime_size(
         let simulation = &slime.simulation;
         let numbers =
             [simulation.texels().size(), simulation.species(), simulation.surface().len()];
-        for (output, number) in outputs.into_iter().zip(numbers) {
-            if let Some(output) = output {
-                *output = number;
-            }
-        }
-        if let Some(steps) = steps {
-            *steps = slime.steps();
-        }
+        outputs.into_iter().zip(numbers).for_each(|(output, number)| put(output, number));
+        put(steps, slime.steps());
         Ok(())
     })
 }
@@ -362,12 +348,8 @@ pub unsafe extern "C" fn cata_slime_coverage(
         };
         check_species(&slime.simulation, species)?;
         let found = slime.coverage()?[species];
-        if let Some(coverage) = coverage {
-            *coverage = found.coverage;
-        }
-        if let Some(presence) = presence {
-            *presence = found.presence;
-        }
+        put(coverage, found.coverage);
+        put(presence, found.presence);
         Ok(())
     })
 }
@@ -397,8 +379,7 @@ fn check_species(simulation: &Simulation, species: usize) -> Result<(), Failure>
     if species < count {
         return Ok(());
     }
-    let why = format!("species: must be less than {count} (species), is {species}");
-    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+    Err(Failure::argument("species", format!("less than {count} (species)"), species))
 }
 
 impl cata_slime {

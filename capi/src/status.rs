@@ -11,6 +11,7 @@
 //! ```
 
 use std::ffi::{CStr, c_char};
+use std::fmt::Display;
 
 use super::message::last_message;
 use catamaran::Error;
@@ -94,6 +95,11 @@ pub(super) struct Failure {
 impl Failure {
     pub(super) fn new(status: cata_status, message: impl Into<String>) -> Self {
         Self { status, message: message.into() }
+    }
+
+    /// The failure of a value that an argument, or a field, may not have.
+    pub(super) fn argument(what: &str, must_be: impl Display, is: impl Display) -> Self {
+        Self::new(CATA_ERR_ARGUMENT, format!("{what}: must be {must_be}, is {is}"))
     }
 
     pub(super) fn null(what: &str) -> Self {

@@ -1,6 +1,7 @@
 use super::basis::{cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
 use super::pointer::{Layout, known, matrix, matrix_mut, mesh, slice, slice_mut};
+use super::progress::reported;
 use super::status::cata_status;
 use catamaran_geometry::spectral::functional_map::map_from_points;
 use catamaran_geometry::spectral::{Transfer, transfer_details};
@@ -92,11 +93,9 @@ pub unsafe extern "C" fn cata_transfer_map(
         // SAFETY: the caller's promise.
         g.copy_from(&unsafe {
             with_basis_options(params, |options| {
-                options.progress.report(0.0)?;
-                let transfer = Transfer::new(source, target, c.to_owned())?;
-                let found = transfer.apply(f, options.par)?;
-                options.progress.report(1.0)?;
-                Ok(found)
+                reported(options.progress, || {
+                    Transfer::new(source, target, c.to_owned())?.apply(f, options.par)
+                })
             })
         }?);
         Ok(())
@@ -160,12 +159,10 @@ pub unsafe extern "C" fn cata_transfer_details(
         // SAFETY: the caller's promise.
         let found = unsafe {
             with_basis_options(params, |options| {
-                options.progress.report(0.0)?;
-                let transfer = Transfer::new(source, target, c.to_owned())?;
-                let par = options.par;
-                let found = transfer_details(&meshes.0, &meshes.1, smooth, &transfer, par)?;
-                options.progress.report(1.0)?;
-                Ok(found)
+                reported(options.progress, || {
+                    let transfer = Transfer::new(source, target, c.to_owned())?;
+                    transfer_details(&meshes.0, &meshes.1, smooth, &transfer, options.par)
+                })
             })
         }?;
         positions.copy_from_slice(found.vertices().as_flattened());

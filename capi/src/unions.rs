@@ -12,16 +12,15 @@
 //! ```
 
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 
 use super::boundary::{boundary, path};
-use super::params::{Versioned, init, read};
+use super::outputs::hand_over;
+use super::params::{init, params, with_params};
 use super::pointer::{
     check_size, copied, free, known, mesh, optional_output, output, slice, slice_mut,
 };
-use super::progress::{cata_progress, par, watcher};
+use super::progress::{cata_progress, par};
 use super::status::cata_status;
-use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran_geometry::unions::{K, SpectralUnion, interpolate};
 
@@ -57,7 +56,7 @@ pub unsafe extern "C" fn cata_unions_new(
             let path = unsafe { path("weights", weights) }?;
             SpectralUnion::read(&path)?
         };
-        *place = Box::into_raw(Box::new(cata_unions { model }));
+        hand_over(place, cata_unions { model });
         Ok(())
     })
 }
@@ -129,10 +128,7 @@ pub struct cata_unions_params {
     pub progress_user: *mut c_void,
 }
 
-impl Versioned for cata_unions_params {
-    const NAME: &'static str = "cata_unions_params";
-    const FIRST_SIZE: usize = offset_of!(Self, progress_user) + size_of::<*mut c_void>();
-}
+params!(cata_unions_params, progress_user: *mut c_void);
 
 /// Fills a struct with the defaults.
 ///
@@ -181,17 +177,14 @@ pub unsafe extern "C" fn cata_unions_locate(
             )
         };
         let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
-        let (mut watch, mut threads) = (None, Par::all());
-        if !params.is_null() {
-            // SAFETY: the caller's promise.
-            let params = unsafe { read("params", params) }?;
-            threads = par(params.threads);
-            watch = watcher(params.progress, params.progress_user);
-        }
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let found = unions.model.locate(&parts)?;
-        let on = unions.model.localizer().on_mesh_watched(&template, threads, progress)?;
-        indicator.copy_from_slice(&on.indicator(&found)?);
+        let work = |params: &cata_unions_params, progress: Progress<'_>| {
+            let found = unions.model.locate(&parts)?;
+            let localizer = unions.model.localizer();
+            let on = localizer.on_mesh_watched(&template, par(params.threads), progress)?;
+            Ok(on.indicator(&found)?)
+        };
+        // SAFETY: the caller's promise.
+        indicator.copy_from_slice(&unsafe { with_params(params, work) }?);
         Ok(())
     })
 }

@@ -1,6 +1,6 @@
 use super::boundary::boundary;
-use super::pointer::{Layout, matrix, optional_output, output, uplo_from};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::pointer::{Layout, matrix, optional_output, output, put, uplo_from};
+use super::status::{Failure, cata_status};
 use catamaran::Real;
 use catamaran::product::verify;
 
@@ -92,8 +92,7 @@ unsafe fn check<T: Real>(
     boundary(|| {
         let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
         if !(1..=1000).contains(&rounds) {
-            let why = format!("rounds: must be 1 to 1000, is {rounds}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            return Err(Failure::argument("rounds", "1 to 1000", rounds));
         }
         // SAFETY: the caller's promise.
         let (a, c) =
@@ -110,12 +109,8 @@ unsafe fn check<T: Real>(
         let a = if n == 0 { a.subrows(0, 0) } else { a };
         let found = verify(alpha, a, c, uplo, rounds as u32, seed)?;
         *passed = found.passed.into();
-        if let Some(out) = residual {
-            *out = found.residual;
-        }
-        if let Some(out) = tolerance {
-            *out = found.tolerance;
-        }
+        put(residual, found.residual);
+        put(tolerance, found.tolerance);
         Ok(())
     })
 }

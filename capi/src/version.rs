@@ -1,7 +1,7 @@
 use std::ffi::{CStr, c_char};
 
 use super::boundary::boundary;
-use super::pointer::optional_output;
+use super::pointer::{optional_output, put};
 use super::status::cata_status;
 use catamaran::base;
 
@@ -38,9 +38,7 @@ pub unsafe extern "C" fn cata_version(
         let parts = [("major", major, version.major), ("minor", minor, version.minor)];
         for (what, pointer, part) in parts.into_iter().chain([("patch", patch, version.patch)]) {
             // SAFETY: the caller's promise.
-            if let Some(out) = unsafe { optional_output(what, pointer) }? {
-                *out = part as i32;
-            }
+            put(unsafe { optional_output(what, pointer) }?, part as i32);
         }
         Ok(())
     })

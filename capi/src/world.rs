@@ -15,8 +15,7 @@
 //! ```
 
 use super::entries::Entries;
-use super::params::Versioned;
-use std::mem::offset_of;
+use super::params::versioned;
 
 /// The ranks of an MPI communicator that work together; it has a communicator of its own.
 ///
@@ -55,10 +54,7 @@ pub struct cata_traffic {
     pub messages_received: u64,
 }
 
-impl Versioned for cata_traffic {
-    const NAME: &'static str = "cata_traffic";
-    const FIRST_SIZE: usize = offset_of!(Self, messages_received) + size_of::<u64>();
-}
+versioned!(cata_traffic, messages_received: u64);
 
 /// `spread`: every rank has rows of A, in any order and number.
 pub const CATA_BY_ROWS: i32 = 141;

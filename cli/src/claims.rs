@@ -10,6 +10,7 @@ use clap::{Arg, ArgMatches, Command};
 
 use crate::input::TextFile;
 use crate::parse::levels;
+use crate::tables::MatrixFile;
 
 /// The arguments whose files are written, in any command. The files of all others are inputs.
 const OUTPUTS: [&str; 19] = [
@@ -63,7 +64,9 @@ pub fn claim_inputs(command: &Command, matches: &ArgMatches) {
 
 fn is_file(arg: &Arg) -> bool {
     let kind = arg.get_value_parser().type_id();
-    kind == TypeId::of::<PathBuf>() || kind == TypeId::of::<TextFile>()
+    kind == TypeId::of::<PathBuf>()
+        || kind == TypeId::of::<TextFile>()
+        || kind == TypeId::of::<MatrixFile>()
 }
 
 fn is_output(arg: &Arg) -> bool {

@@ -54,6 +54,11 @@ pub fn is_quiet() -> bool {
     VOLUME.load(Ordering::Relaxed) > ALL
 }
 
+/// Returns whether lines are JSON.
+pub fn is_json() -> bool {
+    JSON.load(Ordering::Relaxed)
+}
+
 /// Returns how many rows of a table are printed: `most` as text, and all of them as JSON.
 pub fn shown(most: usize) -> usize {
     if JSON.load(Ordering::Relaxed) { usize::MAX } else { most }
@@ -217,7 +222,26 @@ pub fn message(error: &anyhow::Error) -> String {
         }
         message += &cause.to_string();
     }
-    message.replace(LARGER_MAX_MEMORY, "a larger --input-limit allows it")
+    with_flags(&message.replace(LARGER_MAX_MEMORY, "a larger --input-limit allows it"))
+}
+
+/// Replaces the options that messages of the library name, as in "option `missing_words`", by those
+/// of the command line.
+fn with_flags(message: &str) -> String {
+    let mut parts = message.split("option `");
+    let mut found = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        match part.split_once('`') {
+            Some(("header", rest)) => found += &format!("--header or --no-header{rest}"),
+            Some(("index", rest)) => found += &format!("--index or --no-index{rest}"),
+            Some((name, rest)) => {
+                let rest = rest.strip_prefix(" =").unwrap_or(rest);
+                found += &format!("--{}{rest}", name.replace('_', "-"));
+            }
+            None => found += part,
+        }
+    }
+    found
 }
 
 /// Formats a time with its unit.
@@ -266,6 +290,14 @@ mod tests {
         let error = Err::<(), _>(catamaran::Error::file("a.npy", what)).context("weights");
         let said = message(&error.unwrap_err());
         assert_eq!(said, "weights: a.npy: too much: a larger --input-limit allows it");
+    }
+
+    #[test]
+    fn a_message_names_the_options_of_the_command_line() {
+        let what = "option `missing` = drop, option `missing_words` or option `header` decides";
+        let error = anyhow::Error::from(catamaran::Error::file("a.csv", what));
+        let said = "a.csv: --missing drop, --missing-words or --header or --no-header decides";
+        assert_eq!(message(&error), said);
     }
 
     #[test]

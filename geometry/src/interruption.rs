@@ -15,7 +15,9 @@ use catamaran::base::{Error, Par, Progress, Result, Rng, measure};
 use catamaran::ortho::{GramSchmidtOptions, cholesky_qr, gram_schmidt};
 use catamaran::product::{AtaOptions, SchemeChoice, ata_into};
 use catamaran::solve::{LeastSquaresOptions, lstsq, singular_values};
-use catamaran::sparse::{EigenOptions, Mass, count_below, eigs, eigs_sliced};
+use catamaran::sparse::{
+    Cholesky, CholeskyOptions, EigenOptions, Mass, count_below, eigs, eigs_sliced,
+};
 
 /// Most operations between two requests.
 const MOST: f64 = 1e8;
@@ -77,6 +79,12 @@ fn factorizations_and_eigenpairs_ask() {
     check("eigs near a shift", 1e9, |_| eigs(w, m, &near).map(drop));
     check("eigs in slices", 1e9, |_| eigs_sliced(w, m, &options, 1 << 26, |_| Ok(())));
     check("count_below", 1e8, |_| count_below(w, m, 20.5).map(drop));
+    let semidefinite = CholeskyOptions::new().semidefinite(true).par(Par::Seq);
+    check("Cholesky::new", 1e7, |progress| {
+        Cholesky::new(w, &semidefinite.clone().progress(progress)).map(drop)
+    });
+    let (cholesky, b) = (Cholesky::new(w, &semidefinite).unwrap(), random(w.rows(), 64));
+    check("Cholesky::solve", 2e7, |_| cholesky.solve(b.as_ref()).map(drop));
     let signature = ShapeDnaOptions::new().k(30).laplacian(LaplacianOptions::new().par(Par::Seq));
     check("shape_dna", 1e9, |progress| {
         shape_dna(&mesh, &signature.clone().progress(progress)).map(drop)

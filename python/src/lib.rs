@@ -8,6 +8,7 @@
 mod accumulator;
 mod array;
 mod ata;
+mod cholesky;
 mod curve;
 mod decimate;
 mod environment;
@@ -25,6 +26,7 @@ mod sparse;
 mod spectral;
 mod spectrum;
 mod surface;
+mod tables;
 mod task;
 mod texture;
 mod unions;
@@ -39,13 +41,17 @@ mod _catamaran {
     #[pymodule_export]
     use crate::ata::{ata, ata_sparse};
     #[pymodule_export]
+    use crate::cholesky::CholeskyHandle;
+    #[pymodule_export]
     use crate::curve::curve;
     #[pymodule_export]
     use crate::decimate::{decimate, farthest_points};
     #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]
-    use crate::gram::{PrincipalComponents, corrcoef, lstsq, orthogonality, pca, svd};
+    use crate::gram::{
+        PrincipalComponents, corrcoef, lstsq, lstsq_table, orthogonality, pca, svd, t_quantile,
+    };
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]
@@ -60,6 +66,8 @@ mod _catamaran {
     use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
     #[pymodule_export]
     use crate::spectrum::{eigsh, eigsh_sparse};
+    #[pymodule_export]
+    use crate::tables::read;
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]

@@ -196,6 +196,12 @@ pub fn tickets<W: Send>(
             }
         }
     };
+    on_threads(workers, &serve);
+}
+
+/// Calls `serve` for the first of `workers` on the calling thread, and for others on threads that
+/// are free. Compiled once for each kind of worker, not for each work.
+fn on_threads<W: Send>(workers: &mut [W], serve: &(dyn Fn(&mut W) + Sync)) {
     let [first, others @ ..] = workers else { return };
     let inside = threads_of_pool();
     let most = others.len().min(inside.unwrap_or(usize::MAX) - 1);

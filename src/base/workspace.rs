@@ -45,15 +45,6 @@ impl<T: Real> Workspace<T> {
         Self { buffer: Vec::new(), skipped: 0 }
     }
 
-    /// Creates a workspace on pages of the usual size, to measure what huge pages save.
-    pub(crate) fn on_small_pages(len: usize) -> Result<Self> {
-        let bytes = len.saturating_mul(size_of::<T>());
-        let slack = CACHE_LINE / size_of::<T>();
-        let buffer: Vec<T> =
-            zeroed(len.saturating_add(slack)).ok_or(Error::OutOfMemory { bytes })?;
-        Ok(Self { skipped: buffer.as_ptr().align_offset(CACHE_LINE), buffer })
-    }
-
     /// Creates a workspace of these elements.
     pub(crate) fn from_vec(buffer: Vec<T>) -> Self {
         Self { buffer, skipped: 0 }

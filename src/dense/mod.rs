@@ -2,19 +2,25 @@
 
 mod eigen;
 mod memory;
-mod rank;
+mod qr;
 mod rows;
+mod svd;
 mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
-pub(crate) use rank::{pivots, right_singular};
+pub(crate) use qr::pivots;
+pub(crate) use svd::right_singular;
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
 pub use memory::{buffer, filled, zeros};
 #[doc(hidden)]
+pub use qr::qr_least_squares;
+#[doc(hidden)]
 pub use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
+#[doc(hidden)]
+pub use svd::{Svd, thin_svd};
 #[doc(hidden)]
 pub use tall::{multiply_in_place, subtract_product, transposed_product};
 #[doc(hidden)]

@@ -1,9 +1,10 @@
 use std::ops::Range;
 
-use faer::{MatMut, MatRef};
-use sprs::CsMat;
+use faer::{MatMut, MatRef, c64};
+use sprs::{CsMat, TriMat};
 
-use crate::base::{Real, Result};
+use super::columns::{ColumnNumbers, Columns};
+use crate::base::{Real, Result, reserved};
 use crate::rows::RowBlocks;
 
 /// A matrix read from a file.
@@ -26,6 +27,8 @@ pub enum Matrix {
     F32(Dense<f32>),
     /// Dense, double precision.
     F64(Dense<f64>),
+    /// Dense, complex, double precision; also of a complex file of coordinates.
+    Complex(Dense<c64>),
     /// Sparse by rows (CSR), double precision.
     Sparse(CsMat<f64>),
 }
@@ -36,6 +39,7 @@ impl Matrix {
         match self {
             Self::F32(dense) => dense.nrows,
             Self::F64(dense) => dense.nrows,
+            Self::Complex(dense) => dense.nrows,
             Self::Sparse(sparse) => sparse.rows(),
         }
     }
@@ -45,9 +49,45 @@ impl Matrix {
         match self {
             Self::F32(dense) => dense.columns.len(),
             Self::F64(dense) => dense.columns.len(),
+            Self::Complex(dense) => dense.columns.len(),
             Self::Sparse(sparse) => sparse.cols(),
         }
     }
+}
+
+impl Matrix {
+    /// Takes the columns from a matrix with all columns of its file, and returns their numbers.
+    pub(super) fn choose(self, columns: &Columns) -> Result<(Self, ColumnNumbers)> {
+        let chosen = Columns::numbers(columns.of(&[], self.ncols())?);
+        self.select(&chosen)
+    }
+
+    /// Takes the columns of a list from a matrix with all columns of its file, and returns the
+    /// numbers of the columns in the file.
+    pub(super) fn select(self, columns: &Columns) -> Result<(Self, ColumnNumbers)> {
+        if !columns.is_list() {
+            return Ok((self, ColumnNumbers::From(columns.first())));
+        }
+        let chosen = columns.of(&[], self.ncols())?;
+        let matrix = match self {
+            Self::F32(dense) => Self::F32(dense.select(&chosen)?),
+            Self::F64(dense) => Self::F64(dense.select(&chosen)?),
+            Self::Complex(dense) => Self::Complex(dense.select(&chosen)?),
+            Self::Sparse(sparse) => Self::Sparse(select_sparse(&sparse, &chosen)),
+        };
+        Ok((matrix, ColumnNumbers::List(chosen)))
+    }
+}
+
+fn select_sparse(sparse: &CsMat<f64>, chosen: &[usize]) -> CsMat<f64> {
+    let place = |column: usize| chosen.iter().position(|&other| other == column);
+    let mut picked = TriMat::new((sparse.rows(), chosen.len()));
+    for (&value, (i, j)) in sparse.iter() {
+        if let Some(j) = place(j) {
+            picked.add_triplet(i, j, value);
+        }
+    }
+    picked.to_csr()
 }
 
 /// An owned dense matrix in the order its file had.
@@ -70,6 +110,19 @@ impl<T> Dense<T> {
         columns: Range<usize>,
     ) -> Self {
         Self { values, nrows, ncols, row_major, columns }
+    }
+
+    /// Returns a matrix of some of the columns.
+    fn select(&self, columns: &[usize]) -> Result<Self>
+    where
+        T: Copy,
+    {
+        let (all, nrows) = (self.as_ref(), self.nrows);
+        let mut values = reserved(nrows.saturating_mul(columns.len()))?;
+        for i in 0..nrows {
+            values.extend(columns.iter().map(|&j| all[(i, j)]));
+        }
+        Ok(Self::new(values, (nrows, columns.len()), true, 0..columns.len()))
     }
 
     /// Returns a view of the matrix, without a copy.

@@ -1,5 +1,5 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also gzipped (`.gz`); several arrays in one NumPy `.npz` or HDF5 file ([`write_arrays`],
+//! also packed (`.gz`, `.xz`); several arrays in one NumPy `.npz` or HDF5 file ([`write_arrays`],
 //! [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
 //! feature `hdf5`.
 //!
@@ -8,9 +8,9 @@
 //! writer makes its file appear whole or not at all ([`Output`]).
 
 mod accumulator;
+mod archive;
 mod arrays;
 mod columns;
-mod csv;
 mod extents;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -27,19 +27,21 @@ mod rows;
 mod source;
 mod stored;
 mod strips;
+mod table;
 #[cfg(test)]
 mod tests;
 mod unwritten;
 mod xz;
 
-use std::ops::Range;
 use std::path::Path;
 
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
-use faer::MatRef;
+pub use columns::Columns;
+use faer::{MatRef, c64};
 pub use limits::SourceOptions;
 pub use matrix::{Dense, Matrix, SparseRows};
+pub use names::FileFormat;
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished, try_discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays, read_arrays_with};
@@ -47,6 +49,9 @@ pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 pub use strips::StripOutput;
+pub use table::{
+    ColumnKind, Missing, Separator, TableColumn, TableFile, TableOptions, TableReading, Words,
+};
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
@@ -54,8 +59,9 @@ pub use limits::LARGER_MAX_MEMORY;
 #[doc(hidden)]
 pub use source::{Packing, Source};
 
+use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;
-use crate::base::{Progress, Real, Result, options};
+use crate::base::{Error, Progress, Real, Result, options};
 
 options! {
     /// How [`read`] reads. The default reads everything.
@@ -72,9 +78,13 @@ options! {
     /// ```
     #[derive(Debug, Clone)]
     pub struct ReadOptions<'a> {
-        /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may
-        /// hold anything.
-        columns: Option<Range<usize>> = None, setter into;
+        /// Columns to keep. In a text table the others may hold anything.
+        columns: Columns = Columns::ALL, setter into;
+        /// The format; `None`: the one that the name of the file ends in, or else that of its
+        /// content.
+        format: Option<FileFormat> = None, setter into;
+        /// How the text of a table is read.
+        table: TableOptions = TableOptions::new();
         /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the
         /// file, whichever columns are kept.
         max_memory: Option<u64> = None, setter into;
@@ -83,16 +93,43 @@ options! {
     }
 }
 
+/// A matrix that was read, and what is known about its columns.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct FileContent {
+    /// The matrix.
+    pub matrix: Matrix,
+    /// The names of its columns, in the header of a text table; none elsewhere.
+    pub names: Vec<String>,
+    /// How the text table was read; `None` for other formats.
+    pub reading: Option<TableReading>,
+    numbers: ColumnNumbers,
+}
+
+impl FileContent {
+    /// Returns the number that a column of the matrix has in the file, from 0.
+    pub fn number(&self, column: usize) -> usize {
+        self.numbers.of(column)
+    }
+}
+
 /// Reads the matrix in the file at `path`, in the format of its name.
 ///
-/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f8
-///   and integers become f64 (integers beyond 2^53 are rounded).
+/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f2,
+///   f8, f16 (the long double of x86), b1 and integers become f64 (rounded beyond 53 bits), c8 and
+///   c16 complex numbers.
 /// - `.mtx`: `array` becomes a dense f64 matrix, `coordinate` a sparse one; `real`, `integer` and
-///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`. Repeated coordinates are summed.
-/// - `.csv`, `.tsv`, `.txt`: f64, split at tabs, semicolons, commas or runs of blanks, whichever of
-///   these the first line holds first in this order. Lines that start with `#` and empty lines are
-///   skipped. A first line without any number is a header. At least one row of numbers
-///   must be there.
+///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`, with one triangle, be it the lower
+///   or the upper one. Repeated coordinates are summed. `complex`, also `hermitian`, becomes a
+///   dense complex matrix.
+/// - `.csv`, `.tsv`, `.txt`: f64. Separators, the notation of numbers and whether there is a header
+///   are found as [`TableOptions`] says; [`read_file`] returns what was found. Lines that start
+///   with `#` and empty lines are skipped, columns of words are left out, and a missing cell is an
+///   error ([`Missing`]). At least one row of numbers must be there.
+/// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
+///   matrix as `scipy.sparse.save_npz` writes it.
+///
+/// Other names leave the format to the content. The names may have `.gz` or `.xz` after them.
 ///
 /// A file may take as much memory as `options.max_memory` says. A file whose header announces more
 /// is rejected before the memory is allocated.
@@ -114,40 +151,53 @@ options! {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io) with file and line, [`Error::OutOfMemory`](crate::Error),
+/// [`Error::Io`](crate::Error::Io) with file and line, and with the option that decides where a
+/// text table has several readings; [`Error::OutOfMemory`](crate::Error),
 /// [`Error::Cancelled`](crate::Error); [`Error::Argument`](crate::Error::Argument) when
-/// `options.columns` is not inside the matrix.
+/// `options.columns` is not inside the matrix, or an option of a table is out of its range.
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
-    Ok(read_with_names(path, options)?.0)
+    Ok(read_file(path, options)?.matrix)
 }
 
-/// Reads the matrix in the file at `path` as [`read`] does, and the names of its columns: those in
-/// the header of a text table, without blanks and quotes around them. There are none in other
-/// formats, without a header, and when the header has another number of fields than the rows.
+/// Reads the matrix in the file at `path` as [`read`] does, the names and numbers of its columns,
+/// and how a text table was read.
 ///
 /// ```
-/// use catamaran::io::{ReadOptions, read_with_names};
+/// use catamaran::io::{ReadOptions, read_file};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("a.csv");
-/// std::fs::write(path, "age, \"height\"\n3,0.9\n7,1.2\n").unwrap();
-/// let (a, names) = read_with_names(path, &ReadOptions::new())?;
-/// assert_eq!((a.nrows(), names), (2, vec!["age".to_owned(), "height".to_owned()]));
+/// std::fs::write(path, "name, age, \"height\"\nann,3,0.9\nbob,7,1.2\n").unwrap();
+/// let content = read_file(path, &ReadOptions::new())?;
+/// assert_eq!((content.matrix.nrows(), content.number(0)), (2, 1));
+/// assert_eq!(content.names, ["age", "height"]);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix, Vec<String>)> {
-    let (format, gzipped) = MatrixFormat::of(path)?;
-    let packing = if gzipped { Packing::Gzip } else { Packing::None };
+pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> {
     let ReadOptions { max_memory, progress, .. } = *options;
-    let mut source = Source::open(path, packing, &SourceOptions { max_memory, progress })?;
-    match format {
-        MatrixFormat::Npy => Ok((npy::read(&mut source, options.columns.as_ref())?, Vec::new())),
-        MatrixFormat::Mtx => Ok((mtx::read(&mut source, options.columns.as_ref())?, Vec::new())),
-        MatrixFormat::Table(_) => csv::read(&mut source, options.columns.as_ref()),
+    let source_options = SourceOptions { max_memory, progress };
+    let columns = &options.columns;
+    if let Some((file, name)) = names::npz_array(path).filter(|_| options.format.is_none()) {
+        let (matrix, numbers) = archive::read(&file, name, &source_options)?.choose(columns)?;
+        return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
     }
+    let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
+    let matrix = match format {
+        FileFormat::Npy => npy::read(&mut source, columns)?,
+        FileFormat::Mtx => mtx::read(&mut source, columns)?,
+        FileFormat::Table => {
+            let (dense, reading) = table::read(&mut source, &options.table, columns)?;
+            let numbers = reading.columns.iter().map(|column| column.number).collect();
+            let numbers = ColumnNumbers::List(numbers);
+            let (matrix, names) = (Matrix::F64(dense), reading.names());
+            return Ok(FileContent { matrix, names, numbers, reading: Some(reading) });
+        }
+    };
+    let (matrix, numbers) = matrix.select(columns)?;
+    Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None })
 }
 
 /// Writes `matrix` (any shape and strides) into `output`, in the format of its name, and lets it
@@ -170,8 +220,56 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "real"),
-        MatrixFormat::Table(separator) => csv::write(sink, matrix, separator),
+        MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
     })
+}
+
+/// Writes a complex `matrix` (any shape and strides) into `output`, in the format of its name, and
+/// lets it appear: `.npy` in C order with entries of type c16, `.mtx` as a general complex array.
+///
+/// ```
+/// use catamaran::faer::{c64, mat};
+/// use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write_complex};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.mtx");
+/// let a = mat![[c64::new(1.0, 2.0)], [c64::new(0.5, 0.0)]];
+/// write_complex(Output::create(path, Overwrite::Never)?, a.as_ref())?;
+/// let Matrix::Complex(found) = read(path, &ReadOptions::new())? else { panic!("real") };
+/// assert_eq!(found.as_ref(), a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io), also where the name ends in that of a text table, whose fields
+/// are real numbers; no file is left behind then.
+pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
+    check_complex_name(output.path())?;
+    write_with(output, |sink, format| match format {
+        MatrixFormat::Npy => npy::write_complex(sink, matrix),
+        MatrixFormat::Mtx => mtx::write_complex(sink, matrix),
+        MatrixFormat::Table(_) => Ok(()),
+    })
+}
+
+/// Checks that [`write_complex`] knows the format that this file name ends in.
+///
+/// ```
+/// use catamaran::io::check_complex_name;
+///
+/// assert!(check_complex_name("a.npy".as_ref()).is_ok());
+/// assert!(check_complex_name("a.csv".as_ref()).is_err());
+/// ```
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io) when it does not.
+pub fn check_complex_name(path: &Path) -> Result<()> {
+    match MatrixFormat::of(path)? {
+        (MatrixFormat::Table(_), _) => {
+            Err(Error::file(path, "complex numbers: the name must end in .npy or .mtx"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes integers, such as numbers of vertices, as [`write()`] writes real numbers: `.npy` with
@@ -194,7 +292,7 @@ pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_integers(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "integer"),
-        MatrixFormat::Table(separator) => csv::write(sink, matrix, separator),
+        MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
     })
 }
 

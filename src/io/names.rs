@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::source::error;
+use super::limits::SourceOptions;
+use super::source::{Packing, Source, error};
 use crate::base::{Error, Result};
 
 /// The format of a file of one matrix.
@@ -13,6 +14,95 @@ pub(super) enum MatrixFormat {
     /// A text table, and what a writer puts between its fields.
     Table(char),
 }
+
+/// The format of a file of one matrix that is read.
+///
+/// ```
+/// use catamaran::io::{FileFormat, ReadOptions, read};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.dat");
+/// std::fs::write(path, "1 2\n3 4\n").unwrap();
+/// let options = ReadOptions::new().format(FileFormat::Table);
+/// assert_eq!(read(path, &options)?.ncols(), 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FileFormat {
+    /// An array of NumPy.
+    Npy,
+    /// MatrixMarket.
+    Mtx,
+    /// A text table.
+    Table,
+}
+
+/// The first bytes of files that are packed by what this library does not read, and its name.
+static UNKNOWN_PACKINGS: [(&[u8], &str); 3] =
+    [(b"\x28\xb5\x2f\xfd", "zstd"), (b"BZh", "bzip2"), (b"PK\x03\x04", "zip")];
+
+/// Bytes that show what a file is.
+const HEAD: usize = 1 << 10;
+
+impl FileFormat {
+    /// The names of the formats, for faces.
+    pub const NAMES: [(&str, Self); 3] =
+        [("npy", Self::Npy), ("mtx", Self::Mtx), ("table", Self::Table)];
+
+    /// Returns the format and the packing that the name of a file ends in, if it is known.
+    pub(super) fn of_name(path: &Path) -> Option<(Self, Packing)> {
+        let name = lower_name(path);
+        let (stem, packing) = Packing::of(&name);
+        let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
+            Some("npy") => Self::Npy,
+            Some("mtx") => Self::Mtx,
+            Some("csv" | "tsv" | "txt") => Self::Table,
+            _ => return None,
+        };
+        Some((format, packing))
+    }
+
+    /// Opens a file, and returns its format: the one that is given, or else the one that its name
+    /// ends in, or else that of its content. A name that ends in no packing leaves that to the
+    /// content, too.
+    pub(super) fn open<'a>(
+        path: &Path,
+        given: Option<Self>,
+        options: &SourceOptions<'a>,
+    ) -> Result<(Source<'a>, Self)> {
+        let named = Self::of_name(path);
+        let (_, packing) = Packing::of(&lower_name(path));
+        let mut other = None;
+        let of_content = |head: &[u8]| {
+            other = UNKNOWN_PACKINGS.iter().find(|(magic, _)| head.starts_with(magic));
+            match packing {
+                Packing::None => Packing::of_content(head),
+                packing => packing,
+            }
+        };
+        let mut source = Source::open_packed(path, of_content, options)?;
+        if let Some((_, name)) = other {
+            return Err(source.fail(format!("packed by {name}: unpack it first")));
+        }
+        let format = match given.or(named.map(|(format, _)| format)) {
+            Some(format) => format,
+            None => {
+                let head = source.peek(HEAD)?;
+                let is_mtx = head.get(..MTX.len()).is_some_and(|s| s.eq_ignore_ascii_case(MTX));
+                match head.starts_with(b"\x93NUMPY") {
+                    true => Self::Npy,
+                    false if is_mtx => Self::Mtx,
+                    false => Self::Table,
+                }
+            }
+        };
+        Ok((source, format))
+    }
+}
+
+/// How a MatrixMarket file begins.
+const MTX: &[u8] = b"%%MatrixMarket";
 
 impl MatrixFormat {
     /// Returns the format of a file, and whether it is gzipped.
@@ -35,6 +125,17 @@ impl MatrixFormat {
         };
         Ok((format, stem.is_some()))
     }
+}
+
+/// Returns the file and the name of the array in the name of a matrix, `FILE.npz:NAME`, whose name
+/// of an array may be left out.
+pub(super) fn npz_array(path: &Path) -> Option<(PathBuf, Option<&str>)> {
+    if lower_name(path).ends_with(".npz") {
+        return Some((path.into(), None));
+    }
+    let whole = path.to_str()?;
+    let at = whole.to_ascii_lowercase().find(".npz:")? + ".npz".len();
+    Some((whole[..at].into(), Some(&whole[at + 1..])))
 }
 
 /// The format of a file of several arrays.

@@ -1,11 +1,12 @@
 //! NumPy arrays: entries converted chunk by chunk.
 
-use std::io::{self, Read, Write};
-use std::ops::Range;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Write};
+use std::path::Path;
 
-use faer::MatRef;
+use faer::{MatRef, c64};
 
-use super::columns::checked_columns;
+use super::columns::Columns;
 use super::matrix::{Dense, Matrix};
 use super::npy_header::{self, Header};
 use super::source::Source;
@@ -62,10 +63,8 @@ macro_rules! entries {
             /// Appends the entries in `bytes` to `values`.
             pub(super) fn decode<T: Real>(self, big: bool, bytes: &[u8], values: &mut Vec<T>) {
                 match self {
-                    $(Self::$name => values.extend(bytes.as_chunks().0.iter().map(|&entry| {
-                        let value =
-                            if big { <$type>::from_be_bytes(entry) } else { <$type>::from_le_bytes(entry) };
-                        T::from_f64(value as f64)
+                    $(Self::$name => values.extend(bytes.as_chunks::<{ size_of::<$type>() }>().0.iter().map(|&entry| {
+                        T::from_f64(<$type as Stored<{ size_of::<$type>() }>>::value(entry, big))
                     }))),*
                 }
             }
@@ -73,7 +72,72 @@ macro_rules! entries {
     };
 }
 
+/// A type of entries of N bytes.
+trait Stored<const N: usize> {
+    /// Returns the value of an entry, rounded to double precision.
+    fn value(bytes: [u8; N], big: bool) -> f64;
+}
+
+macro_rules! stored {
+    ($($type:ty),*) => {
+        $(impl Stored<{ size_of::<$type>() }> for $type {
+            #[inline]
+            fn value(bytes: [u8; size_of::<$type>()], big: bool) -> f64 {
+                let value =
+                    if big { Self::from_be_bytes(bytes) } else { Self::from_le_bytes(bytes) };
+                value as f64
+            }
+        })*
+    };
+}
+
+stored!(f32, f64, i8, i16, i32, i64, u8, u16, u32, u64);
+
+/// Half precision of IEEE 754.
+#[allow(dead_code)] // only its size counts
+struct Half([u8; 2]);
+
+impl Stored<2> for Half {
+    fn value(bytes: [u8; 2], big: bool) -> f64 {
+        let bits = if big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) };
+        let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
+        let size = match exponent {
+            0 => fraction * 2_f64.powi(-24),
+            0x1f if fraction == 0.0 => f64::INFINITY,
+            0x1f => f64::NAN,
+            _ => (1024.0 + fraction) * 2_f64.powi(exponent - 25),
+        };
+        if bits >> 15 == 1 { -size } else { size }
+    }
+}
+
+/// The long double of x86: 80 bits, in 16 bytes.
+#[allow(dead_code)] // only its size counts
+struct Extended([u8; 16]);
+
+impl Stored<16> for Extended {
+    fn value(mut bytes: [u8; 16], big: bool) -> f64 {
+        if big {
+            bytes.reverse();
+        }
+        let bits = u128::from_le_bytes(bytes);
+        let (fraction, exponent) = (bits as u64, (bits >> 64) as i32 & 0x7fff);
+        let size = match (exponent, fraction) {
+            (0x7fff, fraction) if fraction << 1 == 0 => f64::INFINITY,
+            (0x7fff, _) => f64::NAN,
+            // In two steps: a power of two alone may be out of range.
+            _ => {
+                let power = (exponent - 16_383 - 63).clamp(-2000, 2000);
+                fraction as f64 * 2_f64.powi(power / 2) * 2_f64.powi(power - power / 2)
+            }
+        };
+        if bits >> 79 & 1 == 1 { -size } else { size }
+    }
+}
+
 entries! {
+    B1 = "b1" u8,
+    F2 = "f2" Half,
     F4 = "f4" f32,
     F8 = "f8" f64,
     I1 = "i1" i8,
@@ -84,6 +148,7 @@ entries! {
     U2 = "u2" u16,
     U4 = "u4" u32,
     U8 = "u8" u64,
+    F16 = "f16" Extended,
 }
 
 /// The contents of the header.
@@ -103,6 +168,10 @@ impl Layout {
     /// Reads the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
         let header = npy_header::read(source).map_err(|e| source.io_error(e))?;
+        Self::of(source, header)
+    }
+
+    fn of(source: &Source<'_>, header: Header) -> Result<Self> {
         let shape = match header.shape[..] {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
@@ -142,9 +211,19 @@ pub(super) fn trailing(len: usize) -> String {
     format!("data after the {len} entries its header announces")
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
-    let layout = Layout::read(source)?;
-    let columns = checked_columns(columns, layout.shape.1)?;
+pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
+    let mut header = npy_header::read(source).map_err(|e| source.io_error(e))?;
+    let parts = parts(&header.descr);
+    let is_complex = parts.is_some();
+    if let Some(parts) = parts {
+        header.descr = parts;
+    }
+    let layout = Layout::of(source, header)?;
+    let columns = columns.range(layout.shape.1)?;
+    if is_complex {
+        let values = complex_values(source, &layout)?;
+        return Ok(Matrix::Complex(Dense::new(values, layout.shape, layout.row_major, columns)));
+    }
     Ok(if layout.is_single() {
         let values = values(source, &layout)?;
         Matrix::F32(Dense::new(values, layout.shape, layout.row_major, columns))
@@ -154,26 +233,59 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
     })
 }
 
+/// Returns the type of the real and imaginary parts of complex entries.
+fn parts(descr: &str) -> Option<String> {
+    let (order, code) = descr.split_at_checked(1)?;
+    let part = match code {
+        "c8" => "f4",
+        "c16" => "f8",
+        _ => return None,
+    };
+    Some(format!("{order}{part}"))
+}
+
+/// Returns whether the file at `path` is an array of complex numbers, which is not read by rows.
+pub(super) fn is_complex(path: &Path) -> bool {
+    let header = File::open(path).and_then(|file| npy_header::read(&mut BufReader::new(file)));
+    header.is_ok_and(|header| parts(&header.descr).is_some())
+}
+
+/// Reads all entries of a complex array, whose layout is that of their parts.
+fn complex_values(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<c64>> {
+    let what = format_args!("a matrix of the {} entries announced", layout.len());
+    source.check_memory::<c64>(what, layout.len())?;
+    let parts: Vec<f64> = values_of(source, layout, 2 * layout.len())?;
+    let mut values = reserved(layout.len())?;
+    values.extend(parts.as_chunks::<2>().0.iter().map(|&[re, im]| c64 { re, im }));
+    Ok(values)
+}
+
 /// Reads all entries, and checks that nothing follows them.
 fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
-    let len = layout.len();
-    source.check_memory::<T>(format_args!("a matrix of the {len} entries announced"), len)?;
+    values_of(source, layout, layout.len())
+}
+
+/// Reads `len` numbers, and checks that nothing follows them.
+fn values_of<T: Real>(source: &mut Source<'_>, layout: &Layout, len: usize) -> Result<Vec<T>> {
+    let announced = layout.len();
+    let what = format_args!("a matrix of the {announced} entries announced");
+    source.check_memory::<T>(what, len)?;
     let mut values = reserved(len).map_err(|_| {
-        source.fail(format!("its header announces {len} entries, more than memory can hold"))
+        source.fail(format!("its header announces {announced} entries, more than memory can hold"))
     })?;
     let mut chunk = vec![0; CHUNK];
     while values.len() < len {
         let bytes = (len - values.len()).saturating_mul(layout.entry.bytes()).min(CHUNK);
         let chunk = &mut chunk[..bytes];
         source.read_exact(chunk).map_err(|e| match e.kind() {
-            io::ErrorKind::UnexpectedEof => source.fail(truncated(len)),
+            io::ErrorKind::UnexpectedEof => source.fail(truncated(announced)),
             _ => source.io_error(e),
         })?;
         layout.entry.decode(layout.big, chunk, &mut values);
     }
     match source.read(&mut chunk[..1]) {
         Ok(0) => Ok(values),
-        Ok(_) => Err(source.fail(trailing(len))),
+        Ok(_) => Err(source.fail(trailing(announced))),
         Err(e) => Err(source.io_error(e)),
     }
 }
@@ -195,6 +307,18 @@ pub(super) fn write_integers(sink: &mut dyn Write, matrix: MatRef<'_, i64>) -> i
         for j in 0..matrix.ncols() {
             // The header announces the byte order of the machine.
             sink.write_all(&matrix[(i, j)].to_ne_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn write_complex(sink: &mut dyn Write, matrix: MatRef<'_, c64>) -> io::Result<()> {
+    npy_header::write(sink, "c16", false, &[matrix.nrows(), matrix.ncols()])?;
+    for i in 0..matrix.nrows() {
+        for j in 0..matrix.ncols() {
+            // The header announces the byte order of the machine.
+            sink.write_all(&matrix[(i, j)].re.to_ne_bytes())?;
+            sink.write_all(&matrix[(i, j)].im.to_ne_bytes())?;
         }
     }
     Ok(())

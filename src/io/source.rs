@@ -40,6 +40,17 @@ impl Packing {
     }
 }
 
+impl Packing {
+    /// Returns the packing of a file that begins with these bytes.
+    pub(super) fn of_content(head: &[u8]) -> Self {
+        match head {
+            [0x1f, 0x8b, ..] => Self::Gzip,
+            [0xfd, b'7', b'z', b'X', b'Z', 0, ..] => Self::Xz,
+            _ => Self::None,
+        }
+    }
+}
+
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A file being read: unpacked, watched by a progress callback, and counting lines.
@@ -130,6 +141,11 @@ impl<'a> Source<'a> {
     #[doc(hidden)]
     pub fn size(&self) -> Option<u64> {
         self.size
+    }
+
+    /// Returns the bytes of memory that the file may take.
+    pub(super) fn memory(&self) -> u64 {
+        self.memory
     }
 
     /// Returns how the file is packed.

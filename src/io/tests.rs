@@ -5,7 +5,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use faer::{Mat, mat};
+use faer::{Mat, c64, mat};
 use tempfile::TempDir;
 
 use super::*;
@@ -48,6 +48,7 @@ pub(super) fn doubles(matrix: &Matrix) -> Mat<f64> {
             values = Mat::from_fn(a.nrows(), a.ncols(), |i, j| f64::from(a[(i, j)]));
         }
         Matrix::F64(dense) => values.copy_from(dense.as_ref()),
+        Matrix::Complex(_) => panic!("complex numbers"),
         Matrix::Sparse(sparse) => SparseRows(sparse).read(0, values.as_mut()).expect("rows"),
     }
     values
@@ -164,6 +165,17 @@ fn npy_types_and_orders_are_converted() {
     check(">f8", |v| f64::from(v).to_be_bytes());
     check("=f8", |v| f64::from(v).to_ne_bytes());
     check("|i4", |v| i32::from(v).to_ne_bytes());
+    // From 1 to 6: in half precision and as a long double of x86.
+    let bits = |v: i8| f64::from(v).to_bits();
+    let half = |v| (((bits(v) >> 52) - 1023 + 15) << 10 | bits(v) >> 42 & 0x3ff) as u16;
+    check("<f2", |v| half(v).to_le_bytes());
+    check(">f2", |v| half(v).to_be_bytes());
+    let long = |v: i8| {
+        let leading = (v as u64).leading_zeros();
+        u128::from(16_383 + 63 - leading) << 64 | u128::from((v as u64) << leading)
+    };
+    check("<f16", |v| long(v).to_le_bytes());
+    check(">f16", |v| long(v).to_be_bytes());
 }
 
 #[test]
@@ -187,7 +199,7 @@ fn broken_npy_is_refused() {
         (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
         (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
         (npy("<f8", "False", "(1, 1, 1)", &eight), "an array of 3 dimensions"),
-        (npy("<c16", "False", "(1, 1)", &[0; 16]), "entries of type '<c16' are not real"),
+        (npy("<c32", "False", "(1, 1)", &[0; 32]), "entries of type '<c32' are not real"),
         (npy("<U2", "False", "(1, 1)", &eight), "entries of type '<U2' are not real"),
         (npy("f8", "False", "(1, 1)", &eight), "entries of type 'f8' are not real"),
         (npy("<f08", "False", "(1, 1)", &eight), "entries of type '<f08' are not real"),
@@ -218,25 +230,24 @@ fn text_tables_of_every_separator_are_read() {
 }
 
 #[test]
-fn broken_text_is_refused_with_its_line() {
+fn broken_text_is_refused_with_its_line_and_the_option_that_decides() {
     let cases = [
-        ("1,2\n# note\n\n3,4,5\n", 4, "3 fields in this row, 2 in that of line 1"),
-        ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1"),
-        ("a,b\n1,2\n3,four\n", 3, "column 2: \"four\" is not a number"),
-        ("1,2\n3,\n", 2, "column 2: nothing where a number should be"),
-        (",,\n1,2,3\n", 1, "column 1: nothing where a number should be"),
-        ("1,b\n3,4\n", 1, "column 2: \"b\" is not a number"),
-        // Rows in another notation, not headers.
-        ("1,5;2,5\n3;4\n", 1, "column 1: \"1,5\" is not a number"),
-        ("1.234,5\t2,5\n3\t4\n", 1, "column 1: \"1.234,5\" is not a number"),
-        ("1.5d0,2D0\n3,4\n", 1, "column 1: \"1.5d0\" is not a number"),
-        ("x,y\n# none\n", 3, "the file ends without a row of numbers"),
-        ("", 1, "the file ends without a row of numbers"),
+        ("1,2\n# note\n\n3,4,5\n", 4, "3 fields in this row, 2 in that of line 1", "`separator`"),
+        ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1", "`separator`"),
+        ("1,2\n3,four\n", 2, "column 2: \"four\" is not a number", "`missing_words`"),
+        ("1,2\n3,\n", 2, "column 2: nothing where a number should be", "`missing`"),
+        (",,\n1,2,3\n", 1, "column 1: nothing where a number should be", "`missing`"),
+        ("x,y\nm,kg\n1,2\n", 2, "column 1 (x): \"m\" is not a number, in the row", "`skip`"),
+        ("By hand\nx,y\n1,2\n3,4\n", 1, "\"By hand\" has one name less than the rows", "`skip`"),
+        ("\"10,000\",1\n\"5,500\",2\n", 1, "column 1: \"10,000\" is 10 with", "`thousands`"),
+        ("x,y\n# none\n", 3, "the file ends without a row of numbers", ""),
+        ("", 1, "the file ends without a row of numbers", ""),
     ];
-    for (content, line, what) in cases {
-        assert_eq!(refusal("a.csv", content), (Some(line), what.into()), "{content:?}");
+    for (content, line, what, option) in cases {
+        let (at, said) = refusal("a.csv", content);
+        assert!(said.starts_with(what) && said.contains(option), "{content:?}: {said}");
+        assert_eq!(at, Some(line), "{content:?}: {said}");
     }
-    assert_eq!(refusal("a.csv", b"1,2\n\xff\xfe,3\n"), (Some(2), "not text (UTF-8)".into()));
 }
 
 #[test]
@@ -268,19 +279,19 @@ fn names_are_those_of_a_header_with_one_for_each_column() {
     for (content, options, expected) in [
         ("# note\n\"a b\", c ,d\n1,2,3\n", &all, &["a b", "c", "d"][..]),
         ("name,u,v\nann,2,3\n", &some, &["u", "v"]),
-        (",u,v\n0,2,3\n", &all, &["", "u", "v"]),
+        (",u,v\n0,2,3\n", &all, &["u", "v"]),
         ("u v\n2 3\n", &ReadOptions::new().columns(2..2), &[]),
         ("1,2,3\n", &all, &[]),
-        ("u,v\n1,2,3\n", &all, &[]),
-        ("u,v\n1,2,3\n", &some, &[]),
+        ("u,v\n1,2,3\n", &all, &["u", "v"]),
+        ("u,v\n1,2,3\n", &some, &["u", "v"]),
     ] {
         let path = folder.file("a.csv", content);
-        let (matrix, names) = read_with_names(&path, options).unwrap();
+        let FileContent { matrix, names, .. } = read_file(&path, options).unwrap();
         assert_eq!(names, expected, "{content:?}");
         assert!(names.is_empty() || names.len() == matrix.ncols());
     }
     let npy = folder.file("a.npy", npy("|u1", "False", "(2, 3)", &[1, 2, 3, 4, 5, 6]));
-    assert!(read_with_names(&npy, &all).unwrap().1.is_empty());
+    assert!(read_file(&npy, &all).unwrap().names.is_empty());
 }
 
 #[test]
@@ -291,6 +302,9 @@ fn matrix_market_of_every_kind_is_read() {
         ("coordinate integer symmetric\n2 2 2\n2 1 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
         ("coordinate real skew-symmetric\n2 2 1\n2 1 4\n", [0.0, -4.0, 4.0, 0.0]),
         ("coordinate pattern general\n2 2 1\n1 2\n", [0.0, 1.0, 0.0, 0.0]),
+        ("coordinate real symmetric\n2 2 2\n1 2 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
+        ("coordinate real skew-symmetric\n2 2 1\n1 2 4\n", [0.0, 4.0, -4.0, 0.0]),
+        ("array real general\n2 2\n1\n2.0D+00\n3\n4d0\n", [1.0, 3.0, 2.0, 4.0]),
         ("array real general\n2 2\n1\n2\n3\n4\n", [1.0, 3.0, 2.0, 4.0]),
         ("array real symmetric\n2 2\n1\n2\n3\n", [1.0, 2.0, 2.0, 3.0]),
         ("array real skew-symmetric\n2 2\n2\n", [0.0, -2.0, 2.0, 0.0]),
@@ -309,7 +323,7 @@ fn broken_matrix_market_is_refused_with_its_line() {
     let cases = [
         ("%%MatrixMarket matrix\n", 1, "broken MatrixMarket header"),
         ("", 1, "broken MatrixMarket header"),
-        ("%%MatrixMarket matrix array complex general\n1 1\n", 1, "entries of type \"complex\""),
+        ("%%MatrixMarket matrix array words general\n1 1\n", 1, "entries of type \"words\""),
         ("%%MatrixMarket matrix array real general\n% a\n1 x\n", 3, "broken size line"),
         (
             "%%MatrixMarket matrix array real symmetric\n1 2\n",
@@ -331,9 +345,14 @@ fn broken_matrix_market_is_refused_with_its_line() {
         ),
         ("%%MatrixMarket matrix coordinate real general\n1 1 2\n1 1 3\n", 4, "truncated: 1 of 2"),
         (
-            "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 5\n",
+            "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 2 5\n2 1 5\n",
+            4,
+            "entries in both triangles",
+        ),
+        (
+            "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 2 5\n",
             3,
-            "entry outside the lower",
+            "an entry on the diagonal",
         ),
     ];
     for (content, line, expected) in cases {
@@ -515,13 +534,18 @@ fn damaged_gzip_is_refused() {
 }
 
 #[test]
-fn missing_files_folders_and_unknown_names_are_refused() {
+fn missing_files_folders_and_unknown_content_are_refused() {
     let folder = Folder::new();
     let message = |path: &Path| read_all(path).unwrap_err().to_string();
     assert!(message(&folder.path("none.npy")).ends_with("none.npy: no such file"));
     fs::create_dir(folder.path("d.csv")).unwrap();
     assert!(message(&folder.path("d.csv")).ends_with("d.csv: is a directory"));
-    assert!(message(&folder.path("a.xls")).contains("a.xls: unknown kind of file"));
+    let zeros = folder.file("a.xls", b"\xd0\xcf\x11\xe0\0\0\0\0");
+    assert!(message(&zeros).contains("a.xls:1: not text: it has a zero byte"));
+    for (magic, name) in [(&b"\x28\xb5\x2f\xfd"[..], "zstd"), (b"BZh9", "bzip2")] {
+        let packed = folder.file("a.csv", magic);
+        assert!(message(&packed).contains(&format!("packed by {name}: unpack it first")));
+    }
 }
 
 #[test]
@@ -613,4 +637,61 @@ fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
     let refused = |name| Output::create(&path(name), Overwrite::Replace).unwrap_err().to_string();
     assert!(refused("circle").contains("symbolic links"), "{}", refused("circle"));
     assert!(refused("device").contains("not a regular file"), "{}", refused("device"));
+}
+
+#[test]
+fn complex_matrices_are_read_and_written() {
+    let folder = Folder::new();
+    let complex = |path: &Path, options: &ReadOptions<'_>| match read(path, options).unwrap() {
+        Matrix::Complex(dense) => dense.as_ref().to_owned(),
+        other => panic!("{other:?}"),
+    };
+    let all = ReadOptions::new();
+    let a =
+        mat![[c64::new(2.0, 0.0), c64::new(0.5, 1.25)], [c64::new(0.5, -1.25), c64::new(3.0, 0.0)]];
+    let header = "%%MatrixMarket matrix coordinate complex";
+    let market = [
+        ("hermitian", "2 2 3\n1 1 2.0 0.0\n2 1 0.5 -1.25\n2 2 3.0 0.0\n"),
+        ("hermitian", "2 2 3\n1 1 2.0 0.0\n1 2 0.5 1.25D0\n2 2 3.0 0.0\n"),
+        ("general", "2 2 5\n1 1 2 0\n2 1 0.5 -1\n2 1 0 -0.25\n1 2 0.5 1.25\n2 2 3 0\n"),
+    ];
+    for (symmetry, entries) in market {
+        let path = folder.file("a.mtx", format!("{header} {symmetry}\n{entries}"));
+        assert_eq!(complex(&path, &all), a, "{entries}");
+        assert_eq!(complex(&path, &ReadOptions::new().columns(1..2)), a.get(.., 1..2));
+    }
+    let array = "%%MatrixMarket matrix array complex hermitian\n2 2\n2 0\n0.5 -1.25\n3 0\n";
+    assert_eq!(complex(&folder.file("b.mtx", array), &all), a);
+    let pairs: Vec<u8> = [2.0_f32, 0.0, 0.5, -1.25, 0.5, 1.25, 3.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_be_bytes())
+        .collect();
+    let path = folder.file("a.npy", npy(">c8", "True", "(2, 2)", &pairs));
+    assert_eq!(complex(&path, &all), a);
+    assert!(!RowFile::is_one(&path));
+    for name in ["c.npy", "c.mtx"] {
+        let path = folder.path(name);
+        write_complex(Output::create(&path, Overwrite::Never).unwrap(), a.as_ref()).unwrap();
+        assert_eq!(complex(&path, &all), a, "{name}");
+    }
+    let output = Output::create(&folder.path("c.csv"), Overwrite::Never).unwrap();
+    assert!(write_complex(output, a.as_ref()).is_err());
+    assert!(!folder.path("c.csv").exists());
+}
+
+#[test]
+fn broken_complex_matrices_are_refused() {
+    let head = "%%MatrixMarket matrix coordinate complex hermitian\n2 2 1\n";
+    for (text, line, what) in [
+        (format!("{head}1 1 2.0 1.0\n"), 3, "not real on the diagonal of a Hermitian matrix"),
+        (format!("{head}2 1 2.0\n"), 3, "expected row column real imaginary"),
+        (format!("{head}2 1 2.0 x\n"), 3, "\"x\" is not a number"),
+        (head.replace("complex", "real"), 1, "symmetry \"hermitian\" is not one of a real matrix"),
+        (format!("{}2 1 1 1\n1 2 1 -1\n", head.replace("2 2 1", "2 2 2")), 4, "both triangles"),
+    ] {
+        let (found, said) = refusal("a.mtx", &text);
+        assert!(found == Some(line) && said.contains(what), "{text:?}: {found:?} {said}");
+    }
+    let short = npy("<c16", "False", "(1, 2)", &[0; 16]);
+    assert!(refusal("a.npy", short).1.starts_with("truncated: fewer than the 2 entries"));
 }

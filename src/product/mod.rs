@@ -27,7 +27,6 @@ use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
 pub use complex::{ComplexPlan, aha_into, aha_planned, ahb_into, ahb_planned};
-pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, thread_levels};
 use planned::run;
@@ -41,9 +40,8 @@ pub(crate) use verify::{check_rounds, signs, verdict};
 
 pub(crate) use execute::{Product, execute};
 
-use crate::base::{Error, Result, Scratch};
+use crate::base::{Error, Result};
 use crate::blas::BlasReal;
-use crate::kernel::int8;
 
 /// Computes `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
 ///
@@ -159,37 +157,4 @@ fn atb_plan<T: BlasReal>(
     Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
     Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())?;
     Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
-}
-
-/// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its
-/// stages took. For benchmarks: [`ata_into`] does the same on the fastest instruction set.
-///
-/// ```
-/// use catamaran::product::exact_stages;
-/// use catamaran::{AtaOptions, faer::Mat, kernel::int8::IntegerIsa};
-///
-/// let a = Mat::<f64>::from_fn(300, 20, |i, j| ((7 * i + j) % 11) as f64);
-/// let mut c = Mat::zeros(20, 20);
-/// let stages = exact_stages(IntegerIsa::Portable, a.as_ref(), c.as_mut(), &AtaOptions::new())?;
-/// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
-/// assert!(stages.products > 0.0);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`ata_into`]; [`Error::Argument`] when the machine does not support the instruction set.
-pub fn exact_stages<T: BlasReal>(
-    isa: int8::IntegerIsa,
-    a: MatRef<'_, T>,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<Stages> {
-    if let Some(why) = isa.refusal() {
-        return Err(Error::Argument { what: "isa", why: why.into() });
-    }
-    let options = options.clone().scheme(SchemeChoice::Exact).uplo(Uplo::Lower);
-    let plan = gram_plan(a, c.rb(), &options)?.on(isa);
-    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par))?;
-    let product = gram(T::ONE, a, T::ZERO, c, &options);
-    execute::exact_stages(&plan, product, &options, scratch.as_mut_slice())
 }

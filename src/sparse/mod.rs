@@ -1,4 +1,5 @@
-//! Sparse symmetric matrices: inner products, products and eigenpairs (docs/algorithms/eigen.md).
+//! Sparse symmetric matrices: inner products, products, solutions and eigenpairs
+//! (docs/algorithms/eigen.md, docs/algorithms/cholesky.md).
 
 mod around;
 mod certificate;
@@ -24,6 +25,7 @@ mod two_level;
 
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
+pub use cholesky::{Cholesky, CholeskyOptions, Triangle};
 pub use components::free_components;
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;

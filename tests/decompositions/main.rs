@@ -1,5 +1,6 @@
-//! Eigenpairs of sparse pencils and orthonormal bases.
+//! Eigenpairs of sparse pencils, sparse Cholesky factorizations and orthonormal bases.
 
+mod cholesky;
 #[path = "../common/mod.rs"]
 mod common;
 mod ortho;

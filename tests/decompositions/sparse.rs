@@ -10,7 +10,7 @@ use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced
 use catamaran::{Error, Par};
 
 /// A sparse matrix of these entries; those of the same place are summed.
-fn sparse(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> CsMat<f64> {
+pub fn sparse(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> CsMat<f64> {
     let mut triplets = sprs::TriMat::new((n, n));
     entries.into_iter().for_each(|(i, j, x)| triplets.add_triplet(i, j, x));
     triplets.to_csr()
@@ -24,7 +24,7 @@ fn graph(n: usize, edges: impl IntoIterator<Item = (usize, usize)>) -> CsMat<f64
 }
 
 /// A grid graph, of a x b nodes.
-fn grid(a: usize, b: usize) -> CsMat<f64> {
+pub fn grid(a: usize, b: usize) -> CsMat<f64> {
     let node = move |i: usize, j: usize| i * b + j;
     let along = (0..a).flat_map(move |i| (1..b).map(move |j| (node(i, j - 1), node(i, j))));
     let across = (1..a).flat_map(move |i| (0..b).map(move |j| (node(i - 1, j), node(i, j))));

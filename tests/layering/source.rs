@@ -1,4 +1,6 @@
-//! What one Rust file says about its imports: enough of the language for that, and no more.
+//! What one Rust file says about its imports.
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// A word, a piece of punctuation (`::` is one), or a literal (an empty text).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +44,9 @@ pub struct Source {
 
 impl Source {
     pub fn parse(text: &str) -> Self {
-        let tokens = without_tests(&tokens(text));
+        let mut tokens = Vec::new();
+        flatten(text.parse().expect("Rust"), &mut tokens);
+        let tokens = without_tests(&tokens);
         let mut source = Self::default();
         // Braces of the inline modules that the position is in: `super` there is this file.
         let (mut depth, mut inline) = (0, Vec::new());
@@ -193,87 +197,30 @@ fn branch(
     prefix.truncate(length);
 }
 
-/// Splits `text` into tokens; comments are left out.
-fn tokens(text: &str) -> Vec<Token> {
-    let chars: Vec<char> = text.chars().collect();
-    let peek = |i: usize| chars.get(i).copied().unwrap_or('\0');
-    let (mut at, mut line) = (0, 1);
-    let mut found = Vec::new();
-    while at < chars.len() {
-        let start = at;
-        let mut token = None;
-        match peek(at) {
-            '/' if peek(at + 1) == '/' => {
-                while at < chars.len() && peek(at) != '\n' {
-                    at += 1;
-                }
-            }
-            '/' if peek(at + 1) == '*' => {
-                while at < chars.len() && !(peek(at) == '*' && peek(at + 1) == '/') {
-                    at += 1;
-                }
-                at += 2;
-            }
-            '"' => {
-                at = end_of_text(&chars, at);
-                token = Some(String::new());
-            }
-            // A character, not a lifetime.
-            '\'' if peek(at + 1) == '\\' || peek(at + 2) == '\'' => {
-                at += if peek(at + 1) == '\\' { 3 } else { 2 };
-                while at < chars.len() && peek(at) != '\'' {
-                    at += 1;
-                }
-                at += 1;
-                token = Some(String::new());
-            }
-            ':' if peek(at + 1) == ':' => {
-                at += 2;
-                token = Some("::".into());
-            }
-            c if c.is_alphanumeric() || c == '_' => {
-                while peek(at).is_alphanumeric() || peek(at) == '_' {
-                    at += 1;
-                }
-                let word: String = chars[start..at].iter().collect();
-                let hashes = (at..).take_while(|&i| peek(i) == '#').count();
-                if matches!(word.as_str(), "r" | "br" | "cr") && peek(at + hashes) == '"' {
-                    at = end_of_raw_text(&chars, at, hashes);
-                    token = Some(String::new());
-                } else {
-                    token = Some(word);
-                }
-            }
-            c => {
-                at += 1;
-                token = (!c.is_whitespace()).then(|| c.into());
+/// Adds the tokens of a stream, those in brackets too; comments are left out.
+fn flatten(stream: TokenStream, found: &mut Vec<Token>) {
+    for tree in stream {
+        let line = tree.span().start().line;
+        match tree {
+            TokenTree::Ident(word) => found.push(Token { text: word.to_string(), line }),
+            TokenTree::Literal(_) => found.push(Token { text: String::new(), line }),
+            TokenTree::Punct(mark) => match found.last_mut() {
+                Some(last) if mark.as_char() == ':' && last.text == ":" => last.text = "::".into(),
+                _ => found.push(Token { text: mark.as_char().into(), line }),
+            },
+            TokenTree::Group(group) => {
+                let (open, close) = match group.delimiter() {
+                    Delimiter::Parenthesis => ("(", ")"),
+                    Delimiter::Brace => ("{", "}"),
+                    Delimiter::Bracket => ("[", "]"),
+                    Delimiter::None => ("", ""),
+                };
+                found.push(Token { text: open.into(), line });
+                flatten(group.stream(), found);
+                found.push(Token { text: close.into(), line: group.span_close().end().line });
             }
         }
-        found.extend(token.map(|text| Token { text, line }));
-        line += chars[start..at.min(chars.len())].iter().filter(|&&c| c == '\n').count();
     }
-    found
-}
-
-/// The position after the text in quotes that starts at `at`.
-fn end_of_text(chars: &[char], mut at: usize) -> usize {
-    at += 1;
-    while at < chars.len() && chars[at] != '"' {
-        at += if chars[at] == '\\' { 2 } else { 1 };
-    }
-    at + 1
-}
-
-/// The position after the raw text whose `hashes` start at `at`.
-fn end_of_raw_text(chars: &[char], mut at: usize, hashes: usize) -> usize {
-    at += hashes + 1;
-    let closes = |at: usize| {
-        chars[at] == '"' && (1..=hashes).all(|i| chars.get(at + i).is_some_and(|&c| c == '#'))
-    };
-    while at < chars.len() && !closes(at) {
-        at += 1;
-    }
-    at + hashes + 1
 }
 
 /// The tokens without attributes, and without the items whose attribute says that they are for

@@ -1,8 +1,8 @@
 //! The commands, and their common options and contenders.
 
 pub mod accuracy;
+pub mod cholesky;
 pub mod decimate;
-pub mod exact;
 pub mod functional_map;
 pub mod gram;
 pub mod grid;

@@ -3,13 +3,14 @@
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef};
+use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::functional_map::{map_from_points, pull_back};
-use catamaran_geometry::spectral::test_functions::{coordinates, heat_kernels};
 use catamaran_geometry::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, TruncatedProducts,
     relative_errors,
 };
 
+use super::functions::heat_kernels;
 use super::prods::ROUNDING;
 use super::shapes::{Pair, Shape};
 use super::table::mean;

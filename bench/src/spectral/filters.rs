@@ -2,7 +2,7 @@
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef, Scale};
-use catamaran_geometry::spectral::test_functions::coordinates;
+use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::{
     Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions, TruncatedProducts,
     dirichlet_energies, relative_errors,

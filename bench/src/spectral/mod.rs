@@ -8,6 +8,7 @@ mod approximation;
 mod cases;
 mod filters;
 mod frequencies;
+mod functions;
 mod noise;
 mod prods;
 mod ranks;

@@ -4,9 +4,9 @@
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
 use catamaran::faer::{Mat, MatRef};
+use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::functional_map::{map_from_points, points_from_map, pull_back};
 use catamaran_geometry::spectral::relative_errors;
-use catamaran_geometry::spectral::test_functions::coordinates;
 
 use super::shapes::Pair;
 use super::table::mean;

@@ -13,8 +13,8 @@ use catamaran_geometry::mesh::{
 };
 use catamaran_geometry::spectral::Eigenbasis;
 use catamaran_geometry::spectral::functional_map::nearest_rows;
-use catamaran_geometry::spectral::test_functions::geodesic_cells;
 
+use super::functions::geodesic_cells;
 use crate::Result;
 
 /// A mesh of area 1 and its eigenpairs.

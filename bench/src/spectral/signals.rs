@@ -2,14 +2,13 @@
 
 use catamaran::Par;
 use catamaran::faer::Mat;
+use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::descriptors::{
     RingOptions, ShotOptions, geodesic_rings, heat_kernel_signature, heat_times, shot,
     wave_kernel_signature, wave_scales,
 };
-use catamaran_geometry::spectral::test_functions::{
-    channels, coordinates, geodesic_cells, heat_kernels, random,
-};
 
+use super::functions::{channels, geodesic_cells, heat_kernels, random};
 use super::shapes::Shape;
 use crate::Result;
 

@@ -3,12 +3,10 @@
 
 use catamaran::base::Rng;
 use catamaran_geometry::curve::dataset::{Generator, Samples, Sampling, samples};
-use catamaran_geometry::curve::{
-    CurveOptions, CurveSolver, Mode, Reconstruction, hausdorff, refined, root_mean_distance,
-    root_mean_square_distance,
-};
+use catamaran_geometry::curve::{CurveOptions, CurveSolver, Mode, Reconstruction, refined};
 use catamaran_geometry::mesh::{Edges, Graph, TriMesh};
 
+use super::distances::{hausdorff, root_mean_distance, root_mean_square_distance};
 use super::{SIZES, Surface};
 use crate::Result;
 

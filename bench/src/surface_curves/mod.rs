@@ -4,6 +4,7 @@
 //! The thesis' meshes are not available, so its numbers only serve as orientation. All shares are
 //! of all runs, including those that failed.
 
+mod distances;
 mod limits;
 mod literal;
 mod meshes;

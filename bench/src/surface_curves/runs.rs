@@ -2,13 +2,11 @@ use std::time::Instant;
 
 use catamaran::base::Rng;
 use catamaran_geometry::curve::dataset::{Generator, Sampling, samples};
-use catamaran_geometry::curve::{
-    CurveOptions, CurveSolver, Mode, Outcome, hausdorff, root_mean_distance,
-    root_mean_square_distance, same_order,
-};
+use catamaran_geometry::curve::{CurveOptions, CurveSolver, Mode, Outcome, same_order};
 use catamaran_geometry::mesh::Graph;
 
 use super::Surface;
+use super::distances::{hausdorff, root_mean_distance, root_mean_square_distance};
 use crate::Result;
 
 /// Numbers of samples.

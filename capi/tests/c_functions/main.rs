@@ -54,7 +54,7 @@ fn orthonormal_columns_are_factors() {
 }
 
 #[test]
-fn eigenvalues_are_those_of_rotations() {
+fn eigenvalues_are_those_of_rotations_and_solutions_satisfy_their_equations() {
     run(14..15, 0);
 }
 

@@ -1,5 +1,6 @@
 //! `catamaran ata`.
 
+mod complex;
 mod memory;
 mod shown;
 mod unbounded;
@@ -27,26 +28,27 @@ use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{note, report, seconds, status};
 use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, open, read_weights};
+use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
 
-/// Compute C = A^T A of a matrix in a file.
+/// Compute C = A^T A of a matrix in a file, or A^H A of a complex one.
 ///
-/// Reads .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is built in
-/// (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file is read once, block by
-/// block, while the block before is multiplied: it may be larger than memory.
+/// Reads .npy, .mtx and text tables, each also as .gz or .xz, from a file or stdin (-), and HDF5
+/// where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file and
+/// a large table are read block by block, while the block before is multiplied: they may be larger
+/// than memory.
 #[derive(clap::Args)]
 pub struct Args {
     /// The matrix A, m x n.
     #[arg(value_name = "A")]
-    input: PathBuf,
+    input: MatrixFile,
     /// Output file of C, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it. Without it, a C
     /// of at most 10 columns is printed, and of a larger one the range of its entries.
     #[arg(short, long, value_name = "C")]
     output: Option<PathBuf>,
-    /// Use columns FIRST to END - 1 of A only, counted from 0.
-    #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
-    columns: Option<Range<usize>>,
+    #[command(flatten)]
+    matrix: MatrixArgs,
     /// Triangle of C to compute; the other triangle is zero in the output.
     #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
     uplo: Uplo,
@@ -155,13 +157,16 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         accumulator: create(&args.accumulator)?,
     };
 
-    let a = open("A", &args.input, args.columns.clone())?;
-    let m = a.shape().0;
+    let a = open("A", &args.input, &args.matrix.read())?;
+    if let Some(matrix) = a.complex() {
+        complex::refuse(args, ranks)?;
+        return complex::run(args, matrix, &options(args, backend), outputs);
+    }
     if ranks.size() > 1 {
         ranks.report()?;
     }
     let weights = match &args.weights {
-        Some(path) => Some(read_weights(path, &args.input, m)?),
+        Some(path) => Some(read_weights(path, &a, &args.matrix.table)?),
         None => None,
     };
     let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend };
@@ -171,6 +176,18 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         work.run::<f32>(outputs)
     };
     done.map_err(|error| of_weights(args, error))
+}
+
+/// Returns the options of products of matrices.
+fn options<'a>(args: &Args, backend: Arc<dyn Backend>) -> AtaOptions<'a> {
+    AtaOptions::new()
+        .uplo(args.uplo)
+        .par(args.threads.par())
+        .pin(if args.pin { Pin::Cores } else { Pin::No })
+        .scheme(args.scheme)
+        .accuracy(args.accuracy)
+        .reproducible(args.reproducible)
+        .backend(backend)
 }
 
 /// Adds the file to an error about the weights.
@@ -225,14 +242,7 @@ impl Work<'_> {
         if args.covariance && m < 2 {
             bail!("{}: {m} rows, where --covariance needs at least 2", args.input.display());
         }
-        let options = AtaOptions::new()
-            .uplo(args.uplo)
-            .par(args.threads.par())
-            .pin(if args.pin { Pin::Cores } else { Pin::No })
-            .scheme(args.scheme)
-            .accuracy(args.accuracy)
-            .reproducible(args.reproducible)
-            .backend(self.backend.clone());
+        let options = options(args, self.backend.clone());
         self.report_cap(options.par)?;
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);

@@ -109,7 +109,7 @@ impl Norm {
 }
 
 /// Formats a number in six digits; whole numbers of up to nine digits are exact.
-fn digits(x: f64) -> String {
+pub fn digits(x: f64) -> String {
     if x == x.trunc() && x.abs() < 1e9 {
         return format!("{}", x + 0.0);
     }

@@ -1,12 +1,13 @@
 //! The passes over rows that `lstsq`, `pca` and `svd` share: one pass to the Gram matrix in
 //! extended precision, and a second one to what is computed from each row.
 
+mod complete;
 mod second;
 mod table;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -15,14 +16,15 @@ use catamaran::rows::{Accumulator, ExtendedGram, RowBounds, stream};
 use catamaran::solve::check_weights;
 use catamaran::{AtaOptions, Par};
 
+pub use self::complete::survey;
 pub use self::second::second_pass;
 pub use self::table::Table;
 use crate::common::{Force, Threads};
-use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::rows::{CheckpointArgs, Source, fingerprint, open, read_weights};
+use crate::tables::{MatrixArgs, MatrixFile, TableArgs};
 
 /// Most lines of a table on the screen.
 pub const SHOWN: usize = 50;
@@ -30,13 +32,12 @@ pub const SHOWN: usize = 50;
 /// The rows, and how they are added.
 #[derive(clap::Args)]
 pub struct GramArgs {
-    /// The matrix A, m x n: .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is
-    /// built in (FILE.h5:/dataset).
+    /// The matrix A, m x n: .npy, .mtx and text tables, each also as .gz or .xz, from a file or
+    /// stdin (-), and HDF5 where it is built in (FILE.h5:/dataset).
     #[arg(value_name = "A")]
-    input: PathBuf,
-    /// Use columns FIRST to END - 1 of the file only, counted from 0.
-    #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
-    columns: Option<Range<usize>>,
+    input: MatrixFile,
+    #[command(flatten)]
+    matrix: MatrixArgs,
     #[command(flatten)]
     threads: Threads,
     /// Number of rows in a block, two of which are in memory. Does not change the result [default:
@@ -55,9 +56,9 @@ impl GramArgs {
         &self.input
     }
 
-    /// Returns the first column of the file that is used.
-    pub fn first_column(&self) -> usize {
-        self.columns.as_ref().map_or(0, |columns| columns.start)
+    /// Returns how other tables than A are read.
+    pub fn other_tables(&self) -> &TableArgs {
+        &self.matrix.table
     }
 
     /// Returns the threads of the library that do the work.
@@ -72,7 +73,15 @@ impl GramArgs {
 
     /// Opens A.
     pub fn open(&self) -> Result<Source> {
-        open("A", &self.input, self.columns.clone())
+        self.open_with_factors(Vec::new())
+    }
+
+    /// Opens A, in which columns of words with these names are factors. Rows with a missing value
+    /// are still there with `--missing drop`.
+    pub fn open_with_factors(&self, factors: Vec<String>) -> Result<Source> {
+        let mut options = self.matrix.read_all_rows();
+        options.table = options.table.factors(factors);
+        open("A", &self.input, &options)
     }
 }
 
@@ -103,8 +112,9 @@ impl<'a> Pass<'a> {
         }
         let weights = match weights {
             Some(path) => {
-                let weights = read_weights(path, &args.input, table.nrows())?;
+                let weights = read_weights(path, table.a(), args.other_tables())?;
                 check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+                let weights = table.kept(weights)?;
                 if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
                     bail!("{}: all weights are zero", path.display());
                 }
@@ -160,7 +170,7 @@ impl<'a> Pass<'a> {
         let time = start.elapsed();
         status!("time", seconds = time.as_secs_f64(); "{} for A^T A", seconds(time))?;
         if let Some(&j) = gram.out_of_range().first() {
-            let (path, name) = self.table.column(j, self.args.first_column());
+            let (path, name) = self.table.column(j);
             bail!(
                 "{}: the squared length of column {name} is out of the range of f64: multiply the \
                  column by a power of ten",

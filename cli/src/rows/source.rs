@@ -10,13 +10,16 @@ use anyhow::{Context, Result, bail};
 use catamaran::base::{Real, zeros};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
-use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
+use catamaran::faer::{Mat, MatMut, MatRef, c64};
+use catamaran::io::{
+    self as files, ColumnKind, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows,
+    TableFile, TableReading,
+};
 use catamaran::rows::{DenseRows, RowBlocks};
 
-use crate::input;
 use crate::progress::Bar;
 use crate::report::{seconds, status};
+use crate::tables::{self, TableArgs};
 
 /// The matrix A.
 pub struct Source {
@@ -24,17 +27,27 @@ pub struct Source {
     content: Content,
     /// The names of the columns, in the header of a text table; empty elsewhere.
     names: Vec<String>,
+    /// The columns of a file of rows that are used.
+    chosen: Vec<usize>,
 }
 
 enum Content {
     File(RowFile),
-    Whole(Matrix),
+    Table(Box<TableFile>),
+    Whole(FileContent),
 }
 
+/// Bytes of the smallest table that is read block by block. A smaller one is read once, into at
+/// most four times as much memory.
+const STREAMED: u64 = 32 << 20;
+
 /// Opens a matrix, and reports its size and kind.
-pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> Result<Source> {
+pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Result<Source> {
     let start = Instant::now();
-    let source = Source::open(path, columns)?;
+    let source = Source::open(path, options)?;
+    if let Some(reading) = source.reading() {
+        tables::say(path, reading)?;
+    }
     let (m, n) = source.shape();
     let time = (!source.is_file()).then(|| start.elapsed());
     let how = time.map_or("read by blocks".into(), |time| format!("read in {}", seconds(time)));
@@ -45,7 +58,7 @@ pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> 
         path = path,
         rows = m,
         columns = n,
-        scalar = if source.is_single() { "f32" } else { "f64" },
+        scalar = source.scalar(),
         nonzeros = source.sparse().map(|sparse| sparse.nnz()),
         seconds = time.map(|time| time.as_secs_f64());
         "{path}: {m} x {n}, {kind}, {how}"
@@ -57,20 +70,22 @@ pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> 
 pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 
 impl Source {
-    /// Opens `.npy` and HDF5 files, and reads all others.
-    pub fn open(name: &Path, columns: Option<Range<usize>>) -> Result<Self> {
-        let (content, names) = if RowFile::is_one(name) {
+    /// Opens `.npy` and HDF5 files and large text tables, and reads all others.
+    pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
+        let (mut names, mut chosen) = (Vec::new(), Vec::new());
+        let content = if options.format.is_none() && RowFile::is_one(name) {
             let file = RowFile::open(name)?;
-            let file = match columns {
-                Some(columns) => named(name, file.with_columns(columns))?,
-                None => file,
-            };
-            (Content::File(file), Vec::new())
+            chosen = named(name, options.columns.of(&[], file.ncols()))?;
+            Content::File(file)
+        } else if let Some(file) = large_table(name, options)? {
+            names = file.reading().names();
+            Content::Table(Box::new(file))
         } else {
-            let (matrix, names) = read(name, "reading", columns)?;
-            (Content::Whole(matrix), names)
+            let content = read(name, "reading", options)?;
+            names = content.names.clone();
+            Content::Whole(content)
         };
-        Ok(Self { name: name.into(), content, names })
+        Ok(Self { name: name.into(), content, names, chosen })
     }
 
     /// Returns the path of the file.
@@ -78,30 +93,75 @@ impl Source {
         &self.name
     }
 
-    /// Returns the names of the columns, in the header of a text table; empty elsewhere.
-    pub fn names(&self) -> &[String] {
-        &self.names
+    /// Returns how the text table was read; `None` for other formats.
+    pub fn reading(&self) -> Option<&TableReading> {
+        match &self.content {
+            Content::File(_) => None,
+            Content::Table(file) => Some(file.reading()),
+            Content::Whole(content) => content.reading.as_ref(),
+        }
+    }
+
+    /// Returns the levels that the entries of a column are numbers of; none for numbers.
+    pub fn levels(&self, column: usize) -> &[String] {
+        let column = self.reading().and_then(|reading| reading.columns.get(column));
+        match column.map(|column| &column.kind) {
+            Some(ColumnKind::Factor { levels }) => levels,
+            _ => &[],
+        }
+    }
+
+    /// Refuses a table without some of its rows, where each row belongs to one of another file.
+    ///
+    /// # Errors
+    /// Rows with a missing cell were left out.
+    pub fn refuse_dropped(&self, other: &Path) -> Result<()> {
+        match self.reading().map_or(0, |reading| reading.dropped_rows) {
+            0 => Ok(()),
+            count => bail!(
+                "{}: --missing drop leaves out rows ({count}), so that the rows of {} are no longer \
+                 theirs: it needs all columns in one table",
+                self.name.display(),
+                other.display()
+            ),
+        }
+    }
+
+    /// Returns the number of each column in the file, from 0.
+    pub fn numbers(&self) -> Vec<usize> {
+        match &self.content {
+            Content::File(_) => self.chosen.clone(),
+            Content::Table(file) => {
+                file.reading().columns.iter().map(|column| column.number).collect()
+            }
+            Content::Whole(content) => {
+                (0..content.matrix.ncols()).map(|j| content.number(j)).collect()
+            }
+        }
     }
 
     /// Returns a name of each column: that in the header of a text table, else its number in the
-    /// file, of which `first` is that of the first column.
-    pub fn column_names(&self, first: usize) -> Vec<String> {
-        match self.names() {
-            [] => (first..first + self.shape().1).map(|column| column.to_string()).collect(),
-            names => names.to_vec(),
-        }
+    /// file.
+    pub fn column_names(&self) -> Vec<String> {
+        let numbers = self.numbers();
+        let name = |j: usize| match self.names.get(j).filter(|name| !name.is_empty()) {
+            Some(name) => name.clone(),
+            None => numbers[j].to_string(),
+        };
+        (0..numbers.len()).map(name).collect()
     }
 
     /// Returns whether the matrix is read block by block.
     pub fn is_file(&self) -> bool {
-        matches!(self.content, Content::File(_))
+        !matches!(self.content, Content::Whole(_))
     }
 
     /// Returns the number of rows and columns.
     pub fn shape(&self) -> (usize, usize) {
         match &self.content {
-            Content::File(file) => (file.nrows(), file.ncols()),
-            Content::Whole(matrix) => (matrix.nrows(), matrix.ncols()),
+            Content::File(file) => (file.nrows(), self.chosen.len()),
+            Content::Table(file) => (file.nrows(), file.ncols()),
+            Content::Whole(content) => (content.matrix.nrows(), content.matrix.ncols()),
         }
     }
 
@@ -109,14 +169,34 @@ impl Source {
     pub fn is_single(&self) -> bool {
         match &self.content {
             Content::File(file) => file.is_single(),
-            Content::Whole(matrix) => matches!(matrix, Matrix::F32(_)),
+            Content::Table(_) => false,
+            Content::Whole(content) => matches!(content.matrix, Matrix::F32(_)),
+        }
+    }
+
+    /// Returns the complex matrix, if the source is one.
+    pub fn complex(&self) -> Option<MatRef<'_, c64>> {
+        match &self.content {
+            Content::Whole(FileContent { matrix: Matrix::Complex(dense), .. }) => {
+                Some(dense.as_ref())
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the name of the type of the entries.
+    fn scalar(&self) -> &'static str {
+        match (self.is_single(), self.complex()) {
+            (_, Some(_)) => "c64",
+            (true, None) => "f32",
+            (false, None) => "f64",
         }
     }
 
     /// Returns the sparse matrix, if the source is one.
     pub fn sparse(&self) -> Option<&CsMat<f64>> {
         match &self.content {
-            Content::Whole(Matrix::Sparse(sparse)) => Some(sparse),
+            Content::Whole(FileContent { matrix: Matrix::Sparse(sparse), .. }) => Some(sparse),
             _ => None,
         }
     }
@@ -125,20 +205,30 @@ impl Source {
     pub fn kind(&self) -> String {
         match self.sparse() {
             Some(sparse) => format!("f64, {} nonzeros", sparse.nnz()),
-            None => if self.is_single() { "f32" } else { "f64" }.into(),
+            None => self.scalar().into(),
         }
     }
 
     /// Returns a text that distinguishes the source from others, and from itself after a change.
     pub fn identity(&self) -> String {
         match &self.content {
-            Content::File(file) => file.identity(),
-            Content::Whole(matrix) => {
+            Content::File(file) => match self.range() {
+                Some(Range { start, end }) => {
+                    format!("{}, of which {start}..{end}", file.identity())
+                }
+                None => format!("{}, of which {:?}", file.identity(), self.chosen),
+            },
+            Content::Table(file) => file.identity(),
+            Content::Whole(content) => {
                 let path = fs::canonicalize(&self.name).unwrap_or_else(|_| self.name.clone());
                 let about = fs::metadata(&self.name).ok();
                 let changed = about.as_ref().and_then(|about| about.modified().ok());
-                let (bytes, columns) = (about.map(|about| about.len()), matrix.ncols());
-                format!("{}, {columns} columns, {bytes:?} bytes, {changed:?}", path.display())
+                let (bytes, columns) = (about.map(|about| about.len()), content.matrix.ncols());
+                let columns = match &content.reading {
+                    Some(reading) => format!("{columns} columns ({reading:?})"),
+                    None => format!("{columns} columns"),
+                };
+                format!("{}, {columns}, {bytes:?} bytes, {changed:?}", path.display())
             }
         }
     }
@@ -146,11 +236,28 @@ impl Source {
     /// Returns the rows, converted to T; `require_finite` refuses NaN and infinities. May be called
     /// several times.
     pub fn rows<T: BlasReal>(&self, require_finite: bool) -> Result<Rows<'_, T>> {
-        let rows = match &self.content {
-            Content::File(file) => Box::new(file.try_clone()?),
-            Content::Whole(matrix) => rows_of::<T>(matrix),
+        let rows: Rows<'_, T> = match &self.content {
+            Content::File(file) => self.chosen_rows(file)?,
+            Content::Table(file) => Box::new(file.try_clone()?),
+            Content::Whole(content) => rows_of::<T>(&self.name, &content.matrix)?,
         };
         Ok(if require_finite { Box::new(Finite { rows, name: &self.name }) } else { rows })
+    }
+
+    /// Returns the rows of a file with the columns that are used.
+    fn chosen_rows<T: BlasReal>(&self, file: &RowFile) -> Result<Rows<'_, T>> {
+        let file = file.try_clone()?;
+        Ok(match self.range() {
+            Some(range) => Box::new(file.with_columns(range)?),
+            None => Box::new(Chosen { rows: file, columns: &self.chosen, all: Vec::new() }),
+        })
+    }
+
+    /// Returns the columns of a file of rows that are used, if they follow one another.
+    fn range(&self) -> Option<Range<usize>> {
+        let first = self.chosen.first().copied().unwrap_or(0);
+        let range = first..first + self.chosen.len();
+        self.chosen.iter().copied().eq(range.clone()).then_some(range)
     }
 
     /// Returns the first entry that is NaN or infinite, with its place; reads all entries if there
@@ -178,6 +285,41 @@ impl Source {
             }
         }
         Ok(None)
+    }
+}
+
+/// Some of the columns of rows.
+struct Chosen<'a, T> {
+    rows: RowFile,
+    columns: &'a [usize],
+    /// Entries of a block with all columns.
+    all: Vec<T>,
+}
+
+impl<T: Real> RowBlocks<T> for Chosen<'_, T> {
+    fn nrows(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
+        let (n, end) = (self.rows.ncols(), out.nrows());
+        let height = (BLOCK / n.max(1)).clamp(1, end.max(1));
+        self.all.resize(height * n, T::ZERO);
+        for start in (0..end).step_by(height) {
+            let count = height.min(end - start);
+            let all = &mut self.all[..count * n];
+            self.rows.read(first + start, MatMut::from_row_major_slice_mut(all, count, n))?;
+            for (i, row) in all.chunks_exact(n.max(1)).enumerate() {
+                for (j, &column) in self.columns.iter().enumerate() {
+                    out[(start + i, j)] = row[column];
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -248,24 +390,29 @@ impl<T> RowBlocks<T> for Watched<'_, T> {
     }
 }
 
-fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
-    match a {
+fn rows_of<'a, T: BlasReal>(path: &Path, a: &'a Matrix) -> Result<Rows<'a, T>> {
+    Ok(match a {
         Matrix::F32(dense) => Box::new(DenseRows(dense.as_ref())),
         Matrix::F64(dense) => Box::new(DenseRows(dense.as_ref())),
         Matrix::Sparse(sparse) => Box::new(SparseRows(sparse)),
-        _ => unreachable!("no other kind of matrix comes out of a file"),
-    }
+        _ => bail!("{}: complex numbers, where real ones are needed", path.display()),
+    })
 }
 
-fn read(
-    path: &Path,
-    label: &'static str,
-    columns: Option<Range<usize>>,
-) -> Result<(Matrix, Vec<String>)> {
+/// Opens a text table that is read block by block, if the file is a large one.
+fn large_table(path: &Path, options: &ReadOptions<'_>) -> Result<Option<TableFile>> {
+    if !fs::metadata(path).is_ok_and(|about| about.is_file() && about.len() >= STREAMED) {
+        return Ok(None);
+    }
+    let bar = Bar::new("reading");
+    let update = |fraction| bar.update(fraction);
+    named(path, TableFile::open(path, &options.clone().progress(&update)))
+}
+
+fn read(path: &Path, label: &'static str, options: &ReadOptions<'_>) -> Result<FileContent> {
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
-    let options = ReadOptions::new().columns(columns).progress(&update);
-    named(path, files::read_with_names(path, &options.max_memory(input::limit())))
+    named(path, files::read_file(path, &options.clone().progress(&update)))
 }
 
 /// Adds the file to errors that do not name it.
@@ -278,19 +425,24 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
     }
 }
 
-/// Reads the `m` weights in a file with one row or one column.
-pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
-    let (matrix, _) = read(path, "weights", None)?;
+/// Reads the weights of the rows of A from a file with one row or one column.
+pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f64>> {
+    a.refuse_dropped(path)?;
+    let m = a.shape().0;
+    let FileContent { matrix, reading, .. } = read(path, "weights", &table.of_weights())?;
+    if let Some(reading) = &reading {
+        tables::say(path, reading)?;
+    }
     let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
         bail!(
             "{}: {nrows} x {ncols} where the {m} rows of {} need {m} weights",
             path.display(),
-            input.display()
+            a.path().display()
         );
     }
     let mut values = Mat::zeros(nrows, ncols);
-    rows_of::<f64>(&matrix).read(0, values.as_mut())?;
+    rows_of::<f64>(path, &matrix)?.read(0, values.as_mut())?;
     let weights: Vec<f64> =
         (0..m).map(|i| if ncols == 1 { values[(i, 0)] } else { values[(0, i)] }).collect();
     match weights.iter().position(|w| !w.is_finite()) {

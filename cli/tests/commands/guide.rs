@@ -50,6 +50,7 @@ fn the_commands_of_the_readme_run() {
 #[test]
 fn the_commands_of_the_pages_on_matrices_run() {
     run(include_str!("../../../docs/guide/ata.md"));
+    run(include_str!("../../../docs/guide/tables.md"));
     run(include_str!("../../../docs/guide/larger-than-memory.md"));
     run(include_str!("../../../docs/guide/reproducibility.md"));
     run(include_str!("../../../docs/guide/performance.md"));

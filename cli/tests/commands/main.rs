@@ -27,6 +27,7 @@ mod slime;
 mod spectral;
 mod spectrum;
 mod stream;
+mod tables;
 mod tune;
 mod unions;
 mod wilt;

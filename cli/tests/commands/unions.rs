@@ -134,11 +134,11 @@ fn what_is_wrong_with_a_spectrum_is_said_of_its_file() {
     let rows: String = (1..=50).map(|i| format!("{i}\n")).collect();
     for (table, why) in [
         ("number,value\n1,3.0\n2,1.0\n", "must ascend, but number 1 (from 0), 1e0, follows 3e0"),
-        ("1,3.0\n2,nan\n", "eigenvalues: not finite at row 1, column 1"),
+        ("1,3.0\n2,nan\n", "column 2: \"nan\" where a number should be"),
         ("-3\n1\n", "eigenvalues: must be positive, but the first one is -3e0"),
         ("0\n1\n", "the first one is 0e0: leave zeros out"),
         ("1e300\n2e300\n", "eigenvalues: are out of range"),
-        ("one\ntwo\n", "is not a number"),
+        ("one\ntwo\n", "no column of numbers: column one has words, such as \"two\""),
         (rows.as_str(), "must be fewer than the 36 vertices of the template"),
     ] {
         folder.write("wrong.csv", table);

@@ -17,7 +17,6 @@
 //! # Ok::<(), catamaran::Error>(())
 //! ```
 
-mod compare;
 mod cut;
 pub mod dataset;
 mod drawing;
@@ -38,12 +37,11 @@ mod tests;
 mod tour;
 mod walls;
 
-pub use compare::{hausdorff, root_mean_distance, root_mean_square_distance, same_order};
 pub use cut::cut;
 pub use drawing::{Drawing, Drawn};
 pub use inscribe::{Inscribed, inscribe};
 pub use region::{Region, Side};
-pub use result::{Curve, Outcome, Reconstruction, Waypoint};
+pub use result::{Curve, Outcome, Reconstruction, Waypoint, same_order};
 pub use sites::{Placed, Placement, Site, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};

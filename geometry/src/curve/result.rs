@@ -119,3 +119,24 @@ impl Reconstruction {
 pub(super) fn total(lengths: impl Iterator<Item = f64>) -> f64 {
     lengths.fold(0.0, |sum, length| sum + length)
 }
+
+/// Returns whether two orders of the same samples are the same cycle: equal up to the start and the
+/// direction.
+///
+/// ```
+/// use catamaran_geometry::curve::same_order;
+///
+/// assert!(same_order(&[2, 1, 0, 3], &[0, 1, 2, 3]));
+/// assert!(!same_order(&[0, 2, 1, 3], &[0, 1, 2, 3]));
+/// ```
+pub fn same_order(order: &[u32], truth: &[u32]) -> bool {
+    let n = order.len();
+    if n != truth.len() {
+        return false;
+    }
+    let Some(start) = truth.iter().position(|&i| Some(&i) == order.first()) else {
+        return n == 0;
+    };
+    let ahead = (0..n).all(|i| order[i] == truth[(start + i) % n]);
+    ahead || (0..n).all(|i| order[i] == truth[(start + n - i) % n])
+}

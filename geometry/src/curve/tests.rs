@@ -323,19 +323,6 @@ fn orders_are_equal_up_to_rotation_and_reversal() {
 }
 
 #[test]
-fn distances_of_curves_are_those_of_the_formulas() {
-    let truth = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
-    let found = [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-    // The nearest points are at distances 0 and 1 from the truth, and 0 and 4 from the found
-    // points.
-    assert_eq!(hausdorff(&truth, &found), 4.0);
-    assert_eq!(root_mean_distance(&truth, &found), 0.5_f64.sqrt());
-    assert_eq!(root_mean_square_distance(&truth, &found), 0.5_f64.sqrt());
-    assert_eq!(root_mean_distance(&found, &truth), 2.0_f64.sqrt());
-    assert_eq!(hausdorff(&truth, &[]), f64::INFINITY);
-}
-
-#[test]
 fn sites_are_snapped_or_inserted() {
     let mesh = shapes::grid(2, 1);
     let third = 1.0 / 3.0;

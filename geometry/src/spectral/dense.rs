@@ -4,18 +4,12 @@
 //! differently for every number of threads; the matrices here have as many rows as there are basis
 //! functions, not vertices.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::qr::no_pivoting as qr;
-use faer::linalg::svd;
 use faer::prelude::ReborrowMut;
-use faer::{Mat, MatMut, MatRef, Spec};
+use faer::{Mat, MatMut, MatRef};
 
-use catamaran::base::{Error, Par, Result, apart};
-use catamaran::dense::{self, zeros};
+use catamaran::base::{Error, Par, Result};
+use catamaran::dense::{self, Svd, zeros};
 use catamaran::product::{Accuracy, AtaOptions, atb_into};
-
-const SEQ: faer::Par = faer::Par::Seq;
 
 /// Computes `A^T B` by the classical algorithm, whose error is bounded entry by entry.
 pub(super) fn transposed_product(
@@ -66,68 +60,8 @@ pub(super) fn solve_cholesky(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) {
     dense::upper_solve_in_place(l.transpose(), b);
 }
 
-/// A thin singular value decomposition `A = U diag(s) V^T`, s descending.
-#[derive(Debug, Clone)]
-pub(super) struct Svd {
-    pub u: Mat<f64>,
-    pub s: Vec<f64>,
-    pub v: Mat<f64>,
-}
-
-/// Computes the singular value decomposition of a finite matrix.
+/// Computes the thin singular value decomposition of a matrix, and names it where it is not finite.
 pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
     check_finite(what, a)?;
-    let (m, n) = a.shape();
-    let mut owned = zeros(m, n)?;
-    owned.copy_from(a);
-    let operations = 20.0 * m.max(n) as f64 * (m.min(n) as f64).powi(2);
-    apart(operations, move || decompose(owned.as_ref()))?
-}
-
-fn decompose(a: MatRef<'_, f64>) -> Result<Svd> {
-    let (m, n) = a.shape();
-    let size = m.min(n);
-    let (mut u, mut v, mut s) = (zeros(m, size)?, zeros(n, size)?, Diag::zeros(size));
-    let params = Spec::<svd::SvdParams, f64>::default();
-    let thin = svd::ComputeSvdVectors::Thin;
-    let mut memory = MemBuffer::new(svd::svd_scratch::<f64>(m, n, thin, thin, SEQ, params));
-    let stack = MemStack::new(&mut memory);
-    svd::svd(a, s.as_mut(), Some(u.as_mut()), Some(v.as_mut()), SEQ, stack, params)
-        .map_err(|_| Error::NotConverged { iterations: 0, residual: f64::NAN })?;
-    let s = s.column_vector().iter().copied().collect();
-    Ok(Svd { u, s, v })
-}
-
-/// Returns the X that minimizes `|A X - B|`, for A of full column rank, by Householder's QR.
-pub(super) fn least_squares(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Mat<f64>> {
-    let (m, n) = a.shape();
-    let mut basis = zeros(m, n)?;
-    basis.copy_from(a);
-    let mut x = zeros(m, b.ncols())?;
-    x.copy_from(b);
-    let operations = 2.0 * m as f64 * n as f64 * (n + 2 * b.ncols()) as f64;
-    apart(operations, move || solve_least_squares(basis, x))?
-}
-
-fn solve_least_squares(mut basis: Mat<f64>, mut x: Mat<f64>) -> Result<Mat<f64>> {
-    let ((m, n), columns) = (basis.shape(), x.ncols());
-    let block = qr::factor::recommended_block_size::<f64>(m, n).min(m.min(n)).max(1);
-    let mut coefficients = zeros(block, m.min(n))?;
-    let scratch = StackReq::any_of(&[
-        qr::factor::qr_in_place_scratch::<f64>(m, n, block, SEQ, Spec::default()),
-        qr::solve::solve_lstsq_in_place_scratch::<f64>(m, n, block, columns, SEQ),
-    ]);
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    qr::factor::qr_in_place(basis.as_mut(), coefficients.as_mut(), SEQ, stack, Spec::default());
-    let upper = basis.get(..m.min(n), ..);
-    qr::solve::solve_lstsq_in_place(
-        basis.as_ref(),
-        coefficients.as_ref(),
-        upper,
-        x.as_mut(),
-        SEQ,
-        stack,
-    );
-    Ok(x.subrows(0, n).to_owned())
+    dense::thin_svd(a)
 }

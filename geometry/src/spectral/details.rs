@@ -3,10 +3,22 @@
 use faer::{Mat, MatRef};
 
 use super::basis::Basis;
-use super::test_functions::coordinates;
 use super::transfer::Transfer;
 use crate::mesh::TriMesh;
 use catamaran::base::{Error, Par, Result};
+
+/// Returns the coordinates of the vertices (XYZ): three columns.
+///
+/// ```
+/// use catamaran_geometry::{mesh::families, spectral::coordinates};
+///
+/// let mesh = families::icosphere(1)?;
+/// assert_eq!(coordinates(&mesh)[(7, 2)], mesh.vertices()[7][2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
+    Mat::from_fn(mesh.vertices().len(), 3, |i, j| mesh.vertices()[i][j])
+}
 
 /// Functions split into their part in a span and the remaining detail.
 #[derive(Debug, Clone)]

@@ -62,7 +62,7 @@ impl Response {
 /// than the basis.
 ///
 /// ```
-/// use catamaran_geometry::spectral::{Eigenbasis, Response, filter, test_functions::coordinates};
+/// use catamaran_geometry::spectral::{Eigenbasis, Response, coordinates, filter};
 /// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///

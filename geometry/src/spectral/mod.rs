@@ -11,11 +11,10 @@ mod eigenproducts;
 mod filter;
 pub mod functional_map;
 mod isospectralization;
-pub mod test_functions;
 mod transfer;
 
 pub use basis::{Basis, relative_errors};
-pub use details::{Split, split, transfer_details};
+pub use details::{Split, coordinates, split, transfer_details};
 pub use eigenbasis::Eigenbasis;
 pub use eigenproducts::{
     Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap,

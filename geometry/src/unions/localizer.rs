@@ -8,7 +8,7 @@ use catamaran::sparse::{EigenOptions, eigs};
 
 /// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as
 /// coefficients of its eigenfunctions (thesis, section 2.6.2; the coefficients:
-/// docs/decisions/0014).
+/// docs/algorithms/unions.md).
 ///
 /// Eigenfunctions have no sign of their own, and other bases span the same space. So the localizer
 /// keeps the values of the eigenfunctions of the training at some vertices, the anchors, and

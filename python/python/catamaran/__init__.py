@@ -13,6 +13,7 @@ array([[10., 14.],
 
 from . import shapes
 from ._catamaran import Plan, __version__
+from ._cholesky import Cholesky, cholesky
 from ._curve import Curve, Curves, curve
 from ._decimate import Decimated, FarthestPoints, Origin, decimate, farthest_points
 from ._distribution import warn_of_other
@@ -30,6 +31,7 @@ from ._spectral import (
     functional_map,
     transfer,
 )
+from ._tables import Table, read
 from ._texture import Fractal, Slime, newton, slime
 from ._unions import UnionSpectrum, shape_dna, union_spectrum
 
@@ -38,6 +40,7 @@ del warn_of_other
 
 __all__ = [
     "Accumulator",
+    "Cholesky",
     "Curve",
     "Curves",
     "Decimated",
@@ -56,10 +59,12 @@ __all__ = [
     "PrincipalComponents",
     "SVD",
     "Slime",
+    "Table",
     "UnionSpectrum",
     "Wilting",
     "__version__",
     "ata",
+    "cholesky",
     "corrcoef",
     "cov",
     "curve",
@@ -78,6 +83,7 @@ __all__ = [
     "pca",
     "plan",
     "qr",
+    "read",
     "read_mesh",
     "read_plant",
     "shape_dna",

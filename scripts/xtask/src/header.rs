@@ -47,6 +47,8 @@ pub const SECTIONS: &[Section] = &[
     ),
     section("gram", &["lstsq", "pca", "svd", "gram"], &["lstsq", "pca", "gram"]),
     section("rows", &["ata_rows", "accumulator"], &["rows", "accumulator"]),
+    section("tables", &["table"], &["table"]),
+    section("cholesky", &["cholesky"], &["cholesky"]),
     section("eigs", &["eigs", "ortho"], &["eigs", "ortho"]),
     section("mesh", &["mesh"], &["mesh"]),
     section("decimation", &["decimation"], &["decimation"]),

@@ -1,4 +1,5 @@
 use catamaran::base::{Error, Result};
+use catamaran_geometry::mesh::Adjacency;
 use catamaran_geometry::mesh::vector::distance;
 
 /// Marks the root, which has no parent.
@@ -141,7 +142,7 @@ impl Plant {
         let n = segments.len();
         check_segments(&segments)?;
         let mut sets: Vec<u32> = (0..n as u32).collect();
-        let mut degrees = vec![0_u32; n + 1];
+        let mut degrees = vec![0_u32; n];
         for (e, &[a, b]) in edges.iter().enumerate() {
             let name = || format!("edge {e} ({a}, {b})");
             if let Some(v) = [a, b].into_iter().find(|&v| v as usize >= n) {
@@ -169,7 +170,7 @@ impl Plant {
             let what = format!("is not connected to the root, node {root}");
             return refused(format!("node {v}"), what);
         }
-        let parents = away_from(root as u32, &degrees, edges);
+        let parents = away_from(root as u32, n, edges);
         Self::measured(segments, parents, root as u32, Some(origin))
     }
 
@@ -336,24 +337,13 @@ fn check_cycles(parents: &[u32], root: usize) -> Result<()> {
 }
 
 /// Returns the parent of each node in the tree of these edges, rooted at `root`.
-fn away_from(root: u32, degrees: &[u32], edges: &[[u32; 2]]) -> Vec<u32> {
-    let n = degrees.len() - 1;
-    let mut starts = vec![0_u32; n + 1];
-    for v in 0..n {
-        starts[v + 1] = starts[v] + degrees[v];
-    }
-    let mut filled = starts.clone();
-    let mut neighbours = vec![0_u32; 2 * edges.len()];
-    for &[a, b] in edges {
-        for (v, other) in [(a, b), (b, a)] {
-            neighbours[filled[v as usize] as usize] = other;
-            filled[v as usize] += 1;
-        }
-    }
+fn away_from(root: u32, n: usize, edges: &[[u32; 2]]) -> Vec<u32> {
+    let both = || edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
+    let neighbours = Adjacency::from_pairs(n, both);
     let mut parents = vec![NONE; n];
     let mut waiting = vec![root];
     while let Some(v) = waiting.pop() {
-        for &u in &neighbours[starts[v as usize] as usize..starts[v as usize + 1] as usize] {
+        for &u in neighbours.row(v as usize) {
             if u != parents[v as usize] {
                 parents[u as usize] = v;
                 waiting.push(u);

@@ -13,11 +13,11 @@ use crate::io::source::{error, error_at};
 pub(super) const BUFFER: usize = 1 << 18;
 
 /// The message for a file that was changed.
-pub(super) const CHANGED: &str = "changed since it was opened";
+pub(in crate::io) const CHANGED: &str = "changed since it was opened";
 
 /// Size and time of modification of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Stamp {
+pub(in crate::io) struct Stamp {
     pub len: u64,
     /// `None` where the system does not tell.
     modified: Option<SystemTime>,
@@ -57,7 +57,7 @@ pub(super) fn shrank(path: &Path) -> Error {
 }
 
 /// Returns the size and time of a file that can be read from its middle.
-pub(super) fn seekable(path: &Path) -> Result<Stamp> {
+pub(in crate::io) fn seekable(path: &Path) -> Result<Stamp> {
     let metadata = fs::metadata(path).map_err(|e| error_at(path, None, e))?;
     if metadata.is_dir() {
         return Err(error(path, None, "is a directory"));
@@ -69,6 +69,6 @@ pub(super) fn seekable(path: &Path) -> Result<Stamp> {
 }
 
 /// Returns `path` without links and relative parts, where the system can tell.
-pub(super) fn canonical(path: &Path) -> PathBuf {
+pub(in crate::io) fn canonical(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.into())
 }

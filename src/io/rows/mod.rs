@@ -14,12 +14,13 @@ use faer::MatMut;
 
 #[cfg(feature = "hdf5")]
 use self::dataset::DatasetRows;
-use self::file::{CHANGED, Stamp};
+pub(super) use self::file::{CHANGED, Stamp, canonical, seekable};
 use self::npy::NpyRows;
 use super::columns::checked_columns;
 use super::names::RowsFormat;
 #[cfg(not(feature = "hdf5"))]
 use super::names::without_hdf5;
+use super::npy::is_complex;
 use super::source::error;
 use crate::base::{Error, Real, Result};
 use crate::rows::RowBlocks;
@@ -86,7 +87,8 @@ impl RowFile {
     }
 
     /// Returns whether a file of this name is read by rows: the name is that of an HDF5 file, with
-    /// a dataset or without, or of a `.npy` file that is no folder, pipe or device.
+    /// a dataset or without, or of a `.npy` file that is no folder, pipe or device. Complex numbers
+    /// are not read by rows.
     ///
     /// ```
     /// use catamaran::io::RowFile;
@@ -95,7 +97,7 @@ impl RowFile {
     /// ```
     pub fn is_one(name: &Path) -> bool {
         match RowsFormat::of(name) {
-            Ok(RowsFormat::Npy) => name.is_file(),
+            Ok(RowsFormat::Npy) => name.is_file() && !is_complex(name),
             Ok(RowsFormat::Hdf5 { .. }) => true,
             Err(_) => false,
         }

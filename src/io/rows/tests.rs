@@ -195,12 +195,13 @@ fn broken_arrays_are_refused_when_they_are_opened() {
     assert!(refusal("a.npy", &good[..40]).starts_with("broken npy header"));
     assert!(refusal("a.npy", "no array").starts_with("broken npy header"));
     assert!(refusal("a.npy", "").starts_with("broken npy header"));
-    for (descr, size) in
-        [("<c16", 16), ("|S8", 8), ("|b1", 1), ("<f2", 2), ("<f16", 16), ("<U2", 8)]
-    {
+    for (descr, size) in [("<c16", 16), ("|S8", 8), ("|V1", 1), ("<U2", 8)] {
         let content = npy(descr, "False", "(1, 2)", &vec![0; 2 * size]);
         let said = refusal("a.npy", content);
-        assert!(said.contains("are not real numbers of a type that is read: f4, f8, "), "{said}");
+        assert!(
+            said.contains("are not real numbers of a type that is read: b1, f2, f4, "),
+            "{said}"
+        );
     }
     let cube = npy("<f8", "False", "(1, 1, 1)", &[0; 8]);
     assert_eq!(refusal("a.npy", cube), "an array of 3 dimensions, where a matrix has 2");

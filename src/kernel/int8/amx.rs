@@ -6,10 +6,9 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
-use super::kernel::{Kernel, Next, Operands, Session};
+use super::kernel::{Conversion, Kernel, Operands, Recombination, Session};
 use super::lanes::LaneSet;
-use super::moduli::{Moduli, Modulus};
-use super::tile::{DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms};
+use super::tile::{DEPTH, PanelBlock, Slice, Square, Tile, TileNorms};
 use crate::base::IsaLevel;
 
 /// The kernel. A value exists only if AMX works, so the assembly below is sound.
@@ -106,37 +105,16 @@ impl Kernel for Amx {
         self.others.norms_f32(tile)
     }
 
-    fn convert_f64(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
-        self.others.convert_f64(tile, powers, moduli, out, far);
+    fn convert_f64(&self, it: Conversion<'_, '_, f64>) {
+        self.others.convert_f64(it);
     }
 
-    fn convert_wide(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
-        self.others.convert_wide(tile, powers, moduli, out, far);
+    fn convert_wide(&self, it: Conversion<'_, '_, f64>) {
+        self.others.convert_wide(it);
     }
 
-    fn convert_f32(
-        &self,
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
-        self.others.convert_f32(tile, powers, moduli, out, far);
+    fn convert_f32(&self, it: Conversion<'_, '_, f32>) {
+        self.others.convert_f32(it);
     }
 
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
@@ -150,41 +128,12 @@ impl Kernel for Amx {
         unsafe { product(operands, residues) }
     }
 
-    fn recombine(
-        &self,
-        residues: &[&PanelBlock<i8>],
-        moduli: &Moduli,
-        rows: &[i32; PANEL],
-        columns: &[i32; PANEL],
-        next: Next,
-        out: &mut Square<f64>,
-    ) {
-        self.others.recombine(residues, moduli, rows, columns, next, out);
+    fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>) {
+        self.others.recombine(it, out);
     }
 
     fn lanes(&self) -> LaneSet {
         self.others.lanes()
-    }
-
-    fn spin(&self, count: usize) -> Option<usize> {
-        const ROUND: usize = 4 * 16 * 16 * 64;
-        let rounds = count.div_ceil(ROUND).max(1);
-        // SAFETY: `self` exists, so the CPU has the instructions; the caller holds a session.
-        unsafe {
-            asm!(
-                "2:",
-                "tdpbssd tmm0, tmm4, tmm6",
-                "tdpbssd tmm1, tmm4, tmm7",
-                "tdpbssd tmm2, tmm5, tmm6",
-                "tdpbssd tmm3, tmm5, tmm7",
-                "dec {rounds}",
-                "jnz 2b",
-                rounds = inout(reg) rounds => _,
-                out("tmm0") _, out("tmm1") _, out("tmm2") _, out("tmm3") _,
-                options(nostack, nomem),
-            );
-        }
-        Some(rounds * ROUND)
     }
 
     fn session(&self) -> Session {

@@ -4,11 +4,11 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use super::kernel::{Kernel, Next, Operands, product_by_pairs};
+use super::kernel::{Conversion, Kernel, Operands, Recombination, product_by_pairs};
 use super::lanes::{LANES, LaneSet, Lanes, OnLanes, Row, by_instructions};
-use super::moduli::{Moduli, Modulus, WORD_BITS};
+use super::moduli::{Modulus, WORD_BITS};
 use super::tile::{
-    PANEL, PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
+    PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
     tile_norms,
 };
 use super::{portable, recombine};
@@ -49,40 +49,19 @@ impl Kernel for Avx2 {
         enabled!(tile_norms => (tile: &Tile<f32>) -> TileNorms)
     }
 
-    fn convert_f64(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        _far: bool,
-    ) {
+    fn convert_f64(&self, it: Conversion<'_, '_, f64>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_f64(tile, powers, moduli, out) }
+        unsafe { convert_f64(it) }
     }
 
-    fn convert_f32(
-        &self,
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        _far: bool,
-    ) {
+    fn convert_f32(&self, it: Conversion<'_, '_, f32>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_f32(tile, powers, moduli, out) }
+        unsafe { convert_f32(it) }
     }
 
-    fn convert_wide(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        _far: bool,
-    ) {
+    fn convert_wide(&self, it: Conversion<'_, '_, f64>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_wide(tile, powers, moduli, out) }
+        unsafe { convert_wide(it) }
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
@@ -98,23 +77,9 @@ impl Kernel for Avx2 {
         );
     }
 
-    fn recombine(
-        &self,
-        residues: &[&PanelBlock<i8>],
-        moduli: &Moduli,
-        rows: &[i32; PANEL],
-        columns: &[i32; PANEL],
-        next: Next,
-        out: &mut Square<f64>,
-    ) {
-        enabled!(recombine::block::<true> => (
-            residues: &[&PanelBlock<i8>],
-            moduli: &Moduli,
-            rows: &[i32; PANEL],
-            columns: &[i32; PANEL],
-            next: Next,
-            out: &mut Square<f64>
-        ))
+    fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>) {
+        enabled!(recombine::block::<true> =>
+            (it: Recombination<'_>, out: &mut Square<f64>))
     }
 
     fn lanes(&self) -> LaneSet {
@@ -403,12 +368,7 @@ fn store(rows: [__m256i; 4], out: &mut Residues, r: usize, half: usize) {
 
 /// Implements [`Kernel::convert_f64`].
 #[target_feature(enable = "avx2,fma")]
-fn convert_f64(
-    tile: &Tile<f64>,
-    powers: &Powers<f64>,
-    moduli: &[Modulus],
-    out: &mut [&mut Residues],
-) {
+fn convert_f64(Conversion { tile, powers, moduli, out, .. }: Conversion<'_, '_, f64>) {
     let dwords = all_dwords(tile, powers, |values| split(values));
     residues(&dwords, moduli, |m| (m.start_64, [&m.weights[..4], &m.weights[4..]]), out);
 }
@@ -416,12 +376,7 @@ fn convert_f64(
 /// Implements [`Kernel::convert_wide`]: dwords are the low and high dwords of the lower words, then
 /// the higher words.
 #[target_feature(enable = "avx2,fma")]
-fn convert_wide(
-    tile: &Tile<f64>,
-    powers: &Powers<f64>,
-    moduli: &[Modulus],
-    out: &mut [&mut Residues],
-) {
+fn convert_wide(Conversion { tile, powers, moduli, out, .. }: Conversion<'_, '_, f64>) {
     const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
     let dwords = all_dwords(tile, powers, |values| {
         let unit = power_of_two(WORD_BITS as i32);
@@ -505,14 +460,9 @@ fn split(values: __m256d) -> [__m128i; 2] {
 
 /// Implements [`Kernel::convert_f32`].
 #[target_feature(enable = "avx2,fma")]
-fn convert_f32(
-    tile: &Tile<f32>,
-    powers: &Powers<f32>,
-    moduli: &[Modulus],
-    out: &mut [&mut Residues],
-) {
+fn convert_f32(Conversion { tile, powers, moduli, out, .. }: Conversion<'_, '_, f32>) {
     let bias = _mm256_set1_epi32(i32::MIN);
-    let mut dwords = [[digits(bias); 2]; STEP];
+    let mut dwords = [[[digits(bias)]; 2]; STEP];
     for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
         for (half, dwords) in dwords.iter_mut().enumerate() {
             // SAFETY: eight of the 16 elements of a row and of its powers.
@@ -520,19 +470,10 @@ fn convert_f32(
                 |from: &[f32; WIDTH]| unsafe { _mm256_loadu_ps(from.as_ptr().add(8 * half)) };
             let value = _mm256_mul_ps(load(row), load(&powers.first));
             let value = _mm256_mul_ps(value, load(&powers.second));
-            *dwords = digits(_mm256_xor_si256(_mm256_cvtps_epi32(value), bias));
+            *dwords = [digits(_mm256_xor_si256(_mm256_cvtps_epi32(value), bias))];
         }
     }
-    for (modulus, out) in moduli.iter().zip(out) {
-        let start = _mm256_set1_epi32(modulus.start_32);
-        let weights = pairs(&modulus.weights[..4]);
-        for (r, rows) in dwords.as_chunks::<4>().0.iter().enumerate() {
-            for half in 0..2 {
-                let row = |i: usize| finish(add_products(start, rows[i][half], weights), modulus.p);
-                store([row(0), row(1), row(2), row(3)], out, r, half);
-            }
-        }
-    }
+    residues(&dwords, moduli, |m| (m.start_32, [&m.weights[..4]]), out);
 }
 
 /// Rows of a quarter whose sums are held in registers.

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::Range;
 
-use super::kernel::{Kernel, Next, Operands};
+use super::kernel::{Conversion, Kernel, Operands, Recombination};
 use super::lanes::{LANES, LaneSet, Lanes, OnLanes, Row, by_instructions};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
@@ -66,40 +66,19 @@ impl Kernel for Vnni {
         unsafe { run(tile) }
     }
 
-    fn convert_f64(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
+    fn convert_f64(&self, it: Conversion<'_, '_, f64>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_f64(tile, powers, moduli, out, far) }
+        unsafe { convert_f64(it) }
     }
 
-    fn convert_f32(
-        &self,
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
+    fn convert_f32(&self, it: Conversion<'_, '_, f32>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_f32(tile, powers, moduli, out, far) }
+        unsafe { convert_f32(it) }
     }
 
-    fn convert_wide(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
+    fn convert_wide(&self, it: Conversion<'_, '_, f64>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_wide(tile, powers, moduli, out, far) }
+        unsafe { convert_wide(it) }
     }
 
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
@@ -115,33 +94,18 @@ impl Kernel for Vnni {
         unsafe { product(operands, residues) }
     }
 
-    fn recombine(
-        &self,
-        residues: &[&PanelBlock<i8>],
-        moduli: &Moduli,
-        rows: &[i32; PANEL],
-        columns: &[i32; PANEL],
-        next: Next,
-        out: &mut Square<f64>,
-    ) {
+    fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>) {
         // SAFETY: `self` exists, so the CPU has the instructions.
         unsafe {
-            match moduli.parts {
-                ..=2 => recombine::<2>(residues, moduli, rows, columns, next, out),
-                _ => recombine::<3>(residues, moduli, rows, columns, next, out),
+            match it.moduli.parts {
+                ..=2 => recombine::<2>(it, out),
+                _ => recombine::<3>(it, out),
             }
         }
     }
 
     fn lanes(&self) -> LaneSet {
         LaneSet::Avx512(Avx512Lanes(()))
-    }
-
-    fn spin(&self, count: usize) -> Option<usize> {
-        let rounds = count.div_ceil(12 * 64).max(1);
-        // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { spin(rounds) };
-        Some(rounds * 12 * 64)
     }
 }
 
@@ -285,38 +249,6 @@ impl Lanes for Avx512Lanes {
     }
 }
 
-/// Performs `rounds` rounds of 12 independent instructions, enough to fill the pipelines.
-///
-/// # Safety
-/// The CPU has the instructions; `rounds > 0`.
-unsafe fn spin(rounds: usize) {
-    // SAFETY: touches registers only.
-    unsafe {
-        std::arch::asm!(
-            "2:",
-            "vpdpbusd zmm0, zmm12, zmm13",
-            "vpdpbusd zmm1, zmm12, zmm13",
-            "vpdpbusd zmm2, zmm12, zmm13",
-            "vpdpbusd zmm3, zmm12, zmm13",
-            "vpdpbusd zmm4, zmm12, zmm13",
-            "vpdpbusd zmm5, zmm12, zmm13",
-            "vpdpbusd zmm6, zmm12, zmm13",
-            "vpdpbusd zmm7, zmm12, zmm13",
-            "vpdpbusd zmm8, zmm12, zmm13",
-            "vpdpbusd zmm9, zmm12, zmm13",
-            "vpdpbusd zmm10, zmm12, zmm13",
-            "vpdpbusd zmm11, zmm12, zmm13",
-            "dec {rounds}",
-            "jnz 2b",
-            rounds = inout(reg) rounds => _,
-            out("zmm0") _, out("zmm1") _, out("zmm2") _, out("zmm3") _,
-            out("zmm4") _, out("zmm5") _, out("zmm6") _, out("zmm7") _,
-            out("zmm8") _, out("zmm9") _, out("zmm10") _, out("zmm11") _,
-            options(nostack, nomem),
-        );
-    }
-}
-
 enabled! {
     /// Computes the same as [`tile_norms`](super::tile::tile_norms); `load` returns a row as two
     /// vectors.
@@ -431,126 +363,105 @@ enabled! {
 }
 
 enabled! {
-    fn convert_f64(
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
-        let low_dwords = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-        let high_dwords = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    fn convert_f64(Conversion { tile, powers, moduli, out, far }: Conversion<'_, '_, f64>) {
         let bias = _mm512_set1_epi64(i64::MIN);
-        let mut low = [_mm512_setzero_si512(); STEP];
-        let mut high = [_mm512_setzero_si512(); STEP];
-        for (i, row) in tile.0.iter().enumerate() {
-            // SAFETY: both halves of a row and of its powers are 8 elements.
-            let half = |j: usize| unsafe {
-                let value = _mm512_loadu_pd(row.as_ptr().add(j));
-                let value = _mm512_mul_pd(value, _mm512_loadu_pd(powers.first.as_ptr().add(j)));
-                let value = _mm512_mul_pd(value, _mm512_loadu_pd(powers.second.as_ptr().add(j)));
-                _mm512_xor_si512(_mm512_cvtpd_epi64(value), bias)
-            };
-            let (left, right) = (half(0), half(8));
-            low[i] = _mm512_permutex2var_epi32(left, low_dwords, right);
-            high[i] = _mm512_permutex2var_epi32(left, high_dwords, right);
+        let mut dwords = [[_mm512_setzero_si512(); 2]; STEP];
+        for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
+            *dwords = halves([0, 8].map(|j| {
+                _mm512_xor_si512(_mm512_cvtpd_epi64(eight(row, powers, j)), bias)
+            }));
         }
-        for (modulus, out) in moduli.iter().zip(out) {
-            let reduction = Reduction::new(modulus);
-            let start = _mm512_set1_epi32(modulus.start_64);
-            let low_weights = _mm512_set1_epi32(dword(&modulus.weights[..4]));
-            let high_weights = _mm512_set1_epi32(dword(&modulus.weights[4..]));
-            for r in 0..STEP / 4 {
-                let sums = std::array::from_fn(|v| {
-                    let sum = _mm512_dpbusd_epi32(start, low[4 * r + v], low_weights);
-                    _mm512_dpbusd_epi32(sum, high[4 * r + v], high_weights)
-                });
-                let bytes = rows_to_dwords(reduction.finish(sums));
-                store_line(out, r, bytes, far);
-            }
-        }
-        finish_stores(far);
+        let constants = |m: &Modulus| (m.start_64, [&m.weights[..4], &m.weights[4..]].map(dword));
+        store_residues(&dwords, moduli, constants, out, far);
     }
 }
 
 enabled! {
-    fn convert_wide(
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
+    fn convert_wide(Conversion { tile, powers, moduli, out, far }: Conversion<'_, '_, f64>) {
         const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
-        let low_dwords = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-        let high_dwords = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
         let unit = _mm512_set1_pd(power_of_two(WORD_BITS as i32));
         let inverse = _mm512_set1_pd(power_of_two(-(WORD_BITS as i32)));
         let (bias, bias_32) = (_mm512_set1_epi64(i64::MIN), _mm512_set1_epi32(i32::MIN));
         // The dwords of the lower words, then the higher words.
         let mut dwords = [[_mm512_setzero_si512(); 3]; STEP];
         for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
-            // SAFETY: both halves of a row and of its powers are 8 elements.
-            let half = |j: usize| unsafe {
-                let value = _mm512_loadu_pd(row.as_ptr().add(j));
-                let value = _mm512_mul_pd(value, _mm512_loadu_pd(powers.first.as_ptr().add(j)));
-                let value = _mm512_mul_pd(value, _mm512_loadu_pd(powers.second.as_ptr().add(j)));
+            let [(left, left_high), (right, right_high)] = [0, 8].map(|j| {
+                let value = eight(row, powers, j);
                 let high = _mm512_roundscale_pd::<NEAREST>(_mm512_mul_pd(value, inverse));
                 let low = _mm512_fnmadd_pd(high, unit, value);
                 (_mm512_xor_si512(_mm512_cvtpd_epi64(low), bias), _mm512_cvtpd_epi32(high))
-            };
-            let ((left, left_high), (right, right_high)) = (half(0), half(8));
+            });
+            let [low, middle] = halves([left, right]);
             let high = _mm512_inserti64x4::<1>(_mm512_castsi256_si512(left_high), right_high);
-            *dwords = [
-                _mm512_permutex2var_epi32(left, low_dwords, right),
-                _mm512_permutex2var_epi32(left, high_dwords, right),
-                _mm512_xor_si512(high, bias_32),
-            ];
+            *dwords = [low, middle, _mm512_xor_si512(high, bias_32)];
         }
+        let constants = |m: &Modulus| {
+            let weights = [&m.weights[..4], &m.weights[4..], &m.high_weights];
+            (m.start_wide, weights.map(dword))
+        };
+        store_residues(&dwords, moduli, constants, out, far);
+    }
+}
+
+enabled! {
+    fn convert_f32(Conversion { tile, powers, moduli, out, far }: Conversion<'_, '_, f32>) {
+        let bias = _mm512_set1_epi32(i32::MIN);
+        // SAFETY: rows of tiles and their powers are 16 elements.
+        let load = |row: &[f32; WIDTH]| unsafe { _mm512_loadu_ps(row.as_ptr()) };
+        let (first, second) = (load(&powers.first), load(&powers.second));
+        let mut dwords = [[_mm512_setzero_si512()]; STEP];
+        for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
+            let value = _mm512_mul_ps(_mm512_mul_ps(load(row), first), second);
+            *dwords = [_mm512_xor_si512(_mm512_cvtps_epi32(value), bias)];
+        }
+        let constants = |m: &Modulus| (m.start_32, [dword(&m.weights[..4])]);
+        store_residues(&dwords, moduli, constants, out, far);
+    }
+}
+
+enabled! {
+    /// Returns eight entries of a row from `j` on, multiplied by their powers.
+    #[inline]
+    fn eight(row: &[f64; WIDTH], powers: &Powers<f64>, j: usize) -> __m512d {
+        // SAFETY: 8 of the 16 elements of a row and of its powers.
+        let load = |from: &[f64; WIDTH]| unsafe { _mm512_loadu_pd(from.as_ptr().add(j)) };
+        let value = _mm512_mul_pd(load(row), load(&powers.first));
+        _mm512_mul_pd(value, load(&powers.second))
+    }
+}
+
+enabled! {
+    /// Returns the low dwords of 16 numbers, and the high ones.
+    #[inline]
+    fn halves([left, right]: [__m512i; 2]) -> [__m512i; 2] {
+        let low = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+        let high = _mm512_or_si512(low, _mm512_set1_epi32(1));
+        [low, high].map(|dwords| _mm512_permutex2var_epi32(left, dwords, right))
+    }
+}
+
+enabled! {
+    /// Stores the residues of numbers of D dwords; `constants` returns the start and the weights of
+    /// a modulus.
+    #[inline]
+    fn store_residues<const D: usize>(
+        dwords: &[[__m512i; D]; STEP],
+        moduli: &[Modulus],
+        constants: impl Fn(&Modulus) -> (i32, [i32; D]),
+        out: &mut [&mut Residues],
+        far: bool,
+    ) {
         for (modulus, out) in moduli.iter().zip(out) {
             let reduction = Reduction::new(modulus);
-            let start = _mm512_set1_epi32(modulus.start_wide);
-            let weights = [&modulus.weights[..4], &modulus.weights[4..], &modulus.high_weights]
-                .map(|weights| _mm512_set1_epi32(dword(weights)));
+            let (start, weights) = constants(modulus);
+            let start = _mm512_set1_epi32(start);
+            let weights = weights.map(|weights| _mm512_set1_epi32(weights));
             for r in 0..STEP / 4 {
                 let sums = std::array::from_fn(|v| {
                     let dwords = dwords[4 * r + v].into_iter().zip(weights);
                     dwords.fold(start, |sum, (dword, weight)| _mm512_dpbusd_epi32(sum, dword, weight))
                 });
-                let bytes = rows_to_dwords(reduction.finish(sums));
-                store_line(out, r, bytes, far);
-            }
-        }
-        finish_stores(far);
-    }
-}
-
-enabled! {
-    fn convert_f32(
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    ) {
-        let bias = _mm512_set1_epi32(i32::MIN);
-        // SAFETY: rows of tiles and their powers are 16 elements.
-        let load = |row: &[f32; WIDTH]| unsafe { _mm512_loadu_ps(row.as_ptr()) };
-        let (first, second) = (load(&powers.first), load(&powers.second));
-        let mut digits = [_mm512_setzero_si512(); STEP];
-        for (digits, row) in digits.iter_mut().zip(&tile.0) {
-            let value = _mm512_mul_ps(_mm512_mul_ps(load(row), first), second);
-            *digits = _mm512_xor_si512(_mm512_cvtps_epi32(value), bias);
-        }
-        for (modulus, out) in moduli.iter().zip(out) {
-            let reduction = Reduction::new(modulus);
-            let start = _mm512_set1_epi32(modulus.start_32);
-            let weights = _mm512_set1_epi32(dword(&modulus.weights[..4]));
-            for r in 0..STEP / 4 {
-                let sums =
-                    std::array::from_fn(|v| _mm512_dpbusd_epi32(start, digits[4 * r + v], weights));
-                let bytes = rows_to_dwords(reduction.finish(sums));
-                store_line(out, r, bytes, far);
+                store_line(out, r, rows_to_dwords(reduction.finish(sums)), far);
             }
         }
         finish_stores(far);
@@ -716,14 +627,8 @@ const VECTORS: usize = PANEL / 8;
 enabled! {
     /// Implements [`Kernel::recombine`] with the first `PARTS` parts of a row in registers (see
     /// [`integers`](super::recombine::integers)); the others are zero.
-    fn recombine<const PARTS: usize>(
-        residues: &[&PanelBlock<i8>],
-        moduli: &Moduli,
-        rows: &[i32; PANEL],
-        columns: &[i32; PANEL],
-        next: Next,
-        out: &mut Square<f64>,
-    ) {
+    fn recombine<const PARTS: usize>(it: Recombination<'_>, out: &mut Square<f64>) {
+        let Recombination { residues, moduli, rows, columns, next } = it;
         for (i, (out, &row)) in out.iter_mut().zip(rows).enumerate() {
             next.fetch(residues, i);
             let mut parts = [[_mm512_setzero_pd(); VECTORS]; PARTS];

@@ -11,37 +11,13 @@ pub(crate) trait Kernel: Sync {
     /// Computes bounds of the columns of a tile.
     fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms;
 
-    /// Multiplies the columns by `powers`, rounds to integers (ties to even) below 2^62 in
-    /// magnitude, and writes their residues modulo the i-th modulus into `out[i]`. `far` says that
-    /// the residues fit no cache: a kernel that can then stores past the caches.
-    fn convert_f64(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    );
-    /// Converts like [`Kernel::convert_f64`]; the integers are below 2^31 in magnitude.
-    fn convert_f32(
-        &self,
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    );
-
-    /// Converts like [`Kernel::convert_f64`]; the magnitudes of the integers are at most
+    /// Computes the residues of a tile; the integers are below 2^62 in magnitude.
+    fn convert_f64(&self, it: Conversion<'_, '_, f64>);
+    /// Computes the residues of a tile; the integers are below 2^31 in magnitude.
+    fn convert_f32(&self, it: Conversion<'_, '_, f32>);
+    /// Computes the residues of a tile; the magnitudes of the integers are at most
     /// 2^[`WIDE_BITS`](super::WIDE_BITS).
-    fn convert_wide(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        far: bool,
-    );
+    fn convert_wide(&self, it: Conversion<'_, '_, f64>);
 
     /// Rearranges residues for the left side of [`Kernel::product`].
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
@@ -55,30 +31,38 @@ pub(crate) trait Kernel: Sync {
     /// Computes a block of C from its residues: entry (i, j) is the integer of
     /// [`integers`](super::integers), rounded to the nearest f64, times `2^(rows[i] + columns[j])`.
     /// A subnormal result is rounded once more. Prefetches `next` meanwhile.
-    fn recombine(
-        &self,
-        residues: &[&PanelBlock<i8>],
-        moduli: &Moduli,
-        rows: &[i32; PANEL],
-        columns: &[i32; PANEL],
-        next: Next,
-        out: &mut Square<f64>,
-    );
+    fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>);
 
     /// Returns the vectors for small products.
     fn lanes(&self) -> LaneSet;
-
-    /// Performs at least `count` multiplications of residues on registers alone, in a
-    /// [`Kernel::session`], and returns how many; `None` for a kernel without such a loop.
-    fn spin(&self, _count: usize) -> Option<usize> {
-        None
-    }
 
     /// Prepares the calling thread for [`Kernel::product`] until the session is dropped. Sessions
     /// of one thread must not overlap.
     fn session(&self) -> Session {
         Session(None)
     }
+}
+
+/// A tile whose columns are multiplied by `powers` and rounded to integers (ties to even).
+pub(crate) struct Conversion<'a, 'o, T, P = T> {
+    pub tile: &'a Tile<T>,
+    pub powers: &'a Powers<P>,
+    pub moduli: &'a [Modulus],
+    /// Where the residues modulo each of the moduli are written.
+    pub out: &'a mut [&'o mut Residues],
+    /// Whether the residues fit no cache: a kernel that can then stores past the caches.
+    pub far: bool,
+}
+
+/// The residues of a block of C, one block for each modulus, and the exponents of its rows and
+/// columns.
+#[derive(Clone, Copy)]
+pub(crate) struct Recombination<'a> {
+    pub residues: &'a [&'a PanelBlock<i8>],
+    pub moduli: &'a Moduli,
+    pub rows: &'a [i32; PANEL],
+    pub columns: &'a [i32; PANEL],
+    pub next: Next,
 }
 
 /// The block that follows in [`Kernel::recombine`]. All addresses are hints.

@@ -12,11 +12,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod direct;
-#[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
-mod emulator;
 mod integer;
 mod kernel;
-mod ladder;
 mod lanes;
 mod moduli;
 mod portable;
@@ -28,8 +25,7 @@ mod tile;
 
 pub(crate) use direct::{Direct, Right, products, to_integers};
 pub(crate) use integer::{I256, Integer, U256};
-pub(crate) use kernel::{Kernel, Next, Operands};
-pub use ladder::{Ladder, Level, Rung, StepRates};
+pub(crate) use kernel::{Conversion, Kernel, Next, Operands, Recombination};
 pub(crate) use lanes::{LANES, Lanes, OnLanes, Row};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
@@ -160,23 +156,9 @@ pub(crate) mod sealed {
         #[allow(private_interfaces)]
         fn norms(kernel: &dyn Kernel, tile: &Tile<Self>) -> TileNorms;
         #[allow(private_interfaces)]
-        fn convert(
-            kernel: &dyn Kernel,
-            tile: &Tile<Self>,
-            powers: &Powers<Self>,
-            moduli: &[Modulus],
-            out: &mut [&mut Residues],
-            far: bool,
-        );
+        fn convert(kernel: &dyn Kernel, it: Conversion<'_, '_, Self>);
         #[allow(private_interfaces)]
-        fn convert_wide(
-            kernel: &dyn Kernel,
-            tile: &Tile<Self>,
-            powers: &Powers<f64>,
-            moduli: &[Modulus],
-            out: &mut [&mut Residues],
-            far: bool,
-        );
+        fn convert_wide(kernel: &dyn Kernel, it: Conversion<'_, '_, Self, f64>);
     }
 
     macro_rules! steps {
@@ -190,28 +172,16 @@ pub(crate) mod sealed {
                 }
 
                 #[allow(private_interfaces)]
-                fn convert(
-                    kernel: &dyn Kernel,
-                    tile: &Tile<Self>,
-                    powers: &Powers<Self>,
-                    moduli: &[Modulus],
-                    out: &mut [&mut Residues],
-                    far: bool,
-                ) {
-                    kernel.$convert(tile, powers, moduli, out, far);
+                fn convert(kernel: &dyn Kernel, it: Conversion<'_, '_, Self>) {
+                    kernel.$convert(it);
                 }
 
                 #[allow(private_interfaces)]
-                fn convert_wide(
-                    kernel: &dyn Kernel,
-                    tile: &Tile<Self>,
-                    powers: &Powers<f64>,
-                    moduli: &[Modulus],
-                    out: &mut [&mut Residues],
-                    far: bool,
-                ) {
+                fn convert_wide(kernel: &dyn Kernel, it: Conversion<'_, '_, Self, f64>) {
+                    let Conversion { tile, powers, moduli, out, far } = it;
                     let widened: fn(&Tile<Self>) -> Cow<'_, Tile<f64>> = $widened;
-                    kernel.convert_wide(&widened(tile), powers, moduli, out, far);
+                    let tile = &widened(tile);
+                    kernel.convert_wide(Conversion { tile, powers, moduli, out, far });
                 }
             }
         };

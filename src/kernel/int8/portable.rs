@@ -1,12 +1,12 @@
 //! The kernel in plain Rust, for any CPU. Tests compare the other kernels with this one.
 
-use super::kernel::{Kernel, Next, Operands, product_by_pairs};
+use super::kernel::{Conversion, Kernel, Operands, Recombination, product_by_pairs};
 use super::lanes::LaneSet;
-use super::moduli::{Moduli, Modulus, WORD_BITS};
+use super::moduli::{Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{
-    PANEL, PanelBlock, Powers, Quarter, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
-    power_of_two, tile_norms,
+    PanelBlock, Quarter, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
+    tile_norms,
 };
 use crate::base::Real;
 
@@ -21,37 +21,16 @@ impl Kernel for Portable {
         tile_norms(tile)
     }
 
-    fn convert_f64(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        _far: bool,
-    ) {
-        convert(tile, powers, moduli, out);
+    fn convert_f64(&self, it: Conversion<'_, '_, f64>) {
+        convert(it);
     }
 
-    fn convert_f32(
-        &self,
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        _far: bool,
-    ) {
-        convert(tile, powers, moduli, out);
+    fn convert_f32(&self, it: Conversion<'_, '_, f32>) {
+        convert(it);
     }
 
-    fn convert_wide(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &[Modulus],
-        out: &mut [&mut Residues],
-        _far: bool,
-    ) {
-        convert_wide(tile, powers, moduli, out);
+    fn convert_wide(&self, it: Conversion<'_, '_, f64>) {
+        convert_wide(it);
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
@@ -62,26 +41,13 @@ impl Kernel for Portable {
         LaneSet::Portable
     }
 
-    fn recombine(
-        &self,
-        residues: &[&PanelBlock<i8>],
-        moduli: &Moduli,
-        rows: &[i32; PANEL],
-        columns: &[i32; PANEL],
-        next: Next,
-        out: &mut Square<f64>,
-    ) {
-        recombine::block::<false>(residues, moduli, rows, columns, next, out);
+    fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>) {
+        recombine::block::<false>(it, out);
     }
 }
 
 /// Implements [`Kernel::convert_f64`] and [`Kernel::convert_f32`].
-fn convert<T: Real>(
-    tile: &Tile<T>,
-    powers: &Powers<T>,
-    moduli: &[Modulus],
-    out: &mut [&mut Residues],
-) {
+fn convert<T: Real>(Conversion { tile, powers, moduli, out, .. }: Conversion<'_, '_, T>) {
     // Byte `d` of every biased integer is in `digits[d]`.
     let mut digits = [[[0_u8; WIDTH]; STEP]; 8];
     for (i, row) in tile.0.iter().enumerate() {
@@ -98,12 +64,7 @@ fn convert<T: Real>(
 
 /// Implements [`Kernel::convert_wide`]: digits are the bytes of the lower words, then those of the
 /// higher words.
-fn convert_wide(
-    tile: &Tile<f64>,
-    powers: &Powers<f64>,
-    moduli: &[Modulus],
-    out: &mut [&mut Residues],
-) {
+fn convert_wide(Conversion { tile, powers, moduli, out, .. }: Conversion<'_, '_, f64>) {
     let mut digits = [[[0_u8; WIDTH]; STEP]; 12];
     for (i, row) in tile.0.iter().enumerate() {
         for j in 0..WIDTH {

@@ -1,10 +1,10 @@
 //! Reconstructs numbers from residues: the Chinese remainder theorem in exact f64 arithmetic.
 
 use super::integer::Integer;
-use super::kernel::Next;
+use super::kernel::Recombination;
 use super::moduli::{IntegerModuli, LIMBS, Moduli};
 use super::rounding::nearest;
-use super::tile::{PANEL, PanelBlock, Quarter, Square, WIDTH, scaled};
+use super::tile::{PanelBlock, Quarter, Square, WIDTH, scaled};
 use crate::base::widest;
 
 /// Computes exactly the integers R with these residues, for |R| at most P/2 less one part in 2^20,
@@ -93,14 +93,8 @@ fn row<const FUSED: bool>(
 
 /// Implements [`Kernel::recombine`](super::Kernel::recombine), with fused multiply-add if `FUSED`.
 #[inline(always)]
-pub(super) fn block<const FUSED: bool>(
-    residues: &[&PanelBlock<i8>],
-    moduli: &Moduli,
-    rows: &[i32; PANEL],
-    columns: &[i32; PANEL],
-    next: Next,
-    out: &mut Square<f64>,
-) {
+pub(super) fn block<const FUSED: bool>(it: Recombination<'_>, out: &mut Square<f64>) {
+    let Recombination { residues, moduli, rows, columns, next } = it;
     for (i, out) in out.iter_mut().enumerate() {
         next.fetch(residues, i);
         for half in 0..2 {

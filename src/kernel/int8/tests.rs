@@ -1,5 +1,9 @@
 //! One suite for every kernel, against integers of any size.
 
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod emulator;
+mod ladder;
+
 use super::direct::MOST_ROWS;
 use super::moduli::Modulus;
 use super::sealed::Steps;
@@ -172,15 +176,10 @@ fn check_conversion<T: IntegerOperand>() {
         for count in [2, 7, 13, 14, 15] {
             let moduli = Moduli::of(count);
             let mut memory = vec![[0; STEP * WIDTH]; count];
-            T::convert(
-                kernel,
-                &scaled,
-                &powers,
-                &moduli.list,
-                &mut memory.iter_mut().collect::<Vec<_>>(),
-                count % 2 == 0,
-            );
-            for (modulus, residues) in moduli.list.iter().zip(&memory) {
+            let out = &mut memory.iter_mut().collect::<Vec<_>>();
+            let (tile, moduli, far) = (&scaled, &moduli.list[..], count % 2 == 0);
+            T::convert(kernel, Conversion { tile, powers: &powers, moduli, out, far });
+            for (modulus, residues) in moduli.iter().zip(&memory) {
                 for (i, row) in whole.0.iter().enumerate() {
                     for (j, value) in row.iter().enumerate() {
                         let integer = value.to_f64().round_ties_even() as i64;
@@ -233,10 +232,13 @@ fn wide_conversion_takes_residues_of_eighty_bits() {
     for (name, kernel) in kernels() {
         let mut memory = vec![vec![[0; STEP * WIDTH]; MOST_MODULI]; 2];
         let powers = Powers::new(exponents);
+        let (powers, list) = (&powers, &moduli.list[..]);
         let out = &mut memory[0].iter_mut().collect::<Vec<_>>();
-        f64::convert_wide(kernel, &scaled, &powers, &moduli.list, out, true);
+        let of_double = Conversion { tile: &scaled, powers, moduli: list, out, far: true };
+        f64::convert_wide(kernel, of_double);
         let out = &mut memory[1].iter_mut().collect::<Vec<_>>();
-        f32::convert_wide(kernel, &single, &powers, &moduli.list, out, false);
+        let tile = &single;
+        f32::convert_wide(kernel, Conversion { tile, powers, moduli: list, out, far: false });
         for (tile, memory) in [&scaled, &of_single].into_iter().zip(memory) {
             for (modulus, residues) in moduli.list.iter().zip(&memory) {
                 for (i, row) in tile.0.iter().enumerate() {
@@ -349,7 +351,8 @@ fn numbers_come_back_from_their_residues() {
         let next = Next { residues: usize::MAX, line: std::ptr::dangling(), stride: -7, len: 100 };
         for (name, kernel) in kernels() {
             let mut out: Square<f64> = [[f64::NAN; PANEL]; PANEL];
-            kernel.recombine(&residues, moduli, &rows, &columns, next, &mut out);
+            let (residues, rows, columns) = (&residues[..], &rows, &columns);
+            kernel.recombine(Recombination { residues, moduli, rows, columns, next }, &mut out);
             for i in 0..PANEL {
                 for j in 0..PANEL {
                     let number = numbers[i / WIDTH * 2 + j / WIDTH][i % WIDTH][j % WIDTH];
@@ -456,7 +459,9 @@ fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
             let mut out = [[f64::NAN; PANEL]; PANEL];
             let half = [exponent / 2; PANEL];
             let rest = [exponent - exponent / 2; PANEL];
-            kernel.recombine(&residues, moduli, &half, &rest, Next::NONE, &mut out);
+            let (residues, rows, columns) = (&residues[..], &half, &rest);
+            let it = Recombination { residues, moduli, rows, columns, next: Next::NONE };
+            kernel.recombine(it, &mut out);
             assert_eq!(out, [[expected; PANEL]; PANEL], "{name}, 2^{exponent}");
         }
     }

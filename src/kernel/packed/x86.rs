@@ -12,7 +12,7 @@ macro_rules! vectors {
         $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr, masked_stores: $masked_stores:expr,
         $splat:ident, $load:ident, $store:ident, $stream:ident,
         $m:ident, $mask:ident, $load_masked:ident, $store_masked:ident,
-        $fma:ident, $add:ident, $mul:ident, $div:ident, $min:ident, $max:ident
+        $fma:ident, $($pairwise:ident: $function:ident),*
     ) => {
         pub(super) struct $name;
 
@@ -65,31 +65,13 @@ macro_rules! vectors {
                 // SAFETY: the caller's promise.
                 unsafe { $fma(a, b, c) }
             }
-            #[inline(always)]
-            unsafe fn add(a: $v, b: $v) -> $v {
-                // SAFETY: the caller's promise.
-                unsafe { $add(a, b) }
-            }
-            #[inline(always)]
-            unsafe fn mul(a: $v, b: $v) -> $v {
-                // SAFETY: the caller's promise.
-                unsafe { $mul(a, b) }
-            }
-            #[inline(always)]
-            unsafe fn div(a: $v, b: $v) -> $v {
-                // SAFETY: the caller's promise.
-                unsafe { $div(a, b) }
-            }
-            #[inline(always)]
-            unsafe fn min(a: $v, b: $v) -> $v {
-                // SAFETY: the caller's promise.
-                unsafe { $min(a, b) }
-            }
-            #[inline(always)]
-            unsafe fn max(a: $v, b: $v) -> $v {
-                // SAFETY: the caller's promise.
-                unsafe { $max(a, b) }
-            }
+            $(
+                #[inline(always)]
+                unsafe fn $pairwise(a: $v, b: $v) -> $v {
+                    // SAFETY: the caller's promise.
+                    unsafe { $function(a, b) }
+                }
+            )*
             #[inline(always)]
             fn prefetch(address: *const $t) {
                 // SAFETY: a hint, for any address.
@@ -151,13 +133,15 @@ vectors!(
     Avx512F64, f64, __m512d, 8, rows: 8, masked_stores: true,
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_stream_pd,
     __mmask8, mask_8_bits, load_f64x8, _mm512_mask_storeu_pd,
-    _mm512_fmadd_pd, _mm512_add_pd, _mm512_mul_pd, _mm512_div_pd, _mm512_min_pd, _mm512_max_pd
+    _mm512_fmadd_pd, add: _mm512_add_pd, mul: _mm512_mul_pd, div: _mm512_div_pd, min: _mm512_min_pd,
+    max: _mm512_max_pd
 );
 vectors!(
     Avx512F32, f32, __m512, 16, rows: 8, masked_stores: true,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_stream_ps,
     __mmask16, mask_16_bits, load_f32x16, _mm512_mask_storeu_ps,
-    _mm512_fmadd_ps, _mm512_add_ps, _mm512_mul_ps, _mm512_div_ps, _mm512_min_ps, _mm512_max_ps
+    _mm512_fmadd_ps, add: _mm512_add_ps, mul: _mm512_mul_ps, div: _mm512_div_ps, min: _mm512_min_ps,
+    max: _mm512_max_ps
 );
 // 4 x 3 sums, 3 vectors of the right panel and 1 of the left: all 16 registers. Panels are not
 // written past the caches, since their rows end within cache lines.
@@ -165,13 +149,15 @@ vectors!(
     Avx2F64, f64, __m256d, 4, rows: 4, masked_stores: false,
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_storeu_pd,
     __m256i, mask_4_lanes, _mm256_maskload_pd, _mm256_maskstore_pd,
-    _mm256_fmadd_pd, _mm256_add_pd, _mm256_mul_pd, _mm256_div_pd, _mm256_min_pd, _mm256_max_pd
+    _mm256_fmadd_pd, add: _mm256_add_pd, mul: _mm256_mul_pd, div: _mm256_div_pd, min: _mm256_min_pd,
+    max: _mm256_max_pd
 );
 vectors!(
     Avx2F32, f32, __m256, 8, rows: 4, masked_stores: false,
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_storeu_ps,
     __m256i, mask_8_lanes, _mm256_maskload_ps, _mm256_maskstore_ps,
-    _mm256_fmadd_ps, _mm256_add_ps, _mm256_mul_ps, _mm256_div_ps, _mm256_min_ps, _mm256_max_ps
+    _mm256_fmadd_ps, add: _mm256_add_ps, mul: _mm256_mul_ps, div: _mm256_div_ps, min: _mm256_min_ps,
+    max: _mm256_max_ps
 );
 
 /// The kernels for AVX-512. A value exists only if the CPU has it, so the kernels are sound.

@@ -3,7 +3,6 @@
 use std::cmp::Reverse;
 use std::ops::Range;
 
-use super::clock::Clock;
 use super::layout::{Batch, ExactLayout, Unit};
 use super::product::{Round, Worker};
 use super::sink::Sink;
@@ -17,7 +16,6 @@ pub(super) struct Job<'j, 'm, S> {
     /// Residues of a batch of C, modulus by modulus.
     pub residues: Disjoint<'m, PanelBlock<i8>>,
     pub progress: &'j Tracker<'j>,
-    pub clock: &'j Clock,
 }
 
 impl<S: Sink> Job<'_, '_, S> {
@@ -28,14 +26,8 @@ impl<S: Sink> Job<'_, '_, S> {
         tickets(workers, units.len() * self.layout.moduli, |worker, i| {
             let (l, unit) = (i / units.len(), &units[i % units.len()]);
             let place = |i: usize, j: usize| l * batch.places + unit.place(i, j);
-            self.clock.time(
-                |s| &mut s.products,
-                1,
-                || {
-                    // SAFETY: a unit has places of its own, and is taken once for each modulus.
-                    unsafe { round.multiply(unit, l, worker.left, &self.residues, place) };
-                },
-            );
+            // SAFETY: a unit has places of its own, and is taken once for each modulus.
+            unsafe { round.multiply(unit, l, worker.left, &self.residues, place) };
             self.progress.add((self.layout.cost(unit) * round.steps()) as f64)
         });
     }
@@ -57,15 +49,12 @@ impl<S: Sink> Job<'_, '_, S> {
         lines.sort_by_key(|(_, _, others)| Reverse(others.len()));
         tickets(workers, lines.len(), |_, at| {
             let (unit, line, others) = &lines[at];
-            let work = || {
-                for other in others.clone() {
-                    let block = if by_rows { (*line, other) } else { (other, *line) };
-                    // SAFETY: no thread writes the residues now; a block of C is in one line of one
-                    // unit.
-                    unsafe { self.write(kernel, batch, unit, block) };
-                }
-            };
-            self.clock.time(|s| &mut s.recombination, 1, work);
+            for other in others.clone() {
+                let block = if by_rows { (*line, other) } else { (other, *line) };
+                // SAFETY: no thread writes the residues now; a block of C is in one line of one
+                // unit.
+                unsafe { self.write(kernel, batch, unit, block) };
+            }
             self.progress.state()
         });
     }

@@ -9,7 +9,6 @@
 //! docs/algorithms/exact.md.
 
 mod blocking;
-mod clock;
 mod columns;
 mod job;
 mod layout;
@@ -24,7 +23,6 @@ mod tests;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use self::clock::Clock;
 use self::job::Job;
 use self::product::{Round, Worker};
 use self::sink::{Floats, Integers, Sink};
@@ -37,7 +35,6 @@ use crate::kernel::int8::{
     Slice,
 };
 
-pub use self::clock::Stages;
 pub(crate) use self::columns::Columns;
 pub(crate) use self::layout::ExactLayout;
 pub(crate) use self::non_finite::{Flags, Signs};
@@ -106,7 +103,7 @@ pub(crate) fn execute<T: IntegerOperand>(
     mut c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
-) -> Result<Stages> {
+) -> Result<()> {
     let symmetric = layout.symmetric;
     if a.nrows() == 0 || alpha == T::ZERO {
         if symmetric {
@@ -114,21 +111,14 @@ pub(crate) fn execute<T: IntegerOperand>(
         } else {
             scale(c, beta)
         }
-        return Ok(Stages::default());
+        return Ok(());
     }
     let par = options.par;
     let layout = &layout.for_threads(par.threads());
     let moduli = Moduli::of(layout.moduli);
-    let clock = &Clock::default();
     let mut arena = Arena::new(scratch);
-    let (of_a, of_b) = clock.time(
-        |s| &mut s.norms,
-        par.threads(),
-        || {
-            let mut columns = |m| Columns::new(kernel, m, moduli, par, &mut arena);
-            (columns(a), b.map(columns))
-        },
-    );
+    let mut columns = |m| Columns::new(kernel, m, moduli, par, &mut arena);
+    let (of_a, of_b) = (columns(a), b.map(columns));
     let left = (a, &of_a);
     let right = (b.unwrap_or(a), of_b.as_ref().unwrap_or(&of_a));
     let signs = Signs::of_product(left, right, par)?;
@@ -144,12 +134,11 @@ pub(crate) fn execute<T: IntegerOperand>(
     let more = signs.as_ref().map_or(0.0, |signs| signs.cost(symmetric));
     let progress = Tracker::new(options.progress, cost(layout) + more);
     let list = &moduli.list;
-    multiply(kernel, layout, list, [left, right], sink, par, &progress, clock, &mut arena);
+    multiply(kernel, layout, list, [left, right], sink, par, &progress, &mut arena);
     if let Some(signs) = signs {
         signs.add(alpha, symmetric, c, par, &progress);
     }
-    progress.finish()?;
-    Ok(clock.stages())
+    progress.finish()
 }
 
 /// An operand of an integer product, and the powers of two that its columns are multiplied by
@@ -177,10 +166,10 @@ pub(crate) fn accumulate<T: IntegerOperand, I: Integer>(
     let shape = (operands[0].0.ncols(), operands[1].0.ncols());
     let sink = Integers { moduli, sums, corner, shape, symmetric: layout.symmetric, subtract };
     let progress = Tracker::new(options.progress, cost(layout));
-    let (clock, arena) = (&Clock::default(), &mut Arena::new(scratch));
+    let arena = &mut Arena::new(scratch);
     options.on_cores(|| {
         let list = &moduli.list;
-        multiply(kernel, layout, list, operands, sink, options.par, &progress, clock, arena);
+        multiply(kernel, layout, list, operands, sink, options.par, &progress, arena);
     });
     progress.finish()
 }
@@ -199,7 +188,6 @@ fn multiply<T: IntegerOperand>(
     sink: impl Sink,
     par: Par,
     progress: &Tracker<'_>,
-    clock: &Clock,
     arena: &mut Arena<'_, T>,
 ) {
     let mut residents =
@@ -207,20 +195,14 @@ fn multiply<T: IntegerOperand>(
     let residues: &mut [PanelBlock<i8>] = arena.take_as(batch_blocks(layout));
     let mut workers: Vec<_> =
         (0..workers(layout, par.threads())).map(|_| Worker::new(arena, layout)).collect();
-    let job = Job { layout, sink, residues: Disjoint::of_slice(residues), progress, clock };
+    let job = Job { layout, sink, residues: Disjoint::of_slice(residues), progress };
     for pair in layout.pairs() {
         for batch in layout.batches(pair) {
             for chunk in layout.chunks() {
                 let continued = chunk.start > 0;
                 let [left, right] = residents.load(layout, pair, chunk, |store, need, extent| {
                     let (matrix, columns) = if need.operand == 0 { left } else { right };
-                    clock.time(
-                        |s| &mut s.conversion,
-                        par.threads(),
-                        || {
-                            store.fill(kernel, matrix, columns, moduli, extent, par);
-                        },
-                    );
+                    store.fill(kernel, matrix, columns, moduli, extent, par);
                 });
                 let round = Round { kernel, layout, moduli, left, right, continued };
                 job.multiply(&mut workers, &round, &batch);

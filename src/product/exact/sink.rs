@@ -9,7 +9,7 @@ use super::columns::Columns;
 use crate::base::{Disjoint, triangle_len};
 use crate::kernel::int8::{
     Integer, IntegerModuli, IntegerOperand, Kernel, MOST_MODULI, Moduli, Next, PANEL, PanelBlock,
-    Square, WIDTH, integers, transpose,
+    Recombination, Square, WIDTH, integers, transpose,
 };
 
 /// Takes the blocks of a product.
@@ -70,9 +70,11 @@ impl<T: IntegerOperand> Sink for Floats<'_, T> {
             len: PANEL * size_of::<T>(),
         };
         let powers = |columns: &Columns, panel| columns.exponents_of_panel(panel).map(|e| -e);
-        let (rows, cols) = (powers(self.left, i), powers(self.right, j));
+        let (rows, columns) = (&powers(self.left, i), &powers(self.right, j));
         let mut values = [[0.0; PANEL]; PANEL];
-        kernel.recombine(residues, self.moduli, &rows, &cols, next, &mut values);
+        let moduli = self.moduli;
+        let it = Recombination { residues, moduli, rows, columns, next };
+        kernel.recombine(it, &mut values);
         self.store(&values, self.symmetric && i == j, c);
     }
 }

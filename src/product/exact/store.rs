@@ -7,7 +7,7 @@ use faer::MatRef;
 use super::columns::{Columns, for_tiles};
 use super::layout::{ExactLayout, Extent, Need, Pair, Pieces};
 use crate::base::{Disjoint, Par};
-use crate::kernel::int8::{IntegerOperand, Kernel, Modulus, Powers, Residues, Slice};
+use crate::kernel::int8::{Conversion, IntegerOperand, Kernel, Modulus, Powers, Residues, Slice};
 
 /// Residues that are still in the last cache when they are multiplied, in bytes.
 const CACHED: usize = 32 << 20;
@@ -48,11 +48,13 @@ impl<'a> Store<'a> {
                 // SAFETY: each tile is visited once, and each modulus has a place of its own.
                 out.push(unsafe { tiles.get(2 * (l * extent.len() + slice) + column % 2) });
             }
-            match columns.wide {
-                true => {
-                    T::convert_wide(kernel, tile, &Powers::new(exponents), moduli, &mut out, far);
-                }
-                false => T::convert(kernel, tile, &Powers::new(exponents), moduli, &mut out, far),
+            let out = &mut out;
+            if columns.wide {
+                let powers = &Powers::new(exponents);
+                T::convert_wide(kernel, Conversion { tile, powers, moduli, out, far });
+            } else {
+                let powers = &Powers::new(exponents);
+                T::convert(kernel, Conversion { tile, powers, moduli, out, far });
             }
         });
         self.extent = extent;

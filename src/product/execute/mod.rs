@@ -8,7 +8,7 @@ mod tasks;
 
 pub(crate) use product::Product;
 
-use super::exact::{self, Stages};
+use super::exact;
 use super::options::AtaOptions;
 use super::plan::{Exact, Op, Plan, Strategy};
 use crate::base::{Par, Result};
@@ -58,22 +58,9 @@ pub(crate) fn execute<T: BlasReal>(
             Strategy::Tasks(it) => {
                 options.on_cores(|| tasks::execute(it, &plan.problem, product, options, scratch))
             }
-            Strategy::Exact(it) => exactly(it, product, options, scratch).map(drop),
+            Strategy::Exact(it) => exactly(it, product, options, scratch),
         },
     )
-}
-
-/// Executes an exact plan for the lower triangle, and returns the times of its stages.
-pub(super) fn exact_stages<T: BlasReal>(
-    plan: &Plan,
-    product: Product<'_, T>,
-    options: &AtaOptions<'_>,
-    scratch: &mut [T],
-) -> Result<Stages> {
-    match &plan.strategy {
-        Strategy::Exact(exact) => exactly(exact, product, options, scratch),
-        _ => execute(plan, product, options, scratch).map(|()| Stages::default()),
-    }
 }
 
 #[inline(never)]
@@ -82,15 +69,14 @@ fn exactly<T: BlasReal>(
     product: Product<'_, T>,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
-) -> Result<Stages> {
+) -> Result<()> {
     let Product { alpha, a, b, beta, c, .. } = product;
     if plan.small {
         let (moduli, symmetric) = (plan.layout.moduli, plan.layout.symmetric);
         let kernel = plan.isa.kernel();
         return exact::small::execute(
             kernel, moduli, symmetric, alpha, a, b, beta, c, options, scratch,
-        )
-        .map(|()| Stages::default());
+        );
     }
     options.on_cores(|| {
         exact::execute(plan.isa.kernel(), &plan.layout, alpha, a, b, beta, c, options, scratch)

@@ -26,7 +26,6 @@ pub use tree::{Node, Task, thread_levels};
 use super::options::AtaOptions;
 use crate::base::Result;
 use crate::blas::BlasReal;
-use crate::kernel::int8;
 
 /// A plan for `C := alpha A^T A + beta C` or `C := alpha A^T B + beta C`.
 ///
@@ -115,16 +114,6 @@ impl Plan {
         let choose::Choice { strategy, seconds, classical_seconds } =
             choose::choose::<T>(problem, options);
         Ok(Self { problem, strategy, scalar: T::NAME, seconds, classical_seconds })
-    }
-
-    /// Returns the plan on the kernels of an instruction set, even if it is small, when it takes
-    /// the exact path.
-    pub(crate) fn on(mut self, isa: int8::IntegerIsa) -> Self {
-        if let Strategy::Exact(exact) = &mut self.strategy {
-            exact.isa = isa;
-            exact.small = false;
-        }
-        self
     }
 
     /// Returns whether the plan is for matrices of T.

@@ -1,13 +1,19 @@
 //! Sparse Cholesky factorizations, in the order that faer finds, with errors when memory is
 //! refused, and solves.
 
+mod limits;
+mod lower;
 mod numeric;
+mod options;
 mod parts;
 mod pattern;
+mod postorder;
+mod solver;
 mod supernode;
 mod sweeps;
 
 use faer::MatMut;
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
@@ -15,9 +21,12 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Error, Par, Result, apart, reserved};
+use crate::base::{Error, Par, Progress, Result, apart, repeated, reserved};
 use numeric::Pivots;
+pub use options::{CholeskyOptions, Triangle};
 use pattern::{Entries, Pattern};
+use postorder::postordered;
+pub use solver::Cholesky;
 use supernode::Block;
 use sweeps::Sweeps;
 
@@ -27,8 +36,8 @@ const ORDERED: f64 = 200.0;
 /// The order of elimination and the pattern of the factor. All matrices with the same pattern share
 /// it.
 ///
-/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
-/// dissection fills in as much on surfaces (docs/decisions/0007).
+/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996), as nested
+/// dissection fills in as much on surfaces (docs/decisions/0007), or one that is given.
 #[derive(Debug)]
 pub struct Symbolic {
     pattern: Pattern,
@@ -44,6 +53,23 @@ impl Symbolic {
     /// # Errors
     /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
+        Self::of(places, None)
+    }
+
+    /// Analyses as [`Symbolic::new`] does, with a permutation of the rows as the order of
+    /// elimination, up to the order of subtrees that do not depend on each other.
+    fn in_order(places: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Result<Self> {
+        let order = postordered(places, order)?;
+        let mut inverse = repeated(0, order.len())?;
+        order.iter().enumerate().for_each(|(i, &row)| inverse[row] = i);
+        Self::of(places, Some((order, inverse)))
+    }
+
+    /// Analyses with an order and its inverse, or with minimum degree.
+    fn of(
+        places: SymbolicSparseColMatRef<'_, usize>,
+        order: Option<(Vec<usize>, Vec<usize>)>,
+    ) -> Result<Self> {
         let refused = Error::OutOfMemory { bytes: size_of_val(places.row_idx()) };
         let owned = places.to_owned().map_err(|_| refused.clone())?;
         let found = apart(ORDERED * places.row_idx().len() as f64, move || {
@@ -54,8 +80,11 @@ impl Symbolic {
                 supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
                 ..Default::default()
             };
-            let (side, order) = (faer::Side::Lower, SymmetricOrdering::Amd);
-            factorize_symbolic_cholesky(owned.as_ref(), side, order, parameters)
+            let given: Option<PermRef<'_, usize>> = order
+                .as_ref()
+                .map(|(order, inverse)| PermRef::new_checked(order, inverse, order.len()));
+            let order = given.map_or(SymmetricOrdering::Amd, SymmetricOrdering::Custom);
+            factorize_symbolic_cholesky(owned.as_ref(), faer::Side::Lower, order, parameters)
         })?
         .map_err(|_| refused)?;
         let found_order = found.perm().expect("an order was asked for").arrays().0;
@@ -83,9 +112,10 @@ impl Symbolic {
     /// # Errors
     /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
-        let Some(values) = numeric::positive(&self.pattern, &self.entries, a.val())? else {
-            return Ok(None);
-        };
+        let (pattern, entries, memory) = (&self.pattern, &self.entries, Vec::new());
+        let (par, progress) = (Par::Seq, Progress::none());
+        let found = numeric::positive(pattern, entries, a.val(), memory, None, par, progress)?;
+        let Ok(values) = found else { return Ok(None) };
         let sweeps = Sweeps::new(&self.pattern, |i| self.order[i], |i| i)?;
         let (subdiagonal, below_zero, is_singular) = (None, 0, false);
         Ok(Some(Factor { values, subdiagonal, below_zero, is_singular, sweeps }))

@@ -12,9 +12,12 @@ use faer::linalg::triangular_solve::{
 use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{Accum, MatMut, MatRef};
 
+use super::limits::Limits;
 use super::pattern::{Entries, Pattern};
 use super::supernode::Supernode;
-use crate::base::{PIECE, Result, ask, count, repeated, reserved, room, zeros};
+use crate::base::{
+    PIECE, Par, Progress, Result, ask, count, repeated, reserved, room, spend, zeros,
+};
 use crate::dense::{self, buffer};
 
 /// Marks the end of a list.
@@ -41,22 +44,38 @@ impl Pivots {
     }
 }
 
-/// Computes the values of `L L^T` for the entries `a` of a matrix; `None` when it is not positive
-/// definite.
+/// Computes the values of `L L^T` for the entries `a` of a matrix, in `memory`, which may have any
+/// contents. Returns `Ok(Err(i))` when the pivot of row i of the factor is not allowed: without
+/// `limits` it must be positive. Threads share the work of large supernodes; the result is the same
+/// for every `par`, bit for bit.
 pub(super) fn positive(
     pattern: &Pattern,
     entries: &Entries,
     a: &[f64],
-) -> Result<Option<Vec<f64>>> {
-    let mut numeric = Numeric::new(pattern, entries, a)?;
-    for s in 0..pattern.nodes.len() {
+    memory: Vec<f64>,
+    mut limits: Option<&mut Limits>,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<std::result::Result<Vec<f64>, usize>> {
+    /// Part of the work between two reports.
+    const STEP: f64 = 0.01;
+    let work = |node: &Supernode| (node.rows() as f64).powi(2) * node.columns as f64;
+    let total = pattern.nodes.iter().map(work).sum::<f64>();
+    let (mut done, mut reported) = (0.0, 0.0);
+    let mut numeric = Numeric::new(pattern, entries, a, memory, par)?;
+    for (s, node) in pattern.nodes.iter().enumerate() {
         numeric.gather(s, None)?;
-        if !numeric.factorize(s)? {
-            return Ok(None);
+        if let Err(i) = numeric.factorize(s, limits.as_deref_mut())? {
+            return Ok(Err(i));
         }
         numeric.attach(s);
+        done += work(node);
+        if progress.is_watched() && done - reported >= STEP * total {
+            progress.report(done / total)?;
+            reported = done;
+        }
     }
-    Ok(Some(numeric.values))
+    Ok(Ok(numeric.values))
 }
 
 /// Computes the values of `L B L^T`, and B.
@@ -65,7 +84,7 @@ pub(super) fn indefinite(
     entries: &Entries,
     a: &[f64],
 ) -> Result<(Vec<f64>, Pivots)> {
-    let mut numeric = Numeric::new(pattern, entries, a)?;
+    let mut numeric = Numeric::new(pattern, entries, a, Vec::new(), Par::Seq)?;
     let mut pivots = Pivots::new(pattern.n)?;
     for s in 0..pattern.nodes.len() {
         numeric.gather(s, Some(&pivots))?;
@@ -79,6 +98,7 @@ struct Numeric<'a> {
     pattern: &'a Pattern,
     entries: &'a Entries,
     a: &'a [f64],
+    par: Par,
     values: Vec<f64>,
     /// For each supernode, the first of the earlier ones whose next rows are in it, and after each
     /// supernode the next one of its list.
@@ -95,13 +115,28 @@ struct Numeric<'a> {
 }
 
 impl<'a> Numeric<'a> {
-    fn new(pattern: &'a Pattern, entries: &'a Entries, a: &'a [f64]) -> Result<Self> {
+    /// Prepares a factorization in `memory`, which may have any contents.
+    fn new(
+        pattern: &'a Pattern,
+        entries: &'a Entries,
+        a: &'a [f64],
+        mut memory: Vec<f64>,
+        par: Par,
+    ) -> Result<Self> {
         let count = pattern.nodes.len();
+        let values = match memory.len() == pattern.values {
+            true => {
+                memory.fill(0.0);
+                memory
+            }
+            false => zeros(pattern.values)?,
+        };
         Ok(Self {
             pattern,
             entries,
             a,
-            values: zeros(pattern.values)?,
+            par,
+            values,
             first: repeated(NONE, count)?,
             next: repeated(NONE, count)?,
             applied: repeated(0, count)?,
@@ -166,21 +201,33 @@ impl<'a> Numeric<'a> {
                 across.into_const()
             }
         };
-        let piece = (PIECE / (2 * width * k)).max(1);
-        for first in (0..rows.len()).step_by(piece) {
-            let height = piece.min(rows.len() - first);
-            resize(&mut self.update, height * width)?;
-            let product = MatMut::from_column_major_slice_mut(&mut self.update, height, width);
-            let left = source.subrows(first, height);
-            matmul(product, Accum::Replace, left, across.transpose(), 1.0, SEQ);
-            count((2 * height * width * k) as f64);
-            for (j, update) in self.update.chunks_exact(height).enumerate() {
-                let column = (rows[j] as usize - node.start) * node.rows();
-                let column = &mut panel[column..column + node.rows()];
-                // Above the diagonal there is nothing.
-                let skipped = j.saturating_sub(first).min(height);
-                for (row, x) in rows[first + skipped..].iter().zip(&update[skipped..]) {
-                    column[self.place[*row as usize] as usize] -= x;
+        // Pieces of rows do not depend on the number of threads, which compute some at a time.
+        let piece = (PIECE / (2 * width * k)).clamp(1, rows.len());
+        let pieces = rows.len().div_ceil(piece);
+        let par = if pieces > 1 { self.par } else { Par::Seq };
+        let together = par.at_most(pieces).threads();
+        for start in (0..rows.len()).step_by(piece * together) {
+            let end = rows.len().min(start + piece * together);
+            resize(&mut self.update, (end - start) * width)?;
+            let firsts = (start..end).step_by(piece);
+            let products = firsts.clone().zip(self.update.chunks_mut(piece * width));
+            par.for_each(products, |_, (first, product)| {
+                let height = product.len() / width;
+                let product = MatMut::from_column_major_slice_mut(product, height, width);
+                let left = source.subrows(first, height);
+                matmul(product, Accum::Replace, left, across.transpose(), 1.0, SEQ);
+            });
+            count((2 * piece.min(end - start) * width * k) as f64);
+            for (first, product) in firsts.zip(self.update.chunks(piece * width)) {
+                let height = product.len() / width;
+                for (j, update) in product.chunks_exact(height).enumerate() {
+                    let column = (rows[j] as usize - node.start) * node.rows();
+                    let column = &mut panel[column..column + node.rows()];
+                    // Above the diagonal there is nothing.
+                    let skipped = j.saturating_sub(first).min(height);
+                    for (row, x) in rows[first + skipped..].iter().zip(&update[skipped..]) {
+                        column[self.place[*row as usize] as usize] -= x;
+                    }
                 }
             }
             ask()?;
@@ -188,27 +235,36 @@ impl<'a> Numeric<'a> {
         Ok(())
     }
 
-    /// Factorizes a supernode; returns whether its pivots are positive.
-    fn factorize(&mut self, s: usize) -> Result<bool> {
+    /// Factorizes a supernode. Returns `Ok(Err(i))` when the pivot of row i of the factor is not
+    /// allowed: without `limits` it must be positive.
+    fn factorize(
+        &mut self,
+        s: usize,
+        mut limits: Option<&mut Limits>,
+    ) -> Result<std::result::Result<(), usize>> {
         let node = self.pattern.nodes[s];
-        let (mut triangle, below) = node.parts(&mut self.values[node.range()]);
+        let (mut triangle, mut below) = node.parts(&mut self.values[node.range()]);
+        let held = limits.as_ref().map_or(0, |limits| limits.held.len());
+        let done = match limits.as_deref_mut() {
+            Some(limits) => limits.factorize(triangle.rb_mut(), node.start)?,
+            None if node.columns == 1 => root(&mut triangle[(0, 0)]),
+            None => dense::cholesky(triangle.rb_mut())?,
+        };
+        if let Err(j) = done {
+            return Ok(Err(node.start + j));
+        }
         if node.columns == 1 {
-            let pivot = triangle[(0, 0)];
-            if pivot.is_nan() || pivot <= 0.0 {
-                return Ok(false);
-            }
-            let root = pivot.sqrt();
-            triangle[(0, 0)] = root;
-            below.col_mut(0).iter_mut().for_each(|x| *x /= root);
-            return Ok(true);
+            let root = triangle[(0, 0)];
+            below.rb_mut().col_mut(0).iter_mut().for_each(|x| *x /= root);
+        } else {
+            solve_below(node, triangle.into_const(), below.rb_mut(), self.par, |l, x| {
+                solve_lower_triangular_in_place(l, x, SEQ);
+            })?;
         }
-        if dense::cholesky(triangle.rb_mut())?.is_err() {
-            return Ok(false);
-        }
-        solve_below(node, triangle.into_const(), below, |l, x| {
-            solve_lower_triangular_in_place(l, x, SEQ);
-        })?;
-        Ok(true)
+        Ok(match limits {
+            Some(limits) => limits.clear_below(held, node.start, self.pattern.below(s), below),
+            None => Ok(()),
+        })
     }
 
     /// Factorizes a supernode with pivots inside of it.
@@ -240,7 +296,7 @@ impl<'a> Numeric<'a> {
                 (0..n).for_each(|j| row[j] = below[(i, forward[j])]);
                 (0..n).for_each(|j| below[(i, j)] = row[j]);
             }
-            solve_below(node, triangle.as_ref(), below.rb_mut(), |l, x| {
+            solve_below(node, triangle.as_ref(), below.rb_mut(), self.par, |l, x| {
                 solve_unit_lower_triangular_in_place(l, x, SEQ);
             })?;
         }
@@ -253,6 +309,15 @@ impl<'a> Numeric<'a> {
     }
 }
 
+/// Replaces a pivot by its root, if it is positive.
+fn root(pivot: &mut f64) -> std::result::Result<(), usize> {
+    if pivot.is_nan() || *pivot <= 0.0 {
+        return Err(0);
+    }
+    *pivot = pivot.sqrt();
+    Ok(())
+}
+
 /// Changes the length of a list, or returns an error when memory is refused.
 fn resize(list: &mut Vec<f64>, len: usize) -> Result<()> {
     room(list, len.saturating_sub(list.len()))?;
@@ -260,23 +325,31 @@ fn resize(list: &mut Vec<f64>, len: usize) -> Result<()> {
     Ok(())
 }
 
-/// Solves for the rows below the triangle L of a supernode, some at a time.
+/// Solves for the rows below the triangle L of a supernode, in pieces that do not depend on the
+/// number of threads.
 fn solve_below(
     node: Supernode,
     l: MatRef<'_, f64>,
     below: MatMut<'_, f64>,
-    solve: impl Fn(MatRef<'_, f64>, MatMut<'_, f64>),
+    par: Par,
+    solve: impl Fn(MatRef<'_, f64>, MatMut<'_, f64>) + Sync,
 ) -> Result<()> {
-    let n = node.columns;
+    let (n, height) = (node.columns, below.nrows());
     let piece = (PIECE / (n * n)).max(1);
-    let mut rest = below;
+    if height <= piece {
+        if height > 0 {
+            solve(l, below.transpose_mut());
+        }
+        return spend((height * n * n) as f64);
+    }
+    let (mut pieces, mut rest) = (Vec::new(), below);
     while rest.nrows() > 0 {
         let height = piece.min(rest.nrows());
         let (head, tail) = rest.split_at_row_mut(height);
-        solve(l, head.transpose_mut());
-        count((height * n * n) as f64);
-        ask()?;
+        pieces.push(head);
         rest = tail;
     }
-    ask()
+    par.for_each_asking(pieces.into_iter(), (piece * n * n) as f64, |_, rows| {
+        solve(l, rows.transpose_mut());
+    })
 }

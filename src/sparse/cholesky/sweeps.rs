@@ -151,7 +151,26 @@ impl Sweeps {
         &self,
         values: &[f64],
         subdiagonal: Option<&[f64]>,
+        x: MatMut<'_, f64>,
+        par: Par,
+    ) -> Result<()> {
+        self.solve_for(values, subdiagonal, x, &vec![true; self.subtrees.len()], par)
+    }
+
+    /// Returns for each subtree whether one of its rows of right-hand sides is wanted.
+    pub fn subtrees_of(&self, is_wanted: impl Fn(usize) -> bool) -> Vec<bool> {
+        let wants = |part: &Part| part.own.iter().any(|&row| is_wanted(row as usize));
+        self.subtrees.iter().map(wants).collect()
+    }
+
+    /// Computes [`Sweeps::solve`] of the rows of some of the subtrees, and of those above all
+    /// subtrees; the others keep the right-hand sides.
+    pub fn solve_for(
+        &self,
+        values: &[f64],
+        subdiagonal: Option<&[f64]>,
         mut x: MatMut<'_, f64>,
+        is_wanted: &[bool],
         par: Par,
     ) -> Result<()> {
         let mut kept = self.kept.try_lock();
@@ -169,17 +188,20 @@ impl Sweeps {
         let factor = Factor { values, subdiagonal: subdiagonal.unwrap_or(&[]) };
         for first in (0..x.ncols()).step_by(WIDTH) {
             let width = WIDTH.min(x.ncols() - first);
-            solve_block(self, factor, x.rb_mut().subcols_mut(first, width), rows, par)?;
+            let x = x.rb_mut().subcols_mut(first, width);
+            solve_block(self, factor, x, is_wanted, rows, par)?;
         }
         Ok(())
     }
 
-    /// Computes [`Sweeps::solve`] for at most [`WIDTH`] columns, with memory for all rows of all
-    /// parts. With `UNIT` the factor is that of `L B L^T`; for `FUSED` see [`Supernode::down`].
+    /// Computes [`Sweeps::solve_for`] for at most [`WIDTH`] columns, with memory for all rows of
+    /// all parts. With `UNIT` the factor is that of `L B L^T`; for `FUSED` see
+    /// [`Supernode::down`].
     fn solve_block<const UNIT: bool, const FUSED: bool>(
         &self,
         factor: Factor<'_>,
         x: MatMut<'_, f64>,
+        is_wanted: &[bool],
         rows: &mut [Row],
         par: Par,
     ) -> Result<()> {
@@ -217,7 +239,8 @@ impl Sweeps {
         // SAFETY: as above.
         unsafe { self.top.scatter(&x, top) };
         let top = &*top;
-        par.for_each_asking(subtrees.into_iter(), operations, |_, (part, rows)| {
+        let wanted = subtrees.into_iter().zip(is_wanted).filter(|(_, is_wanted)| **is_wanted);
+        par.for_each_asking(wanted, operations, |_, ((part, rows), _)| {
             for (row, &i) in rows[part.own.len()..].iter_mut().zip(&part.above) {
                 *row = top[i as usize];
             }

@@ -10,7 +10,7 @@ use catamaran_bench::spectral::{
     approximated, approximation, cardinality, colours, eigenpowers, filters, frequencies, heat,
     noise, ranks, refinement, sizes, stability, transfer, transferred,
 };
-use catamaran_geometry::spectral::test_functions::coordinates;
+use catamaran_geometry::spectral::coordinates;
 
 use super::Report;
 

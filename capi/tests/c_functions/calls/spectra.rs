@@ -1,4 +1,4 @@
-//! Eigenpairs of small sparse matrices, against Jacobi's rotations.
+//! Eigenpairs of small sparse matrices, against Jacobi's rotations, and solutions with them.
 
 use std::ffi::c_void;
 use std::{ptr, slice};
@@ -111,6 +111,9 @@ fn rotate(a: &mut [Vec<f64>], p: usize, q: usize) {
 /// Makes a call of one of the functions.
 pub fn call(choices: &mut Choices<'_>) {
     let pencil = Pencil::new(choices);
+    if choices.one_in(4) {
+        return solutions(choices, &pencil);
+    }
     let mut refused = None;
     let r = &mut refused;
     let bad = [2, -1, i32::MIN];
@@ -259,4 +262,75 @@ fn count(choices: &mut Choices<'_>, pencil: &Pencil, params: &Params<cata_eigs_p
     }
     check_accepted(&what, status);
     assert_eq!(found, exact.iter().filter(|&&x| x < value).count(), "{what}");
+}
+
+/// Solves with the matrix of a pencil, of which all triangles are stored.
+fn solutions(choices: &mut Choices<'_>, pencil: &Pencil) {
+    let n = pencil.n;
+    let mut refused = None;
+    let r = &mut refused;
+    let triangles = [0, CATA_UPPER, CATA_LOWER, CATA_BOTH];
+    let value = cata_cholesky_params {
+        struct_size: 0,
+        threads: choices.pick(&[1, 0, 3]),
+        progress: None,
+        progress_user: ptr::null_mut(),
+        order: ptr::null(),
+        tolerance: field(choices, "tolerance: ", &[0.0, 1e-10], &[-1.0, 1.0, f64::NAN], r),
+        triangle: field(choices, "params.triangle: ", &triangles, &[1, -1, 124], r),
+        semidefinite: field(choices, "params.semidefinite: ", &[1], &[2, -1, i32::MIN], r),
+    };
+    let params = Params::new(choices, value, refused);
+    let what = format!("cholesky {n}, {:?}", params.value);
+    let mut handle: *mut cata_cholesky = ptr::null_mut();
+    let (starts, columns) = (pencil.starts.as_ptr(), pencil.columns.as_ptr());
+    // SAFETY: the memory of the arrays, or arguments that must be refused.
+    let status =
+        unsafe { cata_cholesky_analyse(n, starts, columns, params.pointer(), &mut handle) };
+    if !params.refused.is_empty() {
+        assert!(handle.is_null(), "{what}");
+        return check_refused(&what, status, &params.refused);
+    }
+    check_accepted(&what, status);
+
+    let layout = choices.pick(&[CATA_COL_MAJOR, CATA_ROW_MAJOR]);
+    let count = choices.below(11);
+    let rows: Vec<usize> = (0..choices.below(5)).map(|i| (7 * i + 1) % n.max(1)).collect();
+    let rows = if n == 0 { Vec::new() } else { rows };
+    let mut numbers = choices.rng();
+    let y: Vec<Vec<f64>> =
+        (0..count).map(|_| (0..n).map(|_| numbers.uniform() - 0.5).collect()).collect();
+    let right = |i: usize, c: usize| dot((0..n).map(|j| (pencil.dense[i][j], y[c][j])));
+    let b = Matrix::<f64>::new(choices, layout, (n, count), 1, right);
+    let mut x = Matrix::<f64>::new(choices, layout, (n, count), 1, right);
+    let mut some = Matrix::<f64>::new(choices, layout, (rows.len(), count), 1, |_, _| f64::NAN);
+    let (mut held_count, mut held) = (0, vec![usize::MAX; n]);
+    // SAFETY: the memory of the arrays; all rows have room in `held`.
+    unsafe {
+        let entries = pencil.entries.as_ptr();
+        check_accepted(&what, cata_cholesky_factor(handle, starts, columns, entries));
+        let (px, ldx) = (x.pointer_mut(), x.ld);
+        check_accepted(&what, cata_cholesky_solve(handle, layout, count, px, ldx));
+        let (pb, ldb, ps, lds) = (b.pointer(), b.ld, some.pointer_mut(), some.ld);
+        let (len, wanted) = (rows.len(), rows.as_ptr());
+        let status = cata_cholesky_solve_rows(handle, layout, count, pb, ldb, len, wanted, ps, lds);
+        check_accepted(&what, status);
+        let null = ptr::null_mut();
+        check_accepted(&what, cata_cholesky_size(handle, null, null, &mut held_count));
+        check_accepted(&what, cata_cholesky_held(handle, held.as_mut_ptr()));
+        cata_cholesky_free(handle);
+    }
+    b.check_untouched(&what);
+    x.check_changes(&what, |_, _| true);
+    some.check_changes(&what, |_, _| true);
+    for c in 0..count {
+        for i in 0..n {
+            let product = dot((0..n).map(|j| (pencil.dense[i][j], x.get(j, c))));
+            let error = (product - b.get(i, c)).abs();
+            assert!(error <= 1e-10 * pencil.size(), "{what}: ({i}, {c}) is off by {error}");
+        }
+        assert!(held[..held_count].iter().all(|&row| x.get(row, c) == 0.0), "{what}");
+        let same = |(i, &row): (usize, &usize)| some.get(i, c).to_bits() == x.get(row, c).to_bits();
+        assert!(rows.iter().enumerate().all(same), "{what}: other rows");
+    }
 }

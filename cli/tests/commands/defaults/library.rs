@@ -6,7 +6,7 @@ use std::path::Path;
 use catamaran::AtaOptions;
 use catamaran::ortho::GramSchmidtOptions;
 use catamaran::solve::{LeastSquaresOptions, PrincipalComponentsOptions};
-use catamaran::sparse::EigenOptions;
+use catamaran::sparse::{CholeskyOptions, EigenOptions};
 use catamaran_geometry::curve::CurveOptions;
 use catamaran_geometry::decimate::DecimateOptions;
 use catamaran_geometry::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
@@ -41,7 +41,7 @@ const OTHERS: [&str; 14] = [
 
 /// Structs with setters that are not compared: those whose options must be given or are those of
 /// other structs, and looks. `Options` are those of slime moulds, here `SlimeOptions`.
-const EXEMPT: [&str; 13] = [
+const EXEMPT: [&str; 14] = [
     "Finish",
     "Inlay",
     "Look",
@@ -52,6 +52,7 @@ const EXEMPT: [&str; 13] = [
     "ShotOptions",
     "Soil",
     "SourceOptions",
+    "TableOptions",
     "WiltOptions",
     "FitOptions",
     "Options",
@@ -67,6 +68,7 @@ fn all() -> Vec<(&'static str, String)> {
         of::<LeastSquaresOptions>("LeastSquaresOptions"),
         of::<PrincipalComponentsOptions>("PrincipalComponentsOptions"),
         of::<GramSchmidtOptions<'_>>("GramSchmidtOptions"),
+        of::<CholeskyOptions<'_>>("CholeskyOptions"),
         of::<EigenOptions<'_>>("EigenOptions"),
         of::<LaplacianOptions>("LaplacianOptions"),
         of::<HeatOptions>("HeatOptions"),

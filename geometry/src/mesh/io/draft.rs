@@ -1,3 +1,6 @@
+use std::collections::HashMap;
+use std::hash::Hash;
+
 use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::notes::Notes;
@@ -53,6 +56,32 @@ impl Fault {
 /// Returns a list with room for `count` items, or for fewer if the count can't be trusted yet.
 pub(super) fn roomy<T>(count: usize) -> Vec<T> {
     Vec::with_capacity(count.min(1 << 16))
+}
+
+/// Numbers keys in the order of first use.
+pub(super) struct Numbers<K>(HashMap<K, u32>);
+
+impl<K> Default for Numbers<K> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<K: Eq + Hash> Numbers<K> {
+    /// Returns the number of a key, and whether it is new.
+    pub fn of(&mut self, key: K) -> Checked<(u32, bool)> {
+        let next = u32::try_from(self.0.len()).map_err(|_| "2^32 vertices or names")?;
+        self.0
+            .try_reserve(1)
+            .map_err(|_| Error::OutOfMemory { bytes: 2 * self.0.len() * size_of::<(K, u32)>() })?;
+        let number = *self.0.entry(key).or_insert(next);
+        Ok((number, number == next))
+    }
+}
+
+/// Returns bits that are equal where the numbers are: adding zero turns -0 into 0.
+pub(super) fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
+    values.map(|x| (x + 0.0).to_bits())
 }
 
 /// The note about triangles that have a vertex twice.

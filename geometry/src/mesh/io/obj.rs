@@ -1,13 +1,12 @@
 //! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1). Only polygons
 //! are read. Colours follow the positions, as MeshLab and Blender write them.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::super::TriMesh;
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
-use super::draft::{Checked, Draft, Fault};
+use super::draft::{Checked, Draft, Fault, Numbers};
 use super::labels::{Labels, clean_name};
 use super::polygon::fan;
 use super::text::{integer, number, numbers, quoted, words};
@@ -239,7 +238,7 @@ fn name_of(rest: &[u8]) -> String {
 #[derive(Default)]
 struct Names {
     names: Vec<String>,
-    numbers: HashMap<String, u32>,
+    numbers: Numbers<String>,
     /// The index of the current name.
     current: Option<u32>,
     /// The name of each face before the current name.
@@ -255,15 +254,10 @@ impl Names {
             self.current = None;
             return Ok(());
         }
-        let number = match self.numbers.get(&name) {
-            Some(&number) => number,
-            None => {
-                let number = u32::try_from(self.names.len()).map_err(|_| "2^32 names")?;
-                push(&mut self.names, name.clone())?;
-                self.numbers.insert(name, number);
-                number
-            }
-        };
+        let (number, is_new) = self.numbers.of(name.clone())?;
+        if is_new {
+            push(&mut self.names, name)?;
+        }
         self.current = Some(number);
         Ok(())
     }

@@ -1,12 +1,10 @@
 //! Stereolithography STL (3D Systems 1988), binary and text.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::io::{self, BufRead, Read, Write};
 
 use super::super::TriMesh;
 use super::attributes::MeshFile;
-use super::draft::{Checked, Draft, Fault};
+use super::draft::{Checked, Draft, Fault, Numbers, bits};
 use super::text::{number, quoted, words};
 use catamaran::base::Result;
 use catamaran::io::Source;
@@ -47,26 +45,18 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 #[derive(Default)]
 struct Soup {
     draft: Draft,
-    numbers: HashMap<[u64; 3], u32>,
+    numbers: Numbers<[u64; 3]>,
 }
 
 impl Soup {
     fn push(&mut self, corners: [[f64; 3]; 3], place: impl Fn() -> String) -> Checked<()> {
         let mut face = [0; 3];
         for (number, position) in face.iter_mut().zip(corners) {
-            // Adding zero turns -0 into 0.
-            let key = position.map(|x| (x + 0.0).to_bits());
-            self.numbers.try_reserve(1).map_err(|_| catamaran::base::Error::OutOfMemory {
-                bytes: 2 * self.numbers.len() * size_of::<([u64; 3], u32)>(),
-            })?;
-            let next = u32::try_from(self.draft.vertices.len()).map_err(|_| "2^32 vertices")?;
-            *number = match self.numbers.entry(key) {
-                Entry::Occupied(entry) => *entry.get(),
-                Entry::Vacant(entry) => {
-                    self.draft.push_vertex(position)?;
-                    *entry.insert(next)
-                }
-            };
+            let is_new;
+            (*number, is_new) = self.numbers.of(bits(position))?;
+            if is_new {
+                self.draft.push_vertex(position)?;
+            }
         }
         self.draft.push_polygon(&face, place)?;
         Ok(())

@@ -1,5 +1,6 @@
 use sprs::CsMat;
 
+use super::super::topology::{Adjacency, corners};
 use super::{Element, MassKind};
 use catamaran::base::{Par, Result};
 use catamaran::sparse::Mass;
@@ -37,14 +38,13 @@ pub(crate) fn assemble(
     kind: MassKind,
     par: Par,
 ) -> Result<(CsMat<f64>, Mass)> {
-    let (starts, corners) = corners_of_vertices(n, faces);
-    let operations = CORNER * corners.len() as f64 * BLOCK as f64 / n.max(1) as f64;
+    let corners = Adjacency::from_pairs(n, || corners(faces));
+    let operations = CORNER * corners.items().len() as f64 * BLOCK as f64 / n.max(1) as f64;
     let blocks = par.map_blocks_asking(n, BLOCK, operations, |range| {
         let mut rows = Rows::default();
         let mut edges = Vec::new();
         for vertex in range {
-            let corners = &corners[starts[vertex]..starts[vertex + 1]];
-            rows.push(vertex, corners, faces, elements, rounding, kind, &mut edges);
+            rows.push(vertex, corners.row(vertex), faces, elements, rounding, kind, &mut edges);
         }
         rows
     })?;
@@ -154,23 +154,4 @@ impl Rows {
         }
         self.columns.len() - 1
     }
-}
-
-/// Returns the corners (3 face + corner) at each vertex, ascending. Those at v are
-/// `corners[starts[v]..starts[v + 1]]` for the result `(starts, corners)`.
-fn corners_of_vertices(n: usize, faces: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
-    let mut starts = vec![0; n + 1];
-    for &v in faces.as_flattened() {
-        starts[v as usize + 1] += 1;
-    }
-    for v in 0..n {
-        starts[v + 1] += starts[v];
-    }
-    let mut next = starts.clone();
-    let mut corners = vec![0; 3 * faces.len()];
-    for (corner, &v) in faces.as_flattened().iter().enumerate() {
-        corners[next[v as usize]] = corner as u32;
-        next[v as usize] += 1;
-    }
-    (starts, corners)
 }

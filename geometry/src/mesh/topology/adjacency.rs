@@ -10,10 +10,10 @@ pub struct Adjacency {
 impl Adjacency {
     /// Creates the rows from the pairs `(row, item)` of `pairs`, which is iterated twice, and whose
     /// order the items keep. The number of pairs must be less than 2^32.
-    pub(in super::super) fn from_pairs<I: Iterator<Item = (u32, u32)>>(
-        rows: usize,
-        pairs: impl Fn() -> I,
-    ) -> Self {
+    ///
+    /// Public for the trees of plants of `catamaran-simulation`.
+    #[doc(hidden)]
+    pub fn from_pairs<I: Iterator<Item = (u32, u32)>>(rows: usize, pairs: impl Fn() -> I) -> Self {
         let mut starts = vec![0u32; rows + 1];
         for (row, _) in pairs() {
             starts[row as usize + 1] += 1;
@@ -92,7 +92,7 @@ impl Adjacency {
 }
 
 /// Returns the corners of a mesh, each with its vertex.
-pub(super) fn corners(faces: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
+pub(in super::super) fn corners(faces: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32)> {
     faces.as_flattened().iter().zip(0..).map(|(&vertex, corner)| (vertex, corner))
 }
 

@@ -14,6 +14,7 @@ mod orientation;
 mod surface;
 
 pub use adjacency::Adjacency;
+pub(super) use adjacency::corners;
 pub use components::Components;
 pub use edges::Edges;
 pub(super) use edges::face_list;

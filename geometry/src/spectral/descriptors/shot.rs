@@ -1,10 +1,11 @@
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::by_rows;
 use super::cells::Cells;
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, cross, dot, scale, sub};
 use catamaran::base::{Par, Progress, Result, builder, positive};
+use catamaran::dense::symmetric_eigen;
 
 /// Numbers of sectors around the axis, halves along it, shells, and cosines of normals.
 const PARTS: [usize; 4] = [8, 2, 2, 11];
@@ -120,8 +121,8 @@ fn frame(ball: &[Neighbour], radius: f64, normal: Vector) -> Option<[Vector; 3]>
             }
         }
     }
-    let eigen = covariance.self_adjoint_eigen(Side::Lower).ok()?;
-    let vector = |j: usize| -> Vector { std::array::from_fn(|i| eigen.U()[(i, j)]) };
+    let axes = symmetric_eigen(covariance.as_ref()).ok()?.vectors;
+    let vector = |j: usize| -> Vector { std::array::from_fn(|i| axes[(i, j)]) };
     let (x, z) = (vector(2), vector(0));
     let z = if dot(z, normal) < 0.0 { scale(z, -1.0) } else { z };
     let mut balance = 0_i64;

@@ -14,7 +14,7 @@ use super::orthogonalized::ProductBasis;
 use super::product_map::ProductMap;
 use crate::spectral::dense;
 use catamaran::base::{Error, Par, Result};
-use catamaran::dense::{divide_by_upper, zeros};
+use catamaran::dense::{divide_by_upper, qr_least_squares, zeros};
 
 /// Number of columns of C~ that are in memory at the same time.
 const PANEL: usize = 256;
@@ -56,7 +56,7 @@ pub fn transform_of_all_products(
     let all: Vec<usize> = (0..map.source().len()).collect();
     let images = images(map, target, &all, par)?;
     // The transposed equation: R^T O^T = (R C~)^T.
-    let solution = dense::least_squares(source.r().transpose(), images.transpose())?;
+    let solution = qr_least_squares(source.r().transpose(), images.transpose())?;
     Ok(solution.transpose().to_owned())
 }
 

@@ -4,8 +4,9 @@
 use faer::{Mat, MatRef};
 
 use super::orthogonalized::ProductBasis;
-use crate::spectral::dense::{self, Svd};
+use crate::spectral::dense;
 use catamaran::base::{Error, Par, Result};
+use catamaran::dense::Svd;
 
 /// Functions as coefficients of the eigenproducts themselves. Among the many possible coefficients,
 /// a truncated singular value decomposition of the products gives the least ones.

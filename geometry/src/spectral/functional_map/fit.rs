@@ -34,7 +34,7 @@ const ROWS_SHARE: f64 = 0.1;
 /// of them.
 ///
 /// ```
-/// use catamaran_geometry::spectral::{Eigenbasis, functional_map::MapFit, test_functions::coordinates};
+/// use catamaran_geometry::spectral::{Eigenbasis, functional_map::MapFit, coordinates};
 /// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///

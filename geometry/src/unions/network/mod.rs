@@ -4,7 +4,8 @@
 //!
 //! Source: thesis, section 2.4 (a commutative sum between an encoder and a decoder); each part is
 //! encoded separately, as for sets (Zaheer et al. 2017); the layers are gated residual perceptrons
-//! with normalization first (Shazeer 2020, Xiong et al. 2020), not attention: docs/decisions/0014.
+//! with normalization first (Shazeer 2020, Xiong et al. 2020), not attention:
+//! docs/algorithms/unions.md.
 
 mod forward;
 mod kernel;

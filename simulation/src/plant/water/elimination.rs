@@ -12,6 +12,7 @@ use faer::c64;
 
 use super::super::graph::{NONE, Plant};
 use catamaran::base::{Par, Result, reserved};
+use catamaran_geometry::mesh::Adjacency;
 
 /// Number of nodes of a unit of work, and of the largest subtree that one thread eliminates alone.
 /// It does not change results.
@@ -75,10 +76,8 @@ pub(crate) struct Order {
     trunk: usize,
     /// The start of each bin, and the end of the last one.
     bins: Vec<usize>,
-    /// The children of the nodes of the trunk, last ones first:
-    /// `children[starts[k]..starts[k + 1]]`.
-    starts: Vec<u32>,
-    children: Vec<u32>,
+    /// The children of the nodes of the trunk, last ones first.
+    children: Adjacency,
 }
 
 impl Order {
@@ -122,14 +121,14 @@ impl Order {
         if n > trunk {
             bins.push(n);
         }
-        let (starts, mut children) = children(&parents, trunk);
-        // The order in which a bin visits children, so that sums do not depend on where the trunk
-        // ends.
-        for k in 0..trunk {
-            let range = starts[k] as usize..starts[k + 1] as usize;
-            children[range].sort_unstable_by_key(|&c| std::cmp::Reverse(nodes[c as usize]));
-        }
-        Self { nodes, positions, parents, trunk, bins, starts, children }
+        // In the order in which a bin visits children, so that sums do not depend on where the
+        // trunk ends.
+        let of_trunk = || {
+            let pairs = positions.iter().rev().map(|&k| (parents[k as usize], k));
+            pairs.filter(|&(parent, _)| (parent as usize) < trunk)
+        };
+        let children = Adjacency::from_pairs(trunk, of_trunk);
+        Self { nodes, positions, parents, trunk, bins, children }
     }
 
     /// Returns the number of nodes.
@@ -161,10 +160,6 @@ impl Order {
         self.bins[i]..self.bins[i + 1]
     }
 
-    fn children(&self, k: usize) -> &[u32] {
-        &self.children[self.starts[k] as usize..self.starts[k + 1] as usize]
-    }
-
     /// Returns the parts of an array: the part of the trunk, and those of the bins.
     pub fn split<'a, T>(&self, array: &'a mut [T]) -> (&'a mut [T], Vec<&'a mut [T]>) {
         let (trunk, mut rest) = array.split_at_mut(self.trunk);
@@ -187,25 +182,6 @@ impl Order {
         let par = if self.bins.len() <= 2 { Par::Seq } else { par };
         par.for_each(items, |i, item| work(self.bin(i), item));
     }
-}
-
-fn children(parents: &[u32], trunk: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0_u32; trunk + 1];
-    for &p in parents.iter().filter(|&&p| (p as usize) < trunk) {
-        starts[p as usize + 1] += 1;
-    }
-    for k in 0..trunk {
-        starts[k + 1] += starts[k];
-    }
-    let mut filled = starts.clone();
-    let mut children = vec![0; starts[trunk] as usize];
-    for (k, &p) in parents.iter().enumerate() {
-        if (p as usize) < trunk {
-            children[filled[p as usize] as usize] = k as u32;
-            filled[p as usize] += 1;
-        }
-    }
-    (starts, children)
 }
 
 /// A factorized matrix, and memory for further matrices of the same tree.
@@ -261,7 +237,7 @@ impl<T: Number> Factor<T> {
         fill(0..order.trunk, &mut excess[..order.trunk]);
         for k in (0..order.trunk).rev() {
             let mut d = excess[k];
-            for &c in order.children(k) {
+            for &c in order.children.row(k) {
                 d = d + excess[c as usize];
             }
             (fractions[k], inverses[k]) = eliminate(d, couplings[k]);
@@ -305,7 +281,7 @@ impl<T: Number> Factor<T> {
     fn trunk(&self, order: &Order, b: &mut [T]) {
         for k in (0..order.trunk).rev() {
             let mut sum = b[k];
-            for &c in order.children(k) {
+            for &c in order.children.row(k) {
                 sum = sum + b[c as usize] * self.fractions[c as usize];
             }
             b[k] = sum;

@@ -1,13 +1,10 @@
 //! Joins the primitives of a file into one mesh.
 
-use std::collections::HashMap;
-use std::hash::Hash;
-
 use super::super::attributes::{Attribute, MeshFile};
-use super::super::draft::{Checked, Draft};
+use super::super::draft::{Checked, Draft, Numbers, bits};
 use super::super::labels::{Labels, clean_name};
 use super::document::Document;
-use catamaran::base::{Error, Result, push};
+use catamaran::base::{Result, push};
 
 /// For each face, the indices of the values of its corners.
 type Corners = Vec<[u32; 3]>;
@@ -137,32 +134,6 @@ impl Assembly {
         file.materials = materials(self.materials, document)?;
         Ok(file)
     }
-}
-
-/// Numbers keys in the order of first use.
-struct Numbers<K>(HashMap<K, u32>);
-
-impl<K> Default for Numbers<K> {
-    fn default() -> Self {
-        Self(HashMap::new())
-    }
-}
-
-impl<K: Eq + Hash> Numbers<K> {
-    /// Returns the number of a key, and whether it is new.
-    fn of(&mut self, key: K) -> Result<(u32, bool)> {
-        let next = self.0.len() as u32;
-        self.0
-            .try_reserve(1)
-            .map_err(|_| Error::OutOfMemory { bytes: 2 * self.0.len() * size_of::<(K, u32)>() })?;
-        let number = *self.0.entry(key).or_insert(next);
-        Ok((number, number == next))
-    }
-}
-
-/// Returns bits that are equal where the numbers are: adding zero turns -0 into 0.
-fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
-    values.map(|x| (x + 0.0).to_bits())
 }
 
 /// Returns an attribute with each value of a vertex once, and for each face the indices of the

@@ -1,27 +1,14 @@
 //! The functions that tables 1.1 to 1.4 of the thesis approximate and transfer; one row for each
-//! vertex, one column for each function. The descriptors among them are in [`super::descriptors`].
+//! vertex, one column for each function. The descriptors among them are those of the library.
 
-use faer::{Mat, MatRef};
-
-use super::descriptors::heat_kernel;
-use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 use catamaran::base::{Error, Result, Rng};
-use catamaran::dense::zeros;
+use catamaran::faer::{Mat, MatRef};
+use catamaran_geometry::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
+use catamaran_geometry::spectral::descriptors::heat_kernel;
 
 /// Computes heat kernels between random vertices and all others (HK). The arguments are those of
 /// [`heat_kernel`]; the thesis uses t = 1e-3 on shapes of area 1. The same seed gives the same
 /// vertices for any number of eigenfunctions.
-///
-/// ```
-/// use catamaran::faer::Mat;
-/// use catamaran_geometry::spectral::test_functions::heat_kernels;
-///
-/// // At time 0 with all functions, all heat is at the source.
-/// let kernels = heat_kernels(&[0.0, 1.0, 2.0], Mat::identity(3, 3).as_ref(), 0.0, 5, 1)?;
-/// assert_eq!(kernels.shape(), (3, 5));
-/// assert!(kernels.col_iter().all(|heat| heat.iter().sum::<f64>() == 1.0));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
 ///
 /// # Errors
 /// As [`heat_kernel`]; [`Error::Argument`] when there are no vertices.
@@ -33,7 +20,7 @@ pub fn heat_kernels(
     seed: u64,
 ) -> Result<Mat<f64>> {
     let (n, mut rng) = (vectors.nrows(), Rng::new(seed));
-    let mut kernels = zeros(n, count)?;
+    let mut kernels = Mat::zeros(n, count);
     for j in 0..count {
         let source = random_vertex(n, &mut rng)?;
         for (i, heat) in heat_kernel(values, vectors, source, time)?.into_iter().enumerate() {
@@ -45,15 +32,6 @@ pub fn heat_kernels(
 
 /// Returns `count` columns of a signature at equal distances, the first and the last included (the
 /// middle one, if `count` is 1). The thesis takes 10 channels of 100 scales for HKS and WKS.
-///
-/// ```
-/// use catamaran::faer::{Mat, mat};
-/// use catamaran_geometry::spectral::test_functions::channels;
-///
-/// let signature = Mat::from_fn(1, 7, |_, j| j as f64);
-/// assert_eq!(channels(signature.as_ref(), 3)?, mat![[0.0, 3.0, 6.0]]);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for more columns than the signature has.
@@ -68,14 +46,6 @@ pub fn channels(signature: MatRef<'_, f64>, count: usize) -> Result<Mat<f64>> {
 }
 
 /// Returns columns of independent random numbers, uniform in [0, 1) (Rand).
-///
-/// ```
-/// use catamaran_geometry::spectral::test_functions::random;
-///
-/// let functions = random(10, 2, 7);
-/// assert_eq!(functions, random(10, 2, 7));
-/// assert!(functions.col_iter().all(|f| f.iter().all(|x| (0.0..1.0).contains(x))));
-/// ```
 pub fn random(n: usize, count: usize, seed: u64) -> Mat<f64> {
     let mut rng = Rng::new(seed);
     let mut functions = Mat::zeros(n, count);
@@ -87,33 +57,9 @@ pub fn random(n: usize, count: usize, seed: u64) -> Mat<f64> {
     functions
 }
 
-/// Returns the coordinates of the vertices (XYZ): three columns.
-///
-/// ```
-/// use catamaran_geometry::{mesh::families, spectral::test_functions::coordinates};
-///
-/// let mesh = families::icosphere(1)?;
-/// assert_eq!(coordinates(&mesh)[(7, 2)], mesh.vertices()[7][2]);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
-    Mat::from_fn(mesh.vertices().len(), 3, |i, j| mesh.vertices()[i][j])
-}
-
 /// Returns indicators of random regions (Ind): 1 at the vertices nearest to a random vertex along
 /// edges, and 0 elsewhere. A region has at least this share of the area (in (0, 1]), or all
 /// vertices connected to the random one.
-///
-/// ```
-/// use catamaran_geometry::{mesh::{families, vertex_areas}, spectral::test_functions::geodesic_cells};
-///
-/// let mesh = families::icosphere(3)?;
-/// let cells = geodesic_cells(&mesh, 0.25, 2, 1)?;
-/// let areas = vertex_areas(&mesh);
-/// let share = (0..areas.len()).map(|v| areas[v] * cells[(v, 0)]).sum::<f64>() / mesh.area();
-/// assert!((0.25..0.26).contains(&share));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for a share out of range, or no vertices.
@@ -127,7 +73,7 @@ pub fn geodesic_cells(mesh: &TriMesh, share: f64, count: usize, seed: u64) -> Re
     let wanted = share * areas.iter().sum::<f64>();
     let graph = Graph::of_mesh(mesh);
     let mut search = Dijkstra::new(&graph);
-    let mut cells = zeros(n, count)?;
+    let mut cells = Mat::zeros(n, count);
     for j in 0..count {
         let source = random_vertex(n, &mut rng)?;
         search.search(&[(source as u32, 0.0)], &SearchLimits::default())?;
@@ -153,11 +99,11 @@ fn random_vertex(n: usize, rng: &mut Rng) -> Result<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes;
+    use catamaran_geometry::mesh::families;
 
     #[test]
     fn cells_have_their_share_of_the_area_and_are_connected() {
-        let mesh = shapes::sphere(3);
+        let mesh = families::icosphere(3).unwrap();
         let areas = vertex_areas(&mesh);
         let total: f64 = areas.iter().sum();
         let cells = geodesic_cells(&mesh, 0.1, 5, 1).unwrap();
@@ -190,8 +136,6 @@ mod tests {
         assert_eq!(channels(signature.as_ref(), 1).unwrap()[(0, 0)], 50.0);
         assert_eq!(channels(signature.as_ref(), 0).unwrap().ncols(), 0);
         assert!(channels(signature.as_ref(), 101).is_err());
-        let mesh = shapes::grid(2, 1);
-        assert_eq!(coordinates(&mesh)[(5, 0)], 2.0);
         let vectors = Mat::from_fn(6, 1, |_, _| 2.0);
         let heat = heat_kernels(&[0.0], vectors.as_ref(), 1e-3, 3, 1).unwrap();
         assert_eq!(heat, Mat::from_fn(6, 3, |_, _| 4.0));

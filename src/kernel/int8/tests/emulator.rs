@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use libc::{c_int, c_void, siginfo_t, ucontext_t};
 
-use super::amx::Amx;
+use super::super::amx::Amx;
 
 /// The tiles of a thread, and whether they are configured.
 struct Tiles {

@@ -1,0 +1,139 @@
+//! Files of matrices, text tables among them.
+
+use std::path::PathBuf;
+
+use catamaran::faer::Mat;
+use catamaran::io::{
+    ColumnKind, Columns, FileFormat, Matrix, Missing, ReadOptions, Separator, TableOptions, Words,
+    read_file,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::from_matrix;
+use crate::error::refused;
+use crate::options::{par, word};
+use crate::sparse::parts;
+use crate::task::{Length, run};
+
+/// How a file is read, as a dictionary.
+#[derive(FromPyObject)]
+pub struct TableArguments {
+    /// Names, and numbers or ranges as text.
+    #[pyo3(item)]
+    columns: Option<Vec<String>>,
+    #[pyo3(item)]
+    separator: Option<char>,
+    #[pyo3(item)]
+    decimal: Option<char>,
+    #[pyo3(item)]
+    thousands: Option<char>,
+    #[pyo3(item)]
+    header: Option<bool>,
+    #[pyo3(item)]
+    skip: usize,
+    #[pyo3(item)]
+    comment: Option<char>,
+    #[pyo3(item)]
+    missing: String,
+    #[pyo3(item)]
+    missing_words: Option<Vec<String>>,
+    #[pyo3(item)]
+    index: Option<bool>,
+    #[pyo3(item)]
+    encoding: Option<String>,
+    #[pyo3(item)]
+    format: Option<String>,
+    /// Whether all columns of words are factors.
+    #[pyo3(item)]
+    words: bool,
+    /// Names, and numbers as text.
+    #[pyo3(item)]
+    factors: Vec<String>,
+    #[pyo3(item)]
+    max_memory: Option<u64>,
+    /// All cores by default.
+    #[pyo3(item)]
+    threads: Option<i64>,
+}
+
+impl TableArguments {
+    fn options(self) -> PyResult<ReadOptions<'static>> {
+        let table = TableOptions::new()
+            .separator(self.separator.map(Separator::from))
+            .decimal(self.decimal)
+            .thousands(self.thousands)
+            .header(self.header)
+            .skip(self.skip)
+            .comment(self.comment)
+            .missing(word("missing", &self.missing, &Missing::NAMES)?)
+            .missing_words(self.missing_words)
+            .index(self.index)
+            .encoding(self.encoding)
+            .words(if self.words { Words::Factor } else { Words::LeaveOut })
+            .factors(self.factors)
+            .par(par(self.threads)?);
+        let format = match &self.format {
+            Some(name) => Some(word("format", name, &FileFormat::NAMES)?),
+            None => None,
+        };
+        Ok(ReadOptions::new()
+            .columns(self.columns.map_or(Columns::ALL, Columns::list))
+            .format(format)
+            .table(table)
+            .max_memory(self.max_memory))
+    }
+}
+
+/// A dictionary of the matrix and what is known about its columns; see `catamaran.read`.
+#[pyfunction]
+#[pyo3(signature = (path, options, progress))]
+pub fn read<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    options: TableArguments,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = options.options()?;
+    let content = run(py, Length::Long, progress, move |progress| {
+        read_file(&path, &options.progress(progress))
+    })?;
+    let found = PyDict::new(py);
+    let numbers: Vec<usize> = match content.matrix {
+        Matrix::Sparse(_) => Vec::new(),
+        _ => (0..content.matrix.ncols()).map(|j| content.number(j)).collect(),
+    };
+    found.set_item("names", &content.names)?;
+    found.set_item("numbers", numbers)?;
+    let levels = PyDict::new(py);
+    if let Some(reading) = &content.reading {
+        for (j, column) in reading.columns.iter().enumerate() {
+            if let ColumnKind::Factor { levels: words } = &column.kind {
+                levels.set_item(j, words)?;
+            }
+        }
+        found.set_item("left_out", &reading.left_out)?;
+        found.set_item("dropped_rows", reading.dropped_rows)?;
+        found.set_item("reading", reading.to_string())?;
+        found.set_item("is_plain", reading.is_plain())?;
+    }
+    found.set_item("levels", levels)?;
+    match content.matrix {
+        Matrix::F64(dense) => found.set_item("values", from_matrix(py, dense.as_ref())?)?,
+        Matrix::F32(dense) => {
+            let a = dense.as_ref();
+            let a = Mat::from_fn(a.nrows(), a.ncols(), |i, j| f64::from(a[(i, j)]));
+            found.set_item("values", from_matrix(py, a.as_ref())?)?;
+        }
+        Matrix::Complex(dense) => {
+            let (a, (m, n)) = (dense.as_ref(), dense.as_ref().shape());
+            let real = Mat::from_fn(m, n, |i, j| a[(i, j)].re);
+            let imaginary = Mat::from_fn(m, n, |i, j| a[(i, j)].im);
+            found.set_item("values", from_matrix(py, real.as_ref())?)?;
+            found.set_item("imaginary", from_matrix(py, imaginary.as_ref())?)?;
+        }
+        Matrix::Sparse(sparse) => found.set_item("sparse", parts(py, sparse))?,
+        _ => return Err(refused("path", "another kind of matrix")),
+    }
+    Ok(found)
+}

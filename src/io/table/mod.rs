@@ -1,0 +1,40 @@
+//! Text tables as people have them: what separates fields and digits, which rows have names and
+//! which cells are missing is decided from the beginning of the file ([`layout`]) and said
+//! ([`TableReading`]). What the file leaves open is an error that names the option
+//! ([`TableOptions`]) that decides.
+//!
+//! The columns that are read are one matrix of numbers. A column of words ([`Words::Factor`]) is a
+//! factor: its entries are numbers of levels, and its [`TableColumn`] has the levels. Of a row with
+//! a missing cell the caller decides what becomes ([`Missing`]).
+//!
+//! The text goes through these steps:
+//! - [`encoding`] turns it into UTF-8,
+//! - [`text`] holds a part of it, which [`engine`] divides among threads,
+//! - [`piece`] reads the records of a part, which [`splitter`] divides into fields,
+//! - [`number`] and [`missing`] read a field.
+
+mod encoding;
+mod engine;
+mod factors;
+mod file;
+mod layout;
+mod message;
+mod missing;
+mod number;
+mod options;
+mod piece;
+mod reading;
+mod sample;
+mod splitter;
+mod syntax;
+#[cfg(test)]
+mod tests;
+mod text;
+mod whole;
+mod write;
+
+pub use self::file::TableFile;
+pub use self::options::{Missing, Separator, TableOptions, Words};
+pub use self::reading::{ColumnKind, TableColumn, TableReading};
+pub(super) use self::whole::read;
+pub(super) use self::write::write;

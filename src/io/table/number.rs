@@ -1,0 +1,180 @@
+//! Numbers in text, in the notation of a file.
+
+/// How numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Notation {
+    /// A point or a comma.
+    pub decimal: char,
+    /// Separates groups of three digits before the decimal separator.
+    pub thousands: Option<char>,
+}
+
+/// The usual notation.
+pub(super) const PLAIN: Notation = Notation { decimal: '.', thousands: None };
+
+/// All notations, the likelier first.
+pub(super) const NOTATIONS: [Notation; 8] = [
+    PLAIN,
+    Notation { decimal: ',', thousands: None },
+    Notation { decimal: '.', thousands: Some(',') },
+    Notation { decimal: ',', thousands: Some('.') },
+    Notation { decimal: '.', thousands: Some(' ') },
+    Notation { decimal: ',', thousands: Some(' ') },
+    Notation { decimal: '.', thousands: Some('\'') },
+    Notation { decimal: ',', thousands: Some('\'') },
+];
+
+/// A set of notations: bit i stands for notation i.
+pub(super) type Readings = u8;
+
+/// Returns the notations in which a field is a number; no word such as `inf` is one.
+pub(super) fn readings(field: &[u8]) -> Readings {
+    let is_word = unwrapped(field).iter().find(|byte| byte.is_ascii_alphanumeric());
+    if is_word.is_none_or(u8::is_ascii_alphabetic) {
+        return 0;
+    }
+    let is_short = field.iter().all(|byte| byte.is_ascii_digit() || b"+-eE".contains(byte));
+    if is_short && parse(field, PLAIN).is_some() {
+        return Readings::MAX;
+    }
+    let bit = |i: usize| Readings::from(parse(field, NOTATIONS[i]).is_some()) << i;
+    (0..NOTATIONS.len()).map(bit).fold(0, |all, bit| all | bit)
+}
+
+/// Returns the number in a field without blanks around it; `D` is an exponent as `E` is.
+#[inline]
+pub(super) fn parse(field: &[u8], notation: Notation) -> Option<f64> {
+    if notation.decimal == '.'
+        && let Some(value) = std::str::from_utf8(field).ok().and_then(|text| text.parse().ok())
+    {
+        return Some(value);
+    }
+    in_notation(field, notation)
+}
+
+fn in_notation(field: &[u8], notation: Notation) -> Option<f64> {
+    let text = std::str::from_utf8(unwrapped(field)).ok()?.trim();
+    let (sign, unsigned) = match text.strip_prefix('-') {
+        Some(rest) => ("-", rest),
+        None => ("", text.strip_prefix('+').unwrap_or(text)),
+    };
+    if unsigned.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        // inf and nan, which no notation changes.
+        return text.parse().ok();
+    }
+    let (mantissa, exponent) = match unsigned.find(['e', 'E', 'd', 'D']) {
+        Some(at) => (&unsigned[..at], Some(&unsigned[at + 1..])),
+        None => (unsigned, None),
+    };
+    let (whole, fraction) = mantissa.split_once(notation.decimal).unwrap_or((mantissa, ""));
+    let mut plain = String::with_capacity(text.len() + 2);
+    plain.push_str(sign);
+    push_whole(whole, notation.thousands, &mut plain)?;
+    if !is_digits(fraction) || whole.is_empty() && fraction.is_empty() {
+        return None;
+    }
+    plain.push('.');
+    plain.push_str(fraction);
+    if let Some(exponent) = exponent {
+        let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
+        if digits.is_empty() || !is_digits(digits) {
+            return None;
+        }
+        plain.push('e');
+        plain.push_str(exponent);
+    }
+    plain.parse().ok()
+}
+
+/// Appends the digits before the decimal separator; groups after the first have three digits.
+fn push_whole(whole: &str, thousands: Option<char>, plain: &mut String) -> Option<()> {
+    let separates = |c: char| match thousands {
+        // The blanks that do not break, and the apostrophe of typesetters.
+        Some(' ') => matches!(c, ' ' | '\u{a0}' | '\u{202f}'),
+        Some('\'') => matches!(c, '\'' | '\u{2019}'),
+        thousands => thousands == Some(c),
+    };
+    let mut groups = whole.split(separates);
+    let first = groups.next().unwrap_or_default();
+    if !is_digits(first) {
+        return None;
+    }
+    plain.push_str(first);
+    for group in groups {
+        let leads = !first.is_empty() && first.len() <= 3 && !first.starts_with('0');
+        if !leads || group.len() != 3 || !is_digits(group) {
+            return None;
+        }
+        plain.push_str(group);
+    }
+    Some(())
+}
+
+fn is_digits(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Returns what is in `"..."` or `="..."`, by which spreadsheets keep numbers from being changed.
+fn unwrapped(field: &[u8]) -> &[u8] {
+    let quoted = field.strip_prefix(b"=").unwrap_or(field);
+    match quoted {
+        [b'"', inner @ .., b'"'] => inner.trim_ascii(),
+        _ => field,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_in_their_notation_only() {
+        let number = |text: &str, i: usize| parse(text.as_bytes(), NOTATIONS[i]);
+        for (text, i, value) in [
+            ("1.5", 0, Some(1.5)),
+            ("+.5", 0, Some(0.5)),
+            ("1.0D+01", 0, Some(10.0)),
+            ("-2.5d-1", 0, Some(-0.25)),
+            ("=\"123\"", 0, Some(123.0)),
+            ("1,5", 0, None),
+            ("1,5", 1, Some(1.5)),
+            ("1.5", 1, None),
+            ("-1,5e3", 1, Some(-1500.0)),
+            ("10,000", 2, Some(10_000.0)),
+            ("10,000.25", 2, Some(10_000.25)),
+            ("1,0000", 2, None),
+            ("0,500", 2, None),
+            ("1000,000", 2, None),
+            ("1.299,99", 3, Some(1299.99)),
+            ("1.299", 3, Some(1299.0)),
+            ("1\u{a0}299,5", 5, Some(1299.5)),
+            ("1'299.5", 6, Some(1299.5)),
+            (".", 0, None),
+            (",", 1, None),
+            ("1e", 0, None),
+            ("e5", 0, None),
+            ("", 0, None),
+            ("12-5", 0, None),
+        ] {
+            assert_eq!(number(text, i), value, "{text} in {:?}", NOTATIONS[i]);
+        }
+        assert_eq!(number("-inf", 1), Some(f64::NEG_INFINITY));
+    }
+
+    #[test]
+    fn the_notations_that_read_a_field_are_known() {
+        for (text, expected) in [
+            ("12", 0b1111_1111),
+            ("0,5", 0b1010_1010),
+            ("10,000", 0b1010_1110),
+            ("1.299,99", 0b0000_1000),
+            ("1,299.99", 0b0000_0100),
+            ("inf", 0),
+            ("nan", 0),
+            ("four", 0),
+            ("2020-01-01", 0),
+        ] {
+            assert_eq!(readings(text.as_bytes()), expected, "{text}");
+        }
+    }
+}

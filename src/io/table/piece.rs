@@ -1,0 +1,252 @@
+//! Records that a thread reads.
+
+use std::collections::HashMap;
+
+use super::encoding;
+use super::layout::{Layout, Use};
+use super::message::{excerpt, option};
+use super::number;
+use super::options::Missing;
+use super::splitter::{Found, Splitter};
+
+/// What is wrong with a record.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// Lines of the piece before the record.
+    pub line: usize,
+    pub what: String,
+}
+
+/// The words of a factor, in the order of their numbers.
+#[derive(Debug, Default)]
+pub(super) struct Levels {
+    numbers: HashMap<Vec<u8>, u32>,
+    pub words: Vec<Vec<u8>>,
+}
+
+impl Levels {
+    /// Returns the number of a word, a new one if the word is new.
+    pub fn number(&mut self, word: &[u8]) -> u32 {
+        if let Some(&number) = self.numbers.get(word) {
+            return number;
+        }
+        let number = self.words.len() as u32;
+        self.numbers.insert(word.into(), number);
+        self.words.push(word.into());
+        number
+    }
+
+    /// Returns the number of a word that is known.
+    pub fn find(&self, word: &[u8]) -> Option<u32> {
+        self.numbers.get(word).copied()
+    }
+}
+
+/// A part of the text of a table, and what it holds.
+#[derive(Debug)]
+pub(super) struct Piece {
+    splitter: Splitter,
+    /// The entries of the rows, row by row.
+    pub values: Vec<f64>,
+    /// The words of each factor, by whose numbers `values` name them.
+    pub levels: Vec<Levels>,
+    pub rows: usize,
+    /// Rows that were left out because of a missing cell.
+    pub dropped: u64,
+    pub lines: usize,
+    /// Bytes of all whole records.
+    pub bytes: usize,
+    pub fault: Option<Fault>,
+    /// Whether the first record is the first one of the table.
+    pub is_start: bool,
+}
+
+/// Whether a row is kept.
+enum Row {
+    Kept,
+    Dropped,
+}
+
+impl Piece {
+    pub fn new(layout: &Layout) -> Self {
+        Self {
+            splitter: Splitter::new(layout.syntax),
+            values: Vec::new(),
+            levels: (0..layout.nfactors).map(|_| Levels::default()).collect(),
+            rows: 0,
+            dropped: 0,
+            lines: 0,
+            bytes: 0,
+            fault: None,
+            is_start: false,
+        }
+    }
+
+    /// Forgets what was read.
+    pub fn clear(&mut self) {
+        self.values.clear();
+        (self.rows, self.dropped, self.lines, self.bytes) = (0, 0, 0, 0);
+        self.fault = None;
+        self.levels.iter_mut().for_each(|levels| *levels = Levels::default());
+    }
+
+    /// Reads the records of a text, or only counts them. Nothing follows the text if it `is_last`.
+    pub fn read(&mut self, layout: &Layout, text: &[u8], is_last: bool, counts_only: bool) {
+        self.clear();
+        while self.bytes < text.len() {
+            let rest = &text[self.bytes..];
+            let (found, bytes) = self.splitter.step(rest, is_last, !counts_only);
+            match found {
+                Found::Nothing => return,
+                Found::Record if counts_only => self.rows += 1,
+                Found::Record => match self.row(layout, rest) {
+                    Ok(Row::Kept) => self.rows += 1,
+                    Ok(Row::Dropped) => self.dropped += 1,
+                    Err(what) => {
+                        self.fault = Some(Fault { line: self.lines, what });
+                        return;
+                    }
+                },
+                Found::Blank | Found::Comment => {}
+            }
+            let line_end = layout.syntax.line_end;
+            // A record without quotes is a line.
+            self.lines += match rest[..bytes].split_last() {
+                Some((_, inner)) if memchr::memchr(line_end, inner).is_some() => {
+                    memchr::memchr_iter(line_end, &rest[..bytes]).count()
+                }
+                _ => 1,
+            };
+            self.bytes += bytes;
+        }
+    }
+
+    /// Appends the entries of the record that begins `text`, or returns what is wrong with it.
+    fn row(&mut self, layout: &Layout, text: &[u8]) -> Result<Row, String> {
+        if self.splitter.is_open() {
+            return Err("a quote that starts in this row is not closed".into());
+        }
+        if self.splitter.len() != layout.uses.len() {
+            return Err(self.ragged(layout));
+        }
+        let start = self.values.len();
+        self.values.resize(start + layout.ncols, f64::NAN);
+        let mut is_dropped = false;
+        for (j, &used) in layout.uses.iter().enumerate() {
+            let field = match used {
+                Use::Skip => continue,
+                _ => self.splitter.field(text, j),
+            };
+            match used {
+                Use::Number(place) => match value(layout, field) {
+                    Cell::Number(value) => self.values[start + place] = value,
+                    Cell::Missing => is_dropped |= missing(layout, j, field)?,
+                    Cell::Wrong => return Err(self.not_a_number(layout, text, j)),
+                },
+                Use::Word(..) if layout.missing_words.holds(field) => {
+                    is_dropped |= missing(layout, j, field)?;
+                }
+                Use::Word(place, factor) => {
+                    let number = self.levels[factor].number(field);
+                    self.values[start + place] = f64::from(number);
+                }
+                Use::Empty if !field.is_empty() => {
+                    return Err(format!(
+                        "{} behind the separator at the end of the rows before it",
+                        excerpt(field)
+                    ));
+                }
+                Use::Empty | Use::Skip => {}
+            }
+        }
+        if is_dropped {
+            self.values.truncate(start);
+            return Ok(Row::Dropped);
+        }
+        Ok(Row::Kept)
+    }
+
+    fn ragged(&self, layout: &Layout) -> String {
+        let (count, width) = (self.splitter.len(), layout.uses.len());
+        let line = layout.first_line;
+        let options = ["separator", "comment", "skip"].map(option).join(", ");
+        format!(
+            "{count} fields in this row, {width} in that of line {line}: options that divide rows \
+             otherwise are {options}"
+        )
+    }
+
+    fn not_a_number(&self, layout: &Layout, text: &[u8], j: usize) -> String {
+        let field = self.splitter.field(text, j);
+        let cell = format!("{}: {}", column(layout, j), excerpt(field));
+        let [decimal, thousands, skip] = ["decimal", "thousands", "skip"].map(option);
+        if number::readings(field) != 0 {
+            return format!("{cell} is not a number; {decimal} or {thousands} may make it one");
+        }
+        let is_first = self.is_start && self.rows == 0 && self.dropped == 0;
+        if is_first && layout.has_header {
+            let line: Vec<&[u8]> =
+                (0..self.splitter.len()).map(|j| self.splitter.field(text, j)).collect();
+            return format!(
+                "{cell} is not a number, in the row below the header; {skip} leaves lines at the \
+                 start out: {}",
+                excerpt(&line.join(&b' '))
+            );
+        }
+        let [words, columns] = ["missing_words", "columns"].map(option);
+        format!(
+            "{cell} is not a number; {words} adds it to the words of missing cells, {columns} \
+             leaves the column out"
+        )
+    }
+}
+
+/// What a field is that should be a number.
+enum Cell {
+    Number(f64),
+    Missing,
+    Wrong,
+}
+
+#[inline]
+fn value(layout: &Layout, field: &[u8]) -> Cell {
+    let words = &layout.missing_words;
+    if words.has_numbers && words.holds(field) {
+        return Cell::Missing;
+    }
+    match number::parse(field, layout.notation) {
+        Some(value) if !value.is_nan() => Cell::Number(value),
+        Some(_) => Cell::Missing,
+        None if words.holds(field) => Cell::Missing,
+        None => Cell::Wrong,
+    }
+}
+
+/// Returns whether the row of a missing cell is left out, or that it is an error.
+fn missing(layout: &Layout, j: usize, field: &[u8]) -> Result<bool, String> {
+    match layout.missing {
+        Missing::Drop => Ok(true),
+        Missing::Nan => Ok(false),
+        Missing::Error => {
+            let what = match field {
+                [] => "nothing where a number should be".to_owned(),
+                field => format!("{} where a number should be", excerpt(field)),
+            };
+            let (column, missing) = (column(layout, j), option("missing"));
+            Err(format!("{column}: {what}; {missing} = drop leaves out rows with a missing cell"))
+        }
+    }
+}
+
+/// Returns the number of a column, from 1, and its name.
+fn column(layout: &Layout, j: usize) -> String {
+    match layout.names.get(j).filter(|name| !name.is_empty()) {
+        Some(name) => format!("column {} ({name})", j + 1),
+        None => format!("column {}", j + 1),
+    }
+}
+
+/// Returns the words of factors as text.
+pub(super) fn texts(words: &[Vec<u8>]) -> Vec<String> {
+    words.iter().map(|word| encoding::text(word).into_owned()).collect()
+}

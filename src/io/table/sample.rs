@@ -1,0 +1,86 @@
+//! The beginning of a table, from which its dialect is found.
+
+use super::missing::MissingWords;
+use super::number::{self, Readings};
+use super::splitter::{Found, Splitter, Syntax};
+
+/// Most records that are looked at.
+const MOST: usize = 1000;
+
+/// A record of the beginning of a table.
+#[derive(Debug)]
+pub(super) struct SampleRow {
+    /// The number of its line, from 1.
+    pub line: usize,
+    /// Where it begins and ends in the text.
+    pub start: usize,
+    pub end: usize,
+    pub fields: Vec<Vec<u8>>,
+    /// Quotes in the text of the record.
+    pub quotes: usize,
+}
+
+/// The records at the beginning of a table.
+#[derive(Debug)]
+pub(super) struct Sample {
+    pub rows: Vec<SampleRow>,
+    /// The comment before the first record.
+    pub comment: Option<Vec<u8>>,
+    /// The line behind the last one that was looked at.
+    pub next_line: usize,
+}
+
+/// What a field of a sample is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cell {
+    Missing,
+    /// A number, in these notations.
+    Number(Readings),
+    /// A word that stands for a number: infinity, or NaN where it is not missing.
+    NotFinite,
+    Word,
+}
+
+impl Cell {
+    pub fn of(field: &[u8], missing: &MissingWords) -> Self {
+        if missing.holds(field) {
+            return Self::Missing;
+        }
+        match number::readings(field) {
+            0 if number::parse(field, number::PLAIN).is_some() => Self::NotFinite,
+            0 => Self::Word,
+            readings => Self::Number(readings),
+        }
+    }
+
+    pub fn is_number(self) -> bool {
+        matches!(self, Self::Number(_))
+    }
+}
+
+/// Divides a text, which begins with line `line`, into records.
+pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize) -> Sample {
+    let mut splitter = Splitter::new(syntax);
+    let (mut rows, mut comment, mut at) = (Vec::new(), None, 0);
+    while rows.len() < MOST && at < text.len() {
+        let rest = &text[at..];
+        let (found, bytes) = splitter.step(rest, is_last, true);
+        match found {
+            Found::Nothing => break,
+            Found::Blank => {}
+            Found::Comment if rows.is_empty() => comment = Some(rest[..bytes].to_vec()),
+            Found::Comment => {}
+            Found::Record => {
+                let fields = (0..splitter.len()).map(|j| splitter.field(rest, j).to_vec());
+                let (start, end) = (at, at + bytes);
+                let quotes = memchr::memchr_iter(b'"', &rest[..bytes]).count();
+                rows.push(SampleRow { line, start, end, fields: fields.collect(), quotes });
+            }
+        }
+        line += memchr::memchr_iter(syntax.line_end, &rest[..bytes]).count();
+        at += bytes;
+    }
+    // A last line without an end counts, too.
+    let next_line = line + usize::from(at > 0 && text[at - 1] != syntax.line_end);
+    Sample { rows, comment, next_line }
+}

@@ -1,0 +1,649 @@
+//! Tests of whole tables: those that people have, and generated dialects.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use faer::{Mat, mat};
+use proptest::prelude::*;
+
+use super::*;
+use crate::base::{Error, Par};
+use crate::io::tests::{Folder, doubles, npy};
+use crate::io::{Columns, FileContent, FileFormat, Matrix, ReadOptions, read_file};
+use crate::rows::RowBlocks;
+
+fn options(table: TableOptions) -> ReadOptions<'static> {
+    ReadOptions::new().table(table)
+}
+
+fn auto() -> ReadOptions<'static> {
+    ReadOptions::new()
+}
+
+/// Reads a table, and checks that it is the same by blocks.
+fn content(text: impl AsRef<[u8]>, options: &ReadOptions<'_>) -> Result<FileContent, Error> {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", text);
+    let content = read_file(&path, options);
+    let file = TableFile::open(&path, options);
+    match (&content, file) {
+        (Ok(content), Ok(Some(mut file))) => {
+            let shape = (content.matrix.nrows(), content.matrix.ncols());
+            assert_eq!((file.nrows(), file.ncols()), shape);
+            assert_eq!(Some(file.reading()), content.reading.as_ref());
+            let mut blocks = Mat::<f64>::zeros(shape.0, shape.1);
+            for first in (0..shape.0).step_by(3).rev() {
+                let count = 3.min(shape.0 - first);
+                file.read(first, blocks.as_mut().subrows_mut(first, count)).unwrap();
+            }
+            same(&blocks, &doubles(&content.matrix));
+        }
+        (Err(_), Err(_)) | (_, Ok(None)) => {}
+        // The entries are read later.
+        (Err(e), Ok(Some(mut file))) => {
+            let mut blocks = Mat::<f64>::zeros(file.nrows(), file.ncols());
+            assert_eq!(file.read(0, blocks.as_mut()).unwrap_err(), *e);
+        }
+        (Ok(_), Err(e)) => panic!("{e}"),
+    }
+    content
+}
+
+fn same(a: &Mat<f64>, b: &Mat<f64>) {
+    assert_eq!(a.shape(), b.shape());
+    for j in 0..a.ncols() {
+        for i in 0..a.nrows() {
+            let (x, y) = (a[(i, j)], b[(i, j)]);
+            assert!(x == y || x.is_nan() && y.is_nan(), "{x} and {y} at {i}, {j}");
+        }
+    }
+}
+
+/// Checks the numbers and the names of a table, and returns what was decided.
+fn check(
+    text: impl AsRef<[u8]>,
+    options: &ReadOptions<'_>,
+    rows: &[&[f64]],
+    names: &[&str],
+) -> TableReading {
+    let shown = String::from_utf8_lossy(text.as_ref()).into_owned();
+    let content = content(text, options).unwrap_or_else(|e| panic!("{shown:?}: {e}"));
+    let ncols = rows.first().map_or(0, |row| row.len());
+    let expected = Mat::from_fn(rows.len(), ncols, |i, j| rows[i][j]);
+    same(&doubles(&content.matrix), &expected);
+    assert_eq!(content.names, names, "{shown:?}");
+    content.reading.unwrap()
+}
+
+/// Checks that a table is refused at a line, by a message with these parts.
+fn refused(text: &str, options: &ReadOptions<'_>, line: usize, parts: &[&str]) {
+    let error = content(text, options).map(|content| content.reading).unwrap_err();
+    let said = error.to_string();
+    assert!(said.contains(&format!("a.csv:{line}: ")), "{text:?}: {said}");
+    assert!(parts.iter().all(|part| said.contains(part)), "{text:?}: {said}");
+}
+
+const SMALL: &[&[f64]] = &[&[1.0, 2.0], &[3.0, 5.0], &[4.0, 4.0]];
+
+#[test]
+fn numbers_with_thousands_separators_need_an_option() {
+    let text = "pop,area\n\"10,000\",\"5,500\"\n\"12,500\",\"6,100\"\n";
+    refused(text, &auto(), 2, &["column 1", "\"10,000\"", "`thousands`", "`decimal`"]);
+    let rows: &[&[f64]] = &[&[10_000.0, 5500.0], &[12_500.0, 6100.0]];
+    let thousands = options(TableOptions::new().thousands(','));
+    let reading = check(text, &thousands, rows, &["pop", "area"]);
+    assert!(reading.to_string().contains("thousands comma"), "{reading}");
+    let rows: &[&[f64]] = &[&[10.0, 5.5], &[12.5, 6.1]];
+    check(text, &options(TableOptions::new().decimal(',')), rows, &["pop", "area"]);
+    // Both signs in a number decide.
+    check(
+        "x;y\n\"1,299.99\";3\n\"12,000\";5\n",
+        &auto(),
+        &[&[1299.99, 3.0], &[12_000.0, 5.0]],
+        &["x", "y"],
+    );
+}
+
+#[test]
+fn numbers_that_may_be_names_need_an_option() {
+    let text = "400,410,420\n0.10,0.20,0.30\n0.11,0.25,0.28\n";
+    refused(text, &auto(), 1, &["names of columns or the first row of numbers", "`header`"]);
+    let rows: &[&[f64]] = &[&[400.0, 410.0, 420.0], &[0.10, 0.20, 0.30], &[0.11, 0.25, 0.28]];
+    let header = |header| options(TableOptions::new().header(header));
+    check(text, &header(true), &rows[1..], &["400", "410", "420"]);
+    check(text, &header(false), rows, &[]);
+    refused("1990,1991\n5,7\n6,9\n", &auto(), 1, &["`header`"]);
+    refused("1990,1991,1992\n1200,1900,1700\n1300,1800,1500\n", &auto(), 1, &["`header`"]);
+    let years = |i: usize| format!("{},{}\n", 1200 + 37 * i % 100, 1900 - 41 * i % 100);
+    let years: String = (0..25).map(years).collect();
+    refused(&format!("1990,1991\n{years}"), &auto(), 1, &["`header`"]);
+    refused("10,20,30\n1,2,3\n4,5,7\n", &auto(), 1, &["`header`"]);
+    check("10,20,30\n40,50,60\n", &auto(), &[&[10.0, 20.0, 30.0], &[40.0, 50.0, 60.0]], &[]);
+    // Numbers like those below them are numbers, and so are those at the end of a sorted column.
+    let sorted = |i: usize| format!("{},{}\n", i + 1, 100 + i * i);
+    let sorted: String = (0..25).map(sorted).collect();
+    assert_eq!(content(format!("0,99\n{sorted}"), &auto()).unwrap().matrix.nrows(), 26);
+    check("1,2\n3,4\n5,6\n", &auto(), &[&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]], &[]);
+    check("1,2\n3,5\n4,4\n", &auto(), SMALL, &[]);
+}
+
+#[test]
+fn a_word_makes_a_header_of_years() {
+    let text = "sample,400,410\ns1,0.10,0.20\ns2,0.11,0.25\n";
+    let rows: &[&[f64]] = &[&[0.10, 0.20], &[0.11, 0.25]];
+    let reading = check(text, &auto(), rows, &["400", "410"]);
+    assert!(reading.header && reading.left_out == ["sample"], "{reading}");
+    check(text, &auto().columns(1..3), rows, &["400", "410"]);
+    check(
+        text,
+        &auto().columns(Columns::parse("410,400")),
+        &[&[0.2, 0.1], &[0.25, 0.11]],
+        &["410", "400"],
+    );
+    let by_hand = "Country,1990,1991\nAT,1,2\nDE,3,4\n";
+    check(by_hand, &auto(), &[&[1.0, 2.0], &[3.0, 4.0]], &["1990", "1991"]);
+}
+
+#[test]
+fn words_in_columns_of_words_do_not_make_a_header_of_numbers() {
+    let text = "5.1,3.5,setosa\n4.9,3.0,setosa\n7.0,3.2,versicolor\n";
+    let reading = check(text, &auto(), &[&[5.1, 3.5], &[4.9, 3.0], &[7.0, 3.2]], &[]);
+    assert_eq!(reading.left_out, ["2"]);
+    refused("5.1,3.5,one\n4.9,3.0,two\n7.0,3.2,three\n", &auto(), 1, &["`header`"]);
+}
+
+#[test]
+fn row_numbers_are_left_out() {
+    let rows: &[&[f64]] = &[&[1.5, 2.0], &[3.5, 5.0]];
+    for text in [
+        "\"x\" \"y\"\n\"1\" 1.5 2\n\"2\" 3.5 5\n",
+        "\"x\" \"y\"\n\"a b\" 1.5 2\n\"c\" 3.5 5\n",
+        "\"\",\"x\",\"y\"\n\"1\",1.5,2\n\"2\",3.5,5\n",
+        ",x,y\n0,1.5,2\n7,3.5,5\n",
+    ] {
+        let reading = check(text, &auto(), rows, &["x", "y"]);
+        assert!(reading.index && reading.to_string().contains("index column left out"), "{text}");
+    }
+    let text = ",x\n0,1.5\n7,3.5\n";
+    let index = |index| options(TableOptions::new().index(index));
+    check(text, &index(false), &[&[0.0, 1.5], &[7.0, 3.5]], &["", "x"]);
+    check("i,x\n0,1.5\n7,3.5\n", &index(true), &[&[1.5], &[3.5]], &["x"]);
+    refused("x,y\n5,1.5,2\n9,3.5,5\n", &auto(), 1, &["`index`", "`skip`"]);
+}
+
+#[test]
+fn years_above_an_index_without_a_name_or_in_quotes_are_names() {
+    let rows: &[&[f64]] = &[&[5.0, 7.0], &[6.0, 9.0]];
+    for text in [
+        ",1990,1991\nAT,5,7\nDE,6,9\n",
+        ",1990,1991\n0,5,7\n1,6,9\n",
+        "\"\",\"1990\",\"1991\"\n\"1\",5,7\n\"2\",6,9\n",
+        "\"1990\" \"1991\"\n\"AT\" 5 7\n\"DE\" 6 9\n",
+        "1990;1991\n1;5;7\n2;6;9\n",
+    ] {
+        let reading = check(text, &auto(), rows, &["1990", "1991"]);
+        assert!(reading.index && reading.has_numbers_in_header, "{text}");
+    }
+    let reading = check("\"1990\",\"1991\"\n5,7\n6,9\n", &auto(), rows, &["1990", "1991"]);
+    assert!(!reading.index, "{reading}");
+    // pandas without names of columns.
+    check(",0,1\n0,5,7\n1,6,9\n", &auto(), rows, &["0", "1"]);
+    refused(",1990,1991\n3,5,7\n5,6,9\n", &auto(), 1, &["column 1: nothing", "`missing`"]);
+    refused("1990;1991\n3;5;7\n9;6;9\n", &auto(), 1, &["2 fields in this row", "`header`"]);
+    // Where all numbers are in quotes, these say nothing.
+    check("\"1\",\"2\"\n\"3\",\"5\"\n\"4\",\"4\"\n", &auto(), SMALL, &[]);
+}
+
+#[test]
+fn what_no_name_can_be_is_data() {
+    let nan = options(TableOptions::new().missing(Missing::Nan));
+    let drop = options(TableOptions::new().missing(Missing::Drop));
+    let text = "NA,NA\n1,2\n3,5\n4,4\n";
+    assert_eq!(check(text, &drop, SMALL, &[]).dropped_rows, 1);
+    let missing: &[&[f64]] = &[&[f64::NAN; 2], SMALL[0], SMALL[1], SMALL[2]];
+    check(text, &nan, missing, &[]);
+    refused(text, &auto(), 1, &["column 1: \"NA\"", "`missing`"]);
+    check("0,5;1,25\n1,0;1,75\n", &auto(), &[&[0.5, 1.25], &[1.0, 1.75]], &[]);
+    check(" 1.0D+00 2.5D-01\n 3.0D+00 1.0D+01\n", &auto(), &[&[1.0, 0.25], &[3.0, 10.0]], &[]);
+    // Names that are words for numbers.
+    check("inf,nan\n1,2\n3,5\n4,4\n", &auto(), SMALL, &["inf", "nan"]);
+    check("1,-inf\n2,3\n", &auto(), &[&[1.0, f64::NEG_INFINITY], &[2.0, 3.0]], &[]);
+}
+
+#[test]
+fn rows_with_missing_cells_are_refused_dropped_or_nan() {
+    let drop = options(TableOptions::new().missing(Missing::Drop));
+    for word in ["NA", "", ".", "NaN", "NULL", "#N/A", "null", "\"\""] {
+        let text = format!("x,y\n1,2\n{word},3\n4,5\n");
+        refused(&text, &auto(), 3, &["column 1 (x)", "where a number should be", "`missing`"]);
+        let reading = check(&text, &drop, &[&[1.0, 2.0], &[4.0, 5.0]], &["x", "y"]);
+        assert_eq!(reading.dropped_rows, 1);
+        assert!(reading.to_string().contains("1 row with a missing cell left out"), "{reading}");
+        // Only the columns that are used count.
+        check(&text, &auto().columns(1..2), &[&[2.0], &[3.0], &[5.0]], &["y"]);
+    }
+    let words = TableOptions::new().missing(Missing::Drop).missing_words(vec!["-999".to_owned()]);
+    check("1,2\n-999,3\n4,5\n", &options(words.clone()), &[&[1.0, 2.0], &[4.0, 5.0]], &[]);
+    refused("1,2\nNA,3\n4,5\n", &options(words), 2, &["\"NA\" is not a number"]);
+    let none = content("x\nNA\nNA\nNA\n", &drop).map(drop_reading).unwrap_err().to_string();
+    assert!(none.contains("each of its 3 rows has a missing cell"), "{none}");
+}
+
+fn drop_reading(content: FileContent) -> Option<TableReading> {
+    content.reading
+}
+
+#[test]
+fn other_notations_are_read_when_the_file_decides() {
+    let names = ["zeit", "druck"];
+    let rows: &[&[f64]] = &[&[0.0, 1.25], &[1.5, 2.5]];
+    let reading = check("zeit;druck\n0;1,25\n1,5;2,5\n", &auto(), rows, &names);
+    assert_eq!(reading.to_string(), "separator ;, decimal comma, header");
+    assert!(!reading.is_plain());
+    let text = "produkt;preis;menge\n1;1.299,99;3\n2;899,50;5\n";
+    let rows: &[&[f64]] = &[&[1299.99, 3.0], &[899.5, 5.0]];
+    check(text, &auto().columns(1..3), rows, &["preis", "menge"]);
+    check("a b\n=\"1\" \"2\"\n", &auto(), &[&[1.0, 2.0]], &["a", "b"]);
+    check("a;b\n\"1e5\";\"2,5\"\n", &auto(), &[&[1e5, 2.5]], &["a", "b"]);
+    check("sep=;\nx;y\n1;2\n", &auto(), &[&[1.0, 2.0]], &["x", "y"]);
+    check("1e5,2E-1\n3d2,4\n", &auto(), &[&[1e5, 0.2], &[300.0, 4.0]], &[]);
+    check("x\n0,5\n2,25\n", &auto(), &[&[0.5], &[2.25]], &["x"]);
+    refused("x\n1,5\n2,25\n", &auto(), 2, &["`index`", "`decimal`"]);
+    refused("x\n5,000\n2,500\n", &auto(), 2, &["\"5,000\" is 5 with", "5000", "`thousands`"]);
+    check("x\n1,5\n2,25\n", &options(TableOptions::new().decimal(',')), &[&[1.5], &[2.25]], &["x"]);
+    // What comes late decides nothing.
+    let late = "x;y\n".to_owned() + &"1;2\n".repeat(30_000) + "1,5;2\n";
+    refused(&late, &auto(), 30_002, &["\"1,5\"", "`decimal`"]);
+    refused("x;y\n0,5;1.25\n", &auto(), 2, &["column 2: \"1.25\"", "`decimal`"]);
+}
+
+#[test]
+fn separators_and_comments_of_every_kind_are_read() {
+    let names = &["a", "b"][..];
+    for text in [
+        "a|b\n1|2\n3|5\n4|4\n",
+        "a,b,\n1,2,\n3,5,\n4,4,\n",
+        "a,b\n1,2,\n3,5,\n4,4,\n",
+        "a,b\r1,2\r3,5\r4,4\r",
+        "a;b\r\n1;2\r\n3;5\r\n4;4",
+        "# a,b\n1.0e+00,2.0e+00\n3.0,5.0\n4.0,4.0\n",
+        "a b # names\n1 2 # first\n3 5 # second\n4 4\n",
+        "\"a\"\t\"b\"\n1\t2\n3\t5\n4\t4\n",
+    ] {
+        check(text, &auto(), SMALL, names);
+    }
+    check("1 2 # first\n3 5 # second\n4 4\n", &auto(), SMALL, &[]);
+    check(
+        "1\t2 3\n4\t5 6\n7\t8 1\n",
+        &auto(),
+        &[&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0], &[7.0, 8.0, 1.0]],
+        &[],
+    );
+    check("1.0, 2.0 # first\n3, 5\n4, 4\n", &auto(), SMALL, &[]);
+    check("% a b\n1 2\n", &options(TableOptions::new().comment('%')), &[&[1.0, 2.0]], &["a", "b"]);
+    check(
+        "a:b\n1:2\n",
+        &options(TableOptions::new().separator(Separator::Char(':'))),
+        &[&[1.0, 2.0]],
+        &["a", "b"],
+    );
+    // A comma in each number is no separator where the names have another one.
+    let reading = check("Name|Wert\nA B|1,5\nC|2,5\n", &auto(), &[&[1.5], &[2.5]], &["Wert"]);
+    assert_eq!(reading.left_out, ["Name"]);
+    let cities = "city\tpop\nNew York\t8,336,817\nLos Angeles\t3,979,576\n";
+    check(cities, &auto(), &[&[8_336_817.0], &[3_979_576.0]], &["pop"]);
+    let late = "a,b,\n".to_owned() + &"1,2,\n".repeat(1000) + "3,5,7\n";
+    refused(&late, &auto(), 1002, &["\"7\" behind the separator"]);
+}
+
+#[test]
+fn names_may_have_separators() {
+    check(
+        "\"Height, cm\",\"Weight, kg\"\n170,65\n180,80\n",
+        &auto(),
+        &[&[170.0, 65.0], &[180.0, 80.0]],
+        &["Height, cm", "Weight, kg"],
+    );
+    check(
+        "\"time; s\",\"x\"\n1,2\n2,4.5\n",
+        &auto(),
+        &[&[1.0, 2.0], &[2.0, 4.5]],
+        &["time; s", "x"],
+    );
+}
+
+#[test]
+fn text_in_other_encodings_is_read() {
+    let utf16 = |text: &str| -> Vec<u8> {
+        [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect()
+    };
+    let reading =
+        check(utf16("c1,h\u{f6}he\n1,2\n3,5\n4,4\n"), &auto(), SMALL, &["c1", "h\u{f6}he"]);
+    assert_eq!(reading.encoding, "UTF-16LE");
+    let reading = check(b"c1,h\xf6he\n1,2\n3,5\n4,4\n", &auto(), SMALL, &["c1", "h\u{f6}he"]);
+    assert_eq!(reading.encoding, "windows-1252");
+    let latin = options(TableOptions::new().encoding("latin1".to_owned()));
+    check(b"c1,h\xf6he\n1,2\n3,5\n4,4\n", &latin, SMALL, &["c1", "h\u{f6}he"]);
+    check("\u{feff}c1,c2\n1,2\n3,5\n4,4\n", &auto(), SMALL, &["c1", "c2"]);
+}
+
+#[test]
+fn lines_at_the_start_may_be_skipped() {
+    let skip = |lines| options(TableOptions::new().skip(lines));
+    check("Made by hand\n\nx,y\n1,2\n3,5\n4,4\n", &skip(2), SMALL, &["x", "y"]);
+    check("x,y\nm,kg\n1,2\n3,5\n4,4\n", &skip(1), SMALL, &["m", "kg"]);
+    let reading = check("x,y\nm,kg\n1,2\n3,5\n4,4\n", &skip(2), SMALL, &[]);
+    assert!(reading.to_string().contains("2 lines skipped, no header"), "{reading}");
+}
+
+#[test]
+fn messages_about_lines_above_a_table_show_them() {
+    for (text, line, shown) in [
+        ("Made by hand\nx,y\n1,2\n3,5\n", 1, "\"Made by hand\""),
+        ("Made by hand\nx,y,z\n1,2,3\n3,5,4\n", 1, "\"Made by hand\""),
+        ("Sales, made by hand\nx,y,z\n1,2,3\n3,5,4\n", 1, "\"Sales made by hand\""),
+        ("x,y\nm,kg\n1,2\n3,5\n", 2, "\"m kg\""),
+        ("size,size,mass\nx,y,z\n1,2,3\n4,5,6\n", 2, "\"x y z\""),
+        ("Title\nx\n1\n2\n", 2, "\"x\""),
+    ] {
+        refused(text, &auto(), line, &[shown, "`skip`"]);
+    }
+}
+
+#[test]
+fn the_content_says_what_a_name_does_not() {
+    let gzip = |text: &[u8]| {
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        packed.write_all(text).unwrap();
+        packed.finish().unwrap()
+    };
+    let folder = Folder::new();
+    let text = b"a;b\n1;2\n3;5\n4;4\n";
+    let array = npy("<f4", "False", "(1, 2)", &[0; 8]);
+    let market = b"%%MatrixMarket matrix array real general\n1 2\n0\n0\n";
+    for (name, bytes, rows) in [
+        ("table", text.to_vec(), 3),
+        ("a.dat", text.to_vec(), 3),
+        ("a.asc", text.to_vec(), 3),
+        ("a.txt", text.to_vec(), 3),
+        ("packed", gzip(text), 3),
+        ("packed.csv", gzip(text), 3),
+        ("packed.dat.gz", gzip(text), 3),
+        ("array", array.clone(), 1),
+        ("array.dat", gzip(&array), 1),
+        ("market", market.to_vec(), 1),
+    ] {
+        let found = read_file(&folder.file(name, bytes), &auto()).unwrap();
+        assert_eq!((found.matrix.nrows(), found.matrix.ncols()), (rows, 2), "{name}");
+    }
+    let format = auto().format(FileFormat::Table);
+    let said = read_file(&folder.file("a.npy", text), &format).map(|found| found.names);
+    assert_eq!(said.unwrap(), ["a", "b"]);
+    for (name, bytes) in [
+        ("zstd", &b"\x28\xb5\x2f\xfd....."[..]),
+        ("bzip2", b"BZh9....."),
+        ("zip", b"PK\x03\x04...."),
+    ] {
+        let said = read_file(&folder.file("a.csv", bytes), &auto()).unwrap_err().to_string();
+        assert!(said.contains(&format!("a.csv: packed by {name}: unpack it first")), "{said}");
+    }
+}
+
+#[test]
+fn columns_of_words_are_left_out_or_factors() {
+    let text = "city,x\nUlm,1\nBonn,2\nUlm,3\n\"\",4\n";
+    let reading = check(text, &auto(), &[&[1.0], &[2.0], &[3.0], &[4.0]], &["x"]);
+    assert_eq!(reading.left_out, ["city"]);
+    let named = content(text, &auto().columns(Columns::parse("city,x"))).map(drop_reading);
+    assert!(named.unwrap_err().to_string().contains("column city has words, such as \"Ulm\""));
+    let factor = TableOptions::new().words(Words::Factor).missing(Missing::Drop);
+    let rows: &[&[f64]] = &[&[1.0, 1.0], &[0.0, 2.0], &[1.0, 3.0]];
+    let reading = check(text, &options(factor), rows, &["city", "x"]);
+    let levels = ["Bonn", "Ulm"].map(str::to_owned).to_vec();
+    assert_eq!(reading.columns[0].kind, ColumnKind::Factor { levels });
+    assert_eq!((reading.columns[1].number, reading.dropped_rows), (1, 1));
+}
+
+#[test]
+fn options_out_of_their_range_are_named() {
+    for (table, name) in [
+        (TableOptions::new().decimal('x'), "decimal"),
+        (TableOptions::new().thousands('_'), "thousands"),
+        (TableOptions::new().decimal(',').thousands(','), "thousands"),
+        (TableOptions::new().separator(Separator::Char('e')), "separator"),
+        (TableOptions::new().comment('\u{a7}'), "comment"),
+        (TableOptions::new().encoding("latin-99".to_owned()), "encoding"),
+    ] {
+        let error = content("1,2\n", &options(table)).map(drop_reading).unwrap_err();
+        assert!(matches!(&error, Error::Argument { what, .. } if *what == name), "{error}");
+    }
+}
+
+#[test]
+fn quotes_that_stay_open_lose_no_row() {
+    refused("x,s\n1,\"a\n2,b\n3,c\n", &auto(), 2, &["quote"]);
+}
+
+/// How a generated table is written.
+#[derive(Debug, Clone)]
+struct Dialect {
+    separator: &'static str,
+    decimal: char,
+    line_end: &'static str,
+    has_quotes: bool,
+    has_header: bool,
+    has_index: bool,
+    has_trailing: bool,
+    ends: bool,
+}
+
+fn dialects() -> impl Strategy<Value = Dialect> {
+    let separators = prop::sample::select(vec![",", ";", "\t", "|", "  ", ", "]);
+    let line_ends = prop::sample::select(vec!["\n", "\r\n", "\r"]);
+    let flags = proptest::array::uniform6(any::<bool>());
+    (separators, line_ends, flags).prop_map(|(separator, line_end, flags)| {
+        let [comma, has_quotes, has_header, has_index, has_trailing, ends] = flags;
+        let is_comma = separator.starts_with(',');
+        Dialect {
+            separator,
+            decimal: if comma && (!is_comma || has_quotes && separator == ",") { ',' } else { '.' },
+            line_end,
+            // After a blank a quote is none.
+            has_quotes: has_quotes && separator != ", ",
+            has_header: has_header || has_index,
+            has_index,
+            has_trailing: has_trailing && !separator.ends_with(' '),
+            ends,
+        }
+    })
+}
+
+impl Dialect {
+    fn line(&self, fields: impl Iterator<Item = String>) -> String {
+        let quoted = fields.map(|f| if self.has_quotes { format!("\"{f}\"") } else { f });
+        let end = if self.has_trailing { self.separator } else { "" };
+        quoted.collect::<Vec<_>>().join(self.separator) + end
+    }
+
+    fn write(&self, rows: &[Vec<f64>]) -> String {
+        let mut lines = Vec::new();
+        if self.has_header {
+            let names = (0..rows[0].len()).map(|j| format!("col {j}").replace(' ', "_"));
+            let index = (self.has_index && self.separator != "  ").then(String::new);
+            lines.push(self.line(index.into_iter().chain(names)));
+        }
+        for (i, row) in rows.iter().enumerate() {
+            let index = self.has_index.then(|| format!("{}", i + 1));
+            let numbers =
+                row.iter().map(|x| format!("{x:?}").replace('.', &self.decimal.to_string()));
+            lines.push(self.line(index.into_iter().chain(numbers)));
+        }
+        let end = if self.ends { self.line_end } else { "" };
+        lines.join(self.line_end) + end
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn tables_in_generated_dialects_are_read_back(
+        dialect in dialects(),
+        // A fraction in each number: with integers only, a dialect may be another one, too.
+        rows in (2_usize..5).prop_flat_map(|n| {
+            let number = (-9999_i32..9999).prop_map(|x| f64::from(x) + 0.5);
+            prop::collection::vec(prop::collection::vec(number, n), 2..40)
+        }),
+    ) {
+        let text = dialect.write(&rows);
+        let fail = |e| TestCaseError::fail(format!("{text}: {e}"));
+        let found = content(&text, &auto()).map_err(fail)?;
+        let expected = Mat::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
+        prop_assert_eq!(doubles(&found.matrix), expected, "{:?}", text);
+        prop_assert_eq!(found.names.len(), if dialect.has_header { rows[0].len() } else { 0 });
+    }
+}
+
+#[test]
+fn named_columns_of_words_are_factors_and_others_are_left_out() {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", "u,v,x,k\nb,p,1,10\na,q,2,9\nb,p,3,w\n");
+    let read = |factors: &[&str], columns: &str| {
+        let factors = factors.iter().map(|&name| name.to_owned()).collect();
+        let columns = if columns.is_empty() { Columns::ALL } else { Columns::parse(columns) };
+        let options = options(TableOptions::new().factors(factors)).columns(columns);
+        read_file(&path, &options)
+            .map(|content| (doubles(&content.matrix), content.reading.unwrap()))
+    };
+    let (found, reading) = read(&["u", "k", "none"], "").unwrap();
+    same(&found, &mat![[1.0, 1.0, 0.0], [0.0, 2.0, 1.0], [1.0, 3.0, 2.0]]);
+    assert_eq!(reading.left_out, ["v"]);
+    let kinds: Vec<_> = reading.columns.iter().map(|column| column.kind.clone()).collect();
+    let levels = |words: &[&str]| ColumnKind::Factor {
+        levels: words.iter().map(|&word| word.to_owned()).collect(),
+    };
+    assert_eq!(kinds, [levels(&["a", "b"]), ColumnKind::Numbers, levels(&["10", "9", "w"])]);
+    // By number; numbers stay numbers; only what is asked for may be words.
+    let (found, _) = read(&["1", "x"], "x,v").unwrap();
+    same(&found, &mat![[1.0, 0.0], [2.0, 1.0], [3.0, 0.0]]);
+    let said = read(&["u"], "v,u").unwrap_err().to_string();
+    assert!(said.contains("column v has words"), "{said}");
+}
+
+#[test]
+fn the_result_does_not_depend_on_threads_or_blocks() {
+    let row = |i: usize| format!("{}.5,{},w{}\n", i % 977, i * i % 1013, i % 7);
+    let text: String = (0..400_000).map(row).collect();
+    let table = TableOptions::new().words(Words::Factor);
+    let folder = Folder::new();
+    let path = folder.file("a.csv", text);
+    let options = |par| options(table.clone().par(par));
+    let read = |par| doubles(&read_file(&path, &options(par)).unwrap().matrix);
+    let found = read(Par::Seq);
+    same(&found, &read(Par::Threads(4)));
+    let mut file = TableFile::open(&path, &options(Par::Threads(3))).unwrap().unwrap();
+    let mut blocks = Mat::<f64>::zeros(found.nrows(), found.ncols());
+    for first in [300_000, 0, 100_000, 200_000] {
+        file.read(first, blocks.as_mut().subrows_mut(first, 100_000)).unwrap();
+    }
+    same(&found, &blocks);
+    assert_eq!(found.shape(), (400_000, 3));
+    let expected = |i: usize| [(i % 977) as f64 + 0.5, (i * i % 1013) as f64, (i % 7) as f64];
+    for i in (0..400_000).step_by(997) {
+        assert_eq!([0, 1, 2].map(|j| found[(i, j)]), expected(i));
+    }
+}
+
+#[test]
+fn a_file_that_changes_while_it_is_read_is_refused() {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", "1.5,2\n3,4\n");
+    let mut file = TableFile::open(&path, &auto()).unwrap().unwrap();
+    let other = file.try_clone().unwrap();
+    assert_eq!(file.identity(), other.identity());
+    std::fs::write(&path, "1.5,2\n").unwrap();
+    let mut out = Mat::<f64>::zeros(2, 2);
+    let said = file.read(0, out.as_mut()).unwrap_err().to_string();
+    assert!(said.contains("shrank"), "{said}");
+    assert!(other.try_clone().is_err());
+}
+
+/// The files of `inputs/tables` in the folder that `CATAMARAN_DATA` names.
+#[test]
+fn the_tables_that_people_sent_are_read_right() {
+    let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
+    let folder = Path::new(&data).join("inputs/tables");
+    if !folder.is_dir() {
+        return;
+    }
+    let read = |name: &str, options: &ReadOptions<'_>| read_file(&folder.join(name), options);
+    let numbers = |name: &str, options: &ReadOptions<'_>, rows: &[&[f64]]| {
+        let content = read(name, options).unwrap_or_else(|e| panic!("{e}"));
+        let expected = Mat::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
+        same(&doubles(&content.matrix), &expected);
+        content
+    };
+    let refused = |name: &str, parts: &[&str]| {
+        let said = read(name, &auto()).map(drop_reading).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+    };
+    refused("thousands_quoted_head.csv", &["thousands_quoted_head.csv:2", "`thousands`"]);
+    refused("spectra_num.csv", &["`header`"]);
+    let spectra: &[&[f64]] =
+        &[&[0.10, 0.20, 0.30], &[0.11, 0.25, 0.28], &[0.09, 0.18, 0.35], &[0.15, 0.22, 0.31]];
+    numbers("spectra.csv", &auto().columns(1..4), spectra);
+    numbers("spectra_num.csv", &options(TableOptions::new().header(true)), spectra);
+    let r = numbers(
+        "r_writetable.txt",
+        &auto(),
+        &[&[1.5, 2.0, 0.5], &[3.5, 5.0, 0.25], &[4.0, 4.0, 1.0], &[6.0, 1.0, 2.0]],
+    );
+    assert_eq!(r.names, ["x", "y", "z"]);
+    for name in [
+        "infnames.csv",
+        "utf16.csv",
+        "pipe.csv",
+        "trailing_comma.csv",
+        "trailing_comment.txt",
+        "cr_only.csv",
+        "savetxt_header.csv",
+        "a.csv.xz",
+    ] {
+        if name == "a.csv.xz" {
+            read(name, &auto()).unwrap();
+        } else {
+            numbers(name, &auto(), SMALL);
+        }
+    }
+    assert_eq!(read("savetxt_header.csv", &auto()).unwrap().names, ["a", "b"]);
+    numbers(
+        "tab_blank_mixed.txt",
+        &auto(),
+        &[&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0], &[7.0, 8.0, 1.0]],
+    );
+    let semi = numbers("quoted_head_semi.csv", &auto(), &[&[1.0, 2.0], &[2.0, 4.5], &[3.0, 5.0]]);
+    assert_eq!(semi.names, ["time; s", "x"]);
+    assert_eq!(read("names_comma.csv", &auto()).unwrap().names, ["a,b", "y"]);
+    let comma = read("quoted_head_comma.csv", &auto()).unwrap();
+    assert_eq!(comma.names, ["Height, cm", "Weight, kg"]);
+    numbers("fortran_d.txt", &auto(), &[&[1.0, 0.25], &[3.0, 10.0], &[2.0, 0.0]]);
+    numbers("dexp.mtx", &auto(), &[&[1.0, 0.0], &[0.25, -4.0]]);
+    let drop = options(TableOptions::new().missing(Missing::Drop));
+    for name in ["na_words.csv", "na_empty.csv"] {
+        let complete = numbers(name, &drop, &[&[1.0, 2.0], &[4.0, 5.0], &[6.0, 8.0]]);
+        assert_eq!(complete.reading.unwrap().dropped_rows, 1);
+    }
+    let first = numbers("na_first.csv", &drop, SMALL);
+    assert_eq!(first.reading.unwrap().dropped_rows, 1);
+    let decimal = read("decimal_comma.csv", &auto()).unwrap();
+    assert_eq!(doubles(&decimal.matrix)[(2, 2)], 19.25);
+    numbers(
+        "thousands_de.csv",
+        &auto().columns(1..3),
+        &[&[1299.99, 3.0], &[899.5, 5.0], &[2100.0, 1.0]],
+    );
+    for name in ["bool.npy", "g.npy", "c.npy.xz", "one.npz"] {
+        assert!(matches!(read(name, &auto()).unwrap().matrix, Matrix::F64(_) | Matrix::F32(_)));
+    }
+    assert!(matches!(read("sparse.npz", &auto()).unwrap().matrix, Matrix::Sparse(_)));
+}
