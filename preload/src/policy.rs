@@ -6,7 +6,8 @@ use std::any::TypeId;
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::Read;
-use std::sync::{Arc, OnceLock};
+use std::rc::Rc;
+use std::sync::OnceLock;
 
 use catamaran::{Accuracy, AtaOptions};
 
@@ -60,7 +61,7 @@ pub fn decide<T: Element>(request: &Request<T>, settings: &Settings) -> Decision
         if settings.memory.is_some_and(|most| scratch > most) {
             return Err(Why::Memory);
         }
-        Ok(Arc::new(plan))
+        Ok(Rc::new(plan))
     })
 }
 
@@ -143,7 +144,7 @@ struct Key {
 }
 
 /// The plan of a request, or why it is not computed here.
-pub type Decision = Result<Arc<Planned>, Why>;
+pub type Decision = Result<Rc<Planned>, Why>;
 
 /// Returns the decision for `key`: that of the last time, or what `decide` returns.
 fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
@@ -153,8 +154,11 @@ fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
         static LAST: RefCell<Vec<(Key, Decision)>> = const { RefCell::new(Vec::new()) };
     }
     let known = LAST.try_with(|last| {
-        let last = last.try_borrow().ok()?;
-        last.iter().find(|(known, _)| *known == key).map(|(_, decision)| decision.clone())
+        let mut last = last.try_borrow_mut().ok()?;
+        let found = last.iter().position(|(known, _)| *known == key)?;
+        // Programs often repeat a shape.
+        last.swap(0, found);
+        Some(last[0].1.clone())
     });
     if let Ok(Some(decision)) = known {
         return decision;
@@ -163,10 +167,8 @@ fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
     // A thread that ends has no memory of plans any more.
     let _ = LAST.try_with(|last| {
         if let Ok(mut last) = last.try_borrow_mut() {
-            if last.len() == SHAPES {
-                drop(last.remove(0));
-            }
-            last.push((key, decision.clone()));
+            last.insert(0, (key, decision.clone()));
+            last.truncate(SHAPES);
         }
     });
     decision

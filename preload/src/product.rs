@@ -1,5 +1,7 @@
 //! Computes requests by Catamaran.
 
+use std::sync::OnceLock;
+
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::{AtaOptions, Par, Result, Uplo};
 
@@ -40,8 +42,14 @@ fn run<T: Element>(
     triangle: Option<Uplo>,
     par: Par,
 ) -> Result<()> {
-    let mut options = AtaOptions::new().par(par);
-    options.uplo = triangle.unwrap_or(options.uplo);
+    /// To create them takes as long as a tiny product.
+    static DEFAULTS: OnceLock<AtaOptions<'static>> = OnceLock::new();
+    let defaults = DEFAULTS.get_or_init(|| AtaOptions::new().par(Par::Seq));
+    let uplo = triangle.unwrap_or(defaults.uplo);
+    if (par, uplo) == (defaults.par, defaults.uplo) {
+        return T::multiply(plan, alpha, left, right, beta, c, defaults);
+    }
+    let options = defaults.clone().par(par).uplo(uplo);
     T::multiply(plan, alpha, left, right, beta, c, &options)
 }
 

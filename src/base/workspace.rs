@@ -1,4 +1,5 @@
 use std::alloc::Layout;
+use std::cell::Cell;
 use std::sync::{Mutex, TryLockError};
 
 use super::memory::check_allocation;
@@ -35,9 +36,13 @@ impl<T: Real> Workspace<T> {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn new(len: usize) -> Result<Self> {
-        let mut workspace = Self { buffer: Vec::new(), skipped: 0 };
+        let mut workspace = Self::empty();
         workspace.reserve(len)?;
         Ok(workspace)
+    }
+
+    const fn empty() -> Self {
+        Self { buffer: Vec::new(), skipped: 0 }
     }
 
     /// Creates a workspace of these elements.
@@ -53,7 +58,7 @@ impl<T: Real> Workspace<T> {
         if self.buffer.len() - self.skipped >= len {
             return Ok(());
         }
-        *self = Self { buffer: Vec::new(), skipped: 0 };
+        *self = Self::empty();
         let bytes = len.saturating_mul(size_of::<T>());
         check_allocation(bytes)?;
         let slack = if bytes < 2 * HUGE_PAGE { 0 } else { HUGE_PAGE / size_of::<T>() };
@@ -173,13 +178,22 @@ fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 /// Memory for the duration of a call, with unspecified contents.
 ///
 /// Fresh pages from the system cost as much as the arithmetic on them, so large blocks are kept for
-/// later calls, as in other BLAS libraries, until [`release_memory`].
+/// later calls, as in other BLAS libraries, until [`release_memory`]. Each thread keeps a small one
+/// for itself, since even the allocator takes a visible part of the time of a small product.
 #[derive(Default)]
 pub struct Scratch(Workspace<f64>);
 
 /// Blocks that later calls may use, in the order in which they were returned. No call waits for the
 /// lock: in a process that is forked while another thread holds it, the wait would never end.
 static SPARE: Mutex<Vec<Workspace<f64>>> = Mutex::new(Vec::new());
+
+thread_local! {
+    /// The small block of this thread.
+    static OWN: Cell<Workspace<f64>> = const { Cell::new(Workspace::empty()) };
+}
+
+/// Most bytes of the small block of a thread: enough for products of 100 x 100 x 100 by integers.
+const SMALL: usize = 256 << 10;
 
 /// Bytes of a block that is kept: the allocator handles smaller ones, larger ones are too much. The
 /// exact path takes up to 1.25 GiB for A^T B of 8192 x 8192 in f64.
@@ -204,7 +218,12 @@ impl Scratch {
         let len = len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>());
         if self.0.as_slice().len() < len {
             self.give_back();
-            self.0 = spare(|blocks| take(blocks, len)).unwrap_or_default();
+            self.0 = if len <= SMALL / size_of::<f64>() {
+                // A thread that ends has none any more.
+                OWN.try_with(Cell::take).unwrap_or_default()
+            } else {
+                spare(|blocks| take(blocks, len)).unwrap_or_default()
+            };
             self.0.reserve(len)?;
         }
         Ok(())
@@ -221,7 +240,10 @@ impl Scratch {
 
     fn give_back(&mut self) {
         let own = std::mem::take(&mut self.0);
-        if KEPT.contains(&size_of_val(own.buffer.as_slice())) {
+        let bytes = size_of_val(own.buffer.as_slice());
+        if (1..=SMALL).contains(&bytes) {
+            let _ = OWN.try_with(|kept| kept.set(own));
+        } else if KEPT.contains(&bytes) {
             let dropped = spare(|blocks| {
                 blocks.push(own);
                 surplus(blocks)
@@ -265,7 +287,9 @@ fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
     }
 }
 
-/// Frees the memory that products keep for later products: at most 1.25 GiB.
+/// Frees the memory that products keep for later products: at most 1.25 GiB, and at most 256 KiB
+/// for each thread. Of the latter only that of the calling thread is freed; the others end with
+/// their threads.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata_into, base::release_memory, faer::Mat};
@@ -278,6 +302,7 @@ fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
 /// ```
 pub fn release_memory() {
     drop(spare(std::mem::take));
+    let _ = OWN.try_with(Cell::take);
 }
 
 /// A bump allocator over a borrowed block: [`Arena::take`] hands out pieces until it is empty,

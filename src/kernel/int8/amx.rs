@@ -6,8 +6,8 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
-use super::direct::{Products, Row};
 use super::kernel::{Conversion, Kernel, Operands, Recombination, Session};
+use super::lanes::LaneSet;
 use super::tile::{DEPTH, PanelBlock, Slice, Square, Tile, TileNorms};
 use crate::base::IsaLevel;
 
@@ -132,8 +132,8 @@ impl Kernel for Amx {
         self.others.recombine(it, out);
     }
 
-    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
-        self.others.multiply_strips(left, right, products);
+    fn lanes(&self) -> LaneSet {
+        self.others.lanes()
     }
 
     fn session(&self) -> Session {

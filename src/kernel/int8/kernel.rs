@@ -1,4 +1,4 @@
-use super::direct::{Products, Row};
+use super::lanes::LaneSet;
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
     DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,
@@ -33,8 +33,8 @@ pub(crate) trait Kernel: Sync {
     /// A subnormal result is rounded once more. Prefetches `next` meanwhile.
     fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>);
 
-    /// Computes the products of the columns of two strips of the same height, modulo 2^64.
-    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products);
+    /// Returns the vectors for small products.
+    fn lanes(&self) -> LaneSet;
 
     /// Prepares the calling thread for [`Kernel::product`] until the session is dropped. Sessions
     /// of one thread must not overlap.

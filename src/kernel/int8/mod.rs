@@ -14,6 +14,7 @@ mod avx512;
 mod direct;
 mod integer;
 mod kernel;
+mod lanes;
 mod moduli;
 mod portable;
 mod recombine;
@@ -22,9 +23,10 @@ mod rounding;
 pub(crate) mod tests;
 mod tile;
 
-pub(crate) use direct::{Direct, LANES, MOST_PARTS, MOST_ROWS, Products, Row};
+pub(crate) use direct::{Direct, Right, products, to_integers};
 pub(crate) use integer::{I256, Integer, U256};
 pub(crate) use kernel::{Conversion, Kernel, Next, Operands, Recombination};
+pub(crate) use lanes::{LANES, Lanes, OnLanes, Row};
 pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::integers;
 pub(crate) use tile::{

@@ -1,7 +1,7 @@
 //! The kernel in plain Rust, for any CPU. Tests compare the other kernels with this one.
 
-use super::direct::{self, Products, Row};
 use super::kernel::{Conversion, Kernel, Operands, Recombination, product_by_pairs};
+use super::lanes::LaneSet;
 use super::moduli::{Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{
@@ -37,8 +37,8 @@ impl Kernel for Portable {
         product_by_pairs(operands, residues, multiply, reduce);
     }
 
-    fn multiply_strips(&self, left: &[Row], right: &[Row], products: &mut Products) {
-        direct::multiply_strips(left, right, products);
+    fn lanes(&self) -> LaneSet {
+        LaneSet::Portable
     }
 
     fn recombine(&self, it: Recombination<'_>, out: &mut Square<f64>) {

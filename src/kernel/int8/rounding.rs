@@ -8,28 +8,12 @@ pub(super) fn nearest([high, middle, low]: [f64; 3]) -> f64 {
     head + sum_to_odd(head_error, tail_error)
 }
 
-/// Returns the f64 nearest to the sum of three numbers; each is zero, or at least as large as the
-/// sum of those after it.
-#[inline(always)]
-pub(super) fn nearest_of_ordered([high, middle, low]: [f64; 3]) -> f64 {
-    let (tail, tail_error) = ordered_sum(middle, low);
-    let (head, head_error) = ordered_sum(high, tail);
-    head + sum_to_odd(head_error, tail_error)
-}
-
 /// Returns `x + y` and its rounding error (Knuth 1969).
 #[inline(always)]
 fn two_sum(x: f64, y: f64) -> (f64, f64) {
     let sum = x + y;
     let part = sum - x;
     (sum, (x - (sum - part)) + (y - part))
-}
-
-/// Returns `x + y` and its rounding error, for a larger x or zero (Dekker 1971).
-#[inline(always)]
-fn ordered_sum(x: f64, y: f64) -> (f64, f64) {
-    let sum = x + y;
-    (sum, y - (sum - x))
 }
 
 /// Returns `x + y`, rounded to an odd mantissa if it is not exact. Added to a larger number, it is

@@ -4,6 +4,7 @@
 mod emulator;
 mod ladder;
 
+use super::direct::MOST_ROWS;
 use super::moduli::Modulus;
 use super::sealed::Steps;
 use super::tile::{self, Quarter, power_of_two};
@@ -379,32 +380,51 @@ fn strip<T: IntegerOperand>(height: usize, largest: f64, rng: &mut Rng) -> Vec<[
     (0..height).map(|_| [(); LANES].map(&mut entry)).collect()
 }
 
+/// Products of the columns of two strips, those of a column of the right one together.
+struct ProductsOfStrips<'s, T>(&'s [Vec<[T; LANES]>; 2]);
+
+impl<T: IntegerOperand> OnLanes for ProductsOfStrips<'_, T> {
+    type Output = [[f64; LANES]; LANES];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> [[f64; LANES]; LANES] {
+        let mut both = vec![[0; LANES]; self.0[0].len()];
+        let strips = self.0.each_ref().map(|strip| {
+            let mut rows = vec![[[0; 2]; LANES]; strip.len()];
+            for (row, entries) in rows.iter_mut().zip(strip) {
+                let entries = lanes.load(&entries.map(T::to_f64));
+                lanes.store_row(lanes.bits(entries), row);
+            }
+            to_integers::<L, T>(lanes, &mut rows, lanes.splat(1.0), &mut both);
+            rows
+        });
+        let right = |lane| Right { rows: &strips[1], both: &both, lane };
+        let mut found = [[0.0; LANES]; LANES];
+        for j in 0..5 {
+            let products =
+                products::<L, T, 4>(lanes, &strips[0], [0, 1, 2, 3].map(|i| right(j + i)));
+            for (i, products) in products.into_iter().enumerate() {
+                lanes.store(products, &mut found[j + i]);
+            }
+        }
+        for j in [0, 7] {
+            let [products] = products::<L, T, 1>(lanes, &strips[0], [right(j)]);
+            lanes.store(products, &mut found[j]);
+        }
+        found
+    }
+}
+
 /// Checks the products of columns whose norms are nearly `2^bits`.
 fn check_strips<T: IntegerOperand>(bits: f64, rng: &mut Rng) {
     for height in [1, 2, 31, MOST_ROWS, MOST_ROWS + 1, 3 * MOST_ROWS + 7] {
         let largest = (bits.exp2() / (height as f64).sqrt()).floor();
         let largest = largest.min(power_of_two(T::INTEGER_BITS) * 0.999);
         let strips = [(); 2].map(|()| strip::<T>(height, largest, rng));
-        let parts = strips.each_ref().map(|strip| {
-            // SAFETY: the products of the columns are below 2^(2 bits).
-            let of_rows = strip.iter().map(|row| unsafe { T::parts(*row) });
-            let of_rows: Vec<_> = of_rows.collect();
-            [0, 1, 2].map(|part| of_rows.iter().map(|row| row[part]).collect::<Vec<_>>())
-        });
         for (name, kernel) in kernels() {
-            let mut sums = [[[0; LANES]; LANES]; MOST_PARTS];
-            for first in (0..height).step_by(MOST_ROWS) {
-                let rows = first..height.min(first + MOST_ROWS);
-                let mut products = [[[-1; LANES]; LANES]; MOST_PARTS];
-                for (part, products) in products.iter_mut().enumerate() {
-                    let [left, right] = parts.each_ref().map(|parts| &parts[part][rows.clone()]);
-                    kernel.multiply_strips(left, right, products);
-                }
-                T::accumulate(&products, &mut sums);
-            }
-            for j in 0..LANES {
-                let values = T::values(&sums, j);
-                for (i, &value) in values.iter().enumerate() {
+            let found = kernel.lanes().run(ProductsOfStrips(&strips));
+            for (j, found) in found.iter().enumerate() {
+                for (i, &value) in found.iter().enumerate() {
                     let rows = strips[0].iter().zip(&strips[1]);
                     let terms = rows.map(|(x, y)| x[i].to_f64() as i128 * y[j].to_f64() as i128);
                     let expected = terms.sum::<i128>() as f64;

@@ -147,7 +147,7 @@ impl<T: Real, const W: usize> Powers<T, W> {
 
 /// Returns `2^e` exactly, for e in `-1022..=1023`.
 #[inline(always)]
-pub(crate) fn power_of_two(e: i32) -> f64 {
+pub(crate) const fn power_of_two(e: i32) -> f64 {
     f64::from_bits(((e + 1023) as u64) << 52)
 }
 

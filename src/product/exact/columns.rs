@@ -11,8 +11,7 @@ use crate::kernel::int8::{
 
 /// How the columns of an operand become integers.
 pub(crate) struct Columns {
-    /// Column j is multiplied by `2^exponents[j]`; zeros up to a whole panel, or in
-    /// small products to a whole strip of [`LANES`](crate::kernel::int8::LANES) columns.
+    /// Column j is multiplied by `2^exponents[j]`; zeros up to a whole panel.
     pub exponents: Vec<i32>,
     /// Columns with a NaN or an infinity, in order; they count as zeros.
     pub non_finite: Vec<usize>,

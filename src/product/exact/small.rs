@@ -1,16 +1,16 @@
 //! Small products: their integers are multiplied as such. The result is that of the residues, since
 //! both are the same integers, rounded once; but no tiles have to be filled.
 
-use faer::prelude::ReborrowMut;
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::columns::{self, Columns};
 use super::non_finite::Signs;
 use super::sink::write_entry;
-use crate::base::{Arena, Par, Result, Tracker, widest};
+use crate::base::{Arena, Par, Real, Result, Tracker, widest};
 use crate::kernel::int8::{
-    IntegerIsa, IntegerOperand, Kernel, LANES, MOST_PARTS, MOST_ROWS, Moduli, PANEL, Powers,
-    Products, Row, STEP, norms, scaled, transpose,
+    IntegerIsa, IntegerOperand, Kernel, LANES, Lanes, Moduli, OnLanes, PANEL, Right, Row, STEP,
+    norms, power_of_two, products, scaled, to_integers,
 };
 use crate::product::options::AtaOptions;
 
@@ -25,22 +25,22 @@ pub(crate) fn seconds<T: IntegerOperand>(
     moduli: usize,
     symmetric: bool,
 ) -> Option<f64> {
-    /// Seconds of an entry that becomes an integer.
-    const ENTRY: f64 = 1e-9;
-    /// Seconds of an entry of C that is rounded.
-    const RESULT: f64 = 3e-9;
+    /// Products of parts that take as long as an entry becomes an integer.
+    const ENTRY: f64 = 8.0;
+    /// Products of parts that take as long as an entry of C is rounded.
+    const RESULT: f64 = 20.0;
     /// Seconds of a product by residues that do not grow with the sides.
     const START: f64 = 1e-5;
     /// Most seconds of a product by integers, which takes one thread and has no progress.
-    const MOST: f64 = 1e-3;
+    const MOST: f64 = 1e-2;
     let half = if symmetric { 0.5 } else { 1.0 };
     let real = |side: usize| side as f64;
     let padded = |side: usize, to: usize| side.next_multiple_of(to) as f64;
     let rates = isa.rates();
     let results = half * padded(n, LANES) * padded(k, LANES);
-    let integers = results * real(m) * T::PARTS as f64 / rates.integers
-        + real(m) * (padded(n, LANES) + padded(k, LANES)) * ENTRY
-        + results * RESULT;
+    let entries = real(m) * (padded(n, LANES) + padded(k, LANES));
+    let integers =
+        (results * real(m) * T::PARTS as f64 + entries * ENTRY + results * RESULT) / rates.integers;
     let (height, left, right) = (padded(m, STEP), padded(n, PANEL), padded(k, PANEL));
     let operands = height * if symmetric { left } else { left + right };
     let blocks = half * left * right;
@@ -52,14 +52,15 @@ pub(crate) fn seconds<T: IntegerOperand>(
 
 /// Returns the elements of scratch that [`execute`] needs.
 pub(crate) fn scratch_len<T: IntegerOperand>([m, n, k]: [usize; 3], same: bool) -> usize {
-    let strips = |columns: usize| {
-        Arena::<T>::len_of::<Row>(m.saturating_mul(columns.div_ceil(LANES) * T::PARTS))
-    };
+    let strips = (if same { n } else { n.saturating_add(k) }).div_ceil(LANES);
+    let rows = m.saturating_mul(strips);
     let bands = m.div_ceil(STEP);
-    let one = Arena::<T>::len_of::<[T; LANES]>(m)
+    Arena::<T>::len_of::<Row>(rows)
+        + Arena::<T>::len_of::<[i32; LANES]>(rows)
+        + Arena::<T>::len_of::<[i32; LANES]>(strips)
+        + Arena::<T>::len_of::<[f64; LANES]>(strips)
         + Arena::<T>::len_of::<[i32; LANES]>(bands)
-        + Arena::<T>::len_of::<[f64; LANES]>(bands);
-    one + strips(n) + if same { 0 } else { strips(k) }
+        + Arena::<T>::len_of::<[f64; LANES]>(bands)
 }
 
 /// Computes what [`execute`](super::execute) computes with so many moduli; a symmetric product is
@@ -72,193 +73,443 @@ pub(crate) fn execute<T: IntegerOperand>(
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
     beta: T,
-    mut c: MatMut<'_, T>,
+    c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let moduli = Moduli::of(moduli);
-    let arena = &mut Arena::new(scratch);
-    let mut strips = |a| Strips::new(a, moduli, arena);
-    let (of_a, of_b) = (strips(a), b.map(strips));
-    let (b, of_b) = (b.unwrap_or(a), of_b.as_ref().unwrap_or(&of_a));
-    let signs = Signs::of_product((a, &of_a.columns), (b, &of_b.columns), Par::Seq)?;
-    widest(
-        #[inline(always)]
-        || multiply(kernel, [&of_a, of_b], symmetric, alpha, beta, c.rb_mut()),
-    );
+    // The transposed product has the same entries.
+    let (a, b, mut c) = match b {
+        Some(b) if !symmetric && is_better_transposed(c.rb()) => (b, Some(a), c.transpose_mut()),
+        _ => (a, b, c),
+    };
+    let lanes = kernel.lanes();
+    let limit = columns::limit(Moduli::of(moduli), a.nrows());
+    let strips = lanes.run(Convert { a, b, limit, arena: Arena::new(scratch) });
+    let signs = if strips.non_finite.is_empty() { None } else { strips.signs(a, b)? };
+    lanes.run(Multiply { strips: &strips, symmetric, alpha, beta, c: c.rb_mut() });
+    let Some(signs) = signs else { return options.progress.report(1.0) };
     let progress = Tracker::new(options.progress, 1.0);
-    if let Some(signs) = signs {
-        signs.add(alpha, symmetric, c, Par::Seq, &progress);
-    }
+    signs.add(alpha, symmetric, c, Par::Seq, &progress);
     progress.finish()
 }
 
-/// The integers of an operand, in strips of [`LANES`] columns.
+/// Returns whether strips of the columns of C have fewer empty places than strips of its rows, or
+/// about as many and adjacent entries.
+fn is_better_transposed<T>(c: MatRef<'_, T>) -> bool {
+    let strips = |along: usize, across: usize| along.div_ceil(LANES) * across;
+    let (rows, columns) = (strips(c.nrows(), c.ncols()), strips(c.ncols(), c.nrows()));
+    // Entries that are not adjacent are written one by one.
+    let adjacent = c.col_stride() == 1 && c.row_stride() != 1;
+    4 * columns < 3 * rows || (adjacent && 3 * columns <= 4 * rows)
+}
+
+/// The integers of the columns of A, and then those of B, in strips of [`LANES`] columns.
 struct Strips<'a> {
-    columns: Columns,
-    /// Strip by strip, and in each the parts of the integers one after another.
-    rows: &'a [Row],
+    /// Columns of A if there is another operand, else 0: the first column of the right side.
+    right: usize,
+    /// Entries of a column.
     height: usize,
+    /// Strip by strip.
+    rows: &'a mut [Row],
+    /// The sums of both parts of each integer.
+    both: &'a mut [[i32; LANES]],
+    /// Columns are multiplied by `2^exponent` before they are rounded to integers.
+    exponents: &'a mut [[i32; LANES]],
+    /// `2^-exponent`, if [`Strips::moderate`].
+    units: &'a mut [[f64; LANES]],
+    /// Whether a product of an integer and two units is rounded once.
+    moderate: bool,
+    /// Columns with a NaN or an infinity, in order; they count as zeros.
+    non_finite: Vec<usize>,
 }
 
-impl<'a> Strips<'a> {
-    fn new<T: IntegerOperand>(a: MatRef<'_, T>, moduli: &Moduli, arena: &mut Arena<'a, T>) -> Self {
-        let (height, n) = a.shape();
-        let count = n.div_ceil(LANES);
-        let rows = arena.take_as::<Row>(count * T::PARTS * height);
-        let mut arena = arena.nested();
-        let entries = arena.take_as::<[T; LANES]>(height);
-        let bands = height.div_ceil(STEP);
-        let exponents = arena.take_as::<[i32; LANES]>(bands);
-        let squares = arena.take_as::<[f64; LANES]>(bands);
-        let limit = columns::limit(moduli, height);
-        let found =
-            rows.chunks_exact_mut((T::PARTS * height).max(1)).enumerate().map(|(strip, rows)| {
-                let first = strip * LANES;
-                let a = a.subcols(first, LANES.min(n - first));
-                widest(
-                    #[inline(always)]
-                    || {
-                        load(a, entries);
-                        for (band, rows) in entries.chunks(STEP).enumerate() {
-                            let norms = norms(rows);
-                            (exponents[band], squares[band]) = (norms.exponents, norms.squares);
-                        }
-                        let mut found = columns::combine::<T, _>(exponents, squares, limit);
-                        convert(entries, found, rows);
-                        found[a.ncols()..].fill(Some(0));
-                        found
-                    },
-                )
-            });
-        Self { columns: Columns::of_groups(count, found), rows, height }
+impl Strips<'_> {
+    fn signs<T: Real>(&self, a: MatRef<'_, T>, b: Option<MatRef<'_, T>>) -> Result<Option<Signs>> {
+        let columns = |non_finite| Columns { exponents: Vec::new(), non_finite, wide: false };
+        let Some(b) = b else {
+            let columns = columns(self.non_finite.clone());
+            return Signs::of_product((a, &columns), (a, &columns), Par::Seq);
+        };
+        let of_b = self.non_finite.partition_point(|&j| j < self.right);
+        let right = columns(self.non_finite[of_b..].iter().map(|j| j - self.right).collect());
+        let left = columns(self.non_finite[..of_b].to_vec());
+        Signs::of_product((a, &left), (b, &right), Par::Seq)
     }
 
-    /// Returns a strip: its parts one after another.
+    /// Returns column j of the right side, and its exponent and unit.
     #[inline(always)]
-    fn strip<T: IntegerOperand>(&self, strip: usize) -> &[Row] {
-        let len = T::PARTS * self.height;
-        &self.rows[strip * len..(strip + 1) * len]
+    fn right(&self, j: usize) -> (Right<'_>, i32, f64) {
+        let (strip, lane) = ((self.right + j) / LANES, (self.right + j) % LANES);
+        let range = strip * self.height..(strip + 1) * self.height;
+        let right = Right { rows: &self.rows[range.clone()], both: &self.both[range], lane };
+        (right, self.exponents[strip][lane], self.units[strip][lane])
     }
 }
 
-/// Reads at most [`LANES`] columns; the last takes the place of those that are missing.
-#[inline(always)]
-fn load<T: IntegerOperand>(a: MatRef<'_, T>, entries: &mut [[T; LANES]]) {
-    let (m, n) = a.shape();
-    let column = |j: usize| a.col(j.min(n - 1));
-    if a.col_stride() == 1 {
-        for (i, row) in entries.iter_mut().enumerate() {
-            // SAFETY: the n entries of a row are adjacent.
-            let found = unsafe { std::slice::from_raw_parts(a.row(i).as_ptr(), n) };
-            row[..n].copy_from_slice(found);
-            row[n..].fill(found[n - 1]);
+/// The largest exponent for which powers of two and their inverses have moderate products.
+const MODERATE: i32 = 600;
+
+/// Converts the operands to integers.
+struct Convert<'a, 'm, T> {
+    a: MatRef<'m, T>,
+    b: Option<MatRef<'m, T>>,
+    /// The largest norm of a column before it is rounded.
+    limit: f64,
+    arena: Arena<'a, T>,
+}
+
+impl<'a, T: IntegerOperand> OnLanes for Convert<'a, '_, T> {
+    type Output = Strips<'a>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Strips<'a> {
+        let Self { a, b, limit, mut arena } = self;
+        let height = a.nrows();
+        let right = if b.is_some() { a.ncols() } else { 0 };
+        let columns = a.ncols() + b.map_or(0, |b| b.ncols());
+        let count = columns.div_ceil(LANES);
+        let mut strips = Strips {
+            right,
+            height,
+            rows: arena.take_as(count * height),
+            both: arena.take_as(count * height),
+            exponents: arena.take_as(count),
+            units: arena.take_as(count),
+            moderate: true,
+            non_finite: Vec::new(),
+        };
+        let bounds = Bounds::new(limit, height);
+        for strip in 0..count {
+            let first = strip * LANES;
+            let range = strip * height..(strip + 1) * height;
+            let rows = &mut strips.rows[range.clone()];
+            let of_a = a.ncols().saturating_sub(first).min(LANES);
+            if of_a > 0 {
+                fill(lanes, a.subcols(first, of_a), 0, rows);
+            }
+            if let Some(b) = b.filter(|_| of_a < LANES) {
+                let from = (first + of_a) - a.ncols();
+                let of_b = (b.ncols() - from).min(LANES - of_a);
+                fill(lanes, b.subcols(from, of_b), of_a, rows);
+            }
+            let present = (columns - first).min(LANES);
+            let exponents = &mut strips.exponents[strip];
+            let powers = match bounds.exponents::<L, T>(lanes, rows, present) {
+                Some(found) => {
+                    lanes.store_low(found, exponents);
+                    let bias = lanes.splat_integer(1023);
+                    let power = lanes.shift_left::<52>(lanes.add_integers(bias, found));
+                    let unit = lanes.shift_left::<52>(lanes.sub_integers(bias, found));
+                    lanes.store(lanes.from_bits(unit), &mut strips.units[strip]);
+                    lanes.from_bits(power)
+                }
+                None => {
+                    let found = exponents_of_any::<T>(rows, limit, &mut arena);
+                    let missing = (0..present).filter(|&j| found[j].is_none());
+                    strips.non_finite.extend(missing.map(|j| first + j));
+                    let mut powers = [0.0; LANES];
+                    for (j, found) in found.into_iter().enumerate() {
+                        let found = found.unwrap_or(0);
+                        let fits = found.abs() <= MODERATE;
+                        strips.moderate &= fits;
+                        exponents[j] = found;
+                        strips.units[strip][j] = if fits { power_of_two(-found) } else { 0.0 };
+                        powers[j] = power_of_two(found - enlarged(found));
+                    }
+                    lanes.load(&powers)
+                }
+            };
+            to_integers::<L, T>(lanes, rows, powers, &mut strips.both[range]);
         }
-        return;
+        strips
     }
-    if a.row_stride() != 1 {
-        for j in 0..LANES {
-            for (row, &entry) in entries.iter_mut().zip(column(j).iter()) {
-                row[j] = entry;
+}
+
+/// Reads at most [`LANES`] columns into the lanes from `first` on. The lanes after these become
+/// zero; those before keep their entries.
+#[inline(always)]
+fn fill<L: Lanes, T: IntegerOperand>(lanes: L, a: MatRef<'_, T>, first: usize, rows: &mut [Row]) {
+    let range = first..first + a.ncols();
+    let (down, along) = (a.row_stride(), a.col_stride());
+    if along == 1 {
+        for (i, row) in rows.iter_mut().enumerate() {
+            let from = a.as_ptr().wrapping_offset(i as isize * down);
+            // SAFETY: the entries of a row are adjacent.
+            put(lanes, unsafe { T::read(lanes, from, range.clone()) }, first, row);
+        }
+    } else if down == 1 {
+        for (block, rows) in rows.chunks_mut(LANES).enumerate() {
+            let mut columns = [lanes.splat(0.0); LANES];
+            for j in 0..LANES {
+                if range.contains(&j) {
+                    let from = a.as_ptr().wrapping_offset((j - first) as isize * along);
+                    let from = from.wrapping_add(block * LANES);
+                    // SAFETY: the entries of a column are adjacent.
+                    columns[j] = unsafe { T::read(lanes, from, 0..rows.len()) };
+                }
+            }
+            let columns = lanes.transpose(columns);
+            // A loop of fixed length keeps the vectors in registers.
+            for i in 0..LANES {
+                if let Some(row) = rows.get_mut(i) {
+                    put(lanes, columns[i], first, row);
+                }
             }
         }
-        return;
-    }
-    let columns: [_; LANES] = std::array::from_fn(|j| {
-        // SAFETY: the m entries of a column are adjacent.
-        unsafe { std::slice::from_raw_parts(column(j).as_ptr(), m) }.as_chunks::<LANES>()
-    });
-    let (whole, rest) = entries.as_chunks_mut::<LANES>();
-    for (i, rows) in whole.iter_mut().enumerate() {
-        transpose(columns.map(|(chunks, _)| &chunks[i]), rows);
-    }
-    for (i, row) in rest.iter_mut().enumerate() {
-        *row = columns.map(|(_, rest)| rest[i]);
+    } else {
+        for (i, row) in rows.iter_mut().enumerate() {
+            let mut entries = [0.0; LANES];
+            for (j, entry) in entries[range.clone()].iter_mut().enumerate() {
+                *entry = a[(i, j)].to_f64();
+            }
+            put(lanes, lanes.load(&entries), first, row);
+        }
     }
 }
 
-/// Writes the parts of the integers of a strip one after another; columns that are not finite count
-/// as zeros.
+/// Writes entries to the lanes of a row from `first` on; the others are zero.
 #[inline(always)]
-fn convert<T: IntegerOperand>(
-    entries: &mut [[T; LANES]],
-    found: [Option<i32>; LANES],
-    rows: &mut [Row],
-) {
-    for j in (0..LANES).filter(|&j| found[j].is_none()) {
-        entries.iter_mut().for_each(|row| row[j] = T::ZERO);
+fn put<L: Lanes>(lanes: L, entries: L::Floats, first: usize, row: &mut Row) {
+    let entries = lanes.bits(entries);
+    let all = if first == 0 { entries } else { lanes.or(lanes.load_row(row), entries) };
+    lanes.store_row(all, row);
+}
+
+/// What decides the exponents of columns.
+///
+/// The exponent of a column is the largest q for which `2^q |a|` is below the limit, but with a
+/// bound of |a| that is a sum of integers ([`columns`]). The square of that bound exceeds that of
+/// |a| by at most a factor of `1 + sqrt(m) / 2^18 + m / 2^37`, so that the norm itself nearly
+/// always gives the same exponent.
+struct Bounds {
+    /// The bits of the squared limit, less and more than it by what the bound and roundings may be
+    /// wrong.
+    squares: [i64; 2],
+}
+
+impl Bounds {
+    fn new(limit: f64, height: usize) -> Self {
+        /// Relative errors of roundings: those of sums of fewer than `2^22` squares.
+        const ROUNDING: f64 = 1.0 / (1 << 30) as f64;
+        let square = (limit * limit).to_bits() as i64;
+        let excess = (height as f64).sqrt() / f64::from(1 << 18) + height as f64 * 2e-11;
+        // A relative difference d changes the bits by less than 2^53 d.
+        let bits = |difference: f64| (difference * (1_u64 << 53) as f64) as i64;
+        Self { squares: [square - bits(excess + ROUNDING), square + bits(ROUNDING)] }
     }
-    let mut exponents = [0; LANES];
-    exponents.iter_mut().zip(found).for_each(|(exponent, found)| *exponent = found.unwrap_or(0));
-    let Powers { first, second } = Powers::<T, LANES>::new(exponents);
-    let mut parts = rows.chunks_exact_mut(entries.len());
-    let mut parts: [_; MOST_PARTS] = std::array::from_fn(|_| parts.next().unwrap_or_default());
-    for (i, row) in entries.iter().enumerate() {
-        let scaled = std::array::from_fn(|j| row[j] * first[j] * second[j]);
-        // SAFETY: `combine` chooses powers that keep norms below the bound.
-        let integers = unsafe { T::parts(scaled) };
-        for (part, integers) in parts.iter_mut().zip(integers).take(T::PARTS) {
-            part[i] = integers;
+
+    /// Returns the exponents of the columns of a strip, of which so many are present; `None` if
+    /// some are not certain, or entries have extreme sizes.
+    #[inline(always)]
+    fn exponents<L: Lanes, T: IntegerOperand>(
+        &self,
+        lanes: L,
+        rows: &[Row],
+        present: usize,
+    ) -> Option<L::Integers> {
+        /// Squares between those of these numbers, and their sums, are normal numbers.
+        const RANGE: [f64; 2] = [power_of_two(-450), power_of_two(480)];
+        const ROWS: usize = 1 << 22;
+        const ABSENT: [f64; 2 * LANES] =
+            [0., 0., 0., 0., 0., 0., 0., 0., 1., 1., 1., 1., 1., 1., 1., 1.];
+        if rows.len() > ROWS {
+            return None;
+        }
+        let magnitude = lanes.splat_integer(i64::MAX);
+        let absent = lanes.load(ABSENT[LANES - present..].first_chunk().unwrap());
+        let mut largest = absent;
+        for row in rows {
+            let size = lanes.from_bits(lanes.and(lanes.load_row(row), magnitude));
+            largest = lanes.max(size, largest);
+        }
+        if !lanes.all_within(largest, RANGE[0], RANGE[1]) {
+            return None;
+        }
+        let mut sums = [absent; 4];
+        let (fours, rest) = rows.as_chunks::<4>();
+        for four in fours {
+            for i in 0..4 {
+                let entries = lanes.from_bits(lanes.load_row(&four[i]));
+                sums[i] = lanes.mul_add(entries, entries, sums[i]);
+            }
+        }
+        for row in rest {
+            let entries = lanes.from_bits(lanes.load_row(row));
+            sums[0] = lanes.mul_add(entries, entries, sums[0]);
+        }
+        let sum = lanes.add(lanes.add(sums[0], sums[1]), lanes.add(sums[2], sums[3]));
+        // A NaN is not within.
+        if !lanes.all_within(sum, 0.0, f64::MAX) {
+            return None;
+        }
+        let sum = lanes.bits(sum);
+        // The difference of bits, divided by 2^52 and rounded down, is log2 of the quotient rounded
+        // down, of which half is wanted.
+        let mut found = [sum; 2];
+        for (found, square) in found.iter_mut().zip(self.squares) {
+            let quotient = lanes.sub_integers(lanes.splat_integer(square), sum);
+            *found = lanes.shift_right_signed::<53>(quotient);
+        }
+        if !lanes.all_equal(found[0], found[1]) {
+            return None;
+        }
+        if T::PARTS > 1 {
+            return Some(found[0]);
+        }
+        // The integers of f32 are limited too.
+        let exponent = lanes.shift_right::<52>(lanes.bits(largest));
+        let most = lanes.splat_integer(i64::from(T::INTEGER_BITS) + 1022);
+        Some(lanes.min_integers(found[0], lanes.sub_integers(most, exponent)))
+    }
+}
+
+/// The power of two that the entries of a column of this exponent are multiplied by first, since
+/// `2^exponent` may overflow.
+fn enlarged(exponent: i32) -> i32 {
+    if exponent > 900 { 400 } else { 0 }
+}
+
+/// Returns the exponents of the columns of a strip, `None` for those with an entry that is not
+/// finite, which become zeros. Entries of the other columns are multiplied as [`enlarged`] says.
+#[cold]
+#[inline(never)]
+fn exponents_of_any<T: IntegerOperand>(
+    rows: &mut [Row],
+    limit: f64,
+    arena: &mut Arena<'_, T>,
+) -> [Option<i32>; LANES] {
+    let mut arena = arena.nested();
+    let bands = rows.len().div_ceil(STEP);
+    let exponents = arena.take_as::<[i32; LANES]>(bands);
+    let squares = arena.take_as::<[f64; LANES]>(bands);
+    let entry = |[low, high]: [i32; 2]| {
+        f64::from_bits(u64::from(low.cast_unsigned()) | u64::from(high.cast_unsigned()) << 32)
+    };
+    let found = widest(
+        #[inline(always)]
+        || {
+            for (band, rows) in rows.chunks(STEP).enumerate() {
+                let mut entries = [[0.0; LANES]; STEP];
+                for (entries, row) in entries.iter_mut().zip(rows) {
+                    for j in 0..LANES {
+                        entries[j] = entry(row[j]);
+                    }
+                }
+                let norms = norms(&entries[..rows.len()]);
+                (exponents[band], squares[band]) = (norms.exponents, norms.squares);
+            }
+            columns::combine::<T, _>(exponents, squares, limit)
+        },
+    );
+    for j in 0..LANES {
+        let factor = match found[j] {
+            None => 0.0,
+            Some(exponent) => power_of_two(enlarged(exponent)),
+        };
+        if factor == 1.0 {
+            continue;
+        }
+        for row in &mut *rows {
+            let value = if factor == 0.0 { 0.0 } else { entry(row[j]) * factor };
+            let bits = value.to_bits();
+            row[j] = [bits as i32, (bits >> 32) as i32];
         }
     }
+    found
 }
 
 /// Computes the entries of C.
-#[inline(always)]
-fn multiply<T: IntegerOperand>(
-    kernel: &dyn Kernel,
-    [left, right]: [&Strips<'_>; 2],
+struct Multiply<'s, 'a, 'c, T> {
+    strips: &'s Strips<'a>,
     symmetric: bool,
     alpha: T,
     beta: T,
-    mut c: MatMut<'_, T>,
-) {
-    let (rows, cols) = c.shape();
-    let mut products = [[[0; LANES]; LANES]; MOST_PARTS];
-    let mut sums = products;
-    for right_strip in 0..cols.div_ceil(LANES) {
-        let first = if symmetric { right_strip } else { 0 };
-        for left_strip in first..rows.div_ceil(LANES) {
-            let strips = [left.strip::<T>(left_strip), right.strip::<T>(right_strip)];
-            add_up::<T>(kernel, strips, left.height, &mut products, &mut sums);
-            let row = left_strip * LANES;
-            let of_rows = left.columns.exponents[row..].first_chunk::<LANES>().unwrap();
-            for (j, col) in (right_strip * LANES..cols).take(LANES).enumerate() {
-                let of_col = right.columns.exponents[col];
-                let mut values = T::values(&sums, j);
-                for (value, of_row) in values.iter_mut().zip(of_rows) {
-                    *value = scaled(*value, -(of_row + of_col));
-                }
-                // Above the diagonal of a triangle nothing is written.
-                let above = if symmetric { col.saturating_sub(row) } else { 0 };
-                let end = rows.min(row + LANES);
-                if let Some(values) = values[..end - row].get(above..) {
-                    let entries = c.rb_mut().col_mut(col).subrows_mut(row + above, values.len());
-                    for (entry, &value) in entries.iter_mut().zip(values) {
-                        write_entry(alpha, beta, value, entry);
-                    }
-                }
+    c: MatMut<'c, T>,
+}
+
+impl<T: IntegerOperand> OnLanes for Multiply<'_, '_, '_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, lanes: L) {
+        let columns = self.c.ncols();
+        let mut col = 0;
+        if L::COLUMNS == 4 {
+            while col + 4 <= columns {
+                self.columns::<L, 4>(lanes, col);
+                col += 4;
             }
+        }
+        while col + 2 <= columns {
+            self.columns::<L, 2>(lanes, col);
+            col += 2;
+        }
+        if col < columns {
+            self.columns::<L, 1>(lanes, col);
         }
     }
 }
 
-/// Computes the sums of products of two strips; `products` is scratch.
-#[inline(always)]
-fn add_up<T: IntegerOperand>(
-    kernel: &dyn Kernel,
-    [left, right]: [&[Row]; 2],
-    height: usize,
-    products: &mut [Products; MOST_PARTS],
-    sums: &mut [Products; MOST_PARTS],
-) {
-    sums.fill([[0; LANES]; LANES]);
-    for first in (0..height).step_by(MOST_ROWS) {
-        let rows = first..height.min(first + MOST_ROWS);
-        for (part, products) in products.iter_mut().take(T::PARTS).enumerate() {
-            let [left, right] = [left, right].map(|strip| &strip[part * height..][rows.clone()]);
-            kernel.multiply_strips(left, right, products);
+impl<T: IntegerOperand> Multiply<'_, '_, '_, T> {
+    /// Computes the columns from `col` on, which is a multiple of their number.
+    #[inline(always)]
+    fn columns<L: Lanes, const COUNT: usize>(&mut self, lanes: L, col: usize) {
+        let strips = self.strips;
+        let mut right = [strips.right(col); COUNT];
+        for (j, right) in right.iter_mut().enumerate().skip(1) {
+            *right = strips.right(col + j);
         }
-        T::accumulate(products, sums);
+        let mut factors = [right[0].0; COUNT];
+        for (factor, right) in factors.iter_mut().zip(&right) {
+            *factor = right.0;
+        }
+        let first = if self.symmetric { col / LANES } else { 0 };
+        for strip in first..self.c.nrows().div_ceil(LANES) {
+            let left = &strips.rows[strip * strips.height..(strip + 1) * strips.height];
+            let found = products::<L, T, COUNT>(lanes, left, factors);
+            let present = 0..(self.c.nrows() - strip * LANES).min(LANES);
+            // Zeros elsewhere: products of other columns must not raise exceptions.
+            // SAFETY: the units of a strip.
+            let units = unsafe { lanes.read_f64(strips.units[strip].as_ptr(), present.clone()) };
+            for (j, &(_, exponent, unit)) in right.iter().enumerate() {
+                let value = if strips.moderate {
+                    lanes.mul(lanes.mul(found[j], units), lanes.splat(unit))
+                } else {
+                    let mut values = [0.0; LANES];
+                    lanes.store(found[j], &mut values);
+                    for i in present.clone() {
+                        values[i] = scaled(values[i], -(strips.exponents[strip][i] + exponent));
+                    }
+                    lanes.load(&values)
+                };
+                self.write(lanes, value, strip * LANES, col + j);
+            }
+        }
+    }
+
+    /// Writes values to the entries of a column from `row` on; of a triangle, to those from the
+    /// diagonal on.
+    #[inline(always)]
+    fn write<L: Lanes>(&mut self, lanes: L, values: L::Floats, row: usize, col: usize) {
+        let (alpha, beta) = (self.alpha, self.beta);
+        let above = if self.symmetric { col.saturating_sub(row) } else { 0 };
+        let range = above..(self.c.nrows() - row).min(LANES);
+        if range.is_empty() {
+            return;
+        }
+        let (down, along) = (self.c.row_stride(), self.c.col_stride());
+        let offset = (row + above) as isize * down + col as isize * along;
+        let to = self.c.as_ptr_mut().wrapping_offset(offset);
+        if down == 1 && alpha == T::ONE && beta == T::ZERO {
+            // SAFETY: adjacent entries of C.
+            unsafe { T::write(lanes, values, to, range) };
+            return;
+        }
+        let mut of_lanes = [0.0; LANES];
+        lanes.store(values, &mut of_lanes);
+        for (i, &value) in of_lanes[range].iter().enumerate() {
+            // SAFETY: an entry of C.
+            write_entry(alpha, beta, value, unsafe { &mut *to.offset(i as isize * down) });
+        }
     }
 }

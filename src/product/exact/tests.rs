@@ -245,6 +245,47 @@ fn small_products_have_the_bytes_that_residues_give_on_every_kernel() {
     }
 }
 
+/// Checks that A^T A by integers and by residues are the same bytes.
+fn check_same(a: MatRef<'_, f64>, moduli: usize, what: &str) {
+    let (m, n) = a.shape();
+    let layout = ExactLayout::new([m, n, n], 8, moduli, true, true);
+    let expected = run(&PORTABLE, &layout, a, None, 1);
+    for (name, kernel) in kernels() {
+        let c = run_small(kernel, moduli, true, (a, None), [1.0, 0.0], Mat::zeros(n, n));
+        for (j, i) in (0..n).flat_map(|j| (j..n).map(move |i| (j, i))) {
+            let [found, right] = [&c, &expected].map(|c| c[(i, j)]);
+            let same = found.to_bits() == right.to_bits();
+            assert!(same, "{name}, {what}, {m} rows, ({i}, {j}): {found:e}, {right:e}");
+        }
+    }
+}
+
+#[test]
+fn columns_with_norms_next_to_a_step_of_their_powers_have_the_bytes_that_residues_give() {
+    // With so few moduli entries have bits below the unit, so that another power would show.
+    const MODULI: usize = 13;
+    let distances = || (2..13).flat_map(|e| [1.0, -1.0].map(|sign| sign * 10_f64.powi(-e)));
+    for m in [3, 64, 200] {
+        let mut rng = Rng::new(m as u64);
+        let mut a = Mat::from_fn(m, distances().count(), |_, _| rng.normal());
+        let limit = columns::limit(Moduli::of(MODULI), m);
+        for (j, distance) in distances().enumerate() {
+            let norm = (0..m).map(|i| a[(i, j)] * a[(i, j)]).sum::<f64>().sqrt();
+            for i in 0..m {
+                a[(i, j)] *= limit / norm * (1.0 + distance);
+            }
+        }
+        check_same(a.as_ref(), MODULI, "next to a step");
+    }
+}
+
+#[test]
+fn small_products_of_the_largest_and_least_entries_have_the_bytes_that_residues_give() {
+    for spread in [150, -165] {
+        check_same(random::<f64>(70, 20, spread, 3).as_ref(), 14, "extreme sizes");
+    }
+}
+
 #[test]
 fn small_products_stay_within_the_memory_of_their_plan() {
     for (m, n) in [(10, 10), (20_000, 3), (100_000, 1), (300, 40)] {
