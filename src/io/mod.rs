@@ -12,6 +12,7 @@ mod arrays;
 mod columns;
 mod csv;
 mod extents;
+mod gzip;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod limits;
@@ -22,6 +23,7 @@ mod npy;
 mod npy_header;
 mod npz;
 mod output;
+mod packing;
 mod read_arrays;
 mod rows;
 mod source;
@@ -52,7 +54,9 @@ pub use strips::StripOutput;
 #[doc(hidden)]
 pub use limits::LARGER_MAX_MEMORY;
 #[doc(hidden)]
-pub use source::{Packing, Source};
+pub use packing::Packing;
+#[doc(hidden)]
+pub use source::Source;
 
 use self::names::MatrixFormat;
 use crate::base::{Progress, Real, Result, options};
