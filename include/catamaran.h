@@ -400,15 +400,16 @@ cata_status cata_ahb_c32(int32_t layout, size_t m, size_t n, size_t k, const flo
 
 /** Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
  * vectors (Freivalds 1977), in time proportional to rounds (m n + n^2), on the calling thread.
- * CATA_OK whether C passed or not.
+ * CATA_OK whether C passed or not; CATA_ERR_NON_FINITE where A holds a NaN or an infinity, whose
+ * place the message names.
  * - `uplo`: the part of C that is checked.
  * - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
  *   probability at most 2^-rounds.
  * - `seed`: of the random vectors; the same seed gives the same answer.
  * - `passed`: written: 1 if C passed, else 0.
  * - `residual`, `tolerance`: written: the largest entry of |C X - alpha A^T (A X)|, and how
- *   large rounding may make it; NULL where not wanted. NaN or infinity in the residual or the
- *   tolerance never passes: where A has such entries, `passed` = 0 says nothing about C. */
+ *   large rounding may make it; NULL where not wanted. If the tolerance overflows, no C passes,
+ *   and `passed` = 0 says nothing about C. */
 cata_status cata_verify_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, const double *c, size_t ldc, int32_t rounds, uint64_t seed,
     int32_t *passed, double *residual, double *tolerance);

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use catamaran::io::{Array, write_npz};
+use catamaran::io::{Array, write_arrays};
 use catamaran::sparse::Mass;
 use catamaran_geometry::spectral::{ProductBasis, ProductBasisOptions};
 
 use crate::common::Force;
 use crate::defaults::variant;
+use crate::output;
 use crate::parse::at_least_one;
 use crate::pieces::Need;
 use crate::progress::Bar;
@@ -43,7 +44,7 @@ pub struct Args {
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Output file of the basis: .npz.
+    /// Output file of the basis: .npz, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -52,9 +53,11 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let output = args.force.create(&args.output)?;
+    let output = output::arrays(&args.output, args.force)?;
     let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
-    let shape = args.laplacian.shape(&args.mesh, &[need])?;
+    let prepared = args.laplacian.prepare(&args.mesh, &[need])?;
+    prepared.products(args.k, args.order)?;
+    let shape = prepared.solve()?;
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
     let options = ProductBasisOptions::new()
@@ -88,6 +91,6 @@ pub fn run(args: &Args) -> Result<()> {
         ("mass", Array::Vector(&mass)),
     ];
     let path = output.path().display().to_string();
-    write_npz(output, &arrays)?;
+    write_arrays(output, &arrays)?;
     status!("written", path = path; "{path}")
 }

@@ -102,7 +102,7 @@ impl Force {
 /// name.
 pub fn as_option(error: Error) -> anyhow::Error {
     match error {
-        Error::Argument { what, why } => anyhow!("--{what}: {why}"),
+        Error::Argument { what, why } => anyhow!("--{}: {why}", what.replace('_', "-")),
         error => error.into(),
     }
 }

@@ -1,8 +1,9 @@
 //! `catamaran filter`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::faer::Mat;
 use catamaran::io as files;
@@ -18,7 +19,7 @@ use clap::ArgGroup;
 use crate::common::Force;
 use crate::defaults::stated;
 use crate::output;
-use crate::parse::at_least_one;
+use crate::parse::{at_least_one, at_least_zero, finite};
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
@@ -51,30 +52,36 @@ pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// Keep the first COUNT frequencies only.
-    #[arg(long, value_name = "COUNT")]
+    /// Keep the first COUNT frequencies only, at least 1.
+    #[arg(long, value_name = "COUNT", value_parser = at_least_one)]
     low_pass: Option<usize>,
     /// Remove the first COUNT frequencies.
     #[arg(long, value_name = "COUNT")]
     high_pass: Option<usize>,
     /// Keep the frequencies from number FIRST, counted from 0, up to but without number END.
     #[arg(long, value_name = "FIRST..END", value_parser = crate::parse::columns)]
-    band: Option<std::ops::Range<usize>>,
+    band: Option<Range<usize>>,
     /// Smooth as heat flow does in the time T, as a fraction of the surface area.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = at_least_zero)]
     heat: Option<f64>,
     /// Sharpen: add what heat flow removes in the time T, as a fraction of the surface area.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = at_least_zero)]
     sharpen: Option<f64>,
-    #[arg(long, value_name = "A", help = stated("Factor of what --sharpen adds", AMOUNT))]
+    #[arg(
+        long,
+        value_name = "A",
+        value_parser = finite,
+        help = stated("Factor of what --sharpen adds", AMOUNT)
+    )]
     amount: Option<f64>,
     /// Change one coefficient: add a multiple of the function of frequency NUMBER, from 1, to every
     /// coordinate.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = at_least_one)]
     coefficient: Option<usize>,
     #[arg(
         long,
         value_name = "SHARE",
+        value_parser = finite,
         help = stated(
             "Size of the change by --coefficient, as a fraction of the root mean square of the \
              coordinates (or of the functions) about their means",
@@ -124,11 +131,19 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
     let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
-    let shape = args.laplacian.shape(&args.mesh, &[need])?;
+    let prepared = args.laplacian.prepare(&args.mesh, &[need])?;
+    let vertices = prepared.vertices();
     let f = match &args.functions {
-        Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices(), &args.table)?,
-        None => coordinates(&shape.file.mesh),
+        Some(path) => shape::functions(path, vertices, &args.table)?,
+        None => coordinates(&prepared.file.mesh),
     };
+    // Of a basis of products it is not known how many are independent.
+    let (functions, constants, most) = match args.order {
+        ..=1 => (args.k + 1, prepared.components, ""),
+        order => (prepared.products(args.k, order)?.len().min(vertices), 1, "at most "),
+    };
+    check_frequencies(args, (functions, functions + 1 - constants), vertices, most)?;
+    let shape = prepared.solve()?;
     let g = if args.order <= 1 {
         filtered(args, shape.eigenbasis.basis(), shape.eigenbasis.values(), &f)?
     } else {
@@ -188,19 +203,50 @@ fn filtered(args: &Args, basis: &Basis, frequencies: &[f64], f: &Mat<f64>) -> Re
         let (gains, rest) = gains(args, basis, frequencies, &numbers)?;
         return Ok(filter(basis, f.as_ref(), &gains, rest, args.laplacian.par())?);
     };
-    let share = args.share.unwrap_or(SHARE);
-    if !share.is_finite() {
-        bail!("--share {share}: a finite number is needed");
-    }
-    if number == 0 {
-        bail!("--coefficient 0: the constant function only moves the mesh; give a number from 1");
-    }
-    let Some(function) = numbers.iter().position(|&n| n == number) else {
-        let last = numbers.iter().max().copied().unwrap_or(0);
-        bail!("--coefficient {number}: the last frequency is number {last}");
-    };
-    let amount = share * deviation(basis, f)?;
+    let known = known(&numbers);
+    check_frequencies(args, (numbers.len(), known), basis.vertices(), "")?;
+    let function = numbers.iter().position(|&n| n == number).context("no such frequency")?;
+    let amount = args.share.unwrap_or(SHARE) * deviation(basis, f)?;
     Ok(add_coefficient(basis, f.as_ref(), function, amount)?)
+}
+
+/// Refuses an option with a frequency beyond those of a basis: `functions` and `known` are the
+/// numbers of its functions and of their frequencies, exactly or at most, as `most` says.
+fn check_frequencies(
+    args: &Args,
+    (functions, known): (usize, usize),
+    vertices: usize,
+    most: &str,
+) -> Result<()> {
+    if let Some(number) = args.coefficient.filter(|number| *number >= known) {
+        bail!("--coefficient {number}: the last frequency is {most}number {}", known - 1);
+    }
+    // All frequencies of the mesh are as many as there can be.
+    match args.band() {
+        Some((option, band)) if band.end > known && functions < vertices => {
+            // Several components have several constant functions.
+            let need = match args.order {
+                ..=1 => format!("-k {} or more", functions - 1 + band.end - known),
+                _ => "a larger -k or --order".into(),
+            };
+            bail!("{option}: {most}{known} frequencies are computed; {need} is needed")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Returns how many frequencies there are, given the number of that of each function.
+fn known(numbers: &[usize]) -> usize {
+    numbers.iter().max().map_or(0, |last| last + 1)
+}
+
+impl Args {
+    /// Returns the frequencies that an option names, and the option.
+    fn band(&self) -> Option<(&'static str, Range<usize>)> {
+        let low = self.low_pass.map(|count| ("--low-pass", 0..count));
+        let high = || self.high_pass.map(|count| ("--high-pass", 0..count));
+        low.or_else(high).or_else(|| Some(("--band", self.band.clone()?)))
+    }
 }
 
 /// Returns the norm of the columns of `f` without their means: the root of its mean square over the
@@ -241,34 +287,14 @@ fn gains(
     frequencies: &[f64],
     numbers: &[usize],
 ) -> Result<(Vec<f64>, f64)> {
-    let known = numbers.iter().max().map_or(0, |last| last + 1);
-    let in_band = |option: &str, band: std::ops::Range<usize>, inside: f64| {
-        if band.end > known && numbers.len() < basis.vertices() {
-            // Several components have several constant functions.
-            let need = match args.order {
-                ..=1 => format!("-k {} or more", numbers.len() - 1 + band.end - known),
-                _ => "a larger -k or --order".into(),
-            };
-            bail!("{option}: {known} frequencies are computed; {need} is needed");
-        }
+    if let Some((_, band)) = args.band() {
+        check_frequencies(args, (numbers.len(), known(numbers)), basis.vertices(), "")?;
+        let inside = if args.high_pass.is_some() { 0.0 } else { 1.0 };
         let gain = |number: &usize| if band.contains(number) { inside } else { 1.0 - inside };
-        Ok((numbers.iter().map(gain).collect(), 1.0 - inside))
-    };
-    if let Some(count) = args.low_pass {
-        return in_band("--low-pass", 0..count, 1.0);
+        return Ok((numbers.iter().map(gain).collect(), 1.0 - inside));
     }
-    if let Some(count) = args.high_pass {
-        return in_band("--high-pass", 0..count, 0.0);
-    }
-    if let Some(band) = &args.band {
-        return in_band("--band", band.clone(), 1.0);
-    }
-    let time = args.heat.or(args.sharpen).unwrap_or_default();
     let amount = args.amount.unwrap_or(AMOUNT);
-    if !(time.is_finite() && time >= 0.0 && amount.is_finite()) {
-        bail!("--heat and --sharpen need a finite time of at least 0, and --amount must be finite");
-    }
-    let time = time * basis.area()?;
+    let time = args.heat.or(args.sharpen).unwrap_or_default() * basis.area()?;
     let response = match args.heat {
         Some(_) => Response::Heat(time),
         None => Response::Sharpen { time, amount },

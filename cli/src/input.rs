@@ -13,6 +13,7 @@ use catamaran_geometry::mesh::{
     Normalization, RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair,
 };
 
+use crate::common::as_option;
 use crate::parse;
 use crate::progress::Bar;
 use crate::report::note;
@@ -31,7 +32,7 @@ pub struct MeshArgs {
     weld: Option<Weld>,
     /// Drop components of the mesh with less than this share of its area, from 0 to 1, such as
     /// specks around a scan.
-    #[arg(long, value_name = "SHARE", conflicts_with = "strict")]
+    #[arg(long, value_name = "SHARE", value_parser = parse::share, conflicts_with = "strict")]
     drop_specks: Option<f64>,
     /// Fail if the mesh needs repair, instead of repairing it with a note.
     #[arg(long)]
@@ -104,20 +105,24 @@ pub fn mesh(path: &Path) -> Result<MeshFile> {
 }
 
 /// Reads a mesh as [`mesh`] does; one whose size is out of range is scaled to a bounding box whose
-/// longest side is 1, with a note.
+/// longest side is 1, with a note. Returns the factor of the lengths, too.
 ///
 /// # Errors
 /// The file can't be read; the vertices are in one place.
-pub fn mesh_of_any_size(path: &Path) -> Result<MeshFile> {
+pub fn mesh_of_any_size(path: &Path) -> Result<(MeshFile, f64)> {
     let mut file = read_mesh(path)?;
+    let mut factor = 1.0;
     notes_of(&file, path);
     if let Err(why) = file.mesh.check_size() {
         let name = path.display();
+        // Of half the side, which does not overflow.
+        let [low, high] = file.mesh.bounding_box().unwrap_or_default();
+        factor = 0.5 / (0..3).map(|k| high[k] / 2.0 - low[k] / 2.0).fold(0.0, f64::max);
         file.mesh =
             file.mesh.normalized(Normalization::UnitBox).with_context(|| name.to_string())?;
         note(format_args!("{name}: {why}; scaled to a box whose longest side is 1 first"));
     }
-    Ok(file)
+    Ok((file, factor))
 }
 
 fn read_mesh(path: &Path) -> Result<MeshFile> {
@@ -173,7 +178,7 @@ impl MeshArgs {
     /// Returns the option of `catamaran mesh` that joins the vertices that these options join.
     fn weld_flag(&self) -> String {
         match self.weld {
-            Some(Weld::Within(tolerance)) if tolerance > 0.0 => format!(" --weld={tolerance}"),
+            Some(Weld::Within(tolerance)) if tolerance > 0.0 => format!(" --weld={tolerance:?}"),
             Some(Weld::Within(_) | Weld::Exact) => " --weld".into(),
             _ if self.strict => String::new(),
             _ => " --weld seams".into(),
@@ -200,7 +205,7 @@ impl MeshArgs {
         }
         let weld = self.weld.unwrap_or(Weld::Seams);
         let options = RepairOptions::unambiguous().weld(weld).drop_specks(self.drop_specks);
-        let found = repair(file, &options).with_context(|| name.to_string())?;
+        let found = repair(file, &options).map_err(refused).with_context(|| name.to_string())?;
         for line in notes(&found.report) {
             note(format_args!("{name}: {line}"));
         }
@@ -213,6 +218,17 @@ impl MeshArgs {
             ));
         }
         Ok(found.file)
+    }
+}
+
+/// Names the option of a repair that the library refuses; no option selects the removal of faces
+/// without area.
+fn refused(error: catamaran::Error) -> anyhow::Error {
+    match error {
+        catamaran::Error::Argument { what: "drop_degenerate", why } => {
+            anyhow!("the removal of faces without area {why}")
+        }
+        error => as_option(error),
     }
 }
 
@@ -243,7 +259,9 @@ fn notes(report: &RepairReport) -> Vec<String> {
 /// Returns the options of `catamaran mesh` that repeat these repairs.
 fn flags(report: &RepairReport) -> String {
     let flag = |step: &RepairStep| match step {
-        RepairStep::Welded { tolerance, .. } if *tolerance > 0.0 => format!(" --weld={tolerance}"),
+        RepairStep::Welded { tolerance, .. } if *tolerance > 0.0 => {
+            format!(" --weld={tolerance:?}")
+        }
         RepairStep::Welded { .. } => " --weld".into(),
         RepairStep::ClosedSeams { .. } => " --weld seams".into(),
         RepairStep::DroppedDuplicates { .. } => " --drop-duplicates".into(),

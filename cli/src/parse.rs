@@ -99,12 +99,12 @@ pub fn accuracy_name(accuracy: Accuracy) -> &'static str {
     found.map_or("another", |(name, _)| name)
 }
 
-/// Parses a range `FIRST..END`.
+/// Parses a range `FIRST..END` of at least one number.
 pub fn columns(text: &str) -> Result<Range<usize>, String> {
     let bounds = text.split_once("..").map(|(first, end)| (first.parse(), end.parse()));
     match bounds {
-        Some((Ok(first), Ok(end))) if first <= end => Ok(first..end),
-        _ => Err("expected FIRST..END with FIRST <= END, such as 0..64".into()),
+        Some((Ok(first), Ok(end))) if first < end => Ok(first..end),
+        _ => Err("expected FIRST..END with FIRST < END, such as 0..64".into()),
     }
 }
 
@@ -143,6 +143,11 @@ pub fn positive(text: &str) -> Result<f64, String> {
 /// Parses a finite number of at least 0.
 pub fn at_least_zero(text: &str) -> Result<f64, String> {
     number(text, |x| x >= 0.0, "a finite number of at least 0")
+}
+
+/// Parses a share.
+pub fn share(text: &str) -> Result<f64, String> {
+    number(text, |x| (0.0..=1.0).contains(&x), "a number from 0 to 1")
 }
 
 /// Parses a finite number that fits what is expected.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use catamaran::faer::MatRef;
 use catamaran::io::{Array, ArraysWriter, Output};
 use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions};
@@ -10,7 +10,7 @@ use catamaran_charts::{Axis, Chart, Line, Series};
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
-use crate::parse::at_least_one;
+use crate::parse::{self, at_least_one};
 use crate::picture::{self, write_chart};
 use crate::ranks::Ranks;
 use crate::report::{head, report, row, shown, status};
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(short, value_name = "NUMBER", value_parser = at_least_one)]
     k: Option<usize>,
     /// Keep as few components as explain this share of the variance, from 0 to 1, such as 0.95.
-    #[arg(long, value_name = "SHARE", conflicts_with = "k")]
+    #[arg(long, value_name = "SHARE", value_parser = variance, conflicts_with = "k")]
     variance: Option<f64>,
     /// Divide each column by its standard deviation.
     #[arg(long)]
@@ -52,6 +52,12 @@ pub struct Args {
     picture: Option<PathBuf>,
 }
 
+/// Parses a share of the variance.
+fn variance(text: &str) -> Result<f64, String> {
+    let share = parse::positive(text).ok().filter(|share| *share <= 1.0);
+    share.ok_or_else(|| "expected a number above 0 and at most 1".into())
+}
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let ranks = Ranks::join()?;
@@ -70,6 +76,13 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     };
     let (output, picture, table) = ranks.meet(begin())?;
     let name = || args.gram.input().display().to_string();
+    let enough = || -> Result<()> {
+        if let Some(k) = args.k.filter(|&k| k > table.ncols() && table.ncols() > 0) {
+            bail!("{}: -k {k}, where there are {} columns", name(), table.ncols());
+        }
+        Ok(())
+    };
+    ranks.meet(enough())?;
     let table = args.gram.complete(ranks, table)?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), true)?;
     let Some(gram) = pass.gram()? else { return pass.end() };

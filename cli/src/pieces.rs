@@ -56,6 +56,11 @@ impl<'a> Pieces<'a> {
         Ok(Self { mesh, path, repair, boundary, count, free })
     }
 
+    /// Returns the number of components.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     /// Prints a note where the spectrum is not that of one surface with its boundary condition, and
     /// where vertices are in no face.
     pub fn note(&self) {

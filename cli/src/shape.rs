@@ -9,11 +9,13 @@ use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran_geometry::mesh::io::MeshFile;
-use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
-use catamaran_geometry::spectral::{Eigenbasis, Orthogonalization};
+use catamaran_geometry::mesh::{
+    Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian,
+};
+use catamaran_geometry::spectral::{Eigenbasis, Eigenproducts, Orthogonalization, ProductBasis};
 use clap::ValueEnum;
 
-use crate::common::Threads;
+use crate::common::{Threads, as_option};
 use crate::defaults::variant;
 use crate::input::MeshArgs;
 use crate::pieces::{COMPACT, Need, Pieces};
@@ -81,6 +83,19 @@ impl From<Mode> for Orthogonalization {
     }
 }
 
+/// A mesh whose eigenfunctions are not computed yet, so that the other options of a command can be
+/// judged first.
+pub struct Prepared<'a> {
+    pub file: MeshFile,
+    /// Number of components.
+    pub components: usize,
+    options: &'a LaplacianArgs,
+    path: &'a Path,
+    operator: Laplacian,
+    /// Number of eigenfunctions.
+    len: usize,
+}
+
 /// A mesh and its spectrum.
 pub struct Shape {
     pub file: MeshFile,
@@ -99,6 +114,11 @@ impl LaplacianArgs {
 
     /// Reads a mesh and computes its first eigenfunctions, as many as the largest of `needs` says.
     pub fn shape(&self, path: &Path, needs: &[Need]) -> Result<Shape> {
+        self.prepare(path, needs)?.solve()
+    }
+
+    /// Reads a mesh, and refuses one that does not have the eigenfunctions that `needs` says.
+    pub fn prepare<'a>(&'a self, path: &'a Path, needs: &[Need]) -> Result<Prepared<'a>> {
         let file = self.repair.read(path)?;
         // The first of the largest.
         let most = needs.iter().rev().max_by_key(|need| need.len);
@@ -116,22 +136,44 @@ impl LaplacianArgs {
         let pieces = Pieces::new(&file.mesh, path, &self.repair, &Boundary::Neumann)?;
         needs.iter().try_for_each(|need| pieces.check(*need))?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
-        let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
-        if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
+        let operator =
+            laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
+        if let Some(vertex) = (0..vertices).find(|&v| operator.kept.get(v) != Some(&v)) {
             let (path, command) = (path.display(), self.repair.mesh_command(path, COMPACT));
             bail!("{path}: vertex {vertex} is in no face ({command} drops such vertices)");
         }
         pieces.note();
+        let components = pieces.count();
+        Ok(Prepared { file, components, options: self, path, operator, len })
+    }
+}
+
+impl Prepared<'_> {
+    /// Returns the number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.file.mesh.vertices().len()
+    }
+
+    /// Returns the products of at most `order` of `k` eigenfunctions, if there is memory for them.
+    pub fn products(&self, k: usize, order: usize) -> Result<Eigenproducts> {
+        ProductBasis::products_on(self.vertices(), k, order).map_err(as_option)
+    }
+
+    /// Computes the eigenfunctions.
+    pub fn solve(self) -> Result<Shape> {
+        let (vertices, par) = (self.vertices(), self.options.par());
+        let Self { file, path, operator, len, .. } = self;
+        let named = || path.display().to_string();
         let bar = Bar::new("spectrum");
         let update = |fraction| bar.update(fraction);
-        let options = EigenOptions::new().k(len).par(self.par()).progress(&update);
-        let pairs = eigs(found.stiffness.view(), &found.mass, &options)
-            .with_context(|| path.display().to_string())?;
+        let options = EigenOptions::new().k(len).par(par).progress(&update);
+        let pairs =
+            eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
         drop(bar);
         let worst = pairs.residuals.iter().copied().fold(0.0, f64::max);
-        let eigenbasis = Eigenbasis::new(pairs.values, pairs.vectors, found.mass)
-            .with_context(|| path.display().to_string())?;
-        let (path, faces) = (path.display().to_string(), file.mesh.faces().len());
+        let eigenbasis =
+            Eigenbasis::new(pairs.values, pairs.vectors, operator.mass).with_context(named)?;
+        let (path, faces) = (named(), file.mesh.faces().len());
         status!(
             "mesh",
             path = path,
@@ -142,7 +184,7 @@ impl LaplacianArgs {
             "{path}: {vertices} vertices, {faces} faces; {len} eigenpairs, residuals up to \
              {worst:.0e}"
         )?;
-        Ok(Shape { file, stiffness: found.stiffness, eigenbasis })
+        Ok(Shape { file, stiffness: operator.stiffness, eigenbasis })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
 use catamaran::io::{self, Output};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, io::read_with};
@@ -56,6 +56,9 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if args.nearest == 0 && args.signatures.is_none() && args.distances.is_none() {
+        bail!("--nearest 0: lists nothing, which is for --signatures and --distances only");
+    }
     let signatures = create(args.signatures.as_deref(), args.force)?;
     let distances = create(args.distances.as_deref(), args.force)?;
     let names: Vec<&Path> = args.query.iter().chain(&args.inputs).map(PathBuf::as_path).collect();

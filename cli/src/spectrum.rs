@@ -41,10 +41,15 @@ pub struct Args {
     output: Option<PathBuf>,
     /// Number of eigenpairs, at most the number of free vertices: all, or with --boundary dirichlet
     /// those that are not on the boundary.
-    #[arg(short, default_value_t = EigenOptions::default().k, value_name = "NUMBER")]
+    #[arg(
+        short,
+        default_value_t = EigenOptions::default().k,
+        value_name = "NUMBER",
+        value_parser = parse::at_least_one
+    )]
     k: usize,
     /// Compute the eigenvalues nearest to this number instead of the smallest ones.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = parse::finite)]
     shift: Option<f64>,
     #[command(flatten)]
     laplacian: LaplacianArgs,
@@ -58,6 +63,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "NUMBER",
+        value_parser = tolerance,
         help = stated(
             "Largest residual allowed: if a pair exceeds it, the command fails after it has \
              written all results",
@@ -108,6 +114,12 @@ enum Mass {
     Full,
 }
 
+/// Parses a tolerance that the eigensolver accepts.
+fn tolerance(text: &str) -> Result<f64, String> {
+    let accepted = parse::finite(text).ok().filter(|x| (1e-14..=1e-2).contains(x));
+    accepted.ok_or_else(|| "expected a number from 1e-14 to 1e-2".into())
+}
+
 impl From<Mass> for MassKind {
     fn from(mass: Mass) -> Self {
         match mass {
@@ -151,6 +163,9 @@ impl Args {
         }
         if self.memory.is_some() && ranks.size() > 1 {
             bail!("--memory limits one process: it can't be combined with mpirun");
+        }
+        if let Some(n) = self.via_decimation.filter(|&n| n < self.k) {
+            bail!("--via-decimation {n}: too few vertices for the {} eigenpairs of -k", self.k);
         }
         Ok(())
     }

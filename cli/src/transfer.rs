@@ -203,14 +203,18 @@ pub fn run(args: &Args) -> Result<()> {
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
     let of_target = if args.target_k.is_some() { "--target-k" } else { "-k" };
-    let source = args.laplacian.shape(&args.source, &needs(args, "-k", lens.0))?;
-    let target = args.laplacian.shape(&args.target, &needs(args, of_target, lens.1))?;
+    let source = args.laplacian.prepare(&args.source, &needs(args, "-k", lens.0))?;
+    let target = args.laplacian.prepare(&args.target, &needs(args, of_target, lens.1))?;
+    source.products(lens.0 - 1, args.order)?;
+    target.products(lens.1 - 1, args.order)?;
     let f = match &args.functions {
-        Some(path) => shape::functions(path, source.eigenbasis.basis().vertices(), &args.table)?,
+        Some(path) => shape::functions(path, source.vertices(), &args.table)?,
         None => coordinates(&source.file.mesh),
     };
+    let known = Known::read(args, source.vertices(), target.vertices())?;
+    let (source, target) = (source.solve()?, target.solve()?);
 
-    let points = correspondence(args, &source, &target, lens)?;
+    let points = correspondence(args, known, &source, &target, lens)?;
     let orthogonalization = Orthogonalization::from(args.mode);
     let from = products(args, &source, lens.0, orthogonalization)?;
     let to = products(args, &target, lens.1, orthogonalization)?;
@@ -343,35 +347,67 @@ fn with_heights(
     Ok(coordinates(&moved))
 }
 
+/// What is known about the correspondence.
+enum Known {
+    /// The vertex of the source for each vertex of the target.
+    Points(Vec<u32>),
+    /// Pairs of vertices of source and target, and the labels of both.
+    Pairs { landmarks: Vec<(u32, u32)>, segments: Option<[Vec<u32>; 2]> },
+}
+
+impl Known {
+    /// Reads the correspondence between meshes of `n` and `m` vertices.
+    fn read(args: &Args, n: usize, m: usize) -> Result<Self> {
+        if let Some(path) = &args.points {
+            let points = shape::vertices(path, &[n], &args.table)?;
+            if points.len() != m {
+                bail!("{}: {} rows for {m} vertices of the target", path.display(), points.len());
+            }
+            return Ok(Self::Points(points.concat()));
+        }
+        if args.identity {
+            if n != m {
+                bail!("--identity needs meshes with equal numbers of vertices, not {n} and {m}");
+            }
+            return Ok(Self::Points((0..m as u32).collect()));
+        }
+        let landmarks = match &args.landmarks {
+            Some(path) => shape::vertices(path, &[n, m], &args.table)?,
+            None => Vec::new(),
+        };
+        let landmarks = landmarks.iter().map(|pair| (pair[0], pair[1])).collect();
+        let segments = match args.segments.as_deref() {
+            Some([source, target]) => {
+                let labels = |path, rows| shape::labels(path, rows, &args.table);
+                let labels = [labels(source, n)?, labels(target, m)?];
+                MapFit::common_labels(&labels[0], &labels[1])
+                    .with_context(|| format!("{}, {}", source.display(), target.display()))?;
+                Some(labels)
+            }
+            _ => None,
+        };
+        Ok(Self::Pairs { landmarks, segments })
+    }
+}
+
 /// Returns the vertex of the source for each vertex of the target.
 fn correspondence(
     args: &Args,
+    known: Known,
     source: &Shape,
     target: &Shape,
     lens: (usize, usize),
 ) -> Result<Vec<u32>> {
-    let (n, m) = (source.eigenbasis.basis().vertices(), target.eigenbasis.basis().vertices());
-    if let Some(path) = &args.points {
-        let points = shape::vertices(path, &[n], &args.table)?;
-        if points.len() != m {
-            bail!("{}: {} rows for {m} vertices of the target", path.display(), points.len());
-        }
-        return Ok(points.concat());
-    }
-    if args.identity {
-        if n != m {
-            bail!("--identity needs meshes with equal numbers of vertices, not {n} and {m}");
-        }
-        return Ok((0..m as u32).collect());
-    }
+    let (pairs, segments) = match known {
+        Known::Points(points) => return Ok(points),
+        Known::Pairs { landmarks, segments } => (landmarks, segments),
+    };
     let par = args.laplacian.par();
     let low = (source.eigenbasis.truncated(lens.0)?, target.eigenbasis.truncated(lens.1)?);
     let bar = Bar::new("map");
     let update = |fraction| bar.update(fraction);
     let mut fit = MapFit::new(&low.0, &low.1, par).progress(&update);
-    if let Some(path) = &args.landmarks {
-        let pairs = shape::vertices(path, &[n, m], &args.table)?;
-        let pairs: Vec<(u32, u32)> = pairs.iter().map(|pair| (pair[0], pair[1])).collect();
+    if args.landmarks.is_some() {
         fit.landmarks(&pairs)?;
         if args.operators {
             let f = around(&source.eigenbasis, pairs.iter().map(|pair| pair.0))?;
@@ -379,11 +415,8 @@ fn correspondence(
             fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
         }
     }
-    if let Some([source_path, target_path]) = args.segments.as_deref() {
-        let labels = |path, rows| shape::labels(path, rows, &args.table);
-        let labels = [labels(source_path, n)?, labels(target_path, m)?];
-        fit.segments(&labels[0], &labels[1])
-            .with_context(|| format!("{}, {}", source_path.display(), target_path.display()))?;
+    if let Some(labels) = segments {
+        fit.segments(&labels[0], &labels[1])?;
         if args.operators {
             let [f, g] = indicators(&labels);
             fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;

@@ -208,7 +208,8 @@ struct verification {
     double tolerance;
 };
 
-/// Checks C = alpha A^T A; a wrong C passes with probability at most 2^-rounds.
+/// Checks C = alpha A^T A; a wrong C passes with probability at most 2^-rounds. An A with a NaN or
+/// an infinity is an error.
 template <class T>
 verification verify(double alpha, matrix_view<const T> a, matrix_view<const T> c,
                     uplo part = uplo::both, int rounds = 20, std::uint64_t seed = 1) {

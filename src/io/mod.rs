@@ -12,6 +12,7 @@ mod archive;
 mod arrays;
 mod columns;
 mod extents;
+mod gzip;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod limits;
@@ -22,6 +23,7 @@ mod npy;
 mod npy_header;
 mod npz;
 mod output;
+mod packing;
 mod read_arrays;
 mod rows;
 mod source;
@@ -59,7 +61,9 @@ pub use accumulator::accumulator_labels;
 #[doc(hidden)]
 pub use limits::LARGER_MAX_MEMORY;
 #[doc(hidden)]
-pub use source::{Packing, Source};
+pub use packing::Packing;
+#[doc(hidden)]
+pub use source::Source;
 
 use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::limits::SourceOptions;
-use super::source::{Packing, Source, error};
+use super::packing::Packing;
+use super::source::{Source, error};
 use crate::base::{Error, Result};
 
 /// The format of a file of one matrix.

@@ -130,13 +130,23 @@ impl Temporary {
     }
 
     /// Renames the file to `target`, which does not exist.
-    fn appear(self, target: &Path) -> io::Result<()> {
+    fn appear(mut self, target: &Path) -> io::Result<()> {
+        let is_there = |e: &io::Error| e.kind() == io::ErrorKind::AlreadyExists;
         match std::fs::hard_link(&self.path, target) {
             // The first name goes with `self`.
-            Ok(()) => Ok(()),
-            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => Err(e),
-            // Some file systems have no links. There an empty file holds the name meanwhile, and
-            // stays if the process is killed then.
+            Ok(()) => return Ok(()),
+            Err(e) if is_there(&e) => return Err(e),
+            // Some file systems have no links, such as those of memory cards.
+            Err(_) => {}
+        }
+        match rename_new(&self.path, target) {
+            Ok(()) => {
+                self.is_renamed = true;
+                Ok(())
+            }
+            Err(e) if is_there(&e) => Err(e),
+            // Where the system has no such call, an empty file holds the name meanwhile, and stays
+            // if the process is killed then.
             Err(_) => {
                 File::create_new(target)?;
                 let renamed = self.replace(target);
@@ -147,6 +157,27 @@ impl Temporary {
             }
         }
     }
+}
+
+/// Renames a file to `to`, which does not exist, in one step.
+#[cfg(target_os = "linux")]
+fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
+    use std::ffi::CString;
+    use std::os::unix::ffi::OsStrExt as _;
+    let name = |path: &Path| Ok::<_, io::Error>(CString::new(path.as_os_str().as_bytes())?);
+    let (from, to, here) = (name(from)?, name(to)?, libc::AT_FDCWD);
+    let (from, to, flags) = (from.as_ptr(), to.as_ptr(), libc::RENAME_NOREPLACE);
+    // SAFETY: both names end in a zero and live until the end of this function.
+    match unsafe { libc::renameat2(here, from, here, to, flags) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
+/// There is no such call.
+#[cfg(not(target_os = "linux"))]
+fn rename_new(_from: &Path, _to: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
 }
 
 impl Drop for Temporary {
@@ -400,6 +431,21 @@ fn exists(path: &Path) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_is_renamed_in_one_step_unless_the_name_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("new"), "new").unwrap();
+        std::fs::write(path("old"), "old").unwrap();
+        let refused = rename_new(&path("new"), &path("old")).unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(std::fs::read(path("old")).unwrap(), b"old");
+        rename_new(&path("new"), &path("other")).unwrap();
+        assert!(!path("new").exists());
+        assert_eq!(std::fs::read(path("other")).unwrap(), b"new");
+    }
 
     #[test]
     fn a_relative_path_is_that_of_the_folder_in_which_the_output_was_created() {

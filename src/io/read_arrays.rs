@@ -6,12 +6,14 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use faer::Mat;
+use zip::result::ZipError;
 
 use super::extents::{padded_bytes, tuple};
 use super::limits::SourceOptions;
 use super::names::ArraysFormat;
 use super::npy::{Entry, trailing, truncated};
 use super::npy_header;
+use super::packing;
 use super::source::error;
 use super::stored::{Begin, Entries, Stored};
 use crate::base::{Error, Result, reserved};
@@ -156,18 +158,18 @@ impl Arrays {
 fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e: &dyn std::fmt::Display| error(path, None, e.to_string());
     let file = File::open(path).map_err(|e| fail(&e))?;
-    let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&e))?;
+    let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&plain(e)))?;
     let mut arrays = BTreeMap::new();
     for i in 0..archive.len() {
         let count = archive.len();
-        let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
-        let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
+        let mut entry = archive.by_index(i).map_err(|e| fail(&plain(e)))?;
+        let name = entry.name().map_err(|e| fail(&plain(e)))?.trim_end_matches(".npy").to_owned();
         let size = entry.size();
         begin(i, count, size)?;
         let mut content = reserved(usize::try_from(size).map_err(|e| fail(&e))?)?;
         // One byte more than announced, so that the content of a wrong size is not all unpacked.
         let read = entry.by_ref().take(size.saturating_add(1)).read_to_end(&mut content);
-        read.map_err(|e| fail(&format!("`{name}`: {e}")))?;
+        read.map_err(|e| fail(&format!("`{name}`: {}", plain(e.into()))))?;
         if content.len() as u64 > size {
             return Err(fail(&format!("`{name}`: more than the {size} bytes that are announced")));
         }
@@ -175,6 +177,20 @@ fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
         arrays.insert(name, stored);
     }
     Ok(arrays)
+}
+
+/// Returns the error of an archive in words of this crate; that of a disk stays.
+fn plain(e: ZipError) -> io::Error {
+    match e {
+        ZipError::Io(e) if e.raw_os_error().is_some() => e,
+        ZipError::Io(e) if e.kind() == io::ErrorKind::UnexpectedEof => packing::truncated(),
+        ZipError::UnsupportedArchive(_)
+        | ZipError::CompressionMethodNotSupported(_)
+        | ZipError::InvalidPassword => io::Error::other(
+            "is packed or encrypted in a way that is not supported; numpy.savez writes others",
+        ),
+        _ => io::Error::other("damaged or truncated .npz file: it can't be unpacked"),
+    }
 }
 
 fn decode(content: &[u8]) -> io::Result<Stored> {
@@ -271,10 +287,22 @@ mod tests {
         writer.array("v", Array::Vector(&[0.5; 100])).unwrap();
         writer.finish().unwrap();
         let bytes = std::fs::read(&path).unwrap();
+        let refused = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            let error = read_arrays(&path).unwrap_err();
+            assert!(matches!(error, Error::Io { .. }));
+            error.to_string()
+        };
         for length in (0..bytes.len()).step_by(50) {
-            std::fs::write(&path, &bytes[..length]).unwrap();
-            assert!(matches!(read_arrays(&path).unwrap_err(), Error::Io { .. }));
+            let error = refused(&bytes[..length]);
+            let ends = ["damaged or truncated .npz file: it can't be unpacked", "ends too early"];
+            assert!(ends.iter().any(|end| error.ends_with(end)), "{error}");
         }
+        // The array itself, whose checksum differs then.
+        let mut damaged = bytes.clone();
+        damaged[bytes.len() / 2] ^= 1;
+        let error = refused(&damaged);
+        assert!(error.ends_with("`v`: damaged or truncated .npz file: it can't be unpacked"));
         assert!(read_arrays(&folder.path().join("a.txt")).is_err());
     }
 

@@ -3,10 +3,9 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use flate2::bufread::MultiGzDecoder;
-
 use super::limits::{LARGER_MAX_MEMORY, SourceOptions, check_memory, longest_line, memory_limit};
-use super::xz::Unpacker;
+use super::packing::{Packing, TRUNCATED};
+use super::{gzip, xz};
 use crate::base::{Error, Progress, Result};
 
 /// Bytes read from the disk at a time.
@@ -14,42 +13,6 @@ const BUFFER: usize = 1 << 20;
 
 /// The smallest buffer.
 const SMALLEST: u64 = 1 << 16;
-
-/// How a file is packed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Packing {
-    /// As it is.
-    None,
-    /// By gzip.
-    Gzip,
-    /// By xz.
-    Xz,
-}
-
-impl Packing {
-    /// Returns the file name (in lower case) without the ending of a packed file, and the packing.
-    #[doc(hidden)]
-    pub fn of(name: &str) -> (&str, Self) {
-        if let Some(stem) = name.strip_suffix(".gz") {
-            (stem, Self::Gzip)
-        } else if let Some(stem) = name.strip_suffix(".xz") {
-            (stem, Self::Xz)
-        } else {
-            (name, Self::None)
-        }
-    }
-}
-
-impl Packing {
-    /// Returns the packing of a file that begins with these bytes.
-    pub(super) fn of_content(head: &[u8]) -> Self {
-        match head {
-            [0x1f, 0x8b, ..] => Self::Gzip,
-            [0xfd, b'7', b'z', b'X', b'Z', 0, ..] => Self::Xz,
-            _ => Self::None,
-        }
-    }
-}
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
@@ -100,15 +63,17 @@ impl<'a> Source<'a> {
         let buffer = BUFFER.min(watched.size.max(SMALLEST) as usize);
         let size = watched.size;
         let mut raw = BufReader::with_capacity(buffer, watched);
-        let packing = packing(raw.fill_buf().map_err(|e| error_at(path, None, e))?);
+        let head = raw.fill_buf().map_err(|e| error_at(path, None, e))?;
+        let packing = packing(head);
+        packing.check(head).map_err(|e| error_at(path, None, e))?;
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
             Packing::Gzip => {
-                let inner = MultiGzDecoder::new(raw);
+                let inner = gzip::Unpacker::new(raw);
                 Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
             Packing::Xz => {
-                let inner = Unpacker::new(raw);
+                let inner = xz::Unpacker::new(raw);
                 Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
         };
@@ -344,7 +309,7 @@ pub(super) fn error_at(path: &Path, line: Option<usize>, e: io::Error) -> Error 
         return Error::Cancelled;
     }
     let what = match e.kind() {
-        io::ErrorKind::UnexpectedEof => "truncated: the file ends too early".into(),
+        io::ErrorKind::UnexpectedEof => TRUNCATED.into(),
         io::ErrorKind::NotFound => "no such file".into(),
         _ => e.to_string(),
     };

@@ -5,6 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use xz4rust::{XzDecoder, XzError};
 
+use super::packing::{damaged, truncated};
+
 /// The largest dictionary that a file may need, in bytes: 256 MiB. `xz -9` takes 64 MiB.
 const LARGEST_DICTIONARY: usize = 1 << 28;
 
@@ -18,7 +20,26 @@ pub(super) struct Unpacker<R> {
     /// Whether a stream has ended and no other has begun.
     has_ended: bool,
     /// The error, once there was one; every later read returns it again.
-    failed: Option<String>,
+    failed: Option<Fault>,
+}
+
+/// What is wrong with a file.
+#[derive(Debug, Clone, Copy)]
+enum Fault {
+    Truncated,
+    Damaged,
+    /// It needs what is not supported.
+    Unsupported(&'static str),
+}
+
+impl From<Fault> for io::Error {
+    fn from(fault: Fault) -> Self {
+        match fault {
+            Fault::Truncated => truncated(),
+            Fault::Damaged => damaged(".xz"),
+            Fault::Unsupported(what) => Self::other(what),
+        }
+    }
 }
 
 impl<R: BufRead> Unpacker<R> {
@@ -35,14 +56,14 @@ impl<R: BufRead> Unpacker<R> {
             }
             let packed = self.packed.fill_buf()?;
             if packed.is_empty() {
-                return Err(self.fail("truncated .xz file".into()));
+                return Err(self.fail(Fault::Truncated));
             }
             // The crate is safe code, which may panic on unexpected input.
             let decoded = catch_unwind(AssertUnwindSafe(|| self.decoder.decode(packed, out)));
             let result = match decoded {
                 Ok(Ok(result)) => result,
-                Ok(Err(e)) => return Err(self.fail(reason(&e))),
-                Err(_) => return Err(self.fail("broken .xz file".into())),
+                Ok(Err(e)) => return Err(self.fail(fault(&e))),
+                Err(_) => return Err(self.fail(Fault::Damaged)),
             };
             self.packed.consume(result.input_consumed());
             self.has_ended = result.is_end_of_stream();
@@ -65,7 +86,7 @@ impl<R: BufRead> Unpacker<R> {
                 continue;
             }
             if !zeros.is_multiple_of(4) {
-                return Err(self.fail("broken .xz file".into()));
+                return Err(self.fail(Fault::Damaged));
             }
             if length == 0 {
                 return Ok(false);
@@ -76,32 +97,41 @@ impl<R: BufRead> Unpacker<R> {
         }
     }
 
-    fn fail(&mut self, why: String) -> io::Error {
-        self.failed = Some(why.clone());
-        io::Error::other(why)
+    fn fail(&mut self, fault: Fault) -> io::Error {
+        self.failed = Some(fault);
+        fault.into()
     }
 }
 
 impl<R: BufRead> Read for Unpacker<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        match &self.failed {
-            Some(why) => Err(io::Error::other(why.clone())),
+        match self.failed {
+            Some(fault) => Err(fault.into()),
             None if out.is_empty() => Ok(0),
             None => self.unpack(out),
         }
     }
 }
 
-fn reason(e: &XzError) -> String {
+/// Returns what an error of the decoder means.
+fn fault(e: &XzError) -> Fault {
     match e {
         // Code 40 stands for 4 GiB less a byte, the largest dictionary of the format.
         XzError::DictionaryTooLarge(_) | XzError::UnsupportedLzmaProperties(40) => {
-            "needs a dictionary of more than 256 MiB".into()
+            Fault::Unsupported(
+                "needs a dictionary of more than 256 MiB, which is not supported; xz -9 needs less",
+            )
         }
-        XzError::Sha256NotSupported => {
-            "has checks by SHA-256, which are not supported; xz --check=crc64 writes others".into()
-        }
-        e => format!("broken .xz file: {e}"),
+        XzError::Sha256NotSupported => Fault::Unsupported(
+            "has checks by SHA-256, which are not supported; xz --check=crc64 writes others",
+        ),
+        XzError::UnsupportedStreamHeaderOption
+        | XzError::UnsupportedBlockHeaderOption
+        | XzError::UnsupportedCheckType(_)
+        | XzError::UnsupportedBcjFilter(_) => Fault::Unsupported(
+            "uses a part of .xz that is not supported, or is damaged; xz without options uses none",
+        ),
+        _ => Fault::Damaged,
     }
 }
 
@@ -156,15 +186,42 @@ mod tests {
     #[test]
     fn a_file_that_ends_early_is_an_error() {
         for cut in 0..ONE.len() {
-            assert!(unpacked(&ONE[..cut]).is_err(), "{cut}");
+            let refused = unpacked(&ONE[..cut]).unwrap_err().to_string();
+            assert_eq!(refused, "truncated: the file ends too early", "{cut}");
         }
+    }
+
+    #[test]
+    fn damage_is_named_without_the_words_of_the_decoder() {
+        for at in 0..ONE.len() {
+            for bit in 0..8 {
+                let mut packed = ONE;
+                packed[at] ^= 1 << bit;
+                let Err(refused) = unpacked(&packed) else { continue };
+                let refused = refused.to_string();
+                let known = [
+                    "truncated: the",
+                    "damaged .xz file: it",
+                    "needs a dict",
+                    "has checks",
+                    "uses a",
+                ];
+                assert!(known.iter().any(|known| refused.starts_with(known)), "{at}: {refused}");
+            }
+        }
+        let damaged = "damaged .xz file: it can't be unpacked";
+        assert_eq!(unpacked(&[&ONE[..], b"more"].concat()).unwrap_err().to_string(), damaged);
+        let mut packed = ONE;
+        packed[27] ^= 1;
+        assert_eq!(unpacked(&packed).unwrap_err().to_string(), damaged);
     }
 
     #[test]
     fn a_dictionary_of_more_than_256_mib_is_refused_by_name() {
         // The sizes that block headers have a code for: 32 is 256 MiB, 40 the largest.
         let large = Some("256 MiB");
-        for (code, why) in [(32, None), (33, large), (39, large), (40, large), (41, Some("broken"))]
+        for (code, why) in
+            [(32, None), (33, large), (39, large), (40, large), (41, Some("damaged .xz file"))]
         {
             let mut packed = ONE;
             packed[16] = code;

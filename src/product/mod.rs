@@ -36,7 +36,7 @@ pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub(crate) use verify::check_blocks;
 pub use verify::{Verification, verify};
 #[cfg(feature = "mpi")]
-pub(crate) use verify::{check_rounds, signs, verdict};
+pub(crate) use verify::{check_rounds, refuse_non_finite, signs, verdict};
 
 pub(crate) use execute::{Product, execute};
 

@@ -11,8 +11,8 @@ use crate::blas;
 /// Most rounds: the probability of an error is 2^-1000 with these.
 const MAX_ROUNDS: u32 = 1000;
 
-/// The result of [`verify`]. It says nothing about C where residual or tolerance is not finite, as
-/// when A has an entry that is not finite.
+/// The result of [`verify`]. It says nothing about C where the tolerance is not finite, as when the
+/// squares of a column of A add up to infinity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verification {
     /// Whether `residual <= tolerance`, both finite.
@@ -33,8 +33,7 @@ pub struct Verification {
 /// `(E x)_i` by `2 |E_ij|`, so at least one of the two vectors shows an error of `|E_ij|`: each
 /// round misses it with probability at most 1/2. The tolerance is the probabilistic rounding bound
 /// of Higham and Mary (2019), `8 u sqrt(m n) max_j ||a_j||^2` with u the unit roundoff of T, so a
-/// correct result fails with negligible probability. The check itself runs in f64. Where A has a
-/// NaN or an infinity, no C passes: the residual or the tolerance is not finite.
+/// correct result fails with negligible probability. The check itself runs in f64.
 ///
 /// ```
 /// use catamaran::{AtaOptions, Uplo, ata_into, product::verify, faer::Mat};
@@ -50,6 +49,7 @@ pub struct Verification {
 ///
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] unless `rounds` is in 1..=1000,
+/// [`Error::NonFinite`] names the first NaN or infinity of A, whose product nothing can check;
 /// [`Error::OutOfMemory`].
 pub fn verify<T: Real>(
     alpha: f64,
@@ -108,6 +108,7 @@ pub(crate) fn check_blocks<T: Real>(
                 *norm += w.abs() * block[(i, j)] * block[(i, j)];
             }
         }
+        refuse_non_finite(&norms, block.rb(), (first, 0))?;
         kernels.gemm(-alpha, block.rb(), y.as_ref(), 1.0, z.as_mut());
     }
 
@@ -128,6 +129,23 @@ pub(crate) fn check_blocks<T: Real>(
     }
 
     Ok(verdict::<T>(alpha, m, z.as_ref(), &norms))
+}
+
+/// Refuses a block whose first entry is A(i, j), if it holds a NaN or an infinity; only then, or
+/// after an overflow, are its `norms` not finite.
+pub(crate) fn refuse_non_finite<T: Real>(
+    norms: &[f64],
+    block: MatRef<'_, T>,
+    (i, j): (usize, usize),
+) -> Result<()> {
+    if norms.iter().all(|norm| norm.is_finite()) {
+        return Ok(());
+    }
+    let column = |row: usize| (0..block.ncols()).find(|&j| !block[(row, j)].to_f64().is_finite());
+    match (0..block.nrows()).find_map(|row| Some((row, column(row)?))) {
+        None => Ok(()),
+        Some((row, column)) => Err(Error::NonFinite { what: "A", index: (i + row, j + column) }),
+    }
 }
 
 pub(crate) fn check_rounds(rounds: u32) -> Result<()> {

@@ -26,7 +26,7 @@ use crate::product::{Uplo, Verification, check_blocks};
 /// ```
 ///
 /// # Errors
-/// As [`verify`](crate::product::verify()) and [`ata_rows`](super::ata_rows).
+/// As [`verify`](crate::product::verify()), where A is X, and [`ata_rows`](super::ata_rows).
 pub fn verify_rows<T: Real>(
     alpha: f64,
     rows: &mut dyn RowBlocks<f64>,

@@ -332,6 +332,12 @@ static void test_without_mpi(void)
 static void test_verify(void)
 {
     int32_t passed = 5;
+    const double before = a[N + 1];
+    a[N + 1] = INFINITY;
+    CHECK_STATUS(cata_verify_f64(ROW, CATA_BOTH, M, N, 1.0, a, N, c, N, 1, 1, &passed, NULL, NULL),
+                 CATA_ERR_NON_FINITE);
+    CHECK_MESSAGE("A: not finite at row 1, column 1");
+    a[N + 1] = before;
     CHECK_STATUS(cata_verify_f64(ROW, CATA_BOTH, M, N, 1.0, a, N, c, N, 0, 1, &passed, NULL, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_STATUS(

@@ -11,6 +11,7 @@ pub const CASES: &[Case] = &[
     ("correct_products_pass_the_check_f64", correct::<f64>),
     ("correct_products_pass_the_check_f32", correct::<f32>),
     ("a_wrong_entry_fails_the_check_on_every_rank", wrong),
+    ("an_infinity_of_a_is_named_on_every_rank", infinite),
 ];
 
 fn entry<T: Real>(i: usize, j: usize) -> T {
@@ -32,6 +33,22 @@ fn correct<T: MpiReal>(world: &World) {
                 assert!(found.passed, "{m} x {n}: {found:?}");
             }
         }
+    }
+}
+
+fn infinite(world: &World) {
+    let (m, n) = (100, 50);
+    let own = uneven(m, world.size(), world.rank());
+    let rows = Mat::<f64>::from_fn(own.len(), n, |i, j| entry(own.start + i, j));
+    let c = ata_rows(world, 1.0, rows.as_ref(), &options()).unwrap();
+    let place = (m - 1, n - 1);
+    let value = |at| if at == place { f64::INFINITY } else { entry(at.0, at.1) };
+    let rows = Mat::from_fn(own.len(), n, |i, j| value((own.start + i, j)));
+    let own = uneven(n, world.size(), world.rank());
+    let columns = Mat::from_fn(m, own.len(), |i, j| value((i, own.start + j)));
+    for a in [Distributed::Rows(rows.as_ref()), Distributed::Columns(columns.as_ref())] {
+        let error = verify(world, 1.0, a, &c, 20, 7).unwrap_err().to_string();
+        assert!(error.ends_with("A: not finite at row 99, column 49"), "{error}");
     }
 }
 

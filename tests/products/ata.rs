@@ -497,9 +497,23 @@ fn verify_rejects_what_overflows_and_rounds_out_of_range() {
     };
     assert!(check(2.0, 4.0, 1).unwrap().passed);
     assert!(!check(1e200, 5.0, 1).unwrap().passed);
-    assert!(!check(f64::INFINITY, 0.0, 1).unwrap().passed);
+    assert!(!check(2.0, f64::NAN, 1).unwrap().passed);
     for rounds in [0, 1001, u32::MAX] {
         assert!(matches!(check(2.0, 4.0, rounds), Err(Error::Argument { what: "rounds", .. })));
+    }
+}
+
+#[test]
+fn verify_names_the_first_entry_of_a_that_is_not_finite() {
+    // More rows than a block, and one whose squares overflow.
+    let (m, n) = (70_000, 20);
+    for (i, j, x) in [(0, 0, f64::NAN), (66_000, 13, f64::INFINITY), (69_999, 19, f64::NAN)] {
+        let mut a = Mat::<f64>::from_fn(m, n, |i, j| ((3 * i + j) % 7) as f64);
+        a[(10, 0)] = 1e200;
+        a[(i, j)] = x;
+        a[(m - 1, n - 1)] = x;
+        let found = verify(1.0, a.as_ref(), Mat::zeros(n, n).as_ref(), Uplo::Lower, 1, 1);
+        assert_eq!(found, Err(Error::NonFinite { what: "A", index: (i, j) }));
     }
 }
 

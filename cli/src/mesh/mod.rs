@@ -12,7 +12,7 @@ use catamaran_geometry::mesh::{
 };
 use clap::ValueEnum;
 
-use crate::common::Force;
+use crate::common::{Force, as_option};
 use crate::input;
 use crate::output;
 use crate::parse;
@@ -51,7 +51,7 @@ pub struct Args {
     /// --orient.
     #[arg(long)]
     repair: bool,
-    /// Join vertices that are at most TOLERANCE apart, in units of the mesh; without TOLERANCE,
+    /// Join vertices that are at most TOLERANCE apart, in units of MESH; without TOLERANCE,
     /// vertices with equal positions. `seams` joins vertices with equal positions only where
     /// exactly two boundary edges coincide, so that surfaces that only touch stay apart. Texture
     /// coordinates and normals that differ are kept for each corner of a face.
@@ -70,10 +70,10 @@ pub struct Args {
     #[arg(long)]
     compact: bool,
     /// Keep the N components with the most faces.
-    #[arg(long, value_name = "N", conflicts_with = "component")]
+    #[arg(long, value_name = "N", value_parser = parse::at_least_one, conflicts_with = "component")]
     keep_largest: Option<usize>,
     /// Drop components with less than this share of the area, from 0 to 1.
-    #[arg(long, value_name = "SHARE", conflicts_with = "component")]
+    #[arg(long, value_name = "SHARE", value_parser = parse::share, conflicts_with = "component")]
     drop_specks: Option<f64>,
     /// Fill holes: boundary loops of at most N edges.
     #[arg(long, value_name = "N")]
@@ -135,9 +135,9 @@ pub fn run(args: &Args) -> Result<()> {
 
     let picture = args.picture.create(args.force)?;
     let start = Instant::now();
-    let mut file = match args.normalize {
+    let (mut file, factor) = match args.normalize {
         Some(_) => input::mesh_of_any_size(&args.input)?,
-        None => input::mesh(&args.input)?,
+        None => (input::mesh(&args.input)?, 1.0),
     };
     let name = args.input.display();
     let (path, time) = (name.to_string(), start.elapsed());
@@ -152,8 +152,17 @@ pub fn run(args: &Args) -> Result<()> {
     report::validation(&file.mesh, &found)?;
     report::measures(&file, &found)?;
 
-    if let Some(options) = args.repairs() {
-        let done = repair(file, &options).with_context(|| name.to_string())?;
+    if let Some(options) = args.repairs(factor) {
+        let mut done =
+            repair(file, &options).map_err(as_option).with_context(|| name.to_string())?;
+        // In units of the file, as the option has it.
+        for step in &mut done.report.steps {
+            if let (RepairStep::Welded { tolerance, .. }, Some(Weld::Within(given))) =
+                (step, args.weld)
+            {
+                *tolerance = given;
+            }
+        }
         if !args.repair {
             require_orientable(&done.report).with_context(|| name.to_string())?;
         }
@@ -194,12 +203,15 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 impl Args {
-    /// Returns the requested repairs, if there are any.
-    fn repairs(&self) -> Option<RepairOptions> {
+    /// Returns the requested repairs of a mesh whose lengths were multiplied by `factor`, if there
+    /// are any.
+    fn repairs(&self, factor: f64) -> Option<RepairOptions> {
         let mut options =
             if self.repair { RepairOptions::everything() } else { RepairOptions::new() };
-        if let Some(weld) = self.weld {
-            options.weld = weld;
+        match self.weld {
+            Some(Weld::Within(tolerance)) => options.weld = Weld::Within(factor * tolerance),
+            Some(weld) => options.weld = weld,
+            None => {}
         }
         options.drop_duplicates |= self.drop_duplicates;
         options.drop_degenerate |= self.drop_degenerate;

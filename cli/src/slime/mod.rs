@@ -166,6 +166,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let (options, look) = args.options()?;
     let mut frames = args.frames()?;
+    let device = args.device.open()?;
     // Before the simulation is made, which may take long; the step of a saved state is read later.
     if args.saved().is_none() {
         args.check_names(&frames, options.species, look.as_ref())?;
@@ -185,7 +186,6 @@ pub fn run(args: &Args) -> Result<()> {
     let files = args.check_names(&frames, options.species, look.as_ref())?;
     let is_end = |end: &str| end == ".png" || end.starts_with("-species");
     note_older(&args.output, "frames", FRAME, is_end, &all);
-    let device = args.device.open()?;
     let on_device = device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
     // Ctrl-C keeps the state, which is whole after a step only.
     let whole_steps = outputs.state.as_ref().map(|_| signals::finish_first());

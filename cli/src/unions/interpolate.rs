@@ -50,6 +50,10 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.output.as_deref().map(|path| output::csv(path, args.force)).transpose()?;
     let picture = args.picture.create(args.force)?;
     let model = args.source.model()?;
+    let template = match &args.localize {
+        Some(path) => Some((path, args.source.template(path, &model)?)),
+        None => None,
+    };
     let read = |path: &PathBuf| Ok(args.source.read(path)?.1);
     let spectra: Vec<Vec<f64>> = args.parts.iter().map(read).collect::<Result<_>>()?;
     let times: Vec<f64> =
@@ -73,8 +77,8 @@ pub fn run(args: &Args) -> Result<()> {
         report_ood(model.ood_score(parts)?)?;
         unions.push(union);
     }
-    if let Some(template) = &args.localize {
-        let found = args.source.localized(template, &model, &pairs)?;
+    if let Some((path, template)) = template {
+        let found = template.locate(&model, &pairs)?;
         if let Some(picture) = picture {
             let names: Vec<String> = times.iter().map(|t| format!("{t:.2}")).collect();
             let panels: Vec<_> = found
@@ -82,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
                 .zip(&names)
                 .map(|((mesh, inside), name)| (mesh, Paint::Values(inside), name.as_str()))
                 .collect();
-            args.picture.draw_shares(picture, template, &panels)?;
+            args.picture.draw_shares(picture, path, &panels)?;
         }
     }
     if let Some(mut output) = output {

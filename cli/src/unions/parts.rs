@@ -7,7 +7,7 @@ use catamaran::Par;
 use catamaran_geometry::mesh::{
     Boundary, CloudOptions, Components, LaplacianOptions, TriMesh, free_components,
 };
-use catamaran_geometry::unions::{K, PartSpectra, SpectralUnion, cloud_spectrum};
+use catamaran_geometry::unions::{K, LocalizerOn, PartSpectra, SpectralUnion, cloud_spectrum};
 
 use crate::input::MeshArgs;
 use crate::pieces::Pieces;
@@ -44,27 +44,34 @@ impl PartArgs {
         Ok((mesh, spectrum))
     }
 
-    /// Computes the regions of unions on a template, one for each list of parts.
-    pub fn localized(
-        &self,
-        template: &Path,
-        model: &SpectralUnion,
-        unions: &[Vec<&[f64]>],
-    ) -> Result<Vec<Localized>> {
-        let named = || template.display().to_string();
-        let mesh = self.repair.read(template)?.mesh;
-        let on = model.localizer().on_mesh(&mesh, Par::all()).with_context(named)?;
+    /// Reads a template.
+    pub fn template(&self, path: &Path, model: &SpectralUnion) -> Result<Template> {
+        let mesh = self.repair.read(path)?.mesh;
+        let on = model.localizer().on_mesh(&mesh, Par::all());
+        Ok(Template { on: on.with_context(|| path.display().to_string())?, mesh })
+    }
+}
+
+/// A template on which unions are found.
+pub struct Template {
+    mesh: TriMesh,
+    on: LocalizerOn,
+}
+
+impl Template {
+    /// Computes the regions of unions, one for each list of parts.
+    pub fn locate(&self, model: &SpectralUnion, unions: &[Vec<&[f64]>]) -> Result<Vec<Localized>> {
         let locate = |parts: &Vec<&[f64]>| {
-            let inside = on.indicator(&model.locate(parts)?)?;
+            let inside = self.on.indicator(&model.locate(parts)?)?;
             let count = inside.iter().filter(|x| **x > 0.5).count();
-            let all = mesh.vertices().len();
+            let all = self.mesh.vertices().len();
             report!(
                 "region",
                 vertices = count,
                 template_vertices = all;
                 "{count} of {all} vertices of the template"
             )?;
-            Ok((mesh.clone(), inside.iter().map(|x| x.clamp(0.0, 1.0)).collect()))
+            Ok((self.mesh.clone(), inside.iter().map(|x| x.clamp(0.0, 1.0)).collect()))
         };
         unions.iter().map(locate).collect()
     }

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use catamaran_geometry::mesh::TriMesh;
 use catamaran_geometry::unions::K;
 
-use super::parts::{PartArgs, report_ood};
+use super::parts::{PartArgs, Template, report_ood};
 use crate::common::Force;
 use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs};
@@ -47,6 +47,8 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.output.as_deref().map(|path| output::csv(path, args.force)).transpose()?;
     let picture = args.picture.create(args.force)?;
     let model = args.source.model()?;
+    let template = |path: &PathBuf| args.source.template(path, &model);
+    let template = args.localize.as_ref().map(template).transpose()?;
     let (meshes, spectra): (Vec<TriMesh>, Vec<Vec<f64>>) = args
         .parts
         .iter()
@@ -78,9 +80,8 @@ pub fn run(args: &Args) -> Result<()> {
         )?;
     }
     report_ood(ood_score)?;
-    let localized =
-        |template: &PathBuf| args.source.localized(template, &model, std::slice::from_ref(&parts));
-    let found = args.localize.as_ref().map(localized).transpose()?.unwrap_or_default();
+    let locate = |template: Template| template.locate(&model, std::slice::from_ref(&parts));
+    let found = template.map(locate).transpose()?.unwrap_or_default();
     if let Some(picture) = picture {
         let drawn = meshes.iter().filter(|mesh| !mesh.faces().is_empty());
         let mut panels: Vec<_> = drawn.map(|mesh| (mesh, PLAIN, "part")).collect();

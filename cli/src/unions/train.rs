@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::unions::network::Architecture;
@@ -15,9 +15,10 @@ use catamaran_training::transformer::{Losses, Transformer, TransformerOptions};
 use clap::ValueEnum;
 
 use super::curve;
-use crate::common::{Force, Threads};
+use crate::common::{Force, Threads, as_option};
 use crate::defaults::stated;
 use crate::output;
+use crate::parse;
 use crate::picture::write_chart;
 use crate::progress;
 use crate::report::{report, status};
@@ -44,6 +45,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "NUMBER",
+        value_parser = parse::at_least_one,
         help = stated(
             "Number of passes over the data in all, over which the learning rate falls; --resume \
              may raise it",
@@ -56,7 +58,7 @@ pub struct Args {
     )]
     epochs: Option<usize>,
     /// Stop after the epoch in which this time, in minutes, is over; --resume continues.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = parse::at_least_zero)]
     minutes: Option<f64>,
     /// Continue from OUT.state.npz, with the sizes and rates of the state.
     #[arg(long)]
@@ -65,7 +67,7 @@ pub struct Args {
     #[arg(long, default_value = "sum")]
     architecture: Kind,
     /// Train on the first N known humanoids only, and on no other shapes (thesis, table 2.2: 1).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse::at_least_one)]
     identities: Option<usize>,
     /// Number of layers before and after the sum over the parts.
     #[arg(
@@ -121,18 +123,21 @@ pub fn run(args: &Args) -> Result<()> {
     if args.architecture == Kind::Thesis {
         return thesis(args);
     }
+    let most_modes = TrainOptions::default().sizes.modes;
+    options(args, most_modes).check().map_err(of_option)?;
     let [state_path, curve_path] = [".state.npz", ".svg"].map(|end| beside(&args.output, end));
     let files = [&args.output, &state_path, &curve_path];
     files.into_iter().try_for_each(|path| args.force.check_resumable(path, args.resume))?;
     files.into_iter().try_for_each(|path| output::probe(path))?;
     let par = args.threads.par();
+    let resumed = args.resume.then(|| read_state(&state_path)).transpose()?;
     let examples = examples(args, par)?;
-    let (options, state) = if args.resume {
-        let (mut options, state) = read_state(&state_path)?;
-        options.epochs = args.epochs.unwrap_or(options.epochs);
-        (options, Some(state))
-    } else {
-        (options(args, examples.regions.modes()), None)
+    let (options, state) = match resumed {
+        Some((mut options, state)) => {
+            options.epochs = args.epochs.unwrap_or(options.epochs);
+            (options, Some(state))
+        }
+        None => (options(args, examples.regions.modes()), None),
     };
     let mut trainer = Trainer::new(examples, options, state, par)?;
     let parameters = trainer.state().parameters.len();
@@ -207,7 +212,7 @@ fn thesis(args: &Args) -> Result<()> {
     if args.resume {
         bail!("--resume: training with --architecture thesis can't be resumed");
     }
-    let output = args.force.create(&args.output)?;
+    let output = output::arrays(&args.output, args.force)?;
     let par = args.threads.par();
     let examples = examples(args, par)?;
     let defaults = TransformerOptions::default();
@@ -242,6 +247,16 @@ fn beside(output: &Path, end: &str) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(end);
     name.into()
+}
+
+/// Names the option of an error of the library.
+fn of_option(error: catamaran::Error) -> anyhow::Error {
+    match error {
+        catamaran::Error::Argument { what: "first_layers" | "second_layers", why } => {
+            anyhow!("--layers: {why}")
+        }
+        error => as_option(error),
+    }
 }
 
 fn options(args: &Args, modes: usize) -> TrainOptions {

@@ -10,7 +10,7 @@ use catamaran_training::train::Trainer;
 use catamaran_training::tune::{TuneOptions, family_examples, start};
 
 use super::parts::model;
-use crate::common::{Force, Threads};
+use crate::common::{Force, Threads, as_option};
 use crate::input::MeshArgs;
 use crate::pieces::Pieces;
 use crate::progress::{self, Bar};
@@ -65,7 +65,6 @@ pub fn run(args: &Args) -> Result<()> {
         Pieces::new(&mesh, path, &args.repair, &Boundary::Neumann)?.note();
         Ok(mesh)
     };
-    let meshes: Vec<TriMesh> = args.meshes.iter().map(read).collect::<Result<_>>()?;
     let options = TuneOptions {
         pairs: args.pairs,
         epochs: args.epochs,
@@ -73,6 +72,9 @@ pub fn run(args: &Args) -> Result<()> {
         seed: args.seed,
         ..TuneOptions::default()
     };
+    let (settings, state) = start(&base, &options);
+    settings.check().map_err(as_option)?;
+    let meshes: Vec<TriMesh> = args.meshes.iter().map(read).collect::<Result<_>>()?;
     let par = args.threads.par();
     let bar = Bar::new("parts");
     let update = |fraction| bar.update(fraction);
@@ -85,7 +87,6 @@ pub fn run(args: &Args) -> Result<()> {
         validation = aside;
         "{training} training pairs, {aside} validation pairs of meshes that are held out"
     )?;
-    let (settings, state) = start(&base, &options);
     let mut trainer = Trainer::new(examples, settings, Some(state), par)?;
     let before = 100.0 * trainer.best_error();
     report!("before", error_percent = before; "validation error {before:.3} %")?;

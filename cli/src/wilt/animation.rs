@@ -21,9 +21,26 @@ const ROUNDING: f64 = 1e-6;
 /// Linear colours of a leaf and of a stem.
 const COLORS: [[f32; 3]; 2] = [[0.10, 0.42, 0.09], [0.28, 0.17, 0.07]];
 
-/// Writes the poses at these times, in seconds. A segment is a joint below the joint of its parent,
-/// so that only its rotation changes, and nothing stretches between frames either; a pinned segment
-/// has no parent joint and does not move.
+/// Refuses a plant, or a number of frames after the first, that no file can hold.
+pub fn check(plant: &Plant, frames: usize) -> Result<()> {
+    let n = plant.len();
+    if n > MOST_SEGMENTS {
+        bail!("--animation: {n} segments, where a skin of glTF has at most {MOST_SEGMENTS}");
+    }
+    let moving = plant.segments().iter().filter(|segment| !segment.pinned).count();
+    check_bytes(moving.saturating_mul(frames + 1).saturating_mul(size_of::<[f32; 4]>()))
+}
+
+fn check_bytes(count: usize) -> Result<()> {
+    if count > MOST_BYTES {
+        bail!("--animation: more than 2 GiB of numbers; give fewer --frames");
+    }
+    Ok(())
+}
+
+/// Writes the poses at these times, in seconds, of a plant that [`check`] accepts. A segment is a
+/// joint below the joint of its parent, so that only its rotation changes, and nothing stretches
+/// between frames either; a pinned segment has no parent joint and does not move.
 pub fn write_animation(
     plant: &Plant,
     poses: &[Pose],
@@ -32,9 +49,6 @@ pub fn write_animation(
     mut output: Output,
 ) -> Result<()> {
     let n = plant.len();
-    if n > MOST_SEGMENTS {
-        bail!("--animation: {n} segments, where a skin of glTF has at most {MOST_SEGMENTS}");
-    }
     let rest = Rods::new(plant, &RodOptions::default())?.rest_pose();
     let mut file = File::default();
     let mesh = file.mesh(plant, &rest, sides)?;
@@ -56,9 +70,7 @@ pub fn write_animation(
         document["animations"] = json!([animation]);
     }
     let mut numbers = file.numbers;
-    if numbers.len() > MOST_BYTES {
-        bail!("--animation: more than 2 GiB of numbers; give fewer --frames");
-    }
+    check_bytes(numbers.len())?;
     numbers.resize(numbers.len().next_multiple_of(4), 0);
     document["buffers"] = json!([{ "byteLength": numbers.len() }]);
     let text = serde_json::to_vec(&document)?;

@@ -58,6 +58,9 @@ pub fn run(args: &Args) -> Result<()> {
         return report_written(args, names.len());
     }
     let weather = args.weather(&plant)?;
+    if args.animation {
+        animation::check(&plant, weather.frames)?;
+    }
     let is_mesh = |end: &str| [".obj", ".ply"].contains(&end);
     note_older(&args.output, "frames", FRAME, is_mesh, &names);
     let bar = Bar::new("wilting");

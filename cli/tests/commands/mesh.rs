@@ -416,6 +416,67 @@ fn a_mesh_of_any_size_is_normalized_as_its_error_hints() {
 }
 
 #[test]
+fn a_tolerance_has_the_unit_of_the_file_whatever_its_size() {
+    let folder = Folder::new();
+    let soup = families::soup(&families::icosphere(1).unwrap()).unwrap();
+    for by in [1e-160, 1e-3, 1.0, 1e160] {
+        let points = soup.vertices().iter().map(|p| p.map(|x| x * by)).collect();
+        let output = Output::create(&folder.path("far.ply"), Overwrite::Replace).unwrap();
+        io::write(output, &TriMesh::new(points, soup.faces().to_vec()).unwrap().into()).unwrap();
+        for size in ["box", "area"] {
+            // Edges are half as long as the radius, and longer.
+            let weld = format!("--weld {:e}", 0.4 * by);
+            let line = format!("mesh far.ply {weld} --normalize {size} -o near.ply --force");
+            let report = folder.succeed(&line);
+            assert!(report.ends_with("near.ply: 42 vertices, 80 faces\n"), "{line}: {report}");
+        }
+    }
+}
+
+#[test]
+fn options_that_leave_nothing_are_named_and_nothing_is_written() {
+    let folder = Folder::new();
+    folder.write("two.off", TWO);
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    folder.write("cloud.obj", "v 0 0 0\nv 1 0 0\nv 2 1 0\n");
+    folder.write("a.csv", "1,2\n3,4\n");
+    let none = "leaves none of the";
+    for (arguments, why) in [
+        ("mesh two.off --weld 1e300 -o x", format!("two.off: --weld: {none} 8 faces")),
+        ("mesh two.off --drop-specks .6 -o x", format!("two.off: --drop-specks: {none} 8 faces")),
+        ("mesh flat.obj --repair -o x", format!("flat.obj: --drop-degenerate: {none} 1 faces")),
+        ("mesh cloud.obj --compact -o x", format!("cloud.obj: --compact: {none} 3 vertices")),
+        ("spectrum two.off --weld 1e300", format!("two.off: --weld: {none} 8 faces")),
+        (
+            "farthest two.off -n 1 --drop-specks 0.6 -o x",
+            format!("two.off: --drop-specks: {none} 8 faces"),
+        ),
+        (
+            "distance flat.obj --from 0 -o x",
+            format!("flat.obj: the removal of faces without area {none} 1 faces"),
+        ),
+        ("shapedna two.off -k 4 --nearest 0", "--nearest 0: ".into()),
+    ] {
+        let end = if arguments.starts_with("mesh") { ".ply" } else { ".csv" };
+        let refused = folder.fail(&arguments.replace("-o x", &format!("-o x{end}")));
+        assert!(refused.contains(&why), "{arguments}: {refused}");
+        assert!(!folder.path(&format!("x{end}")).exists(), "{arguments}");
+    }
+    for arguments in [
+        "mesh two.off --keep-largest 0 -o x.ply",
+        "mesh two.off --drop-specks 1.5 -o x.ply",
+        "spectrum two.off -k 0",
+        "filter two.off --low-pass 0 -o x.ply",
+        "filter two.off --band 3..3 -o x.ply",
+        "ata a.csv --columns 1..1 -o x.csv",
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains("expected "), "{arguments}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn a_soup_is_resampled_after_it_is_repaired() {
     let soup = families::soup(&families::torus(24, 12, 2.0, 0.7).unwrap()).unwrap();
     let folder = with("soup.ply", &soup.into());

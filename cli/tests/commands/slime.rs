@@ -74,8 +74,12 @@ fn a_run_goes_on_where_it_ended() {
     assert_eq!(of("whole/coverage.csv"), of("first/coverage.csv"));
     assert_eq!(of("first/frame-0010.png"), early);
     let slime = "slime square.obj --config c.toml";
-    let other = format!("{slime} --seed 5 --steps 30 -o fourth --state some.state --resume");
-    assert!(folder.fail(&other).contains("another seed"));
+    let resumed = "--steps 30 -o fourth --state some.state --resume";
+    let refused = folder.fail(&format!("{slime} --seed 5 {resumed}"));
+    assert!(refused.contains("some.state: was saved with seed = 0, not 5"), "{refused}");
+    folder.write("other.toml", CONFIG.replace("speed = 6", "speed = 1.25"));
+    let refused = folder.fail(&format!("slime square.obj --config other.toml {resumed}"));
+    assert!(refused.contains("was saved with movement_speed = 6, not 1.25"), "{refused}");
     let fewer = folder.fail(&format!("{slime} --steps 9 -o fourth --state some.state --resume"));
     assert!(fewer.contains("--steps 9: some.state is after 30 steps already"), "{fewer}");
     folder.write("some.state", &after_12[..after_12.len() - 1]);

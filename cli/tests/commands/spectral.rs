@@ -245,21 +245,51 @@ fn one_coefficient_changes_by_a_share_of_the_size() {
     }
     folder.succeed("filter source.ply -k 10 --coefficient 3 -o moved.ply --picture m.png");
     assert_eq!(read(&folder.path("moved.ply")).unwrap().mesh.faces(), source.faces());
+    folder.write("short.csv", "1\n2\n");
     for (arguments, says) in [
-        ("--coefficient 0", "the constant function only moves the mesh"),
         ("--coefficient 11", "the last frequency is number 10"),
-        ("--coefficient 1 --share inf", "--share inf: a finite number is needed"),
         ("--low-pass 12", "--low-pass: 11 frequencies are computed; -k 11 or more is needed"),
         ("--high-pass 99", "--high-pass: 11 frequencies"),
         ("--band 9..12", "--band: 11 frequencies"),
         ("--low-pass 3 --share 0.1", "--share is for --coefficient only"),
         ("--heat 0.1 --amount 2", "--amount is for --sharpen only"),
+        ("--order 2 --low-pass 99", "--low-pass: at most 66 frequencies are computed; a larger"),
+        ("--order 2 --coefficient 66", "--coefficient 66: the last frequency is at most number 65"),
+        ("--order 300 --heat 0.1", "--order: must be at most 255, is 300"),
+        ("--heat 0.1 --functions short.csv -o x.csv --force", "short.csv: 2 rows for 162 vertices"),
     ] {
-        let said = folder.fail(&format!("filter source.ply -k 10 {arguments} -o x.ply"));
-        assert!(said.contains(says), "{said}");
+        let output = if arguments.contains(" -o ") { "" } else { "-o x.ply" };
+        refused_before_eigenpairs(
+            &folder,
+            &format!("filter source.ply -k 10 {arguments} {output}"),
+            says,
+        );
     }
-    let run = folder.run("filter source.ply -k 10 --coefficient 2 --low-pass 3 -o x.ply");
-    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    for arguments in [
+        "--coefficient 2 --low-pass 3",
+        "--coefficient 0",
+        "--coefficient 1 --share inf",
+        "--heat -1",
+        "--sharpen nan",
+        "--sharpen 1 --amount inf",
+    ] {
+        let run = folder.run(&format!("filter source.ply -k 10 {arguments} -o x.ply"));
+        assert_eq!(run.code, Some(2), "{}", run.stderr);
+    }
+    for (arguments, says) in [
+        ("-o b.txt", "b.txt: "),
+        ("-k 100 --order 12 -o b.npz", "--order: 100 functions have more than 2^32 - 1 products"),
+    ] {
+        refused_before_eigenpairs(&folder, &format!("basis source.ply {arguments}"), says);
+    }
+}
+
+/// Runs a command that fails because of its options, before it has computed eigenpairs.
+fn refused_before_eigenpairs(folder: &Folder, arguments: &str, says: &str) {
+    let run = folder.run(arguments);
+    assert_eq!(run.code, Some(1), "{arguments}: {}", run.stderr);
+    assert!(run.stderr.contains(says), "{arguments}: {}", run.stderr);
+    assert!(!run.stdout.contains("eigenpairs"), "{arguments}: {}", run.stdout);
 }
 
 #[test]
@@ -270,6 +300,8 @@ fn transfer_refuses_what_does_not_fit() {
     folder.write("short.txt", "1\n2\n");
     folder.write("outside.txt", "0 0\n1 162\n");
     folder.write("one.csv", "1,2\n3,4\n");
+    folder.write("s.csv", "0\n".repeat(161) + "1\n");
+    folder.write("t.csv", "0\n".repeat(162));
     folder.write("nan.csv", &("1,2\n".repeat(160) + "3,nan\n5,6\n"));
     folder.write("s.mtx", "%%MatrixMarket matrix coordinate real general\n162 1 1\n1 1 2.5\n");
     let common = "transfer source.ply target.off -k 5 -o out.npy";
@@ -280,9 +312,10 @@ fn transfer_refuses_what_does_not_fit() {
         ("--functions one.csv --identity", "one.csv: 2 rows"),
         ("--functions s.mtx --identity", "s.mtx: the matrix must be dense, but is sparse"),
         ("--functions nan.csv --identity", "nan.csv: not finite at row 160, column 1"),
+        ("--functions xyz.npy --identity --order 300", "--order: must be at most 255, is 300"),
+        ("--functions xyz.npy --segments s.csv t.csv", "s.csv, t.csv: labels: label 1 is on one"),
     ] {
-        let said = folder.fail(&format!("{common} {arguments}"));
-        assert!(said.contains(says), "{said}");
+        refused_before_eigenpairs(&folder, &format!("{common} {arguments}"), says);
     }
     let run = folder.run(&format!("{common} --functions xyz.npy"));
     assert_eq!(run.code, Some(2), "{}", run.stderr);

@@ -55,7 +55,7 @@ fn a_decimation_gives_nearly_the_same_pairs_and_its_errors_are_told() {
     }
     assert_eq!(folder.read_npz("few.npz", "eigenvectors").0, [3600, 12]);
     for (arguments, named) in [
-        ("--via-decimation 9", "k: 12 eigenpairs from a coarse space of 9 dimensions"),
+        ("--via-decimation 9", "--via-decimation 9: too few vertices for the 12 eigenpairs of -k"),
         ("--via-decimation 600 --boundary dirichlet", "--via-decimation needs --boundary neumann"),
         ("--via-decimation 600 --shift 1", "cannot be used with '--shift"),
         ("--via-decimation 2", "n: 2, but"),

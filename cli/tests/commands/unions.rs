@@ -96,9 +96,30 @@ fn the_name_of_the_output_is_checked_before_any_input_is_read() {
         ("shape none.off --spectrum none.csv -o x.off.xz", "x.off.xz: .xz files can only be read"),
         // Too few vertices for a model, which an error would name if it came first.
         ("template --vertices 0 -o x.xyz", "x.xyz: unknown kind of mesh"),
+        ("train none.npz -o x --architecture thesis", "x: "),
     ] {
         let said = folder.fail(&format!("unions {command}"));
         assert!(said.contains(why), "{command}: {said}");
+    }
+}
+
+#[test]
+fn options_are_judged_before_any_input_is_read() {
+    let folder = Folder::new();
+    for (command, why) in [
+        ("predict none.off none.off --localize there.off", "there.off: no such file"),
+        ("interpolate none.off none.off none.off --localize there.off", "there.off: no such file"),
+        ("train none.npz -o x.safetensors --batch 0", "--batch: must be from 1 to 65536, is 0"),
+        ("train none.npz -o x.safetensors --layers 65,1", "--layers: must be from 0 to 64, is 65"),
+        ("train none.npz -o x.safetensors --rate nan", "--rate: must be finite and at least 0"),
+        ("tune none.off none.off -o x.safetensors --rate=-1", "--rate: must be finite and at"),
+    ] {
+        let said = folder.fail(&format!("unions {command}"));
+        assert!(said.contains(why), "{command}: {said}");
+    }
+    for option in ["--epochs 0", "--minutes=-1", "--identities 0"] {
+        let run = folder.run(&format!("unions train none.npz -o x.safetensors {option}"));
+        assert_eq!(run.code, Some(2), "{option}: {}", run.stderr);
     }
 }
 

@@ -553,6 +553,17 @@ fn the_commands_of_the_guide_run() {
 }
 
 #[test]
+fn an_animation_that_no_file_can_hold_is_refused_before_it_is_computed() {
+    let folder = Folder::new();
+    let line = "wilt --grow 2000 --frames 100000 --mesh none --animation -o out";
+    let run = folder.run(line);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    let says = "--animation: more than 2 GiB of numbers; give fewer --frames";
+    assert!(run.stderr.contains(says), "{}", run.stderr);
+    assert!(!run.stdout.contains("frames"), "{}", run.stdout);
+}
+
+#[test]
 fn frames_of_an_earlier_run_stay_and_are_noted() {
     let folder = Folder::new();
     let run = |rest: &str| {

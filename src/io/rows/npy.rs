@@ -15,7 +15,8 @@ use super::file::{BUFFER, Stamp, canonical, seekable, shrank};
 use crate::base::{Real, Result};
 use crate::io::SourceOptions;
 use crate::io::npy::{Layout, trailing, truncated};
-use crate::io::source::{Packing, Source, error, error_at};
+use crate::io::packing::Packing;
+use crate::io::source::{Source, error, error_at};
 
 /// Entries between the pieces of two lines are also read when they have at most this many bytes,
 /// because that takes less time than a seek.

@@ -1,7 +1,5 @@
 //! The probabilistic check of a distributed result.
 
-use std::ops::Range;
-
 use faer::prelude::IntoConst;
 use faer::{MatMut, MatRef};
 
@@ -9,7 +7,7 @@ use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World, fact, number_fact};
 use crate::base::{Error, Result, zeros};
 use crate::blas::{self, Kernels};
-use crate::product::{Verification, check_rounds, signs, verdict};
+use crate::product::{Verification, check_rounds, refuse_non_finite, signs, verdict};
 
 /// A matrix of which every rank holds a part.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +44,8 @@ const HEIGHT: usize = 1024;
 ///
 /// # Errors
 /// [`Error::Rank`] when arguments differ, or another rank failed; [`Error::Argument`] unless
-/// `rounds` is in 1..=1000, [`Error::Shape`] when A has not n columns, [`Error::OutOfMemory`].
+/// `rounds` is in 1..=1000, [`Error::Shape`] when A has not n columns, [`Error::NonFinite`] for the
+/// first NaN or infinity of this rank's part, with its place in A, [`Error::OutOfMemory`].
 pub fn verify<T: MpiReal>(
     world: &World,
     alpha: f64,
@@ -74,7 +73,8 @@ pub fn verify<T: MpiReal>(
     ];
     let (x, (mut z, mut norms), mut block, mut y) =
         world.begin(Operation::Verify, &facts, prepared)?;
-    let (m, columns) = placed(world, n, own.shape(), by_columns)?;
+    let (m, first) = placed(world, n, own.shape(), by_columns)?;
+    let columns = if by_columns { first..first + own.ncols() } else { 0..n };
 
     add_part(&mut z, c, x.as_ref());
     // - alpha A^T (A X)
@@ -97,12 +97,14 @@ pub fn verify<T: MpiReal>(
         kernels.gemm(-alpha, block, y, 1.0, z);
     }
 
+    let corner = if by_columns { (0, first) } else { (first, 0) };
+    world.agree(refuse_non_finite(&norms[columns], own, corner))?;
     world.sum(&mut z);
     world.sum(&mut norms);
     Ok(verdict::<T>(alpha, m, MatRef::from_row_major_slice(&z, n, r), &norms))
 }
 
-/// Returns the rows of A, and the columns of A that this rank's part has.
+/// Returns the number of rows of A, and the first row of this rank's part, or its first column.
 ///
 /// # Errors
 /// [`Error::Shape`] or [`Error::Rank`] on all ranks unless the parts fit together and have n
@@ -112,7 +114,7 @@ fn placed(
     n: usize,
     (rows, cols): (usize, usize),
     by_columns: bool,
-) -> Result<(usize, Range<usize>)> {
+) -> Result<(usize, usize)> {
     let parts = world.gather_numbers(if by_columns { cols } else { rows });
     let heights = world.gather_numbers(rows);
     let first: usize = parts[..world.rank()].iter().sum();
@@ -126,7 +128,7 @@ fn placed(
         Error::check_shape("A", (m, n), (rows, n))
     });
     world.agree(fits)?;
-    Ok((m, if by_columns { first..first + cols } else { 0..n }))
+    Ok((m, first))
 }
 
 /// Adds `C X` for this rank's part of C to Z, by rows.

@@ -1,3 +1,4 @@
+use std::cmp::Ordering;
 use std::path::Path;
 
 use catamaran::io::{Array, Output, read_arrays, write_arrays};
@@ -7,6 +8,9 @@ use catamaran_geometry::unions::network::Architecture;
 
 use super::{Epoch, State, TrainOptions};
 use crate::adam::Adam;
+
+/// The version of the format; files of another version are refused.
+const VERSION: usize = 1;
 
 /// Writes the state and the options of a training to an .npz file.
 ///
@@ -21,6 +25,7 @@ pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Res
     write_arrays(
         output,
         &[
+            ("version", Array::Indices(&[VERSION])),
             ("options", Array::Indices(&whole)),
             ("rates", Array::Vector(&[options.rate, options.decay])),
             ("parameters", Array::Vector(&wide(&state.parameters))),
@@ -41,10 +46,26 @@ pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Res
 /// Reads a file that [`write_state`] has written.
 ///
 /// # Errors
-/// [`Error::Io`] names the array that is missing or invalid.
+/// [`Error::Io`] names the array that is missing or invalid, or says that the file is one of an
+/// earlier or a later version of catamaran.
 pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
     let arrays = read_arrays(path)?;
     let broken = |what: &str| Error::file(path, format!("{what}: not part of a training state"));
+    let version = match arrays.names().any(|name| name == "version") {
+        true => arrays.indices("version")?.first().copied().unwrap_or_default(),
+        // Of the first states, which have none.
+        false if arrays.names().any(|name| name == "adam_steps") => 0,
+        false => return Err(Error::file(path, "is not a training state")),
+    };
+    match version.cmp(&VERSION) {
+        Ordering::Less => {
+            return Err(Error::file(path, "was written by an earlier version of catamaran"));
+        }
+        Ordering::Greater => {
+            return Err(Error::file(path, "was written by a later version of catamaran"));
+        }
+        Ordering::Equal => {}
+    }
     let narrow = |name: &str| -> Result<Vec<f32>> {
         Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
     };

@@ -44,8 +44,11 @@ pub struct TrainOptions {
 const MOST_IN_BATCH: usize = 1 << 16;
 
 impl TrainOptions {
-    /// Returns an error that names the option out of range.
-    fn check(&self) -> Result<()> {
+    /// Returns an error unless every option is in its range.
+    ///
+    /// # Errors
+    /// [`catamaran::Error::Argument`] names the option.
+    pub fn check(&self) -> Result<()> {
         self.sizes.check()?;
         let refuse = |what, why| Err(catamaran::Error::Argument { what, why });
         if !(1..=MOST_IN_BATCH).contains(&self.batch) {

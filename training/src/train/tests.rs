@@ -1,4 +1,4 @@
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::{Array, Output, Overwrite, read_arrays, write_arrays};
 
 use super::*;
 use catamaran::faer::Mat;
@@ -159,6 +159,32 @@ fn training_does_not_depend_on_threads_nor_interruptions() {
     assert_eq!(whole.state(), resumed.state());
     let bytes = |trainer: &Trainer| trainer.model().unwrap().to_bytes().unwrap();
     assert_eq!(bytes(&whole), bytes(&resumed));
+}
+
+#[test]
+fn states_of_other_versions_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state.npz");
+    let one = trainer(Par::Seq);
+    write_state(Output::create(&path, Overwrite::Never).unwrap(), &one.options, one.state())
+        .unwrap();
+    let arrays = read_arrays(&path).unwrap();
+    assert_eq!(arrays.indices("version").unwrap(), [1]);
+    for (version, why) in [
+        (None, "was written by an earlier version of catamaran"),
+        (Some(0), "was written by an earlier version of catamaran"),
+        (Some(2), "was written by a later version of catamaran"),
+    ] {
+        let steps = ("adam_steps", Array::Indices(&[3]));
+        let version = version.map(|version| [version]);
+        let version = version.as_ref().map(|version| ("version", Array::Indices(version)));
+        let arrays: Vec<_> = version.into_iter().chain([steps]).collect();
+        write_arrays(Output::create(&path, Overwrite::Replace).unwrap(), &arrays).unwrap();
+        let error = read_state(&path).unwrap_err().to_string();
+        assert!(error.ends_with(&format!("state.npz: {why}")), "{error}");
+    }
+    write_arrays(Output::create(&path, Overwrite::Replace).unwrap(), &[]).unwrap();
+    assert!(read_state(&path).unwrap_err().to_string().ends_with("is not a training state"));
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub use report::{RepairReport, RepairStep};
 
 use super::io::MeshFile;
 use super::{Components, TriMesh};
-use catamaran::base::{Error, Result};
+use catamaran::base::{Error, Result, at_least};
 use rebuild::Rebuild;
 pub(super) use weld::{Seams, representatives};
 
@@ -65,11 +65,15 @@ impl Repaired {
 ///
 /// # Errors
 /// [`Error::Argument`] for a tolerance that is negative or not finite, a share outside of 0 to 1,
-/// and for attributes that do not fit the mesh ([`Error::Shape`], too); [`Error::Mesh`] names an
-/// edge of more than two faces when holes are to be filled, and is that of [`TriMesh::check_size`]
-/// when specks or faces without area are to be dropped.
+/// no component to keep, and for attributes that do not fit the mesh ([`Error::Shape`], too); it
+/// names the option whose step leaves no face, or no vertex. [`Error::Mesh`] names an edge of more
+/// than two faces when holes are to be filled, and is that of [`TriMesh::check_size`] when specks
+/// or faces without area are to be dropped.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     file.check()?;
+    if let Some(count) = options.keep_largest {
+        at_least("keep_largest", count, 1)?;
+    }
     let mut state = State { file, vertices: None, steps: Vec::new() };
     match options.weld {
         Weld::Never => {}
@@ -127,10 +131,12 @@ struct State {
 }
 
 impl State {
-    /// Applies the change of a step; `None` leaves the mesh unchanged.
+    /// Applies the change of a step; `None` leaves the mesh unchanged. A step that leaves nothing
+    /// of the mesh is an error.
     fn take(&mut self, rebuild: Option<Rebuild>, step: RepairStep) -> Result<()> {
         if let Some(rebuild) = rebuild {
-            if let Some(new) = rebuild.renumbering(self.file.mesh.vertices().len()) {
+            let [faces, vertices] = counts(&self.file.mesh);
+            if let Some(new) = rebuild.renumbering(vertices) {
                 self.vertices = Some(match self.vertices.take() {
                     Some(before) => before
                         .into_iter()
@@ -140,6 +146,14 @@ impl State {
                 });
             }
             rebuild.apply(&mut self.file)?;
+            let why = match counts(&self.file.mesh) {
+                [0, _] if faces > 0 => format!("leaves none of the {faces} faces"),
+                [_, 0] if vertices > 0 => format!("leaves none of the {vertices} vertices"),
+                _ => String::new(),
+            };
+            if !why.is_empty() {
+                return Err(Error::Argument { what: step.option(), why });
+            }
         }
         self.steps.push(step);
         Ok(())
@@ -272,6 +286,11 @@ pub fn needs_repair(mesh: &TriMesh) -> Option<String> {
     }
     let flat = mesh.faces_without_area();
     flat.first().map(|face| format!("{} faces without area: face {face}", flat.len()))
+}
+
+/// Returns the numbers of faces and of vertices.
+fn counts(mesh: &TriMesh) -> [usize; 2] {
+    [mesh.faces().len(), mesh.vertices().len()]
 }
 
 /// Returns the vertices that join another vertex.

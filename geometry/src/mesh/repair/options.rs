@@ -34,7 +34,7 @@ options! {
         /// surface meets itself.
         cut: bool = false;
         /// Number of components to keep: those with the most faces. `None`: all of them.
-        keep_largest: Option<usize> = None, setter into;
+        keep_largest: Option<usize> = None, range "at least 1", setter into;
         /// Components with less than this share of the area of the mesh are left out. `None`: no
         /// component is.
         drop_specks: Option<f64> = None, range "from 0 to 1", setter into;

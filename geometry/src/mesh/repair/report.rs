@@ -91,6 +91,22 @@ pub enum RepairStep {
 }
 
 impl RepairStep {
+    /// Returns the name of the option of [`RepairOptions`](super::RepairOptions) that selects the
+    /// step.
+    pub fn option(&self) -> &'static str {
+        match self {
+            Self::Welded { .. } | Self::ClosedSeams { .. } => "weld",
+            Self::DroppedDuplicates { .. } => "drop_duplicates",
+            Self::DroppedDegenerate { .. } => "drop_degenerate",
+            Self::Compacted { .. } => "compact",
+            Self::Cut { .. } => "cut",
+            Self::KeptLargest { .. } => "keep_largest",
+            Self::DroppedSpecks { .. } => "drop_specks",
+            Self::FilledHoles { .. } => "fill_holes",
+            Self::Oriented { .. } => "orient",
+        }
+    }
+
     /// Returns whether the step changed the mesh.
     pub fn changed(&self) -> bool {
         match *self {

@@ -89,12 +89,9 @@ impl ProductBasis {
         options: &ProductBasisOptions<'_>,
     ) -> Result<Self> {
         let constant = eigenbasis.need_constant("eigenbasis")?;
-        let k = eigenbasis.len() - 1;
-        let products = Eigenproducts::new(k, order)?;
-        let (n, len) = (eigenbasis.basis().vertices(), products.len());
-        let request = format_args!("{len} functions of {n} vertices");
-        check_request("order", request, 8.0 * len as f64 * n as f64)?;
-        let mut matrix = zeros(n, len)?;
+        let (n, k) = (eigenbasis.basis().vertices(), eigenbasis.len() - 1);
+        let products = Self::products_on(n, k, order)?;
+        let mut matrix = zeros(n, products.len())?;
         let factors = Scale(1.0 / constant) * eigenbasis.functions().subcols(1, k);
         products.evaluate(factors.as_ref(), matrix.as_mut(), options.par)?;
         let mass = eigenbasis.basis().mass().clone();
@@ -117,6 +114,21 @@ impl ProductBasis {
             _ => Basis::orthonormal(matrix, mass)?,
         };
         Ok(Self { products, kept, r, basis })
+    }
+
+    /// Returns the products of at most `order` of `k` eigenfunctions that [`ProductBasis::new`]
+    /// orthogonalizes on a mesh of `n` vertices. The command line learns by it, before it computes
+    /// the eigenfunctions, whether there are too many.
+    ///
+    /// # Errors
+    /// Those of [`ProductBasis::new`] about the order and about memory.
+    #[doc(hidden)]
+    pub fn products_on(n: usize, k: usize, order: usize) -> Result<Eigenproducts> {
+        let products = Eigenproducts::new(k, order)?;
+        let len = products.len();
+        let request = format_args!("{len} functions of {n} vertices");
+        check_request("order", request, 8.0 * len as f64 * n as f64)?;
+        Ok(products)
     }
 
     /// Returns the products that were orthogonalized, L of them.

@@ -34,7 +34,7 @@ const ROWS_SHARE: f64 = 0.1;
 /// of them.
 ///
 /// ```
-/// use catamaran_geometry::spectral::{Eigenbasis, functional_map::MapFit, coordinates};
+/// use catamaran_geometry::spectral::{Eigenbasis, coordinates, functional_map::MapFit};
 /// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
@@ -220,6 +220,20 @@ impl<'a> MapFit<'a> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
         Error::check_shape("source labels", (n, 1), (source.len(), 1))?;
         Error::check_shape("target labels", (m, 1), (target.len(), 1))?;
+        let labels = Self::common_labels(source, target)?;
+        let indicators = |of: &[u32]| {
+            Mat::from_fn(of.len(), labels.len(), |i, j| f64::from(u8::from(of[i] == labels[j])))
+        };
+        self.functions(indicators(source).as_ref(), indicators(target).as_ref())
+    }
+
+    /// Returns the labels of corresponding segments, ascending. The command line refuses labels
+    /// that do not correspond by it, before it computes the eigenfunctions.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names the first label that only one of the meshes has.
+    #[doc(hidden)]
+    pub fn common_labels(source: &[u32], target: &[u32]) -> Result<Vec<u32>> {
         let distinct = |labels: &[u32]| {
             let mut labels = labels.to_vec();
             labels.sort_unstable();
@@ -229,14 +243,13 @@ impl<'a> MapFit<'a> {
         let (labels, others) = (distinct(source), distinct(target));
         let missing =
             |of: &[u32], from: &[u32]| of.iter().copied().find(|l| from.binary_search(l).is_err());
-        if let Some(label) = missing(&labels, &others).or(missing(&others, &labels)) {
-            let why = format!("label {label} is on one of the meshes only");
-            return Err(Error::Argument { what: "labels", why });
+        match missing(&labels, &others).or(missing(&others, &labels)) {
+            None => Ok(labels),
+            Some(label) => {
+                let why = format!("label {label} is on one of the meshes only");
+                Err(Error::Argument { what: "labels", why })
+            }
         }
-        let indicators = |of: &[u32]| {
-            Mat::from_fn(of.len(), labels.len(), |i, j| f64::from(u8::from(of[i] == labels[j])))
-        };
-        self.functions(indicators(source).as_ref(), indicators(target).as_ref())
     }
 
     fn add(&mut self, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {

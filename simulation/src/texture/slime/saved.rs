@@ -3,7 +3,9 @@
 //! | part | content |
 //! |---|---|
 //! | name | `catamaran slime` and the version of the format, a digit |
-//! | head | fingerprint of the surface (two words), seed, size, species, agents, step, u32 each; length of the history, u64 |
+//! | options | in the order of [`recorded`], f64 |
+//! | rest of the head | checksum of the mask, step, u32; fingerprint of the surface, u64 |
+//! | | length of the history, u64 |
 //! | check | CRC-32 of everything before, u32 |
 //! | body | the arrays of [`State`] in their order, u32 or f32; the history, f64 |
 //! | check | CRC-32 of the body, u32 |
@@ -15,30 +17,92 @@ use std::path::Path;
 use catamaran::base::{Error, Result};
 use crc32fast::Hasher;
 
-use super::simulation::Simulation;
+use super::options::{Blur, Options, TangentStep};
+use super::simulation::{Mask, Simulation};
 use super::state::State;
 
 /// The first bytes of a state file.
 const NAME: &[u8] = b"catamaran slime";
 
 /// The version of the format; files of another version are refused.
-const VERSION: u8 = b'2';
+const VERSION: u8 = b'3';
 
 /// Number of 32-bit words that are read and written at a time.
 const PIECE: usize = 1 << 14;
 
-impl Simulation {
-    /// Returns the numbers with which a state file must agree.
-    fn header(&self) -> [u32; 6] {
-        let surface = self.surface().fingerprint();
-        let p = self.parameters();
-        let agents = self.state().triangles.len() as u32;
-        [surface as u32, (surface >> 32) as u32, p.seed, p.size, p.species, agents]
-    }
+/// Number of options.
+const OPTIONS: usize = 15;
 
-    /// Writes the state. A simulation with the same surface and options continues from it exactly
-    /// as if it had not stopped. `history` are numbers of the caller about the steps so far, such
-    /// as the coverage after each; [`Simulation::resume`] returns them.
+/// An option of a state file: its name, its value as a number, and how messages show the number.
+type Recorded = (&'static str, f64, fn(f64) -> String);
+
+/// Returns the options with which a state file must agree.
+fn recorded(options: &Options) -> [Recorded; OPTIONS] {
+    let Options {
+        agents,
+        species,
+        size,
+        seed,
+        time_step,
+        movement_speed,
+        turn_speed,
+        vision_distance,
+        vision_angle,
+        evaporation_rate,
+        diffusion_rate,
+        turn_noise,
+        tangent_step,
+        blur,
+        length_rescaling,
+    } = *options;
+    let number: fn(f64) -> String = |x| x.to_string();
+    // The number of substeps, or 0.
+    let step: fn(f64) -> String = |x| match x {
+        0.0 => "unfold".into(),
+        substeps => format!("project with {substeps} substeps"),
+    };
+    let spread: fn(f64) -> String = |x| if x == 0.0 { "gaussian" } else { "seam-aware" }.into();
+    let truth: fn(f64) -> String = |x| (x != 0.0).to_string();
+    let substeps = match tangent_step {
+        TangentStep::Unfold => 0,
+        TangentStep::Project { substeps } => substeps,
+    };
+    [
+        ("agents", agents as f64, number),
+        ("species", species as f64, number),
+        ("size", size as f64, number),
+        ("seed", seed.into(), number),
+        ("time_step", time_step, number),
+        ("movement_speed", movement_speed, number),
+        ("turn_speed", turn_speed, number),
+        ("vision_distance", vision_distance, number),
+        ("vision_angle", vision_angle, number),
+        ("evaporation_rate", evaporation_rate, number),
+        ("diffusion_rate", diffusion_rate, number),
+        ("turn_noise", turn_noise, number),
+        ("tangent_step", substeps.into(), step),
+        ("blur", u8::from(blur == Blur::SeamAware).into(), spread),
+        ("length_rescaling", u8::from(length_rescaling).into(), truth),
+    ]
+}
+
+impl Mask {
+    /// Returns a checksum that tells masks apart.
+    pub(super) fn checksum(&self) -> u32 {
+        let mut sum = Hasher::new();
+        sum.update(&(self.start.len() as u64).to_le_bytes());
+        for starts in self.start.chunks(PIECE) {
+            sum.update(&starts.iter().map(|&start| u8::from(start)).collect::<Vec<_>>());
+        }
+        sum.update(&self.ground);
+        sum.finalize()
+    }
+}
+
+impl Simulation {
+    /// Writes the state. A simulation with the same surface, options and mask continues from it
+    /// exactly as if it had not stopped. `history` are numbers of the caller about the steps so
+    /// far, such as the coverage after each; [`Simulation::resume`] returns them.
     ///
     /// ```
     /// use catamaran::{Par, base::Progress};
@@ -70,8 +134,10 @@ impl Simulation {
         let mut sink = Checked::new(sink);
         sink.put_bytes(NAME)?;
         sink.put_bytes(&[VERSION])?;
-        let length = halves(history.len() as u64);
-        sink.put(self.header().into_iter().chain([state.step]).chain(length))?;
+        let options = recorded(self.options()).map(|(_, value, _)| halves(value.to_bits()));
+        let surface = halves(self.surface().fingerprint());
+        let others = [[self.mask_checksum(), state.step], surface, halves(history.len() as u64)];
+        sink.put(options.into_iter().chain(others).flatten())?;
         sink.put_check()?;
         sink.put(state.ids.iter().copied())?;
         sink.put(state.triangles.iter().copied())?;
@@ -87,8 +153,8 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Io`] when the file can't be read, is no state file of this version, is damaged, has
-    /// no valid state, or belongs to another surface, seed, size, or number of species or agents;
-    /// [`Error::OutOfMemory`]. The state does not change then.
+    /// no valid state, or was saved with another surface, mask or option, which the error names
+    /// with both values; [`Error::OutOfMemory`]. The state does not change then.
     pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<Vec<f64>> {
         let failed = |what: String| Error::file(path, what);
         let read = |e: io::Error| match e.kind() {
@@ -113,29 +179,35 @@ impl Simulation {
             }
             Ordering::Equal => {}
         }
-        let mut given = [0; 9];
-        source.get(&mut given, |bits| bits).map_err(read)?;
+        let mut given = [[0; 2]; OPTIONS + 3];
+        source.get(given.as_flattened_mut(), |bits| bits).map_err(read)?;
         if !source.is_sound().map_err(read)? {
             return Err(failed("is damaged: the checksum of its head differs".into()));
         }
-        let names = ["surface", "surface", "seed", "size", "number of species", "number of agents"];
-        for ((name, own), given) in names.into_iter().zip(self.header()).zip(given) {
-            if own != given {
-                let numbers =
-                    if name == "surface" { String::new() } else { format!(": {given}, not {own}") };
-                return Err(failed(format!("was saved with another {name}{numbers}")));
+        let [.., [mask, step], surface, length] = given;
+        for ((name, own, shown), given) in recorded(self.options()).into_iter().zip(given) {
+            let given = f64::from_bits(whole(given));
+            if own.to_bits() != given.to_bits() {
+                let (given, own) = (shown(given), shown(own));
+                return Err(failed(format!("was saved with {name} = {given}, not {own}")));
             }
+        }
+        if mask != self.mask_checksum() {
+            return Err(failed("was saved with another mask".into()));
+        }
+        if whole(surface) != self.surface().fingerprint() {
+            return Err(failed("was saved with another surface".into()));
         }
         let agents = self.state().triangles.len();
         let mut state = State::filled(agents, self.state().texture.len())?;
-        state.step = given[6];
+        state.step = step;
         source.get(&mut state.ids, |bits| bits).map_err(read)?;
         source.get(&mut state.triangles, |bits| bits).map_err(read)?;
         source.get(state.positions.as_flattened_mut(), f32::from_bits).map_err(read)?;
         source.get(state.headings.as_flattened_mut(), f32::from_bits).map_err(read)?;
         source.get(&mut state.texture, f32::from_bits).map_err(read)?;
         // Memory grows with the bytes that arrive, whatever the head announces.
-        let (mut history, mut left) = (Vec::new(), whole([given[7], given[8]]));
+        let (mut history, mut left) = (Vec::new(), whole(length));
         while left > 0 {
             let count = left.min(PIECE as u64 / 2) as usize;
             let mut pairs = [[0; 2]; PIECE / 2];

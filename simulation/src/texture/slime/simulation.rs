@@ -48,8 +48,11 @@ pub struct Mask {
 pub struct Simulation {
     surface: Surface,
     texels: Texels,
+    options: Options,
     parameters: Parameters,
     ground: Vec<u8>,
+    /// The checksum of the mask.
+    mask: u32,
     state: State,
     next: Vec<f32>,
     marks: Vec<AtomicU32>,
@@ -102,6 +105,8 @@ impl Simulation {
         Ok(Self {
             state: State::new(&walkers, zeros(entries)?)?,
             ground: mask.ground.clone(),
+            mask: mask.checksum(),
+            options: *options,
             next: zeros(entries)?,
             surface,
             texels,
@@ -280,6 +285,16 @@ impl Simulation {
     /// Returns the texels of the texture.
     pub fn texels(&self) -> &Texels {
         &self.texels
+    }
+
+    /// Returns the options.
+    pub(super) fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Returns the checksum of the mask.
+    pub(super) fn mask_checksum(&self) -> u32 {
+        self.mask
     }
 
     /// Returns the options as the kernels take them.

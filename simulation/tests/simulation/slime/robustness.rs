@@ -6,7 +6,9 @@ use std::path::Path;
 use catamaran::base::Progress;
 use catamaran::{Error, Par};
 use catamaran_geometry::mesh::{TriMesh, families};
-use catamaran_simulation::texture::slime::{Blur, Options, TangentStep};
+use catamaran_simulation::texture::slime::{
+    Blur, FREE, Mask, OBSTACLE, Options, Simulation, TangentStep,
+};
 
 use super::support::{options, simulation, square, with_atlas};
 
@@ -83,7 +85,7 @@ fn a_run_that_stopped_goes_on_as_if_it_had_not() {
 }
 
 /// Bytes of a state before the arrays: name, version and head, without their checksum.
-const HEAD: usize = 16 + 9 * 4;
+const HEAD: usize = 16 + 18 * 8;
 
 /// A state with checksums that hold.
 fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
@@ -116,12 +118,11 @@ fn files_that_are_no_state_are_refused() {
         bytes
     };
     refuse(&changed(0, b'x'), "is not a state file of slime moulds");
-    refuse(&changed(15, b'1'), "was written by an earlier version");
-    refuse(&changed(15, b'3'), "was written by a later version");
+    refuse(&changed(15, b'2'), "was written by an earlier version");
+    refuse(&changed(15, b'4'), "was written by a later version");
     // Numbers that no run writes, behind checksums that hold.
     let forged = |at: usize, value: u8| signed(changed(at, value));
-    refuse(&forged(16, file[16] ^ 1), "another surface");
-    refuse(&forged(24, 99), "another seed: 99, not 7");
+    refuse(&forged(HEAD - 16, file[HEAD - 16] ^ 1), "another surface");
     // A history of 2^59 numbers.
     refuse(&forged(HEAD - 1, 8), "ends early");
     let arrays = HEAD + 4;
@@ -130,6 +131,53 @@ fn files_that_are_no_state_are_refused() {
     refuse(&forged(arrays + 4 * 40 + 1, 77), "is not on the surface, or its heading");
     // Before the number of the history and the checksum.
     refuse(&forged(file.len() - 4 - 8 - 1, 0x7f), "texture");
+}
+
+#[test]
+fn a_state_of_other_options_is_refused_by_their_names_and_values() {
+    let own = options(40, 32);
+    let mut all = simulation(square(2), &own);
+    let before = all.state().clone();
+    let mut refused = |mut other: Simulation| {
+        let mut file = Vec::new();
+        other.run(1, Par::Seq, Progress::none()).unwrap();
+        other.save(&mut file, &[]).unwrap();
+        let error = all.resume(&mut &file[..], Path::new("some.state")).unwrap_err().to_string();
+        assert!(*all.state() == before, "{error}");
+        error
+    };
+    let changes: [(&str, Change); 15] = [
+        ("agents = 41, not 40", |o| o.agents = 41),
+        ("species = 2, not 1", |o| o.species = 2),
+        ("size = 64, not 32", |o| o.size = 64),
+        ("seed = 99, not 7", |o| o.seed = 99),
+        ("time_step = 0.25, not 0.03", |o| o.time_step = 0.25),
+        ("movement_speed = 0.5, not 1.5", |o| o.movement_speed = 0.5),
+        ("turn_speed = 90, not 1800", |o| o.turn_speed = 90.0),
+        ("vision_distance = 2, not 1", |o| o.vision_distance = 2.0),
+        ("vision_angle = 20, not 30", |o| o.vision_angle = 20.0),
+        ("evaporation_rate = 0.5, not 0.4", |o| o.evaporation_rate = 0.5),
+        ("diffusion_rate = 3, not 6", |o| o.diffusion_rate = 3.0),
+        ("turn_noise = 0.5, not 1", |o| o.turn_noise = 0.5),
+        ("tangent_step = project with 4 substeps, not unfold", |o| {
+            o.tangent_step = TangentStep::Project { substeps: 4 };
+        }),
+        ("blur = gaussian, not seam-aware", |o| o.blur = Blur::Gaussian),
+        ("length_rescaling = false, not true", |o| o.length_rescaling = false),
+    ];
+    assert_eq!(changes.len(), Options::FIELDS.len());
+    for (why, change) in changes {
+        let mut other = own;
+        change(&mut other);
+        let error = refused(simulation(square(2), &other));
+        assert!(error.starts_with(&format!("some.state: was saved with {why}")), "{error}");
+    }
+    let start = (0..32 * 32).map(|texel| texel % 2 == 0).collect();
+    let ground = (0..32 * 32).map(|texel| if texel < 32 { OBSTACLE } else { FREE }).collect();
+    for mask in [Mask { start, ground: Vec::new() }, Mask { start: Vec::new(), ground }] {
+        let error = refused(Simulation::new(square(2), &own, &mask).unwrap());
+        assert_eq!(error, "some.state: was saved with another mask");
+    }
 }
 
 #[test]
