@@ -1,6 +1,5 @@
 /* Descriptors, filters and shapes from spectra through the C ABI: closed forms on a ring,
- * invariants on a torus;
- * refusals. */
+ * invariants on a torus; refusals. */
 
 #include <catamaran.h>
 
@@ -15,8 +14,7 @@
 enum { N = 24, K = 5 };
 
 /* A ring of length 1: the constant, and cosines and sines of the frequencies 1 and 2, of the
- * eigenvalues 0, 1, 1,
- * 4, 4. The sum of squares of a pair is 2 everywhere. */
+ * eigenvalues 0, 1, 1, 4, 4. The sum of squares of a pair is 2 everywhere. */
 static const double values[K] = {0, 1, 1, 4, 4};
 static double functions[K * N];
 

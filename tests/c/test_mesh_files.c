@@ -1,6 +1,5 @@
 /* Mesh files through the C ABI: what is written is read again, in memory and on the disk;
- * attributes,
- * names, notes; refusals. */
+ * attributes, names, notes; refusals. */
 
 #include <catamaran.h>
 

@@ -1,6 +1,5 @@
 /* Repair through the C ABI: a soup of triangles becomes a cube, holes are filled, the report
- * counts what was
- * done, attributes stay; refusals. */
+ * counts what was done, attributes stay; refusals. */
 
 #include <catamaran.h>
 
