@@ -155,7 +155,8 @@ inline descriptors shot(const mesh_view& mesh, double radius, const descriptor_o
 /// Means of functions, a row for each vertex, over rings around vertices: cata_descriptor_rings.
 inline descriptors geodesic_rings(const mesh_view& mesh, matrix_view<const double> f, double radius,
                                   std::size_t rings, const descriptor_options& how = {}) {
-    detail::require(f.rows == mesh.n_vertices, CATA_ERR_SHAPE, "f: must have a row for each vertex");
+    detail::require(f.rows == mesh.n_vertices, CATA_ERR_SHAPE,
+                    "f: must have a row for each vertex");
     detail::require(f.order == layout::col_major, CATA_ERR_ARGUMENT, "f: must be column-major");
     descriptors found = detail::descriptors_of(mesh.n_vertices, rings * (1 + f.cols));
     detail::descriptor_call call(how);

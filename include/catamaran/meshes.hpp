@@ -314,8 +314,8 @@ struct repair_step {
 struct repaired {
     /// The mesh with its attributes.
     mesh_file file;
-    /// For each vertex of the input the lowest of the result that comes from it; UINT32_MAX where it
-    /// was left out.
+    /// For each vertex of the input the lowest of the result that comes from it; UINT32_MAX where
+    /// it was left out.
     std::vector<std::uint32_t> vertices;
     /// In the order in which they were taken.
     std::vector<repair_step> steps;

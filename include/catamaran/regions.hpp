@@ -232,8 +232,8 @@ public:
         return static_cast<curve_outcome>(outcome);
     }
 
-    /// A mesh with all curves along its edges, which are shortened to geodesics first where `smooth`;
-    /// then no curves can be added any more.
+    /// A mesh with all curves along its edges, which are shortened to geodesics first where
+    /// `smooth`; then no curves can be added any more.
     drawn_mesh inscribe(bool smooth = false) {
         cata_drawn* made = nullptr;
         detail::check(cata_drawing_inscribe(handle_.get(), smooth ? 1 : 0, &made));

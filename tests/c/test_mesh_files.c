@@ -138,6 +138,13 @@ static void test_attributes_stay(void)
     CHECK(memcmp(numbers, uv, 6 * sizeof *uv) == 0 && isnan(numbers[6]) && isnan(numbers[11]));
     CHECK_STATUS(cata_mesh_file_set_uv(file, NULL), CATA_OK);
     CHECK_STATUS(cata_mesh_file_get_uv(file, numbers), CATA_ERR_ARGUMENT);
+    double up[18] = {0}, normals[18];
+    for (int k = 2; k < 18; k += 3) {
+        up[k] = 2;
+    }
+    CHECK_STATUS(cata_mesh_file_set_normals(file, up), CATA_OK);
+    CHECK_STATUS(cata_mesh_file_get_normals(file, normals), CATA_OK);
+    CHECK(memcmp(normals, up, sizeof up) == 0);
     cata_mesh_file_free(file);
     cata_mesh_file_free(again);
 }
