@@ -46,7 +46,8 @@ int main(int argc, char** argv) {
         }
         const catamaran::mesh_view mesh = repaired.file.mesh();
         const auto pairs = catamaran::eigs(mesh, std::min<std::size_t>(50, mesh.n_vertices / 2));
-        std::printf("%zu eigenvalues, the last is %.4g\n", pairs.values.size(), pairs.values.back());
+        std::printf("%zu eigenvalues, the last is %.4g\n", pairs.values.size(),
+                    pairs.values.back());
         auto distances = catamaran::heat_method(mesh).distances({mesh.faces[0]});
         double farthest = 0.0;
         for (double& distance : distances) {

@@ -1,16 +1,16 @@
 //! # Distances
 //!
-//! Distances on a mesh: over its surface, by the heat method, and along its edges; paths along edges
-//! and geodesics that they shorten to.
+//! Distances on a mesh: over its surface, by the heat method, and along its edges; paths along
+//! edges, and geodesics that they shorten to.
 //!
 //! ```c
 //! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
 //! uint32_t f[] = {0, 1, 3, 1, 2, 3}, source = 0;
 //! cata_path *path;
 //! cata_distance_edges(4, v, 2, f, 1, &source, d, NULL, NULL, NULL);
-//! cata_distance_path(4, v, 2, f, 0, 2, 1, NULL, &path);
+//! cata_distance_path(4, v, 2, f, 0, 2, 0, NULL, &path);
 //! cata_path_size(path, NULL, NULL, &length);
-//! printf("%.4f, straight %.4f\n", d[2], length); // 2.0000, straight 1.4142
+//! printf("%g away, by a path of %g\n", d[2], length); // 2 away, by a path of 2
 //! cata_path_free(path);
 //! ```
 
@@ -55,8 +55,8 @@ pub struct cata_distance_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Of the heat method: time of the flow, in units of the squared mean length of edges, positive;
-    /// 0: 1. Longer times make distances smoother.
+    /// Of the heat method: time of the flow, in units of the squared mean length of edges,
+    /// positive; 0: 1. Longer times make distances smoother.
     pub time: f64,
     /// Along edges: vertices farther than this are not reached, positive; 0: all are.
     pub cutoff: f64,
@@ -231,9 +231,10 @@ pub unsafe extern "C" fn cata_distance_edges(
 /// Finds the shortest path along edges from one vertex to another. Without a path, all sizes are 0,
 /// and the length is INFINITY.
 ///
-/// - `straight`: 1: the path is shortened, over faces, until it is straight (Sharp and Crane 2020):
-///   a geodesic, which need not be the shortest. The mesh must be a manifold whose faces agree
-///   about which side is outside. 0: the path along edges.
+/// - `straight`: 1: the path is shortened, over faces, until it is straight but for vertices on the
+///   boundary of the mesh, where it stays (Sharp and Crane 2020): a geodesic, which need not be the
+///   shortest. The mesh must be a manifold whose faces agree about which side is outside. 0: the
+///   path along edges.
 /// - `params`: `progress` is used, the rest is only checked.
 ///
 /// # Safety

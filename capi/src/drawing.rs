@@ -11,8 +11,8 @@ use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::base::Progress;
 use catamaran_geometry::curve::{CurveOptions, Drawing, Drawn};
 
-/// Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made by
-/// cata_drawing_new.
+/// Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made
+/// by cata_drawing_new.
 pub struct cata_drawing {
     drawing: Drawing,
     /// Number of faces of the mesh.

@@ -18,8 +18,8 @@ pub const CATA_RESPONSE_SHARPEN: i32 = 4;
 
 /// Computes the gains of a filter for cata_basis_filter.
 ///
-/// - `response`: CATA_RESPONSE_*, with its numbers `first` and `second`; one that it does not have is
-///   ignored. Frequencies are in units of 1 / length^2, times in units of length^2.
+/// - `response`: CATA_RESPONSE_*, with its numbers `first` and `second`; one that it does not have
+///   is ignored. Frequencies are in units of 1 / length^2, times in units of length^2.
 /// - `count`, `frequencies`: eigenvalues, or energies of cata_filter_energies.
 /// - `gains`: `count` elements, written.
 /// - `rest`: written: the gain beyond all frequencies; NULL where not wanted.

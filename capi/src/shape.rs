@@ -47,9 +47,9 @@ pub unsafe extern "C" fn cata_shape_params_init(
 }
 
 /// Deforms a triangle mesh, the template, until the first eigenvalues of its Laplacian are those
-/// given (Cosmo et al. 2019): with CATA_BOUNDARY_DIRICHLET, or CATA_BOUNDARY_NEUMANN if the template
-/// is closed, whose zeros are left out. Many surfaces have the same eigenvalues; it is one near the
-/// template, or falls short of the tolerance, and `error` says so.
+/// given (Cosmo et al. 2019): with CATA_BOUNDARY_DIRICHLET, or CATA_BOUNDARY_NEUMANN if the
+/// template is closed, whose zeros are left out. Many surfaces have the same eigenvalues; it is one
+/// near the template, or falls short of the tolerance, and `error` says so.
 ///
 /// - `k`, `eigenvalues`: positive, ascending, in units of 1 / length^2.
 /// - `positions`: 3 n_vertices elements, written: the vertices, moved.

@@ -43,8 +43,8 @@ pub struct cata_part {
 }
 
 /// Finds the region that curves along edges enclose. With a side by area, each curve leads from one
-/// side to the other, and one side is taken on each part of the surface with curves; a ring, too, is
-/// a region. CATA_ERR_MESH: the message names an edge with the same region on both sides.
+/// side to the other, and one side is taken on each part of the surface with curves; a ring, too,
+/// is a region. CATA_ERR_MESH: the message names an edge with the same region on both sides.
 ///
 /// - `count`, `along`: edges, 2 vertices each.
 /// - `side`: CATA_SIDE_*; of equal areas, the side with the lowest face is the small one.
@@ -225,8 +225,8 @@ pub unsafe extern "C" fn cata_region_part(
     })
 }
 
-/// Cuts a mesh open along edges: a vertex whose faces they separate becomes one for each part. Faces
-/// keep their order, and new vertices follow those of the mesh.
+/// Cuts a mesh open along edges: a vertex whose faces they separate becomes one for each part.
+/// Faces keep their order, and new vertices follow those of the mesh.
 ///
 /// - `count`, `along`: edges, 2 vertices each.
 /// - `part`: one pointer, written.
