@@ -40,7 +40,7 @@ static void check_square(const cata_mesh_file *file)
 
 static void check_attributes(const cata_mesh_file *file)
 {
-    double numbers[16];
+    double numbers[18];
     int32_t has_uv = 9, has_normals = 9, has_colors = 9;
     CHECK_STATUS(cata_mesh_file_has(file, &has_uv, &has_normals, &has_colors), CATA_OK);
     CHECK(has_uv == 1 && has_normals == 0 && has_colors == 1);
