@@ -11,6 +11,8 @@
 use std::ffi::c_void;
 use std::ops::ControlFlow;
 
+#[cfg(feature = "chapters")]
+use super::status::Failure;
 use catamaran::base::Par;
 #[cfg(feature = "chapters")]
 use catamaran::base::Progress;
@@ -58,6 +60,24 @@ pub(super) fn watched<R>(
 ) -> R {
     let watch = watcher(progress, user);
     watch.as_ref().map_or(Progress::none(), Progress::from).part(1.0..1.0).watch(work)
+}
+
+/// Calls `work`, with a progress that tells a callback of the ABI of its beginning and its end, and
+/// that may tell it more.
+#[cfg(feature = "chapters")]
+pub(super) fn reported<R>(
+    progress: cata_progress,
+    user: *mut c_void,
+    work: impl FnOnce(Progress<'_>) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    let watch = watcher(progress, user);
+    let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+    progress.watch(|| -> Result<R, Failure> {
+        progress.report(0.0)?;
+        let found = work(progress)?;
+        progress.report(1.0)?;
+        Ok(found)
+    })
 }
 
 /// Returns the threads of a field of that name: 0 stands for all.
