@@ -55,8 +55,10 @@ int main(int count, char** arguments) {
         return 2;
     }
     const std::string folder = std::string(arguments[1]) + "/";
-    const std::vector<double> data = read(folder + "data.npy"), columns = read(folder + "indices.npy"),
-                              starts = read(folder + "indptr.npy"), right = read(folder + "right.npy");
+    const std::vector<double> data = read(folder + "data.npy");
+    const std::vector<double> columns = read(folder + "indices.npy");
+    const std::vector<double> starts = read(folder + "indptr.npy");
+    const std::vector<double> right = read(folder + "right.npy");
     const std::size_t n = starts.size() - 1;
 
     cholmod_common common;
