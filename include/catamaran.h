@@ -744,6 +744,94 @@ cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t la
 
 /** @} */
 
+/* ==== Sparse Cholesky factorizations ======================================================== */
+/**
+ * @defgroup cholesky Sparse Cholesky factorizations
+ * Solutions of A X = B for a sparse symmetric matrix, positive definite or semidefinite: analysed
+ * once for all matrices with entries in the same places, factorized for each, solved for any
+ * number of right-hand sides.
+ * @code{.c}
+ * size_t starts[] = {0, 2, 4}, columns[] = {0, 1, 0, 1};
+ * double entries[] = {2, -1, -1, 2}, x[] = {1, 1};
+ * cata_cholesky *cholesky;
+ * cata_cholesky_analyse(2, starts, columns, NULL, &cholesky);
+ * cata_cholesky_factor(cholesky, starts, columns, entries);
+ * cata_cholesky_solve(cholesky, CATA_COL_MAJOR, 1, x, 2);
+ * printf("%g %g\n", x[0], x[1]); // 1 1
+ * cata_cholesky_free(cholesky);
+ * @endcode
+ * @{
+ */
+
+/** The factorization A = L L^T of a sparse symmetric matrix, or its analysis alone. */
+typedef struct cata_cholesky cata_cholesky;
+
+/** What is read of a matrix, and which pivots are allowed. */
+typedef struct cata_cholesky_params {
+    size_t struct_size; /**< sizeof(cata_cholesky_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** n elements: the rows in the order of elimination, from 0, each once, as that of METIS; NULL:
+     * approximate minimum degree. */
+    const size_t *order;
+    /** Largest pivot that is zero, relative to the diagonal entry of its row, at most 0.01; 0: 8 n
+     * 2^-52 with `semidefinite`, and only zero itself without. */
+    double tolerance;
+    /** The triangle that is read, the other one being ignored; 0: CATA_BOTH, which must agree. */
+    int32_t triangle;
+    /** 1: pivots may be zero: their rows are held (cata_cholesky_held). 0: all are positive. */
+    int32_t semidefinite;
+} cata_cholesky_params;
+/** Fills a struct with the defaults. */
+cata_status cata_cholesky_params_init(cata_cholesky_params *params, size_t struct_size);
+
+/** Finds the order of elimination and the pattern of L for the n x n matrices with entries in these
+ * places. The diagonal is part of the pattern.
+ * - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
+ *   `row_starts[i + 1] - 1`, the first being 0.
+ * - `columns`: `row_starts[n]` elements, ascending within a row, from 0. A matrix by columns is
+ *   given as its transpose: CATA_UPPER and CATA_LOWER change places.
+ * - `cholesky`: a handle, written. */
+cata_status cata_cholesky_analyse(size_t n, const size_t *row_starts, const size_t *columns,
+    const cata_cholesky_params *params, cata_cholesky **cholesky);
+
+void cata_cholesky_free(cata_cholesky *cholesky); /**< Frees a factorization. */
+
+/** Computes L for a matrix without entries outside of the pattern that was analysed, any number of
+ * times: arrays as in cata_cholesky_analyse, and `entries`: `row_starts[n]` finite elements. After
+ * an error there is no factor; CATA_ERR_ARGUMENT names the row at which elimination fails. */
+cata_status cata_cholesky_factor(cata_cholesky *cholesky, const size_t *row_starts,
+    const size_t *columns, const double *entries);
+
+/** Solves A X = B: replaces B in `x` (n x count) by X. */
+cata_status cata_cholesky_solve(const cata_cholesky *cholesky, int32_t layout, size_t count,
+    double *x, size_t ldx);
+
+/** Computes some rows of the solution of A X = B, without memory for the others.
+ * - `b`: n x count.
+ * - `rows`: n_rows elements: the rows of X wanted, from 0, in any order.
+ * - `x`: n_rows x count, written. */
+cata_status cata_cholesky_solve_rows(const cata_cholesky *cholesky, int32_t layout, size_t count,
+    const double *b, size_t ldb, size_t n_rows, const size_t *rows, double *x, size_t ldx);
+
+/** Gets the size of a factorization, each number NULL where not wanted: rows of A, entries of L,
+ * zeros among them, and held rows, 0 without a factor. */
+cata_status cata_cholesky_size(const cata_cholesky *cholesky, size_t *n, size_t *entries,
+    size_t *held);
+
+/** Copies the numbers of the held rows (cata_cholesky_size), ascending: X is 0 there, and the
+ * equations of these rows follow from the others where there is a solution. A Laplacian has one in
+ * each component. */
+cata_status cata_cholesky_held(const cata_cholesky *cholesky, size_t *held);
+
+/** Gets the row with the smallest pivot relative to its diagonal entry, and this ratio: at 1e-12,
+ * solutions may lose 12 digits. Held rows do not count. Without other rows or a factor they are n
+ * and 1. Each is NULL where not wanted. */
+cata_status cata_cholesky_weakest(const cata_cholesky *cholesky, size_t *row, double *ratio);
+
+/** @} */
+
 /* ==== Sparse eigenpairs ===================================================================== */
 /**
  * @defgroup eigs Sparse eigenpairs

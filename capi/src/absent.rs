@@ -72,6 +72,15 @@ absent! { "chapters":
     fn cata_accumulator_gram(accumulator: *const c_void, layout: i32, uplo: i32, alpha: f64, c: *mut f64, ldc: usize) -> cata_status;
     fn cata_accumulator_lstsq(accumulator: *const c_void, k: usize, layout: i32, x: *mut f64, ldx: usize, result: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_accumulator_pca(accumulator: *const c_void, layout: i32, count: usize, components: *mut f64, ldcomponents: usize, explained_variance: *mut f64, explained_variance_ratio: *mut f64, singular_values: *mut f64, mean: *mut f64, scale: *mut f64, params: *const c_void) -> cata_status;
+    fn cata_cholesky_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
+    fn cata_cholesky_analyse(n: usize, row_starts: *const usize, columns: *const usize, params: *const c_void, cholesky: *mut *mut c_void) -> cata_status;
+    fn cata_cholesky_free(cholesky: *mut c_void);
+    fn cata_cholesky_factor(cholesky: *mut c_void, row_starts: *const usize, columns: *const usize, entries: *const f64) -> cata_status;
+    fn cata_cholesky_solve(cholesky: *const c_void, layout: i32, count: usize, x: *mut f64, ldx: usize) -> cata_status;
+    fn cata_cholesky_solve_rows(cholesky: *const c_void, layout: i32, count: usize, b: *const f64, ldb: usize, n_rows: usize, rows: *const usize, x: *mut f64, ldx: usize) -> cata_status;
+    fn cata_cholesky_size(cholesky: *const c_void, n: *mut usize, entries: *mut usize, held: *mut usize) -> cata_status;
+    fn cata_cholesky_held(cholesky: *const c_void, held: *mut usize) -> cata_status;
+    fn cata_cholesky_weakest(cholesky: *const c_void, row: *mut usize, ratio: *mut f64) -> cata_status;
     fn cata_eigs_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_eigs(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, params: *const c_void) -> cata_status;
     fn cata_eigs_sliced(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, memory: usize, slice: c_void, user: *mut c_void, params: *const c_void) -> cata_status;
