@@ -278,14 +278,7 @@ pub unsafe extern "C" fn cata_curves_outcome(
             )
         };
         if let Some(outcome) = outcome {
-            *outcome = match found.outcome {
-                Outcome::Closed => CATA_CURVE_CLOSED,
-                Outcome::Open => CATA_CURVE_OPEN,
-                Outcome::Blocked { .. } => CATA_CURVE_BLOCKED,
-                Outcome::CloseBlocked => CATA_CURVE_CLOSE_BLOCKED,
-                Outcome::Disconnected { .. } => CATA_CURVE_DISCONNECTED,
-                _ => unreachable!("an outcome without a value of its own: {:?}", found.outcome),
-            };
+            *outcome = outcome_value(found.outcome);
         }
         let [count, left_out] = numbers;
         put(count, found.curves.len());
@@ -382,6 +375,18 @@ pub unsafe extern "C" fn cata_curves_left_out(
         samples.copy_from_slice(own);
         Ok(())
     })
+}
+
+/// Returns the constant that stands for an outcome.
+pub(super) fn outcome_value(outcome: Outcome) -> i32 {
+    match outcome {
+        Outcome::Closed => CATA_CURVE_CLOSED,
+        Outcome::Open => CATA_CURVE_OPEN,
+        Outcome::Blocked { .. } => CATA_CURVE_BLOCKED,
+        Outcome::CloseBlocked => CATA_CURVE_CLOSE_BLOCKED,
+        Outcome::Disconnected { .. } => CATA_CURVE_DISCONNECTED,
+        _ => unreachable!("an outcome without a value of its own: {outcome:?}"),
+    }
 }
 
 fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {

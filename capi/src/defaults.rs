@@ -5,13 +5,16 @@ use std::mem::MaybeUninit;
 
 use super::params::{Versioned, init};
 use super::status::Failure;
-use super::{ata_params, cholesky, curve, decimation, eigs, newton, ortho, slime};
+use super::{
+    ata_params, cholesky, curve, decimation, distance, eigs, newton, ortho, repair, shape, slime,
+};
 use catamaran::AtaOptions;
 use catamaran::ortho::GramSchmidtOptions;
 use catamaran::sparse::{CholeskyOptions, EigenOptions};
 use catamaran_geometry::curve::CurveOptions;
 use catamaran_geometry::decimate::DecimateOptions;
-use catamaran_geometry::mesh::LaplacianOptions;
+use catamaran_geometry::mesh::{HeatOptions, LaplacianOptions, RepairOptions};
+use catamaran_geometry::spectral::ShapeOptions;
 use catamaran_simulation::texture::newton::NewtonOptions;
 
 /// Returns a struct as its `cata_*_params_init` leaves it.
@@ -71,6 +74,20 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
 
     let found = done(cholesky::options(&zeros()));
     assert_eq!(printed(&found), printed(&CholeskyOptions::default()));
+
+    // SAFETY: as above.
+    let found = unsafe {
+        shape::with_shape_options(&zeros::<shape::cata_shape_params>(), |options| {
+            Ok(printed(options))
+        })
+    };
+    assert_eq!(done(found), printed(&ShapeOptions::default()));
+
+    let options = done(distance::heat_options(&zeros()));
+    assert_eq!(options, HeatOptions::default());
+
+    let options = done(repair::options(&zeros()));
+    assert_eq!(options, RepairOptions::default());
 
     let options = done(curve::options(&zeros()));
     assert_eq!(printed(&options), printed(&CurveOptions::default()));

@@ -15,6 +15,7 @@
 use std::ffi::c_char;
 
 use super::boundary::{boundary, text};
+use super::outputs::write_text;
 use super::pointer::{output, slice_mut};
 #[cfg(not(feature = "opencl"))]
 use super::status::CATA_ERR_UNSUPPORTED;
@@ -61,12 +62,7 @@ pub unsafe extern "C" fn cata_device_name(
         // SAFETY: the caller's promise.
         let name = unsafe { slice_mut("name", name, size) }?;
         let (found, _) = numbered(index)?;
-        if let [first @ .., last] = name {
-            first.fill(0);
-            // The bytes of the name, whether a C char is signed or not.
-            first.iter_mut().zip(found.bytes()).for_each(|(out, byte)| *out = byte as c_char);
-            *last = 0;
-        }
+        write_text(name, &found);
         Ok(())
     })
 }

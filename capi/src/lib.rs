@@ -45,17 +45,31 @@ mod decimation;
 #[cfg(all(feature = "chapters", test))]
 mod defaults;
 #[cfg(feature = "chapters")]
+mod descriptor;
+#[cfg(feature = "chapters")]
 mod device;
+#[cfg(feature = "chapters")]
+mod distance;
+#[cfg(feature = "chapters")]
+mod drawing;
 #[cfg(feature = "chapters")]
 mod eigs;
 #[cfg(feature = "chapters")]
+mod filter;
+#[cfg(feature = "chapters")]
 mod gram;
+#[cfg(feature = "chapters")]
+mod laplacian;
 #[cfg(feature = "chapters")]
 mod lstsq;
 #[cfg(feature = "chapters")]
 mod map;
 #[cfg(feature = "chapters")]
 mod mesh;
+#[cfg(feature = "chapters")]
+mod mesh_attributes;
+#[cfg(feature = "chapters")]
+mod mesh_file;
 #[cfg(feature = "chapters")]
 mod newton;
 #[cfg(feature = "chapters")]
@@ -67,11 +81,17 @@ mod pca;
 #[cfg(feature = "chapters")]
 mod plant;
 #[cfg(feature = "chapters")]
+mod repair;
+#[cfg(feature = "chapters")]
 mod rods;
+#[cfg(feature = "chapters")]
+mod shape;
 #[cfg(feature = "chapters")]
 mod shape_dna;
 #[cfg(feature = "chapters")]
 mod slime;
+#[cfg(feature = "chapters")]
+mod surface_region;
 #[cfg(feature = "chapters")]
 mod table;
 #[cfg(feature = "chapters")]
@@ -118,17 +138,31 @@ pub use curve::*;
 #[cfg(feature = "chapters")]
 pub use decimation::*;
 #[cfg(feature = "chapters")]
+pub use descriptor::*;
+#[cfg(feature = "chapters")]
 pub use device::*;
+#[cfg(feature = "chapters")]
+pub use distance::*;
+#[cfg(feature = "chapters")]
+pub use drawing::*;
 #[cfg(feature = "chapters")]
 pub use eigs::*;
 #[cfg(feature = "chapters")]
+pub use filter::*;
+#[cfg(feature = "chapters")]
 pub use gram::*;
+#[cfg(feature = "chapters")]
+pub use laplacian::*;
 #[cfg(feature = "chapters")]
 pub use lstsq::*;
 #[cfg(feature = "chapters")]
 pub use map::*;
 #[cfg(feature = "chapters")]
 pub use mesh::*;
+#[cfg(feature = "chapters")]
+pub use mesh_attributes::*;
+#[cfg(feature = "chapters")]
+pub use mesh_file::*;
 #[cfg(feature = "chapters")]
 pub use newton::*;
 #[cfg(feature = "chapters")]
@@ -138,11 +172,17 @@ pub use pca::*;
 #[cfg(feature = "chapters")]
 pub use plant::*;
 #[cfg(feature = "chapters")]
+pub use repair::*;
+#[cfg(feature = "chapters")]
 pub use rods::*;
+#[cfg(feature = "chapters")]
+pub use shape::*;
 #[cfg(feature = "chapters")]
 pub use shape_dna::*;
 #[cfg(feature = "chapters")]
 pub use slime::*;
+#[cfg(feature = "chapters")]
+pub use surface_region::*;
 #[cfg(feature = "chapters")]
 pub use table::*;
 #[cfg(feature = "chapters")]

@@ -1,5 +1,7 @@
 //! Writes results into memory of the caller.
 
+use std::ffi::c_char;
+
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
@@ -19,5 +21,44 @@ pub(super) fn fill_slice<T: Copy + Default>(place: Option<&mut [T]>, found: &[T]
     if let Some(place) = place {
         place[found.len()..].fill(T::default());
         place[..found.len()].copy_from_slice(found);
+    }
+}
+
+/// Writes each value into its place, where there is one.
+pub(super) fn tell<T, const N: usize>(places: [Option<&mut T>; N], values: [T; N]) {
+    for (place, value) in places.into_iter().zip(values) {
+        if let Some(place) = place {
+            *place = value;
+        }
+    }
+}
+
+/// Writes a text, cut to fit between two characters, and NUL to the end of the place.
+pub(super) fn write_text(place: &mut [c_char], found: &str) {
+    let Some(most) = place.len().checked_sub(1) else { return };
+    let cut = (0..=most.min(found.len())).rfind(|&end| found.is_char_boundary(end));
+    place.fill(0);
+    // The bytes of the text, whether a C char is signed or not.
+    let bytes = found.bytes().take(cut.unwrap_or_default());
+    place.iter_mut().zip(bytes).for_each(|(out, byte)| *out = byte as c_char);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_cut_between_characters() {
+        let written = |size: usize, text: &str| {
+            let mut place: Vec<c_char> = vec![7; size];
+            write_text(&mut place, text);
+            place.into_iter().map(|c| c as u8).collect::<Vec<u8>>()
+        };
+        assert_eq!(written(6, "abc"), b"abc\0\0\0");
+        assert_eq!(written(3, "abc"), b"ab\0");
+        assert_eq!(written(3, "a\u{e9}"), b"a\0\0");
+        assert_eq!(written(4, "a\u{e9}"), b"a\xc3\xa9\0");
+        assert_eq!(written(1, "a"), b"\0");
+        assert_eq!(written(0, "a"), b"");
     }
 }

@@ -76,14 +76,26 @@ impl Caller {
     pub(super) fn watch_the_end<R>(self, work: impl FnOnce() -> R) -> R {
         self.with(|progress| progress.part(1.0..1.0).watch(work))
     }
+
+    /// Calls `work` with the callback as a progress, and reports the beginning and the end.
+    #[cfg(feature = "chapters")]
+    pub(super) fn reported<R>(
+        self,
+        work: impl FnOnce(Progress<'_>) -> Result<R, Failure>,
+    ) -> Result<R, Failure> {
+        self.watch(|progress| reported(progress, || work(progress)))
+    }
 }
 
 /// Calls `work`, which reports nothing, and reports its beginning and its end.
 #[cfg(feature = "chapters")]
-pub(super) fn reported<R>(
+pub(super) fn reported<R, E>(
     progress: Progress<'_>,
-    work: impl FnOnce() -> catamaran::Result<R>,
-) -> Result<R, Failure> {
+    work: impl FnOnce() -> Result<R, E>,
+) -> Result<R, Failure>
+where
+    Failure: From<E>,
+{
     progress.report(0.0)?;
     let found = work()?;
     progress.report(1.0)?;

@@ -71,6 +71,34 @@ struct curve_site {
     std::array<double, 3> weights{};
 };
 
+namespace detail {
+
+/// cata_curve_params for the length of a call.
+class curve_call {
+public:
+    explicit curve_call(const curve_options& how) : watcher_(how.progress) {
+        check(cata_curve_params_init(&params_, sizeof params_));
+        params_.candidates = how.candidates;
+        params_.start = how.start;
+        params_.faithful = how.faithful ? 1 : 0;
+        params_.open = how.open ? 1 : 0;
+        params_.single = how.single ? 1 : 0;
+        params_.points = how.vertices_alone ? CATA_CURVE_VERTICES : CATA_CURVE_STEINER;
+        params_.smooth = how.smooth ? 1 : 0;
+        watcher_.attach(params_);
+    }
+
+    const cata_curve_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) { watcher_.finish(status); }
+
+private:
+    cata_curve_params params_{};
+    watcher watcher_;
+};
+
+}  // namespace detail
+
 /// A mesh, prepared for the search for curves: cata_curve_solver. One owner, one thread at a time.
 class curve_solver {
 public:
@@ -103,20 +131,10 @@ public:
 
     /// The curves that samples (vertices) without an order are of.
     found_curves find(const std::vector<std::uint32_t>& samples, const curve_options& how = {}) {
-        cata_curve_params params;
-        detail::check(cata_curve_params_init(&params, sizeof params));
-        params.candidates = how.candidates;
-        params.start = how.start;
-        params.faithful = how.faithful ? 1 : 0;
-        params.open = how.open ? 1 : 0;
-        params.single = how.single ? 1 : 0;
-        params.points = how.vertices_alone ? CATA_CURVE_VERTICES : CATA_CURVE_STEINER;
-        params.smooth = how.smooth ? 1 : 0;
-        detail::watcher watcher(how.progress);
-        watcher.attach(params);
+        detail::curve_call call(how);
         cata_curves* made = nullptr;
-        watcher.finish(cata_curve_solver_find(handle_.get(), samples.size(), samples.data(), &params,
-                                              &made));
+        call.finish(cata_curve_solver_find(handle_.get(), samples.size(), samples.data(),
+                                           call.params(), &made));
         const std::unique_ptr<cata_curves, void (*)(cata_curves*)> handle(made, cata_curves_free);
         return copied(handle.get());
     }

@@ -19,14 +19,16 @@ const NAN: f64 = f64::NAN;
 
 /// Makes a call of one of the functions.
 pub fn call(choices: &mut Choices<'_>) {
-    match choices.below(8) {
+    match choices.below(10) {
         0 => decimation(choices),
         1 => curve(choices),
         2 => plant(choices),
         3 => newton(choices),
         4 => slime(choices),
         5 => mesh_eigenpairs(choices),
-        6 => verification::<f32>(choices),
+        6 => repair(choices),
+        7 => heat(choices),
+        8 => verification::<f32>(choices),
         _ => verification::<f64>(choices),
     }
 }
@@ -113,6 +115,61 @@ fn curve(choices: &mut Choices<'_>) {
     made(&format!("curve {value:?}"), &params, make, cata_curves_free);
     // SAFETY: alive, and freed once.
     unsafe { cata_curve_solver_free(solver) };
+}
+
+fn repair(choices: &mut Choices<'_>) {
+    let mut refused = None;
+    let r = &mut refused;
+    let flags = [2, -1];
+    let value = cata_repair_params {
+        struct_size: 0,
+        threads: 0,
+        progress: None,
+        progress_user: ptr::null_mut(),
+        tolerance: choices.pick(&[0.0, 1e-3]),
+        keep_largest: choices.pick(&[0, 1]),
+        drop_specks: field(choices, "drop_specks", &[0.0, 0.5], &[-0.5, 1.5, NAN], r),
+        fill_holes: choices.pick(&[0, 10]),
+        everything: field(choices, "everything", &[0, 1], &flags, r),
+        weld: field(choices, "weld", &[0, 1, 2, 3], &[4, -1], r),
+        drop_duplicates: field(choices, "drop_duplicates", &[0, 1], &flags, r),
+        drop_degenerate: field(choices, "drop_degenerate", &[0, 1], &flags, r),
+        compact: field(choices, "compact", &[0, 1], &flags, r),
+        cut: field(choices, "cut", &[0, 1], &flags, r),
+        orient: field(choices, "orient", &[0, 1], &flags, r),
+    };
+    let params = Params::new(choices, value, refused);
+    let mut file = ptr::null_mut();
+    // SAFETY: the arrays of the mesh and a place.
+    let status = unsafe { cata_mesh_file_new(6, VERTICES.as_ptr(), 8, FACES.as_ptr(), &mut file) };
+    check_accepted("mesh_file", status);
+    let make = |params: *const _, place: *mut *mut _| {
+        // SAFETY: a live mesh and struct, and a place.
+        unsafe { cata_repair_new(file, params, place) }
+    };
+    made(&format!("repair {value:?}"), &params, make, cata_repair_free);
+    // SAFETY: alive, and freed once.
+    unsafe { cata_mesh_file_free(file) };
+}
+
+fn heat(choices: &mut Choices<'_>) {
+    let mut refused = None;
+    let r = &mut refused;
+    let value = cata_distance_params {
+        struct_size: 0,
+        threads: choices.pick(&[1, 0, 3]),
+        progress: None,
+        progress_user: ptr::null_mut(),
+        time: field(choices, "time", &[0.0, 2.0], &[-1.0, NAN, f64::INFINITY], r),
+        cutoff: 0.0,
+        flow: field(choices, "flow", &[0, 1, 2], &[3, -1], r),
+    };
+    let params = Params::new(choices, value, refused);
+    let make = |params: *const _, place: *mut *mut _| {
+        // SAFETY: the arrays of the mesh, a live struct and a place.
+        unsafe { cata_heat_new(6, VERTICES.as_ptr(), 8, FACES.as_ptr(), params, place) }
+    };
+    made(&format!("heat {value:?}"), &params, make, cata_heat_free);
 }
 
 fn plant(choices: &mut Choices<'_>) {

@@ -153,14 +153,19 @@ fn packed(packing: Packing) -> &'static str {
 /// # Errors
 /// As those of [`read()`]; the path is that of the format's usual name.
 pub fn read_bytes(bytes: &[u8], format: MeshFormat) -> Result<MeshFile> {
-    let path = Path::new(match format {
+    let path = usual_name(format);
+    read_source(&mut Source::of_bytes(path, bytes), format, path)
+}
+
+/// Returns the name of a file of this format that errors about bytes in memory have.
+fn usual_name(format: MeshFormat) -> &'static Path {
+    Path::new(match format {
         MeshFormat::Obj => "mesh.obj",
         MeshFormat::Ply(_) => "mesh.ply",
         MeshFormat::Off => "mesh.off",
         MeshFormat::Stl(_) => "mesh.stl",
         MeshFormat::Gltf(_) => "mesh.gltf",
-    });
-    read_source(&mut Source::of_bytes(path, bytes), format, path)
+    })
 }
 
 fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
@@ -224,13 +229,46 @@ pub fn write(output: Output, file: &MeshFile) -> Result<Vec<String>> {
 /// # Errors
 /// As those of [`write()`].
 pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<Vec<String>> {
-    write_file(output, file, format, |sink, rounding| match format {
+    write_file(output, file, format, |sink, rounding| encode(sink, file, format, rounding))
+}
+
+/// Returns the bytes of a file of this format, which are not packed, and the notes that
+/// [`write()`] returns.
+///
+/// ```
+/// use catamaran_geometry::mesh::{families, io::{MeshFormat, read_bytes, write_bytes}};
+///
+/// let sphere = families::icosphere(1)?;
+/// let (bytes, notes) = write_bytes(&sphere.clone().into(), MeshFormat::Off)?;
+/// assert!(bytes.starts_with(b"OFF\n42 80 ") && notes.is_empty());
+/// assert_eq!(read_bytes(&bytes, MeshFormat::Off)?.mesh, sphere);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`write()`]; the path is that of the format's usual name.
+pub fn write_bytes(file: &MeshFile, format: MeshFormat) -> Result<(Vec<u8>, Vec<String>)> {
+    let path = usual_name(format);
+    let rounding = rounding_of(path, file, format)?;
+    let mut bytes = Vec::new();
+    encode(&mut bytes, file, format, &rounding).map_err(|e| Error::io(path, e))?;
+    Ok((bytes, notes_about(file, format, &rounding)))
+}
+
+/// Writes the bytes of a file of this format.
+fn encode(
+    sink: &mut dyn Write,
+    file: &MeshFile,
+    format: MeshFormat,
+    rounding: &Rounding,
+) -> std::io::Result<()> {
+    match format {
         MeshFormat::Obj => obj::write(sink, file),
         MeshFormat::Ply(encoding) => ply::write(sink, file, encoding),
         MeshFormat::Off => off::write(sink, file),
         MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
         MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding, rounding),
-    })
+    }
 }
 
 /// Writes a file by `body`, which is told how the format rounds coordinates. Returns the notes.
@@ -240,14 +278,25 @@ fn write_file(
     format: MeshFormat,
     body: impl FnOnce(&mut dyn Write, &Rounding) -> std::io::Result<()>,
 ) -> Result<Vec<String>> {
+    let rounding = rounding_of(output.path(), file, format)?;
+    write_packed(output, |sink| body(sink, &rounding))?;
+    Ok(notes_about(file, format, &rounding))
+}
+
+/// Returns how the format rounds coordinates, or an error that names `path` for what it can't
+/// store.
+fn rounding_of(path: &Path, file: &MeshFile, format: MeshFormat) -> Result<Rounding> {
     file.check()?;
     file.check_finite()?;
-    let rounding = match format {
-        MeshFormat::Stl(StlEncoding::Binary) => Rounding::from_zero(&file.mesh, output.path())?,
-        MeshFormat::Gltf(_) => Rounding::from_middle(&file.mesh, output.path())?,
-        _ => Rounding::default(),
-    };
-    write_packed(output, |sink| body(sink, &rounding))?;
+    match format {
+        MeshFormat::Stl(StlEncoding::Binary) => Rounding::from_zero(&file.mesh, path),
+        MeshFormat::Gltf(_) => Rounding::from_middle(&file.mesh, path),
+        _ => Ok(Rounding::default()),
+    }
+}
+
+/// Returns the notes about what a file of this format does not hold as it is here.
+fn notes_about(file: &MeshFile, format: MeshFormat, rounding: &Rounding) -> Vec<String> {
     let mut notes = Vec::new();
     let left_out = format.left_out(file);
     if !left_out.is_empty() {
@@ -255,7 +304,7 @@ fn write_file(
     }
     rounding.note(&file.mesh, &mut notes);
     format.note_rounded(file, &mut notes);
-    Ok(notes)
+    notes
 }
 
 /// Writes a mesh as glTF (`.glb` or `.gltf`, and `.gz` after it) with this material on all faces,

@@ -1,0 +1,390 @@
+//! # Distances
+//!
+//! Distances on a mesh: over its surface, by the heat method, and along its edges; paths along
+//! edges, and geodesics that they shorten to.
+//!
+//! ```c
+//! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
+//! uint32_t f[] = {0, 1, 3, 1, 2, 3}, source = 0;
+//! cata_path *path;
+//! cata_distance_edges(4, v, 2, f, 1, &source, d, NULL, NULL, NULL);
+//! cata_distance_path(4, v, 2, f, 0, 2, 0, NULL, &path);
+//! cata_path_size(path, NULL, NULL, &length);
+//! printf("%g away, by a path of %g\n", d[2], length); // 2 away, by a path of 2
+//! cata_path_free(path);
+//! ```
+
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use super::boundary::boundary;
+use super::outputs::{fill_slice, tell};
+use super::params::{Versioned, flag, init, read_or_zeros};
+use super::pointer::{
+    free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+};
+use super::progress::{Caller, cata_progress, par};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NOT_CONVERGED, Failure, cata_status};
+use catamaran_geometry::curve::{Curve, Waypoint, smooth};
+use catamaran_geometry::mesh::{
+    Dijkstra, Graph, HeatMethod, HeatOptions, LaplacianKind, SearchLimits, TriMesh,
+};
+
+/// `flow`: heat flows on the intrinsic Delaunay triangulation of any mesh (tufted cover).
+pub const CATA_FLOW_TUFTED: i32 = 0;
+/// `flow`: on that of a manifold.
+pub const CATA_FLOW_INTRINSIC_DELAUNAY: i32 = 1;
+/// `flow`: on the faces: wrong by half and more where they are long.
+pub const CATA_FLOW_COTANGENT: i32 = 2;
+
+/// Instead of a vertex: there is none.
+pub const CATA_NO_VERTEX: u32 = u32::MAX;
+
+/// Joints that a path may be shortened at, for each of its vertices.
+const JOINTS: usize = 1000;
+
+/// How distances are computed.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_distance_params {
+    /// sizeof(cata_distance_params).
+    pub struct_size: usize,
+    /// Threads of the heat method, at most; 0: all.
+    pub threads: usize,
+    /// Progress callback; NULL: none.
+    pub progress: cata_progress,
+    /// Passed to `progress`.
+    pub progress_user: *mut c_void,
+    /// Of the heat method: time of the flow, in units of the squared mean length of edges,
+    /// positive; 0: 1. Longer times make distances smoother.
+    pub time: f64,
+    /// Along edges: vertices farther than this are not reached, positive; 0: all are.
+    pub cutoff: f64,
+    /// Of the heat method: CATA_FLOW_*.
+    pub flow: i32,
+}
+
+impl Versioned for cata_distance_params {
+    const NAME: &'static str = "cata_distance_params";
+    const FIRST_SIZE: usize = offset_of!(Self, flow) + size_of::<i32>();
+}
+
+/// A mesh, prepared for the heat method. Made by cata_heat_new; constant.
+pub struct cata_heat {
+    heat: HeatMethod,
+    /// Number of vertices of the mesh.
+    n_vertices: usize,
+}
+
+/// A path from one vertex to another. Made by cata_distance_path; constant.
+pub struct cata_path {
+    vertices: Vec<u32>,
+    points: Vec<[f64; 3]>,
+    length: f64,
+}
+
+/// Fills a struct with the defaults.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_distance_params_init(
+    params: *mut cata_distance_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// Prepares the distances over the surface of a mesh by the heat method (Crane, Weischedel and
+/// Wardetzky 2013), by two factorizations. A mesh of fewer than 500 faces is refined for it.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_heat_new(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    params: *const cata_distance_params,
+    heat: *mut *mut cata_heat,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, params, place) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                read_or_zeros("params", params)?,
+                output("heat", heat)?,
+            )
+        };
+        let options = heat_options(&params)?;
+        let heat = Caller::new(params.progress, params.progress_user)
+            .reported(|_| Ok(HeatMethod::new(&mesh, &options)?))?;
+        *place = Box::into_raw(Box::new(cata_heat { heat, n_vertices }));
+        Ok(())
+    })
+}
+
+/// Frees what was prepared.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_heat_free(heat: *mut cata_heat) {
+    // SAFETY: the promises are the same.
+    unsafe { free(heat) };
+}
+
+/// Computes the distance of every vertex from the nearest source over the surface: not exact, at
+/// least the straight distance through space, and at most that along edges.
+///
+/// - `count`, `sources`: vertices.
+/// - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_heat_distances(
+    heat: *const cata_heat,
+    count: usize,
+    sources: *const u32,
+    distances: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (own, sources, distances) = unsafe {
+            let own = known("heat", heat)?;
+            let sources = slice("sources", sources, count)?;
+            (own, sources, slice_mut("distances", distances, own.n_vertices)?)
+        };
+        distances.copy_from_slice(&own.heat.distances(sources)?);
+        Ok(())
+    })
+}
+
+/// Computes the length of the shortest path along edges from every vertex to the nearest source
+/// (Dijkstra 1959), on the calling thread.
+///
+/// - `count`, `sources`: vertices.
+/// - `distances`: n_vertices elements, written: INFINITY where no path leads.
+/// - `nearest`: n_vertices elements, written: the vertex of the nearest source, CATA_NO_VERTEX
+///   where no path leads. NULL where not wanted.
+/// - `before`: n_vertices elements, written: the vertex before each on the path from its source,
+///   CATA_NO_VERTEX at sources and where no path leads. NULL where not wanted.
+/// - `params`: `cutoff` and `progress` are used, the rest is only checked.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_distance_edges(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    count: usize,
+    sources: *const u32,
+    distances: *mut f64,
+    nearest: *mut u32,
+    before: *mut u32,
+    params: *const cata_distance_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, sources, params) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("sources", sources, count)?,
+                read_or_zeros("params", params)?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        let (distances, nearest, before) = unsafe {
+            (
+                slice_mut("distances", distances, n_vertices)?,
+                optional_slice_mut("nearest", nearest, n_vertices)?,
+                optional_slice_mut("before", before, n_vertices)?,
+            )
+        };
+        heat_options(&params)?;
+        let cutoff = if params.cutoff == 0.0 { f64::INFINITY } else { params.cutoff };
+        let graph = Graph::of_mesh(&mesh);
+        let mut search = Dijkstra::new(&graph);
+        Caller::new(params.progress, params.progress_user).reported(|_| {
+            let starts: Vec<(u32, f64)> = sources.iter().map(|&v| (v, 0.0)).collect();
+            Ok(search.search(&starts, &SearchLimits { cutoff, ..SearchLimits::default() })?)
+        })?;
+        let all = 0..n_vertices as u32;
+        distances.copy_from_slice(&search.distances());
+        let found: Vec<u32> =
+            all.clone().map(|v| search.origin(v).unwrap_or(CATA_NO_VERTEX)).collect();
+        fill_slice(nearest, &found);
+        let found: Vec<u32> =
+            all.map(|v| search.predecessor(v).unwrap_or(CATA_NO_VERTEX)).collect();
+        fill_slice(before, &found);
+        Ok(())
+    })
+}
+
+/// Finds the shortest path along edges from one vertex to another. Without a path, all sizes are 0,
+/// and the length is INFINITY.
+///
+/// - `straight`: 1: the path is shortened, over faces, until it is straight but for vertices on the
+///   boundary of the mesh, where it stays (Sharp and Crane 2020): a geodesic, which need not be the
+///   shortest. The mesh must be a manifold whose faces agree about which side is outside. 0: the
+///   path along edges.
+/// - `params`: `progress` is used, the rest is only checked.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_distance_path(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    from: u32,
+    to: u32,
+    straight: i32,
+    params: *const cata_distance_params,
+    path: *mut *mut cata_path,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, params, place) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                read_or_zeros("params", params)?,
+                output("path", path)?,
+            )
+        };
+        let straight = flag("straight", straight)?;
+        heat_options(&params)?;
+        for (what, vertex) in [("from", from), ("to", to)] {
+            if vertex as usize >= n_vertices {
+                let why =
+                    format!("{what}: must be less than {n_vertices} (n_vertices), is {vertex}");
+                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            }
+        }
+        let found = Caller::new(params.progress, params.progress_user).reported(|_| {
+            let found = along_edges(&mesh, from, to)?;
+            if straight { straightened(&mesh, found) } else { Ok(found) }
+        })?;
+        *place = Box::into_raw(Box::new(found));
+        Ok(())
+    })
+}
+
+/// Gets the numbers of vertices and of points of a path, and its length. NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_path_size(
+    path: *const cata_path,
+    n_vertices: *mut usize,
+    n_points: *mut usize,
+    length: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (own, sizes, length) = unsafe {
+            let n_vertices = optional_output("n_vertices", n_vertices)?;
+            let sizes = [n_vertices, optional_output("n_points", n_points)?];
+            (known("path", path)?, sizes, optional_output("length", length)?)
+        };
+        tell(sizes, [own.vertices.len(), own.points.len()]);
+        tell([length], [own.length]);
+        Ok(())
+    })
+}
+
+/// Gets a path; NULL where not wanted.
+///
+/// - `vertices`: n_vertices elements, written: those of the path along edges, both ends included.
+/// - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
+///   unless it is straight.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_path_get(
+    path: *const cata_path,
+    vertices: *mut u32,
+    points: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let own = known("path", path)?;
+            let places = own.points.as_flattened();
+            let vertices = optional_slice_mut("vertices", vertices, own.vertices.len())?;
+            let points = optional_slice_mut("points", points, places.len())?;
+            fill_slice(vertices, &own.vertices);
+            fill_slice(points, places);
+        }
+        Ok(())
+    })
+}
+
+/// Frees a path.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_path_free(path: *mut cata_path) {
+    // SAFETY: the promises are the same.
+    unsafe { free(path) };
+}
+
+/// Returns the options of the caller for the heat method.
+pub(super) fn heat_options(params: &cata_distance_params) -> Result<HeatOptions, Failure> {
+    let kind = match params.flow {
+        CATA_FLOW_TUFTED => LaplacianKind::Tufted,
+        CATA_FLOW_INTRINSIC_DELAUNAY => LaplacianKind::IntrinsicDelaunay,
+        CATA_FLOW_COTANGENT => LaplacianKind::Cotangent,
+        other => {
+            let why = format!("params.flow: must be a CATA_FLOW_* value, is {other}");
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+    };
+    let options = HeatOptions::new().kind(kind).par(par(params.threads));
+    Ok(if params.time == 0.0 { options } else { options.time(params.time) })
+}
+
+fn along_edges(mesh: &TriMesh, from: u32, to: u32) -> Result<cata_path, Failure> {
+    let graph = Graph::of_mesh(mesh);
+    let mut search = Dijkstra::new(&graph);
+    let limits = SearchLimits { targets: &[to], ..SearchLimits::default() };
+    search.search(&[(from, 0.0)], &limits)?;
+    let vertices = search.path(to);
+    let points = vertices.iter().map(|&v| mesh.vertices()[v as usize]).collect();
+    Ok(cata_path { vertices, points, length: search.distance(to) })
+}
+
+/// Returns the path as a geodesic between its ends.
+fn straightened(mesh: &TriMesh, path: cata_path) -> Result<cata_path, Failure> {
+    let (Some(&from), Some(&to)) = (path.vertices.first(), path.vertices.last()) else {
+        return Ok(path);
+    };
+    let most = JOINTS * path.vertices.len();
+    let curve = Curve {
+        order: Vec::new(),
+        path: path.vertices.clone(),
+        points: path.points.clone(),
+        waypoints: path.vertices.iter().map(|&v| Waypoint::Vertex(v)).collect(),
+        closed: false,
+        length: path.length,
+    };
+    let mut found = smooth(mesh, &[curve], &[from, to], most)?;
+    if !found.converged {
+        let why = format!("path: not straight after {most} joints were shortened");
+        return Err(Failure::new(CATA_ERR_NOT_CONVERGED, why));
+    }
+    match (found.points.pop(), found.lengths.pop()) {
+        (Some(points), Some(length)) => Ok(cata_path { points, length, ..path }),
+        _ => Ok(path),
+    }
+}

@@ -1,0 +1,288 @@
+use super::boundary::boundary;
+use super::curve::{cata_curve_params, fill, outcome_value};
+use super::outputs::{fill_slice, tell};
+use super::params::{flag, read_or_zeros};
+use super::pointer::{
+    check_size, free, known, known_mut, mesh, optional_output, optional_slice_mut, output, slice,
+    slice_mut,
+};
+use super::progress::watcher;
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
+use catamaran::base::Progress;
+use catamaran_geometry::curve::{CurveOptions, Drawing, Drawn};
+
+/// Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made
+/// by cata_drawing_new.
+pub struct cata_drawing {
+    drawing: Drawing,
+    /// Number of faces of the mesh.
+    n_faces: usize,
+}
+
+/// A mesh with the curves of a drawing along its edges. Made by cata_drawing_inscribe; constant.
+pub struct cata_drawn {
+    drawn: Drawn,
+    /// Number of faces of the mesh of the drawing.
+    n_faces: usize,
+}
+
+/// Creates a drawing without curves on a mesh, of which it keeps a copy.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawing_new(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    drawing: *mut *mut cata_drawing,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, place) =
+            unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("drawing", drawing)?) };
+        let drawing = Drawing::new(mesh)?;
+        *place = Box::into_raw(Box::new(cata_drawing { drawing, n_faces }));
+        Ok(())
+    })
+}
+
+/// Frees a drawing; a cata_drawn of it stays valid.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawing_free(drawing: *mut cata_drawing) {
+    // SAFETY: the promises are the same.
+    unsafe { free(drawing) };
+}
+
+/// Finds the curves through samples, as cata_curve_solver_find does, and adds them as a layer.
+///
+/// - `count`, `samples`: vertices of the mesh, at least 3, none twice.
+/// - `outcome`: written: CATA_CURVE_*. NULL where not wanted.
+/// - `params`: `smooth` must be 0: cata_drawing_inscribe shortens all curves.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawing_add(
+    drawing: *mut cata_drawing,
+    count: usize,
+    samples: *const u32,
+    outcome: *mut i32,
+    params: *const cata_curve_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (own, samples, outcome, params) = unsafe {
+            (
+                known_mut("drawing", drawing)?,
+                slice("samples", samples, count)?,
+                optional_output("outcome", outcome)?,
+                read_or_zeros("params", params)?,
+            )
+        };
+        let mut options = CurveOptions::default();
+        fill(&mut options, &params)?;
+        if flag("params.smooth", params.smooth)? {
+            let why = "params.smooth: must be 0: cata_drawing_inscribe shortens all curves";
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+        let watch = watcher(params.progress, params.progress_user);
+        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+        let drawing = &mut own.drawing;
+        let found =
+            options.progress.watch(|| drawing.add(samples, &options).map(|layer| layer.outcome))?;
+        tell([outcome], [outcome_value(found)]);
+        Ok(())
+    })
+}
+
+/// Makes a mesh of the same surface with the curves of all layers along its edges: vertices where
+/// curves cross edges and each other follow those of the mesh.
+///
+/// - `smooth`: 1: all curves are shortened to geodesics between their samples first; no layer can
+///   be added after that. 0: they are along edges.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawing_inscribe(
+    drawing: *mut cata_drawing,
+    smooth: i32,
+    drawn: *mut *mut cata_drawn,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (own, place) = unsafe { (known_mut("drawing", drawing)?, output("drawn", drawn)?) };
+        if flag("smooth", smooth)? {
+            own.drawing.smooth()?;
+        }
+        let drawn = own.drawing.inscribe()?;
+        *place = Box::into_raw(Box::new(cata_drawn { drawn, n_faces: own.n_faces }));
+        Ok(())
+    })
+}
+
+/// Gets the numbers of vertices and faces of the mesh, and of layers. NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawn_size(
+    drawn: *const cata_drawn,
+    n_vertices: *mut usize,
+    n_faces: *mut usize,
+    layers: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (found, places) = unsafe {
+            let places = [("n_vertices", n_vertices), ("n_faces", n_faces), ("layers", layers)];
+            let [n_vertices, n_faces, layers] =
+                places.map(|(what, place)| optional_output(what, place));
+            (&known("drawn", drawn)?.drawn, [n_vertices?, n_faces?, layers?])
+        };
+        let mesh = &found.refined.mesh;
+        tell(places, [mesh.vertices().len(), mesh.faces().len(), found.layers.len()]);
+        Ok(())
+    })
+}
+
+/// Gets the mesh, and where it lies on that of the drawing; NULL where not wanted.
+///
+/// - `vertices`, `faces`: as many as cata_drawn_size tells, written.
+/// - `of_faces`: for each face the one of the drawing's mesh that contains it, written.
+/// - `corners`, `weights`: for each vertex 3 vertices of a face of the drawing's mesh and their
+///   weights, whose mean it is, written.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawn_get(
+    drawn: *const cata_drawn,
+    vertices: *mut f64,
+    faces: *mut u32,
+    of_faces: *mut u32,
+    corners: *mut u32,
+    weights: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (found, vertices, faces, of_faces) = unsafe {
+            let found = &known("drawn", drawn)?.drawn.refined;
+            let (n, m) = (found.mesh.vertices().len(), found.mesh.faces().len());
+            (
+                found,
+                optional_slice_mut("vertices", vertices, 3 * n)?,
+                optional_slice_mut("faces", faces, 3 * m)?,
+                optional_slice_mut("of_faces", of_faces, m)?,
+            )
+        };
+        let n = found.vertices.len();
+        // SAFETY: the caller's promise.
+        let (corners, weights) = unsafe {
+            (
+                optional_slice_mut("corners", corners, 3 * n)?,
+                optional_slice_mut("weights", weights, 3 * n)?,
+            )
+        };
+        let around: Vec<[u32; 3]> = found.vertices.iter().map(|origin| origin.vertices).collect();
+        let shares: Vec<[f64; 3]> = found.vertices.iter().map(|origin| origin.weights).collect();
+        fill_slice(vertices, found.mesh.vertices().as_flattened());
+        fill_slice(faces, found.mesh.faces().as_flattened());
+        fill_slice(of_faces, &found.faces);
+        fill_slice(corners, around.as_flattened());
+        fill_slice(weights, shares.as_flattened());
+        Ok(())
+    })
+}
+
+/// Gets the edges of the curves of a layer, from 0, for cata_region_enclosed and cata_region_cut.
+///
+/// - `room`: the number of edges that `along` has room for; CATA_ERR_SHAPE where there are more.
+/// - `along`: 2 vertices for each edge, written. NULL where not wanted.
+/// - `count`: written: the number of edges.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawn_edges(
+    drawn: *const cata_drawn,
+    layer: usize,
+    room: usize,
+    along: *mut u32,
+    count: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        check_size::<u32>("along", room, 2)?;
+        // SAFETY: the caller's promise.
+        let (found, along, count) = unsafe {
+            (
+                &known("drawn", drawn)?.drawn,
+                optional_slice_mut("along", along, 2 * room)?,
+                output("count", count)?,
+            )
+        };
+        let Some(curves) = found.layers.get(layer) else {
+            let why =
+                format!("layer: must be less than {} (layers), is {layer}", found.layers.len());
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        };
+        let edges: Vec<[u32; 2]> = curves.iter().flat_map(|curve| curve.edges()).collect();
+        if let Some(along) = along {
+            if edges.len() > room {
+                let why = format!("room: must be at least {} (edges), is {room}", edges.len());
+                return Err(Failure::new(CATA_ERR_SHAPE, why));
+            }
+            along[..2 * edges.len()].copy_from_slice(edges.as_flattened());
+        }
+        *count = edges.len();
+        Ok(())
+    })
+}
+
+/// Computes the share of each face of the drawing's mesh that a region of the mesh of `drawn`
+/// covers.
+///
+/// - `inside`: one element for each face of the mesh of `drawn`: 1 inside of the region, 0 outside.
+/// - `shares`: one element for each face of the drawing's mesh, written: exactly 0 or 1 where none
+///   or all of it is inside.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawn_shares(
+    drawn: *const cata_drawn,
+    inside: *const u8,
+    shares: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (found, inside, shares) = unsafe {
+            let own = known("drawn", drawn)?;
+            let found = &own.drawn.refined;
+            let inside = slice("inside", inside, found.faces.len())?;
+            (found, inside, slice_mut("shares", shares, own.n_faces)?)
+        };
+        if let Some(f) = inside.iter().position(|&x| x > 1) {
+            let why = format!("inside: must be 0 or 1, but element {f} is {}", inside[f]);
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+        let mask: Vec<bool> = inside.iter().map(|&x| x == 1).collect();
+        fill_slice(Some(shares), &found.shares(&mask)?);
+        Ok(())
+    })
+}
+
+/// Frees a mesh with curves.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_drawn_free(drawn: *mut cata_drawn) {
+    // SAFETY: the promises are the same.
+    unsafe { free(drawn) };
+}

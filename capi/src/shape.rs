@@ -1,0 +1,125 @@
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use super::boundary::boundary;
+use super::outputs::tell;
+use super::params::{Versioned, init, read};
+use super::pointer::{mesh, optional_output, optional_slice_mut, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
+use super::status::{Failure, cata_status};
+use catamaran::base::Progress;
+use catamaran_geometry::spectral::{ShapeOptions, shape_from_spectrum};
+
+/// How a template is deformed.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_shape_params {
+    /// sizeof(cata_shape_params).
+    pub struct_size: usize,
+    /// Threads, at most; 0: all.
+    pub threads: usize,
+    /// Progress callback; NULL: none.
+    pub progress: cata_progress,
+    /// Passed to `progress`.
+    pub progress_user: *mut c_void,
+    /// Steps, at most; 0: 60.
+    pub steps: usize,
+    /// Mean relative difference of eigenvalues at which it ends, positive; 0: 0.001.
+    pub tolerance: f64,
+}
+
+impl Versioned for cata_shape_params {
+    const NAME: &'static str = "cata_shape_params";
+    const FIRST_SIZE: usize = offset_of!(Self, tolerance) + size_of::<f64>();
+}
+
+/// Fills a struct with the defaults.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_shape_params_init(
+    params: *mut cata_shape_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// Deforms a triangle mesh, the template, until the first eigenvalues of its Laplacian are those
+/// given (Cosmo et al. 2019): with CATA_BOUNDARY_DIRICHLET, or CATA_BOUNDARY_NEUMANN if the
+/// template is closed, whose zeros are left out. Many surfaces have the same eigenvalues; it is one
+/// near the template, or falls short of the tolerance, and `error` says so.
+///
+/// - `k`, `eigenvalues`: positive, ascending, in units of 1 / length^2.
+/// - `positions`: 3 n_vertices elements, written: the vertices, moved.
+/// - `found`: k elements, written: the eigenvalues of the result. NULL where not wanted.
+/// - `error`: written: their mean relative difference. NULL where not wanted.
+/// - `steps`: written: how many were taken. NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_shape_from_spectrum(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    k: usize,
+    eigenvalues: *const f64,
+    positions: *mut f64,
+    found: *mut f64,
+    error: *mut f64,
+    steps: *mut usize,
+    params: *const cata_shape_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (template, wanted, positions, values, error, steps) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("eigenvalues", eigenvalues, k)?,
+                slice_mut("positions", positions, 3 * n_vertices)?,
+                optional_slice_mut("found", found, k)?,
+                optional_output("error", error)?,
+                optional_output("steps", steps)?,
+            )
+        };
+        let work =
+            |options: &ShapeOptions<'_>| Ok(shape_from_spectrum(&template, wanted, options)?);
+        // SAFETY: the caller's promise.
+        let shape = unsafe { with_shape_options(params, work) }?;
+        positions.copy_from_slice(shape.mesh.vertices().as_flattened());
+        if let Some(values) = values {
+            values.copy_from_slice(&shape.eigenvalues);
+        }
+        tell([error], [shape.error]);
+        tell([steps], [shape.steps]);
+        Ok(())
+    })
+}
+
+/// Returns what `work` returns for the options of the caller.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+pub(super) unsafe fn with_shape_options<X>(
+    params: *const cata_shape_params,
+    work: impl FnOnce(&ShapeOptions<'_>) -> Result<X, Failure>,
+) -> Result<X, Failure> {
+    let (mut options, mut watch) = (ShapeOptions::default(), None);
+    if !params.is_null() {
+        // SAFETY: the caller's promise.
+        let params = unsafe { read("params", params) }?;
+        options.par = par(params.threads);
+        if params.steps > 0 {
+            options.steps = params.steps;
+        }
+        if params.tolerance != 0.0 {
+            options.tolerance = params.tolerance;
+        }
+        watch = watcher(params.progress, params.progress_user);
+    }
+    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+    options.progress.watch(|| work(&options))
+}

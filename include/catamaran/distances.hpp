@@ -1,0 +1,144 @@
+// Distances and paths on meshes.
+
+#ifndef CATAMARAN_DISTANCES_HPP
+#define CATAMARAN_DISTANCES_HPP
+
+#include "core.hpp"
+
+#include <memory>
+
+namespace catamaran {
+
+/// The triangulation on which heat flows.
+enum class heat_flow : std::int32_t {
+    tufted = CATA_FLOW_TUFTED,
+    intrinsic_delaunay = CATA_FLOW_INTRINSIC_DELAUNAY,
+    cotangent = CATA_FLOW_COTANGENT,
+};
+
+/// How distances are computed: the fields of cata_distance_params.
+struct distance_options {
+    /// Of the heat method; 0: as many as the process may use (catamaran.h, Threads).
+    std::size_t threads = 0;
+    /// Of the heat method: time of the flow, in units of the squared mean length of edges; 0: 1.
+    double time = 0.0;
+    /// Along edges: vertices farther than this are not reached; 0: all are.
+    double cutoff = 0.0;
+    /// Of the heat method.
+    heat_flow flow = heat_flow::tufted;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+namespace detail {
+
+/// cata_distance_params for the length of a call.
+class distance_call {
+public:
+    explicit distance_call(const distance_options& how) : watcher_(how.progress) {
+        check(cata_distance_params_init(&params_, sizeof params_));
+        params_.threads = how.threads;
+        params_.time = how.time;
+        params_.cutoff = how.cutoff;
+        params_.flow = static_cast<std::int32_t>(how.flow);
+        watcher_.attach(params_);
+    }
+
+    const cata_distance_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) { watcher_.finish(status); }
+
+private:
+    cata_distance_params params_{};
+    watcher watcher_;
+};
+
+}  // namespace detail
+
+/// A mesh, prepared for distances over its surface by the heat method: cata_heat. One owner; calls
+/// may run at the same time.
+class heat_method {
+public:
+    /// Prepares a mesh.
+    explicit heat_method(const mesh_view& mesh, const distance_options& how = {})
+        : n_vertices_(mesh.n_vertices) {
+        detail::distance_call call(how);
+        cata_heat* made = nullptr;
+        call.finish(cata_heat_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                  call.params(), &made));
+        handle_.reset(made);
+    }
+
+    /// The distance of each vertex from the nearest source.
+    std::vector<double> distances(const std::vector<std::uint32_t>& sources) const {
+        std::vector<double> found(n_vertices_);
+        detail::check(cata_heat_distances(handle_.get(), sources.size(), sources.data(),
+                                          found.data()));
+        return found;
+    }
+
+private:
+    struct free {
+        void operator()(cata_heat* handle) const noexcept { cata_heat_free(handle); }
+    };
+
+    std::size_t n_vertices_;
+    std::unique_ptr<cata_heat, free> handle_;
+};
+
+/// Distances along edges.
+struct edge_distances {
+    /// Of each vertex from the nearest source; infinite where no path leads.
+    std::vector<double> distances;
+    /// The nearest source of each vertex; CATA_NO_VERTEX where no path leads.
+    std::vector<std::uint32_t> nearest;
+    /// The vertex before each on its path; CATA_NO_VERTEX at sources and where no path leads.
+    std::vector<std::uint32_t> before;
+};
+
+/// The lengths of the shortest paths along edges: cata_distance_edges.
+inline edge_distances distances_along_edges(const mesh_view& mesh,
+                                            const std::vector<std::uint32_t>& sources,
+                                            const distance_options& how = {}) {
+    edge_distances found;
+    found.distances.resize(mesh.n_vertices);
+    found.nearest.resize(mesh.n_vertices);
+    found.before.resize(mesh.n_vertices);
+    detail::distance_call call(how);
+    call.finish(cata_distance_edges(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                    sources.size(), sources.data(), found.distances.data(),
+                                    found.nearest.data(), found.before.data(), call.params()));
+    return found;
+}
+
+/// A path from one vertex to another.
+struct mesh_path {
+    /// Of the path along edges, both ends included; none: there is no path.
+    std::vector<std::uint32_t> vertices;
+    /// Where it goes.
+    std::vector<std::array<double, 3>> points;
+    /// In the unit of the mesh; infinite without a path.
+    double length = 0.0;
+};
+
+/// The shortest path along edges, or, where `straight`, the geodesic that it shortens to:
+/// cata_distance_path.
+inline mesh_path shortest_path(const mesh_view& mesh, std::uint32_t from, std::uint32_t to,
+                               bool straight = false, const distance_options& how = {}) {
+    detail::distance_call call(how);
+    cata_path* made = nullptr;
+    call.finish(cata_distance_path(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces, from,
+                                   to, straight ? 1 : 0, call.params(), &made));
+    const std::unique_ptr<cata_path, void (*)(cata_path*)> handle(made, cata_path_free);
+    mesh_path found;
+    std::size_t n_vertices = 0, n_points = 0;
+    detail::check(cata_path_size(made, &n_vertices, &n_points, &found.length));
+    found.vertices.resize(n_vertices);
+    found.points.resize(n_points);
+    detail::check(cata_path_get(made, found.vertices.data(), detail::first_of(found.points)));
+    return found;
+}
+
+}  // namespace catamaran
+
+#endif
