@@ -70,6 +70,7 @@ mod tests {
         // `Components::All` in the library.
         "pca.rs k",
         "picture/args.rs up",
+        "predict.rs confidence",
         "rows/checkpoint.rs checkpoint_every",
         "shapedna.rs nearest",
         "slime/mod.rs every",

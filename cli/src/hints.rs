@@ -10,7 +10,7 @@ use clap::{ArgGroup, Command, CommandFactory as _, Id};
 
 use crate::{Cli, parse};
 
-/// Options of cargo, of scripts and of launchers.
+/// Options of scripts and of launchers, and of cargo in prose.
 const OTHERS: [&str; 7] = [
     "--features",
     "--sanitize",
@@ -98,6 +98,9 @@ fn options_in_texts_are_those_of_their_command_or_of_the_command_named_before_th
             let own = options(if is_program { owner(&program, inside) } else { &program });
             for (number, line) in (1..).zip(fs::read_to_string(&file).unwrap().lines()) {
                 for (command, option) in named(line) {
+                    if line.contains("cargo ") {
+                        continue;
+                    }
                     let other = commands.get(command).is_some_and(|own| own.contains(option));
                     if !own.contains(option) && !other && !OTHERS.contains(&option) {
                         faults.push(format!("{}:{number}: {option}", file.display()));

@@ -54,7 +54,6 @@ fn usage_errors_exit_with_2_and_suggest_what_is_alike() {
 fn dashes_are_refused_where_names_tell_formats() {
     let folder = Folder::new();
     for (line, option) in [
-        ("ata - -o c.npy", "<A>"),
         ("ata a.npy -o -", "--output <C>"),
         ("unions predict - b.off", "<PARTS>"),
         ("mesh a.ply --picture -", "--picture <FILE>"),

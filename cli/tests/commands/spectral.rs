@@ -311,7 +311,7 @@ fn transfer_refuses_what_does_not_fit() {
         ("--functions xyz.npy --landmarks short.txt", "short.txt: 1 columns"),
         ("--functions one.csv --identity", "one.csv: 2 rows"),
         ("--functions s.mtx --identity", "s.mtx: the matrix must be dense, but is sparse"),
-        ("--functions nan.csv --identity", "nan.csv: not finite at row 160, column 1"),
+        ("--functions nan.csv --identity", "nan.csv:161: column 2: \"nan\" where a number"),
         ("--functions xyz.npy --identity --order 300", "--order: must be at most 255, is 300"),
         ("--functions xyz.npy --segments s.csv t.csv", "s.csv, t.csv: labels: label 1 is on one"),
     ] {

@@ -90,12 +90,14 @@ impl Folder {
         run.stdout
     }
 
-    /// [`Folder::run`], which must fail with one line on stderr, leaving the folder as it was.
+    /// [`Folder::run`], which must fail with one line on stderr besides notes, leaving the folder
+    /// as it was.
     pub fn fail(&self, arguments: &str) -> String {
         let before = self.names();
         let run = self.run(arguments);
         assert_eq!(run.code, Some(1), "{arguments}: {}{}", run.stdout, run.stderr);
-        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+        let lines = run.stderr.lines().filter(|line| !line.starts_with("note: "));
+        assert_eq!(lines.count(), 1, "{}", run.stderr);
         assert_eq!(self.names(), before, "{arguments}");
         run.stderr
     }
