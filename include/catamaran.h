@@ -1107,6 +1107,273 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
 
 /** @} */
 
+/* ==== Mesh files ============================================================================ */
+/**
+ * @defgroup mesh_files Mesh files
+ * Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
+ * .off, .stl, .glb and .gltf, also packed: .gz) and their bytes in memory.
+ * @code{.c}
+ * const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+ * cata_mesh_file *file;
+ * size_t n_vertices;
+ * cata_mesh_file_read_bytes(sizeof text - 1, text, CATA_MESH_OBJ, &file);
+ * cata_mesh_file_size(file, &n_vertices, NULL);
+ * printf("%zu vertices\n", n_vertices); // 3 vertices
+ * cata_mesh_file_free(file);
+ * @endcode
+ * @{
+ */
+
+#define CATA_MESH_BY_NAME 0 /**< `format`: what the name of the file says. */
+#define CATA_MESH_OBJ 1 /**< `format`: Wavefront OBJ. */
+#define CATA_MESH_PLY 2 /**< `format`: PLY, binary. */
+#define CATA_MESH_PLY_TEXT 3 /**< `format`: PLY as text. */
+#define CATA_MESH_OFF 4 /**< `format`: Geomview OFF. */
+#define CATA_MESH_STL 5 /**< `format`: STL, binary: coordinates are rounded to float. */
+#define CATA_MESH_STL_TEXT 6 /**< `format`: STL as text. */
+#define CATA_MESH_GLB 7 /**< `format`: glTF, binary: coordinates are rounded to float. */
+#define CATA_MESH_GLTF 8 /**< `format`: glTF as text: coordinates are rounded to float. */
+
+/** The bytes of a file. Made by cata_mesh_file_write_bytes; constant. */
+typedef struct cata_mesh_bytes cata_mesh_bytes;
+
+/** A mesh with its attributes, as in a file. */
+typedef struct cata_mesh_file cata_mesh_file;
+
+/** How mesh files are read and written. */
+typedef struct cata_mesh_file_params {
+    size_t struct_size; /**< sizeof(cata_mesh_file_params). */
+    size_t threads; /**< Ignored. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** Of reading: bytes of memory that the file may take; 0: a hundred times its size, or 1 GiB
+     * if that is more. */
+    uint64_t max_memory;
+    int32_t format; /**< Of writing: CATA_MESH_*. */
+    /** Of writing: 1: a file that is there stays, and CATA_ERR_IO is returned. 0: it is replaced. */
+    int32_t keep;
+} cata_mesh_file_params;
+/** Fills a struct with the defaults. */
+cata_status cata_mesh_file_params_init(cata_mesh_file_params *params, size_t struct_size);
+
+/** Creates a mesh without attributes, of which it keeps a copy. */
+cata_status cata_mesh_file_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, cata_mesh_file **file);
+
+/** Reads a mesh in the format that the name of the file says; where its content has another one,
+ * that of the content. Polygons are cut into triangles, and the triangles that have a vertex twice
+ * are left out. CATA_ERR_IO: the message names the file, the line, and what is wrong with it.
+ * - `path`: NUL-terminated; with .gz or .xz at its end, packed. */
+cata_status cata_mesh_file_read(const char *path, const cata_mesh_file_params *params,
+    cata_mesh_file **file);
+
+/** Reads a mesh as cata_mesh_file_read does, from the bytes of a file that is not packed.
+ * - `size`: number of bytes; `format`: CATA_MESH_* but CATA_MESH_BY_NAME: of both variants of a
+ *   format, either. */
+cata_status cata_mesh_file_read_bytes(size_t size, const void *bytes, int32_t format,
+    cata_mesh_file **file);
+
+/** Writes a mesh; the file appears whole or not at all. The notes of `file` become those about what
+ * the new file does not hold as it is here, such as attributes that its format can't store.
+ * - `path`: NUL-terminated; with .gz at its end the file is packed. */
+cata_status cata_mesh_file_write(cata_mesh_file *file, const char *path,
+    const cata_mesh_file_params *params);
+
+/** Writes a mesh into memory, as cata_mesh_file_write does into a file that is not packed.
+ * - `format`: CATA_MESH_* but CATA_MESH_BY_NAME. */
+cata_status cata_mesh_file_write_bytes(cata_mesh_file *file, int32_t format,
+    cata_mesh_bytes **bytes);
+
+void cata_mesh_file_free(cata_mesh_file *file); /**< Frees a mesh. */
+
+/** Gets the numbers of vertices and faces. NULL where not wanted. */
+cata_status cata_mesh_file_size(const cata_mesh_file *file, size_t *n_vertices, size_t *n_faces);
+
+/** Gets the vertices and faces, as many as cata_mesh_file_size tells. NULL where not wanted. */
+cata_status cata_mesh_file_get(const cata_mesh_file *file, double *vertices, uint32_t *faces);
+
+/** Gets the numbers of notes and of triangles that are left out because two of their corners are
+ * one vertex. A note says what the reader left out or replaced, or what the file that was written
+ * last does not hold. NULL where not wanted. */
+cata_status cata_mesh_file_notes(const cata_mesh_file *file, size_t *notes,
+    size_t *collapsed_faces);
+
+/** Gets the note `index` (from 0): `size` elements of `text`, cut to fit, and NUL; in UTF-8. */
+cata_status cata_mesh_file_note(const cata_mesh_file *file, size_t index, size_t size, char *text);
+
+/** Gets the number of bytes. */
+cata_status cata_mesh_bytes_size(const cata_mesh_bytes *bytes, size_t *size);
+
+/** Gets the bytes, as many as cata_mesh_bytes_size tells. */
+cata_status cata_mesh_bytes_get(const cata_mesh_bytes *bytes, void *to);
+
+void cata_mesh_bytes_free(cata_mesh_bytes *bytes); /**< Frees bytes. */
+
+#define CATA_MESH_MATERIALS 0 /**< `kind` of names: the materials of faces. */
+#define CATA_MESH_GROUPS 1 /**< `kind` of names: the groups of faces. */
+#define CATA_MESH_OBJECTS 2 /**< `kind` of names: the objects of faces. */
+#define CATA_MESH_NO_NAME UINT32_MAX /**< Instead of the number of a name: the face has none. */
+
+/** Gets which attributes a mesh has: 1, or 0. NULL where not wanted. */
+cata_status cata_mesh_file_has(const cata_mesh_file *file, int32_t *uv, int32_t *normals,
+    int32_t *colors);
+
+/** Gets the texture coordinates: 6 for each face, u and v at its three corners, NaN where a face
+ * has none. CATA_ERR_ARGUMENT when the mesh has none. */
+cata_status cata_mesh_file_get_uv(const cata_mesh_file *file, double *uv);
+
+/** Gets the normals: 9 for each face, x, y, z at its three corners, as long as in the file; NaN
+ * where a face has none. CATA_ERR_ARGUMENT when the mesh has none. */
+cata_status cata_mesh_file_get_normals(const cata_mesh_file *file, double *normals);
+
+/** Gets the colours: 4 for each vertex, red, green, blue and opacity, usually from 0 to 1.
+ * CATA_ERR_ARGUMENT when the mesh has none. */
+cata_status cata_mesh_file_get_colors(const cata_mesh_file *file, double *colors);
+
+/** Sets the texture coordinates: as cata_mesh_file_get_uv returns them; NULL: none. */
+cata_status cata_mesh_file_set_uv(cata_mesh_file *file, const double *uv);
+
+/** Sets the normals: as cata_mesh_file_get_normals returns them; NULL: none. */
+cata_status cata_mesh_file_set_normals(cata_mesh_file *file, const double *normals);
+
+/** Sets the colours: as cata_mesh_file_get_colors returns them; NULL: none. */
+cata_status cata_mesh_file_set_colors(cata_mesh_file *file, const double *colors);
+
+/** Gets the number of names of faces, 0 when the mesh has none.
+ * - `kind`: CATA_MESH_MATERIALS, CATA_MESH_GROUPS or CATA_MESH_OBJECTS. */
+cata_status cata_mesh_file_names(const cata_mesh_file *file, int32_t kind, size_t *count);
+
+/** Gets the name `index` (from 0): `size` elements of `name`, cut to fit, and NUL; in UTF-8. `kind`
+ * as in cata_mesh_file_names. */
+cata_status cata_mesh_file_name(const cata_mesh_file *file, int32_t kind, size_t index, size_t size,
+    char *name);
+
+/** Gets the number of the name of each face, CATA_MESH_NO_NAME where it has none: n_faces elements.
+ * `kind` as in cata_mesh_file_names. */
+cata_status cata_mesh_file_get_names(const cata_mesh_file *file, int32_t kind, uint32_t *of_faces);
+
+/** Sets the names of faces, in place of those that the mesh has. `kind` as in cata_mesh_file_names.
+ * - `count`: number of names; 0: none.
+ * - `names`: `count` texts in UTF-8, NUL-terminated; they are copied.
+ * - `of_faces`: n_faces elements, read: the number of the name of each face, or
+ *   CATA_MESH_NO_NAME. */
+cata_status cata_mesh_file_set_names(cata_mesh_file *file, int32_t kind, size_t count,
+    const char *const *names, const uint32_t *of_faces);
+
+/** @} */
+
+/* ==== Repair ================================================================================ */
+/**
+ * @defgroup repair Repair
+ * Meshes without seams, repeated faces, faces without area, edges of many faces, holes and specks,
+ * with their attributes; and a report of what was done.
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0}; // two triangles, apart
+ * uint32_t f[] = {0, 1, 2, 3, 4, 5};
+ * cata_mesh_file *soup, *square;
+ * cata_repair *repair;
+ * cata_repair_params params = {.struct_size = sizeof params, .everything = 1};
+ * size_t n_vertices;
+ * cata_mesh_file_new(6, v, 2, f, &soup);
+ * cata_repair_new(soup, &params, &repair);
+ * cata_repair_file(repair, &square);
+ * cata_mesh_file_size(square, &n_vertices, NULL);
+ * printf("%zu of 6 vertices\n", n_vertices); // 4 of 6 vertices
+ * cata_mesh_file_free(soup);
+ * cata_mesh_file_free(square);
+ * cata_repair_free(repair);
+ * @endcode
+ * @{
+ */
+
+#define CATA_WELD_NEVER 0 /**< `weld`: no vertices. */
+#define CATA_WELD_EXACT 1 /**< `weld`: vertices in the same place. */
+#define CATA_WELD_WITHIN 2 /**< `weld`: vertices at most `tolerance` apart. */
+#define CATA_WELD_SEAMS 3 /**< `weld`: along seams, where exactly two boundary edges coincide. */
+#define CATA_REPAIR_WELDED 0 /**< A step: vertices were joined. */
+#define CATA_REPAIR_SEAMS 1 /**< A step: seams were closed. */
+#define CATA_REPAIR_DUPLICATES 2 /**< A step: repeated faces were left out. */
+#define CATA_REPAIR_DEGENERATE 3 /**< A step: faces without area were removed. */
+#define CATA_REPAIR_COMPACTED 4 /**< A step: vertices without a face were left out. */
+#define CATA_REPAIR_CUT 5 /**< A step: the mesh was cut into a manifold. */
+#define CATA_REPAIR_LARGEST 6 /**< A step: all but the largest components were left out. */
+#define CATA_REPAIR_SPECKS 7 /**< A step: small components were left out. */
+#define CATA_REPAIR_HOLES 8 /**< A step: holes were filled. */
+#define CATA_REPAIR_ORIENTED 9 /**< A step: faces were flipped. */
+
+/** A repaired mesh, and what was done. Made by cata_repair_new; constant. */
+typedef struct cata_repair cata_repair;
+
+/** The steps of a repair, in their order; by default there are none. */
+typedef struct cata_repair_params {
+    size_t struct_size; /**< sizeof(cata_repair_params). */
+    size_t threads; /**< Ignored. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    double tolerance; /**< Of CATA_WELD_WITHIN: in the unit of the mesh. Otherwise ignored. */
+    size_t keep_largest; /**< Components to keep, those with the most faces; 0: all. */
+    /** Components with less than this share of the area, from 0 to 1, are left out. */
+    double drop_specks;
+    size_t fill_holes; /**< Holes of at most this many edges are filled. */
+    /** 1: as if all fields after `weld` were 1, and `weld` CATA_WELD_SEAMS where it is
+     * CATA_WELD_NEVER. 0: they say what is done. */
+    int32_t everything;
+    int32_t weld; /**< CATA_WELD_*: the vertices that are joined. */
+    /** 1: faces with the vertices of an earlier one are left out. 0: they stay. */
+    int32_t drop_duplicates;
+    int32_t drop_degenerate; /**< 1: faces without area are removed. 0: they stay. */
+    int32_t compact; /**< 1: vertices without a face are left out. 0: they stay. */
+    /** 1: the mesh is cut along edges of more than two faces, and where it meets itself. 0: it is
+     * not. */
+    int32_t cut;
+    /** 1: faces are flipped to agree with their neighbours, and in closed components so that they
+     * are counter-clockwise as seen from outside. 0: they stay. */
+    int32_t orient;
+} cata_repair_params;
+/** Fills a struct with the defaults. */
+cata_status cata_repair_params_init(cata_repair_params *params, size_t struct_size);
+
+/** Repairs a mesh by the steps of `params`. Attributes follow their vertices and corners.
+ * - `file`: stays as it is. */
+cata_status cata_repair_new(const cata_mesh_file *file, const cata_repair_params *params,
+    cata_repair **repair);
+
+void cata_repair_free(cata_repair *repair); /**< Frees a repair. */
+
+/** Copies the repaired mesh: `file`, one pointer, written. */
+cata_status cata_repair_file(const cata_repair *repair, cata_mesh_file **file);
+
+/** Gets for each vertex of the input the lowest vertex of the result that comes from it, UINT32_MAX
+ * where it was left out: `vertices`, as many elements as the input has vertices, written. */
+cata_status cata_repair_vertices(const cata_repair *repair, uint32_t *vertices);
+
+/** Gets the number of steps that were taken, in the order of the fields of cata_repair_params, and
+ * whether any changed the mesh: 1, or 0. NULL where not wanted. */
+cata_status cata_repair_steps(const cata_repair *repair, size_t *count, int32_t *changed);
+
+/** Gets what a step did, from 0; NULL where not wanted, 0 where a step has no such number.
+ * - `kind`: CATA_REPAIR_*.
+ * - `vertices`: that joined others, were left out, or were split.
+ * - `edges`: that were flipped or cut; of CATA_REPAIR_SEAMS: that stay, because more than two
+ *   coincide.
+ * - `faces`: that were left out; of CATA_REPAIR_HOLES: new ones; of CATA_REPAIR_ORIENTED: flipped.
+ * - `parts`: components that were left out, or holes that were filled.
+ * - `left`: boundary loops that stay, or parts that are not orientable and stay as they were; of
+ *   joined vertices: those that lost their colour, because the first one has another. */
+cata_status cata_repair_step(const cata_repair *repair, size_t step, int32_t *kind,
+    size_t *vertices, size_t *edges, size_t *faces, size_t *parts, size_t *left);
+
+/** Gets what a step did, from 0, as a line of text: `size` elements of `text`, cut to fit, and NUL. */
+cata_status cata_repair_step_text(const cata_repair *repair, size_t step, size_t size, char *text);
+
+/** Gets whether a mesh has seams, repeated faces or faces without area, whose repair has a single
+ * sensible result: 1, or 0; and a line about the first: `size` elements of `text`, cut to fit, and
+ * NUL; NULL where not wanted. */
+cata_status cata_repair_needed(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, int32_t *needed, size_t size, char *text);
+
+/** @} */
+
 /* ==== Meshes ================================================================================ */
 /**
  * @defgroup mesh Meshes
@@ -1164,6 +1431,184 @@ cata_status cata_mesh_eigs_sliced(size_t n_vertices, const double *vertices, siz
 cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, const uint8_t *mask, size_t k, double *eigenvalues,
     const cata_eigs_params *params);
+
+/** @} */
+
+/* ==== Laplacians ============================================================================ */
+/**
+ * @defgroup laplacians Laplacians
+ * The matrices of the Laplacian of a mesh or of points, of gradients and of divergences, by rows:
+ * the entries of row i are those from `row_starts[i]` to `row_starts[i + 1] - 1`.
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, w[16]; // a tetrahedron
+ * uint32_t f[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+ * cata_laplacian *laplacian;
+ * size_t n, entries, starts[5], columns[16];
+ * cata_laplacian_new(4, v, 4, f, 0, NULL, NULL, &laplacian);
+ * cata_laplacian_size(laplacian, &n, &entries, NULL);
+ * cata_laplacian_get(laplacian, NULL, starts, columns, w);
+ * printf("%zu rows, %zu entries, first %g\n", n, entries, w[0]); // 4 rows, 16 entries, first 3
+ * cata_laplacian_free(laplacian);
+ * @endcode
+ * @{
+ */
+
+/** The matrices of W phi = lambda M phi: the stiffness W and the mass M. Constant. */
+typedef struct cata_laplacian cata_laplacian;
+
+/** Computes the Laplacian of a triangle mesh: W, positive semi-definite, minus the weight of an
+ * edge off the diagonal, and M, whose entries sum to the area. Vertices in no face and those where
+ * functions are zero have no row.
+ * - `n_held`, `held`: vertices where functions are zero, with CATA_BOUNDARY_NEUMANN elsewhere; 0
+ *   and NULL: none.
+ * - `params`: the Laplacian, `threads` and `progress` are used, the rest is only checked. */
+cata_status cata_laplacian_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t n_held, const uint32_t *held, const cata_eigs_params *params,
+    cata_laplacian **laplacian);
+
+/** Computes the Laplacian of the surface that points are samples of: the tufted one of small
+ * triangulations around every point.
+ * - `n`, `points`: 3 doubles each, x, y, z.
+ * - `neighbours`: nearest points with which each one is triangulated, at least 3; 0: 30.
+ * - `params`: `boundary`, `threads` and `progress` are used, the rest is only checked. */
+cata_status cata_laplacian_of_points(size_t n, const double *points, size_t neighbours,
+    const cata_eigs_params *params, cata_laplacian **laplacian);
+
+void cata_laplacian_free(cata_laplacian *laplacian); /**< Frees a Laplacian. */
+
+/** Gets the numbers of rows, of entries of W, and of numbers of M: one for each row of a diagonal,
+ * one for each entry of W with CATA_MASS_CONSISTENT. NULL where not wanted. */
+cata_status cata_laplacian_size(const cata_laplacian *laplacian, size_t *rows, size_t *entries,
+    size_t *masses);
+
+/** Gets W, both triangles, as cata_eigs takes it; NULL where not wanted.
+ * - `kept`: one element for each row, written: its vertex, ascending.
+ * - `row_starts`: rows + 1 elements, written.
+ * - `columns`, `w`: one element for each entry, written: columns ascending within a row. */
+cata_status cata_laplacian_get(const cata_laplacian *laplacian, uint32_t *kept, size_t *row_starts,
+    size_t *columns, double *w);
+
+/** Gets M, as many numbers as cata_laplacian_size tells: its diagonal, or, with
+ * CATA_MASS_CONSISTENT, its entries at the places of those of W. */
+cata_status cata_laplacian_masses(const cata_laplacian *laplacian, double *masses);
+
+/** Computes the matrix that takes a function, a value for each vertex, to its gradient, which is
+ * constant on faces: rows 3 f to 3 f + 2 are x, y, z in face f. NULL where not wanted.
+ * - `row_starts`: 3 n_faces + 1 elements, written.
+ * - `columns`, `entries`: 9 n_faces elements each, written. */
+cata_status cata_laplacian_gradient(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t *row_starts, size_t *columns, double *entries);
+
+/** Computes the matrix that takes a field, x, y, z for each face, to its divergence, integrated
+ * against the hat function of each vertex: times the gradient it is -W. NULL where not wanted.
+ * - `row_starts`: n_vertices + 1 elements, written.
+ * - `columns`, `entries`: 9 n_faces elements each, written. */
+cata_status cata_laplacian_divergence(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t *row_starts, size_t *columns, double *entries);
+
+/** Computes a third of the area of the faces at each vertex: n_vertices elements, written. */
+cata_status cata_laplacian_areas(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, double *areas);
+
+/** @} */
+
+/* ==== Distances ============================================================================= */
+/**
+ * @defgroup distances Distances
+ * Distances on a mesh: over its surface, by the heat method, and along its edges; paths along
+ * edges, and geodesics that they shorten to.
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
+ * uint32_t f[] = {0, 1, 3, 1, 2, 3}, source = 0;
+ * cata_path *path;
+ * cata_distance_edges(4, v, 2, f, 1, &source, d, NULL, NULL, NULL);
+ * cata_distance_path(4, v, 2, f, 0, 2, 0, NULL, &path);
+ * cata_path_size(path, NULL, NULL, &length);
+ * printf("%g away, by a path of %g\n", d[2], length); // 2 away, by a path of 2
+ * cata_path_free(path);
+ * @endcode
+ * @{
+ */
+
+/** `flow`: heat flows on the intrinsic Delaunay triangulation of any mesh (tufted cover). */
+#define CATA_FLOW_TUFTED 0
+#define CATA_FLOW_INTRINSIC_DELAUNAY 1 /**< `flow`: on that of a manifold. */
+
+/** `flow`: on the faces: wrong by half and more where they are long. */
+#define CATA_FLOW_COTANGENT 2
+#define CATA_NO_VERTEX UINT32_MAX /**< Instead of a vertex: there is none. */
+
+/** A mesh, prepared for the heat method. Made by cata_heat_new; constant. */
+typedef struct cata_heat cata_heat;
+
+/** A path from one vertex to another. Made by cata_distance_path; constant. */
+typedef struct cata_path cata_path;
+
+/** How distances are computed. */
+typedef struct cata_distance_params {
+    size_t struct_size; /**< sizeof(cata_distance_params). */
+    size_t threads; /**< Threads of the heat method, at most; 0: all. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    /** Of the heat method: time of the flow, in units of the squared mean length of edges,
+     * positive; 0: 1. Longer times make distances smoother. */
+    double time;
+    /** Along edges: vertices farther than this are not reached, positive; 0: all are. */
+    double cutoff;
+    int32_t flow; /**< Of the heat method: CATA_FLOW_*. */
+} cata_distance_params;
+/** Fills a struct with the defaults. */
+cata_status cata_distance_params_init(cata_distance_params *params, size_t struct_size);
+
+/** Prepares the distances over the surface of a mesh by the heat method (Crane, Weischedel and
+ * Wardetzky 2013), by two factorizations. A mesh of fewer than 500 faces is refined for it. */
+cata_status cata_heat_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, const cata_distance_params *params, cata_heat **heat);
+
+void cata_heat_free(cata_heat *heat); /**< Frees what was prepared. */
+
+/** Computes the distance of every vertex from the nearest source over the surface: not exact, at
+ * least the straight distance through space, and at most that along edges.
+ * - `count`, `sources`: vertices.
+ * - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one. */
+cata_status cata_heat_distances(const cata_heat *heat, size_t count, const uint32_t *sources,
+    double *distances);
+
+/** Computes the length of the shortest path along edges from every vertex to the nearest source
+ * (Dijkstra 1959), on the calling thread.
+ * - `count`, `sources`: vertices.
+ * - `distances`: n_vertices elements, written: INFINITY where no path leads.
+ * - `nearest`: n_vertices elements, written: the vertex of the nearest source, CATA_NO_VERTEX
+ *   where no path leads. NULL where not wanted.
+ * - `before`: n_vertices elements, written: the vertex before each on the path from its source,
+ *   CATA_NO_VERTEX at sources and where no path leads. NULL where not wanted.
+ * - `params`: `cutoff` and `progress` are used, the rest is only checked. */
+cata_status cata_distance_edges(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t count, const uint32_t *sources, double *distances,
+    uint32_t *nearest, uint32_t *before, const cata_distance_params *params);
+
+/** Finds the shortest path along edges from one vertex to another. Without a path, all sizes are 0,
+ * and the length is INFINITY.
+ * - `straight`: 1: the path is shortened, over faces, until it is straight but for vertices on the
+ *   boundary of the mesh, where it stays (Sharp and Crane 2020): a geodesic, which need not be the
+ *   shortest. The mesh must be a manifold whose faces agree about which side is outside. 0: the
+ *   path along edges.
+ * - `params`: `progress` is used, the rest is only checked. */
+cata_status cata_distance_path(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, uint32_t from, uint32_t to, int32_t straight,
+    const cata_distance_params *params, cata_path **path);
+
+/** Gets the numbers of vertices and of points of a path, and its length. NULL where not wanted. */
+cata_status cata_path_size(const cata_path *path, size_t *n_vertices, size_t *n_points,
+    double *length);
+
+/** Gets a path; NULL where not wanted.
+ * - `vertices`: n_vertices elements, written: those of the path along edges, both ends included.
+ * - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
+ *   unless it is straight. */
+cata_status cata_path_get(const cata_path *path, uint32_t *vertices, double *points);
+
+void cata_path_free(cata_path *path); /**< Frees a path. */
 
 /** @} */
 
@@ -1386,6 +1831,142 @@ cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 
 /** @} */
 
+/* ==== Regions =============================================================================== */
+/**
+ * @defgroup regions Regions
+ * Curves drawn into a mesh, so that they run along its edges; the regions that they enclose, which
+ * are sets of faces (1 for a face inside, 0 for any other), and their algebra; cuts and parts.
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, area; // a square
+ * uint32_t f[] = {0, 1, 3, 1, 2, 3}, along[] = {1, 3};
+ * uint8_t inside[2];
+ * cata_region_enclosed(4, v, 2, f, 1, along, CATA_SIDE_SMALL, 0, NULL, inside);
+ * cata_region_area(4, v, 2, f, inside, &area);
+ * printf("%d %d, area %g\n", inside[0], inside[1], area); // 1 0, area 0.5
+ * @endcode
+ * @{
+ */
+
+/** Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made
+ * by cata_drawing_new. */
+typedef struct cata_drawing cata_drawing;
+
+/** A mesh with the curves of a drawing along its edges. Made by cata_drawing_inscribe; constant. */
+typedef struct cata_drawn cata_drawn;
+
+/** Creates a drawing without curves on a mesh, of which it keeps a copy. */
+cata_status cata_drawing_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, cata_drawing **drawing);
+
+/** Frees a drawing; a cata_drawn of it stays valid. */
+void cata_drawing_free(cata_drawing *drawing);
+
+/** Finds the curves through samples, as cata_curve_solver_find does, and adds them as a layer.
+ * - `count`, `samples`: vertices of the mesh, at least 3, none twice.
+ * - `outcome`: written: CATA_CURVE_*. NULL where not wanted.
+ * - `params`: `smooth` must be 0: cata_drawing_inscribe shortens all curves. */
+cata_status cata_drawing_add(cata_drawing *drawing, size_t count, const uint32_t *samples,
+    int32_t *outcome, const cata_curve_params *params);
+
+/** Makes a mesh of the same surface with the curves of all layers along its edges: vertices where
+ * curves cross edges and each other follow those of the mesh.
+ * - `smooth`: 1: all curves are shortened to geodesics between their samples first; no layer can
+ *   be added after that. 0: they are along edges. */
+cata_status cata_drawing_inscribe(cata_drawing *drawing, int32_t smooth, cata_drawn **drawn);
+
+/** Gets the numbers of vertices and faces of the mesh, and of layers. NULL where not wanted. */
+cata_status cata_drawn_size(const cata_drawn *drawn, size_t *n_vertices, size_t *n_faces,
+    size_t *layers);
+
+/** Gets the mesh, and where it lies on that of the drawing; NULL where not wanted.
+ * - `vertices`, `faces`: as many as cata_drawn_size tells, written.
+ * - `of_faces`: for each face the one of the drawing's mesh that contains it, written.
+ * - `corners`, `weights`: for each vertex 3 vertices of a face of the drawing's mesh and their
+ *   weights, whose mean it is, written. */
+cata_status cata_drawn_get(const cata_drawn *drawn, double *vertices, uint32_t *faces,
+    uint32_t *of_faces, uint32_t *corners, double *weights);
+
+/** Gets the edges of the curves of a layer, from 0, for cata_region_enclosed and cata_region_cut.
+ * - `room`: the number of edges that `along` has room for; CATA_ERR_SHAPE where there are more.
+ * - `along`: 2 vertices for each edge, written. NULL where not wanted.
+ * - `count`: written: the number of edges. */
+cata_status cata_drawn_edges(const cata_drawn *drawn, size_t layer, size_t room, uint32_t *along,
+    size_t *count);
+
+/** Computes the share of each face of the drawing's mesh that a region of the mesh of `drawn`
+ * covers.
+ * - `inside`: one element for each face of the mesh of `drawn`: 1 inside of the region, 0 outside.
+ * - `shares`: one element for each face of the drawing's mesh, written: exactly 0 or 1 where none
+ *   or all of it is inside. */
+cata_status cata_drawn_shares(const cata_drawn *drawn, const uint8_t *inside, double *shares);
+
+void cata_drawn_free(cata_drawn *drawn); /**< Frees a mesh with curves. */
+
+#define CATA_SIDE_SMALL 0 /**< `side`: that of smaller area. */
+#define CATA_SIDE_LARGE 1 /**< `side`: that of larger area. */
+#define CATA_SIDE_SEEDS 2 /**< `side`: the pieces with the seeds. */
+#define CATA_REGION_UNION 0 /**< `operation`: the faces in one of two regions, or both. */
+#define CATA_REGION_INTERSECTION 1 /**< `operation`: the faces in both. */
+#define CATA_REGION_DIFFERENCE 2 /**< `operation`: the faces in the first one alone. */
+#define CATA_REGION_SYMMETRIC_DIFFERENCE 3 /**< `operation`: the faces in one of them alone. */
+
+/** A part of a mesh, or the whole, cut open; and where it comes from. Constant. */
+typedef struct cata_part cata_part;
+
+/** Finds the region that curves along edges enclose. With a side by area, each curve leads from one
+ * side to the other, and one side is taken on each part of the surface with curves; a ring, too,
+ * is a region. CATA_ERR_MESH: the message names an edge with the same region on both sides.
+ * - `count`, `along`: edges, 2 vertices each.
+ * - `side`: CATA_SIDE_*; of equal areas, the side with the lowest face is the small one.
+ * - `n_seeds`, `seeds`: with CATA_SIDE_SEEDS: vertices on no curve. Otherwise ignored.
+ * - `inside`: n_faces elements, written. */
+cata_status cata_region_enclosed(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t count, const uint32_t *along, int32_t side, size_t n_seeds,
+    const uint32_t *seeds, uint8_t *inside);
+
+/** Combines two regions of the same mesh: `operation`, CATA_REGION_*; n_faces elements each, the
+ * result written. The difference from a region of all faces is the complement. */
+cata_status cata_region_combine(int32_t operation, size_t n_faces, const uint8_t *first,
+    const uint8_t *second, uint8_t *result);
+
+/** Computes the area of a region: `inside`, n_faces elements; `area`, written. */
+cata_status cata_region_area(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, const uint8_t *inside, double *area);
+
+/** Finds the edges between faces inside of a region and others.
+ * - `inside`: n_faces elements.
+ * - `room`: the number of edges that `edges` has room for; CATA_ERR_SHAPE where there are more.
+ * - `edges`: 2 vertices for each edge, the lower first, written; ascending. NULL where not wanted.
+ * - `count`: written: the number of edges. */
+cata_status cata_region_boundary(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, const uint8_t *inside, size_t room, uint32_t *edges, size_t *count);
+
+/** Makes a mesh of the faces of a region, with the vertices that they use: `inside`, n_faces
+ * elements; `part`, one pointer, written. */
+cata_status cata_region_part(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, const uint8_t *inside, cata_part **part);
+
+/** Cuts a mesh open along edges: a vertex whose faces they separate becomes one for each part.
+ * Faces keep their order, and new vertices follow those of the mesh.
+ * - `count`, `along`: edges, 2 vertices each.
+ * - `part`: one pointer, written. */
+cata_status cata_region_cut(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t count, const uint32_t *along, cata_part **part);
+
+/** Gets the numbers of vertices and faces of a part. NULL where not wanted. */
+cata_status cata_part_size(const cata_part *part, size_t *n_vertices, size_t *n_faces);
+
+/** Gets a part; NULL where not wanted.
+ * - `vertices`, `faces`: of the part, as many as cata_part_size tells, written.
+ * - `of_vertices`: for each vertex its number in the mesh, written.
+ * - `of_faces`: for each face its number in the mesh, written. */
+cata_status cata_part_get(const cata_part *part, double *vertices, uint32_t *faces,
+    uint32_t *of_vertices, uint32_t *of_faces);
+
+void cata_part_free(cata_part *part); /**< Frees a part. */
+
+/** @} */
+
 /* ==== Spectra and maps ====================================================================== */
 /**
  * @defgroup spectra Spectra and maps
@@ -1473,6 +2054,34 @@ cata_status cata_basis_add_coefficient(const cata_basis *basis, size_t index, do
  * that is left. */
 cata_status cata_basis_split(const cata_basis *basis, int32_t layout, size_t count, const double *f,
     size_t ldf, double *low, size_t ldlow, double *high, size_t ldhigh);
+
+#define CATA_RESPONSE_LOW_PASS 0 /**< `response`: 1 up to the frequency `first`, 0 beyond. */
+#define CATA_RESPONSE_HIGH_PASS 1 /**< `response`: 0 up to the frequency `first`, 1 beyond. */
+
+/** `response`: 1 from the frequency `first` to `second`, 0 elsewhere. */
+#define CATA_RESPONSE_BAND_PASS 2
+#define CATA_RESPONSE_HEAT 3 /**< `response`: exp(-t frequency), t = `first`: diffusion. */
+
+/** `response`: 1 + s (1 - exp(-t frequency)), t = `first`, s = `second`. */
+#define CATA_RESPONSE_SHARPEN 4
+
+/** Computes the gains of a filter for cata_basis_filter.
+ * - `response`: CATA_RESPONSE_*, with its numbers `first` and `second`; one that it does not have
+ *   is ignored. Frequencies are in units of 1 / length^2, times in units of length^2.
+ * - `count`, `frequencies`: eigenvalues, or energies of cata_filter_energies.
+ * - `gains`: `count` elements, written.
+ * - `rest`: written: the gain beyond all frequencies; NULL where not wanted. */
+cata_status cata_filter_gains(int32_t response, double first, double second, size_t count,
+    const double *frequencies, double *gains, double *rest);
+
+/** Computes the frequencies of functions: the energy of each, (f, W f) / (f, M f), which for
+ * eigenfunctions is the eigenvalue; 0 for the function 0.
+ * - `n`, `row_starts`, `columns`, `entries`, `masses`: W and M, as those of cata_eigs.
+ * - `count`, `f`: functions, n x count.
+ * - `energies`: `count` elements, written. */
+cata_status cata_filter_energies(size_t n, const size_t *row_starts, const size_t *columns,
+    const double *entries, const double *masses, int32_t layout, size_t count, const double *f,
+    size_t ldf, double *energies);
 
 /** A functional map C between two bases of cata_basis_new that is being fitted: r_target x
  * r_source, it takes coefficients of functions on the source to those of functions on the
@@ -1580,6 +2189,123 @@ cata_status cata_shape_dna(size_t n_vertices, const double *vertices, size_t n_f
  *   from 0, the nearest first, and their distances. */
 cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
     const double *signatures, size_t wanted, size_t *indices, double *distances);
+
+/** How a template is deformed. */
+typedef struct cata_shape_params {
+    size_t struct_size; /**< sizeof(cata_shape_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+    size_t steps; /**< Steps, at most; 0: 60. */
+    /** Mean relative difference of eigenvalues at which it ends, positive; 0: 0.001. */
+    double tolerance;
+} cata_shape_params;
+/** Fills a struct with the defaults. */
+cata_status cata_shape_params_init(cata_shape_params *params, size_t struct_size);
+
+/** Deforms a triangle mesh, the template, until the first eigenvalues of its Laplacian are those
+ * given (Cosmo et al. 2019): with CATA_BOUNDARY_DIRICHLET, or CATA_BOUNDARY_NEUMANN if the
+ * template is closed, whose zeros are left out. Many surfaces have the same eigenvalues; it is one
+ * near the template, or falls short of the tolerance, and `error` says so.
+ * - `k`, `eigenvalues`: positive, ascending, in units of 1 / length^2.
+ * - `positions`: 3 n_vertices elements, written: the vertices, moved.
+ * - `found`: k elements, written: the eigenvalues of the result. NULL where not wanted.
+ * - `error`: written: their mean relative difference. NULL where not wanted.
+ * - `steps`: written: how many were taken. NULL where not wanted. */
+cata_status cata_shape_from_spectrum(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t k, const double *eigenvalues, double *positions, double *found,
+    double *error, size_t *steps, const cata_shape_params *params);
+
+/** @} */
+
+/* ==== Descriptors =========================================================================== */
+/**
+ * @defgroup descriptors Descriptors
+ * Numbers for each vertex that tell the points of a shape apart: from eigenpairs (heat and wave
+ * kernel signatures, global point signatures), and from the surface around it (SHOT, rings).
+ * @code{.c}
+ * double values[] = {0, 1}, vectors[] = {1, 1, 1, -1}, times[] = {0, 100}, found[4];
+ * cata_descriptor_heat(CATA_COL_MAJOR, 2, 2, values, vectors, 2, 2, times, 0, found, 2, NULL);
+ * printf("%g at first, %g in the end\n", found[0], found[2]); // 2 at first, 1 in the end
+ * @endcode
+ * @{
+ */
+
+#define CATA_SHOT_BINS 352 /**< Numbers of a descriptor of cata_descriptor_shot. */
+
+/** Threads and progress of descriptors. */
+typedef struct cata_descriptor_params {
+    size_t struct_size; /**< sizeof(cata_descriptor_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+} cata_descriptor_params;
+/** Fills a struct with the defaults. */
+cata_status cata_descriptor_params_init(cata_descriptor_params *params, size_t struct_size);
+
+/** Computes heat kernel signatures (Sun, Ovsjanikov and Guibas 2009): for each vertex and time t
+ * the sum of exp(-t eigenvalue) times the square of the eigenfunction there.
+ * - `k`, `eigenvalues`, `eigenvectors`: as cata_mesh_eigs computes them, n x k.
+ * - `count`, `times`: at least 0, in units of length^2; those of cata_descriptor_heat_times are
+ *   usual.
+ * - `scaled`: 1: each column is divided by the heat trace, so that times compare; 0: it is not.
+ * - `signature`: n x count, written, in units of 1 / area, or of 1 where scaled. */
+cata_status cata_descriptor_heat(int32_t layout, size_t n, size_t k, const double *eigenvalues,
+    const double *eigenvectors, size_t ldv, size_t count, const double *times, int32_t scaled,
+    double *signature, size_t ldsignature, const cata_descriptor_params *params);
+
+/** Computes times for cata_descriptor_heat: from 4 ln 10 / the largest eigenvalue to 4 ln 10 / the
+ * smallest one that is not 0, in equal ratios. `times`: `count` elements, written, ascending. */
+cata_status cata_descriptor_heat_times(size_t k, const double *eigenvalues, size_t count,
+    double *times);
+
+/** Computes the heat at each vertex, per area, after the time `time` when it was all at the vertex
+ * `source` at first: `heat`, n elements, written. The rest as in cata_descriptor_heat. */
+cata_status cata_descriptor_heat_kernel(int32_t layout, size_t n, size_t k,
+    const double *eigenvalues, const double *eigenvectors, size_t ldv, uint32_t source, double time,
+    double *heat);
+
+/** Computes wave kernel signatures (Aubry, Schlickewei and Cremers 2011): for each vertex and
+ * energy the mean of the squares of eigenfunctions there, with weights that fall with the distance
+ * of the logarithm of the eigenvalue from the energy.
+ * - `count`, `energies`: logarithms of eigenvalues; `sigma`: the width of the weights, positive:
+ *   both usually of cata_descriptor_wave_scales.
+ * - `signature`: n x count, written, in units of 1 / area. The rest as in cata_descriptor_heat. */
+cata_status cata_descriptor_wave(int32_t layout, size_t n, size_t k, const double *eigenvalues,
+    const double *eigenvectors, size_t ldv, size_t count, const double *energies, double sigma,
+    double *signature, size_t ldsignature, const cata_descriptor_params *params);
+
+/** Computes energies and their width for cata_descriptor_wave, at equal distances. `energies`:
+ * `count` elements, written, ascending; `sigma`: written. */
+cata_status cata_descriptor_wave_scales(size_t k, const double *eigenvalues, size_t count,
+    double *energies, double *sigma);
+
+/** Computes global point signatures (Rustamov 2007): eigenfunctions divided by the root of their
+ * eigenvalues, for those that are not 0. Signs are those of the eigenfunctions.
+ * - `count`: written: the number of these eigenvalues.
+ * - `signature`: n x k, written: n x count, and zeros. The rest as in cata_descriptor_heat. */
+cata_status cata_descriptor_points(int32_t layout, size_t n, size_t k, const double *eigenvalues,
+    const double *eigenvectors, size_t ldv, size_t *count, double *signature, size_t ldsignature);
+
+/** Computes signatures of histograms of orientations, SHOT (Tombari, Salti and Di Stefano 2010):
+ * the normals in the parts of a ball around each vertex. They stay the same when the mesh is moved
+ * or, with the radius, scaled. Zeros where fewer than five other vertices are in the ball.
+ * - `radius`: of the ball, in the unit of the mesh, positive.
+ * - `signature`: n_vertices x CATA_SHOT_BINS, written: rows of norm 1. */
+cata_status cata_descriptor_shot(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, double radius, int32_t layout, double *signature, size_t ldsignature,
+    const cata_descriptor_params *params);
+
+/** Computes means of functions over rings around each vertex, by distances along edges: a
+ * descriptor that bending leaves the same.
+ * - `radius`: of the outermost ring, in the unit of the mesh, positive; `rings`: at least 1.
+ * - `count`, `f`: functions, n_vertices x count.
+ * - `signature`: n_vertices x (rings (1 + count)), written: for each ring, from the middle, its
+ *   share of the area of all, and the means of the functions. */
+cata_status cata_descriptor_rings(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, double radius, size_t rings, int32_t layout, size_t count,
+    const double *f, size_t ldf, double *signature, size_t ldsignature,
+    const cata_descriptor_params *params);
 
 /** @} */
 

@@ -1,5 +1,5 @@
 use super::boundary::boundary;
-use super::curve::{cata_curve_params, fill, outcome_value};
+use super::curve::{cata_curve_params, options, outcome_value};
 use super::outputs::{fill_slice, tell};
 use super::params::{flag, read_or_zeros};
 use super::pointer::{
@@ -9,7 +9,7 @@ use super::pointer::{
 use super::progress::watcher;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::base::Progress;
-use catamaran_geometry::curve::{CurveOptions, Drawing, Drawn};
+use catamaran_geometry::curve::{Drawing, Drawn};
 
 /// Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made
 /// by cata_drawing_new.
@@ -84,8 +84,7 @@ pub unsafe extern "C" fn cata_drawing_add(
                 read_or_zeros("params", params)?,
             )
         };
-        let mut options = CurveOptions::default();
-        fill(&mut options, &params)?;
+        let mut options = options(&params)?;
         if flag("params.smooth", params.smooth)? {
             let why = "params.smooth: must be 0: cata_drawing_inscribe shortens all curves";
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     /// The options whose defaults are typed: no option of a library stands behind them.
-    const TYPED: [&str; 44] = [
+    const TYPED: [&str; 45] = [
         "ata/mod.rs block_rows",
         "ata/mod.rs memory",
         // The command line computes both triangles, the library the lower one.

@@ -125,8 +125,8 @@ pub fn gibibytes(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Parses a share, above 0 and below 1.
-pub fn share(text: &str) -> Result<f64, String> {
+/// Parses a confidence, above 0 and below 1.
+pub fn confidence(text: &str) -> Result<f64, String> {
     number(text, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")
 }
 

@@ -50,7 +50,7 @@ pub struct Args {
         long,
         value_name = "SHARE",
         default_value = "0.95",
-        value_parser = parse::share,
+        value_parser = parse::confidence,
         requires = "interval"
     )]
     confidence: f64,

@@ -42,7 +42,7 @@ fn infinite(world: &World) {
     let rows = Mat::<f64>::from_fn(own.len(), n, |i, j| entry(own.start + i, j));
     let c = ata_rows(world, 1.0, rows.as_ref(), &options()).unwrap();
     let place = (m - 1, n - 1);
-    let value = |at| if at == place { f64::INFINITY } else { entry(at.0, at.1) };
+    let value = |at: (usize, usize)| if at == place { f64::INFINITY } else { entry(at.0, at.1) };
     let rows = Mat::from_fn(own.len(), n, |i, j| value((own.start + i, j)));
     let own = uneven(n, world.size(), world.rank());
     let columns = Mat::from_fn(m, own.len(), |i, j| value((i, own.start + j)));

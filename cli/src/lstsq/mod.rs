@@ -67,7 +67,7 @@ pub struct Args {
     factor: Vec<String>,
     /// Also print and write confidence intervals with this confidence, such as 0.95: `lower` and
     /// `upper`, and with --intercept `intercept_lower` and `intercept_upper`.
-    #[arg(long, value_name = "SHARE", value_parser = parse::share)]
+    #[arg(long, value_name = "SHARE", value_parser = parse::confidence)]
     confidence: Option<f64>,
     /// Also write the covariance of the coefficients of each target, the intercept first: the array
     /// `covariance` (the targets one below the other), and in .json what `predict` needs for

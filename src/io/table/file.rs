@@ -20,8 +20,9 @@ use crate::io::ReadOptions;
 use crate::io::columns::Columns;
 use crate::io::limits::{longest_line, memory_limit};
 use crate::io::names::FileFormat;
+use crate::io::packing::Packing;
 use crate::io::rows::{CHANGED, Stamp, canonical, seekable};
-use crate::io::source::{Packing, error, error_at};
+use crate::io::source::{error, error_at};
 use crate::rows::RowBlocks;
 
 /// A text table whose rows are read block by block, so that it may be larger than memory. Opening
