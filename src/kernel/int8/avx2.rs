@@ -270,7 +270,7 @@ impl Lanes for Avx2Lanes {
             halves!(_mm256_castpd_si256, found)
         }}
         fn bits(x: Floats) -> Integers { halves!(_mm256_castpd_si256, x) }
-        fn from_bits(x: Integers) -> Floats { halves!(_mm256_castsi256_pd, x) }
+        fn floats(x: Integers) -> Floats { halves!(_mm256_castsi256_pd, x) }
         fn add_integers(x: Integers, y: Integers) -> Integers { halves!(_mm256_add_epi64, x, y) }
         fn sub_integers(x: Integers, y: Integers) -> Integers { halves!(_mm256_sub_epi64, x, y) }
         fn and(x: Integers, y: Integers) -> Integers { halves!(_mm256_and_si256, x, y) }

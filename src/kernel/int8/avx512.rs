@@ -219,7 +219,7 @@ impl Lanes for Avx512Lanes {
             _mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_NEQ_OQ>(x, _mm512_setzero_pd()))
         }
         fn bits(x: __m512d) -> __m512i { _mm512_castpd_si512(x) }
-        fn from_bits(x: __m512i) -> __m512d { _mm512_castsi512_pd(x) }
+        fn floats(x: __m512i) -> __m512d { _mm512_castsi512_pd(x) }
         fn add_integers(x: __m512i, y: __m512i) -> __m512i { _mm512_add_epi64(x, y) }
         fn sub_integers(x: __m512i, y: __m512i) -> __m512i { _mm512_sub_epi64(x, y) }
         fn and(x: __m512i, y: __m512i) -> __m512i { _mm512_and_si512(x, y) }

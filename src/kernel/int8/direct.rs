@@ -97,7 +97,7 @@ pub(crate) fn to_integers<L: Lanes, T: Direct>(
     let inverse = lanes.splat(power_of_two(-(LOW_BITS as i32)));
     let low_half = lanes.splat_integer(i64::from(u32::MAX));
     for (row, both) in rows.iter_mut().zip(both) {
-        let entries = lanes.from_bits(lanes.load_row(row));
+        let entries = lanes.floats(lanes.load_row(row));
         if T::PARTS == 1 {
             lanes.store_row(lanes.bits(lanes.mul_add(entries, powers, rounder)), row);
             continue;
@@ -218,7 +218,7 @@ const BITS: u32 = 41;
 #[inline(always)]
 fn to_floats<L: Lanes>(lanes: L, x: L::Integers) -> L::Floats {
     let rounder = lanes.splat(ROUNDER);
-    lanes.sub(lanes.from_bits(lanes.add_integers(x, lanes.bits(rounder))), rounder)
+    lanes.sub(lanes.floats(lanes.add_integers(x, lanes.bits(rounder))), rounder)
 }
 
 /// Returns sums, rounded to the nearest f64.
@@ -252,7 +252,7 @@ fn to_odd<L: Lanes>(lanes: L, sum: L::Floats, error: L::Floats) -> L::Floats {
     let step = lanes.or(lanes.shift_right_signed::<63>(signs), one);
     let even = lanes.sub_integers(lanes.and(bits, one), one);
     let step = lanes.and(step, lanes.and(even, lanes.where_nonzero(error)));
-    lanes.from_bits(lanes.add_integers(bits, step))
+    lanes.floats(lanes.add_integers(bits, step))
 }
 
 /// Returns integers of 63 bits, rounded to the nearest f64.

@@ -65,7 +65,7 @@ pub(crate) trait Lanes: Copy {
     /// Returns all bits where the number is not zero, else none.
     fn where_nonzero(self, x: Self::Floats) -> Self::Integers;
     fn bits(self, x: Self::Floats) -> Self::Integers;
-    fn from_bits(self, x: Self::Integers) -> Self::Floats;
+    fn floats(self, x: Self::Integers) -> Self::Floats;
 
     fn add_integers(self, x: Self::Integers, y: Self::Integers) -> Self::Integers;
     fn sub_integers(self, x: Self::Integers, y: Self::Integers) -> Self::Integers;
@@ -269,7 +269,7 @@ impl Lanes for PortableLanes {
     }
 
     #[inline(always)]
-    fn from_bits(self, x: [i64; LANES]) -> [f64; LANES] {
+    fn floats(self, x: [i64; LANES]) -> [f64; LANES] {
         each!(i => f64::from_bits(x[i] as u64))
     }
 

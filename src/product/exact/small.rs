@@ -200,8 +200,8 @@ impl<'a, T: IntegerOperand> OnLanes for Convert<'a, '_, T> {
                     let bias = lanes.splat_integer(1023);
                     let power = lanes.shift_left::<52>(lanes.add_integers(bias, found));
                     let unit = lanes.shift_left::<52>(lanes.sub_integers(bias, found));
-                    lanes.store(lanes.from_bits(unit), &mut strips.units[strip]);
-                    lanes.from_bits(power)
+                    lanes.store(lanes.floats(unit), &mut strips.units[strip]);
+                    lanes.floats(power)
                 }
                 None => {
                     let found = exponents_of_any::<T>(rows, limit, &mut arena);
@@ -319,7 +319,7 @@ impl Bounds {
         let absent = lanes.load(ABSENT[LANES - present..].first_chunk().unwrap());
         let mut largest = absent;
         for row in rows {
-            let size = lanes.from_bits(lanes.and(lanes.load_row(row), magnitude));
+            let size = lanes.floats(lanes.and(lanes.load_row(row), magnitude));
             largest = lanes.max(size, largest);
         }
         if !lanes.all_within(largest, RANGE[0], RANGE[1]) {
@@ -329,12 +329,12 @@ impl Bounds {
         let (fours, rest) = rows.as_chunks::<4>();
         for four in fours {
             for i in 0..4 {
-                let entries = lanes.from_bits(lanes.load_row(&four[i]));
+                let entries = lanes.floats(lanes.load_row(&four[i]));
                 sums[i] = lanes.mul_add(entries, entries, sums[i]);
             }
         }
         for row in rest {
-            let entries = lanes.from_bits(lanes.load_row(row));
+            let entries = lanes.floats(lanes.load_row(row));
             sums[0] = lanes.mul_add(entries, entries, sums[0]);
         }
         let sum = lanes.add(lanes.add(sums[0], sums[1]), lanes.add(sums[2], sums[3]));
