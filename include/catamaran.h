@@ -1150,7 +1150,7 @@ typedef struct cata_mesh_file_params {
      * if that is more. */
     uint64_t max_memory;
     int32_t format; /**< Of writing: CATA_MESH_*. */
-    /** Of writing: 1: a file that is there stays, and CATA_ERR_IO is returned. 0: it is replaced. */
+    /** Of writing: 1: an existing file stays, and CATA_ERR_IO is returned. 0: it is replaced. */
     int32_t keep;
 } cata_mesh_file_params;
 /** Fills a struct with the defaults. */
@@ -1363,7 +1363,8 @@ cata_status cata_repair_steps(const cata_repair *repair, size_t *count, int32_t 
 cata_status cata_repair_step(const cata_repair *repair, size_t step, int32_t *kind,
     size_t *vertices, size_t *edges, size_t *faces, size_t *parts, size_t *left);
 
-/** Gets what a step did, from 0, as a line of text: `size` elements of `text`, cut to fit, and NUL. */
+/** Gets what a step did, from 0, as a line of text: `size` elements of `text`, cut to fit, with a
+ * NUL. */
 cata_status cata_repair_step_text(const cata_repair *repair, size_t step, size_t size, char *text);
 
 /** Gets whether a mesh has seams, repeated faces or faces without area, whose repair has a single

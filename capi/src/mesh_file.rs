@@ -66,7 +66,7 @@ pub struct cata_mesh_file_params {
     pub max_memory: u64,
     /// Of writing: CATA_MESH_*.
     pub format: i32,
-    /// Of writing: 1: a file that is there stays, and CATA_ERR_IO is returned. 0: it is replaced.
+    /// Of writing: 1: an existing file stays, and CATA_ERR_IO is returned. 0: it is replaced.
     pub keep: i32,
 }
 

@@ -277,7 +277,8 @@ pub unsafe extern "C" fn cata_repair_step(
     })
 }
 
-/// Gets what a step did, from 0, as a line of text: `size` elements of `text`, cut to fit, and NUL.
+/// Gets what a step did, from 0, as a line of text: `size` elements of `text`, cut to fit, with a
+/// NUL.
 ///
 /// # Safety
 /// The pointers are as described.

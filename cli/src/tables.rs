@@ -178,8 +178,8 @@ fn columns(text: &str) -> Result<Columns, String> {
     let bound = |text: &str| text.parse::<usize>().ok();
     let range = text.split_once("..").map(|(first, end)| (bound(first), bound(end)));
     match range {
-        Some((Some(first), Some(end))) if first > end => {
-            Err("expected FIRST..END with FIRST <= END, such as 0..64".into())
+        Some((Some(first), Some(end))) if first >= end => {
+            Err("expected FIRST..END with FIRST < END, such as 0..64".into())
         }
         Some((Some(first), Some(end))) => Ok((first..end).into()),
         _ => Ok(Columns::parse(text)),

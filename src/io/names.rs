@@ -39,10 +39,6 @@ pub enum FileFormat {
     Table,
 }
 
-/// The first bytes of files that are packed by what this library does not read, and its name.
-static UNKNOWN_PACKINGS: [(&[u8], &str); 3] =
-    [(b"\x28\xb5\x2f\xfd", "zstd"), (b"BZh", "bzip2"), (b"PK\x03\x04", "zip")];
-
 /// Bytes that show what a file is.
 const HEAD: usize = 1 << 10;
 
@@ -74,18 +70,11 @@ impl FileFormat {
     ) -> Result<(Source<'a>, Self)> {
         let named = Self::of_name(path);
         let (_, packing) = Packing::of(&lower_name(path));
-        let mut other = None;
-        let of_content = |head: &[u8]| {
-            other = UNKNOWN_PACKINGS.iter().find(|(magic, _)| head.starts_with(magic));
-            match packing {
-                Packing::None => Packing::of_content(head),
-                packing => packing,
-            }
+        let of_content = |head: &[u8]| match packing {
+            Packing::None => Packing::of_content(head),
+            packing => packing,
         };
         let mut source = Source::open_packed(path, of_content, options)?;
-        if let Some((_, name)) = other {
-            return Err(source.fail(format!("packed by {name}: unpack it first")));
-        }
         let format = match given.or(named.map(|(format, _)| format)) {
             Some(format) => format,
             None => {

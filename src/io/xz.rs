@@ -211,9 +211,6 @@ mod tests {
         }
         let damaged = "damaged .xz file: it can't be unpacked";
         assert_eq!(unpacked(&[&ONE[..], b"more"].concat()).unwrap_err().to_string(), damaged);
-        let mut packed = ONE;
-        packed[27] ^= 1;
-        assert_eq!(unpacked(&packed).unwrap_err().to_string(), damaged);
     }
 
     #[test]

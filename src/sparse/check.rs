@@ -8,8 +8,8 @@ const SYMMETRY: f64 = 1e-10;
 /// Operations that finding an entry of a row is equal to.
 const SEARCHED: f64 = 20.0;
 
-/// Checks that the matrix is square, finite and symmetric; errors name `what` and the entry, its row
-/// first.
+/// Checks that the matrix is square, finite and symmetric; errors name `what` and the entry, its
+/// row first.
 pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) -> Result<()> {
     let n = matrix.rows();
     Error::check_shape(what, (n, n), matrix.shape())?;

@@ -73,11 +73,10 @@ pub struct Args {
     #[arg(
         long,
         value_name = "A,B",
-        value_delimiter = ',',
-        num_args = 2,
-        default_values_t = layers(TrainOptions::default().sizes)
+        value_parser = two_numbers,
+        default_value = layers(TrainOptions::default().sizes)
     )]
-    layers: Vec<usize>,
+    layers: [usize; 2],
     /// Length of the code of a spectrum.
     #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().sizes.width)]
     width: usize,
@@ -103,8 +102,17 @@ pub struct Args {
 }
 
 /// Returns the numbers of layers of a network.
-fn layers(sizes: Architecture) -> [usize; 2] {
-    [sizes.first_layers, sizes.second_layers]
+fn layers(sizes: Architecture) -> String {
+    format!("{},{}", sizes.first_layers, sizes.second_layers)
+}
+
+/// Parses two numbers with a comma between them.
+fn two_numbers(text: &str) -> Result<[usize; 2], String> {
+    let numbers = text.split_once(',').map(|(first, second)| (first.parse(), second.parse()));
+    match numbers {
+        Some((Ok(first), Ok(second))) => Ok([first, second]),
+        _ => Err("expected two whole numbers, such as 2,2".into()),
+    }
 }
 
 /// Kinds of networks.
@@ -262,7 +270,7 @@ fn of_option(error: catamaran::Error) -> anyhow::Error {
 fn options(args: &Args, modes: usize) -> TrainOptions {
     let Args { width, hidden, batch, rate, decay, seed, .. } = *args;
     let epochs = args.epochs.unwrap_or(TrainOptions::default().epochs);
-    let (first_layers, second_layers) = (args.layers[0], args.layers[1]);
+    let [first_layers, second_layers] = args.layers;
     let sizes = Architecture { width, hidden, first_layers, second_layers, modes };
     TrainOptions { sizes, batch, rate, decay, epochs, seed }
 }

@@ -267,7 +267,7 @@ fn reproducible_refuses_other_schemes() {
 #[test]
 fn explain_of_the_exact_path_names_moduli_and_threads_but_no_back_end() {
     // Longer than a product by integers may take, on every instruction set.
-    let (folder, _) = with_input(4000, 80);
+    let (folder, _) = with_input(8000, 300);
     for (options, moduli) in [
         ("--scheme exact --accuracy fast", 13),
         ("--reproducible", 14),

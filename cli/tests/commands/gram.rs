@@ -470,6 +470,7 @@ fn errors_name_the_file_and_the_cause() {
     folder.write("short.csv", "1\n2\n");
     folder.write("minus.csv", "1\n-1\n1\n");
     folder.write("nan.csv", "1,2\n3,nan\n5,4\n");
+    folder.write_npy("nan.npy", &[2, 2], &[1.0, 2.0, 3.0, f64::NAN]);
     folder.write("b.csv", "1\n2\ninf\n");
     folder.write_npy::<f64>("none.npy", &[0, 3], &[]);
     folder.write_npy::<f64>("thin.npy", &[3, 0], &[]);
@@ -505,7 +506,7 @@ fn errors_name_the_file_and_the_cause() {
         ("lstsq a.csv --by-column y --ridge -1", "--ridge -1: a finite number of at least 0"),
         ("lstsq absent.npy --by-column 0", "absent.npy"),
         // Before A is read: there is a NaN in it.
-        ("pca nan.csv -k 3", "nan.csv: -k 3, where there are 2 columns"),
+        ("pca nan.npy -k 3", "nan.npy: -k 3, where there are 2 columns"),
         ("pca none.npy -o x.npz", "none.npy: no rows"),
         ("lstsq none.npy --by-column 0 --intercept", "none.npy: no rows"),
         ("lstsq none.npy --by-column 0", "none.npy: no rows"),

@@ -298,7 +298,7 @@ fn is_interrupted(folder: &Folder, ranks: usize, arguments: &str) -> bool {
 
 #[test]
 fn exact_sums_are_continued_by_any_number_of_ranks_and_others_say_that_they_are_not() {
-    let (m, n) = (30_000, 20);
+    let (m, n) = (30_000_usize, 20_usize);
     let a: Vec<f64> = (0..m * n).map(|k| ((k * 7919 + 13) % 10007) as f64 * 0.37).collect();
     for (kind, is_exact) in [("--reproducible", true), ("--accuracy classical", false)] {
         let folder = Folder::new();

@@ -58,7 +58,7 @@ fn a_decimation_gives_nearly_the_same_pairs_and_its_errors_are_told() {
         ("--via-decimation 9", "--via-decimation 9: too few vertices for the 12 eigenpairs of -k"),
         ("--via-decimation 600 --boundary dirichlet", "--via-decimation needs --boundary neumann"),
         ("--via-decimation 600 --shift 1", "cannot be used with '--shift"),
-        ("--via-decimation 2", "n: 2, but"),
+        ("--via-decimation 2", "--via-decimation 2: too few vertices for the 12 eigenpairs of -k"),
     ] {
         let refused = folder.run(&format!("spectrum torus.ply -k 12 -o no.npz {arguments}"));
         assert_ne!(refused.code, Some(0));

@@ -99,7 +99,6 @@ pub const READERS: &[&str] = &[
     "wilt plant.swc --hours 3 --frames 1 -o out",
     "slime square.obj --config c.ini --size 32 --steps 3 -o out",
     "slime square.obj --config c.toml --steps 8 -o out --state slime.state --resume",
-    "unions predict left.off right.off --localize sphere.ply",
     "unions train data.npz -o w.safetensors --resume",
 ];
 

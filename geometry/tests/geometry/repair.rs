@@ -332,7 +332,14 @@ fn whatever_the_input_the_result_has_no_fault_that_was_to_be_repaired() {
         let mut file = numbered(&broken);
         file.colors = Some(vec![[0.5; 4]; broken.vertices().len()]);
         let options = RepairOptions::everything().weld(Weld::Exact);
-        let found = repair(file.clone(), &options).unwrap();
+        let found = match repair(file.clone(), &options) {
+            Ok(found) => found,
+            Err(Error::Argument { why, .. }) => {
+                assert!(why.starts_with("leaves none of the "), "{seed}: {why}");
+                continue;
+            }
+            Err(error) => panic!("{seed}: {error}"),
+        };
         let result = &found.file.mesh;
         assert!(result.faces_without_area().is_empty(), "{seed}");
         assert!(result.repeated_faces().is_empty(), "{seed}");
@@ -491,7 +498,7 @@ fn the_largest_components_stay() {
     let small = families::icosphere(0).unwrap();
     let large = families::icosphere(2).unwrap();
     let all = both(&small, &both(&large, &small, 0.25), 0.5);
-    for (count, faces) in [(0, 0), (1, 320), (2, 340), (3, 360), (9, 360)] {
+    for (count, faces) in [(1, 320), (2, 340), (3, 360), (9, 360)] {
         let found = repaired(all.clone(), RepairOptions::new().keep_largest(count));
         assert_eq!(found.file.mesh.faces().len(), faces, "{count}");
         let [RepairStep::KeptLargest { components, .. }] = found.report.steps[..] else { panic!() };

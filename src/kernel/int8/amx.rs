@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
 use super::kernel::{Conversion, Kernel, Operands, Recombination, Session};
-use super::lanes::LaneSet;
+use super::lane_set::LaneSet;
 use super::tile::{DEPTH, PanelBlock, Slice, Square, Tile, TileNorms};
 use crate::base::IsaLevel;
 

@@ -1,4 +1,4 @@
-use super::lanes::LaneSet;
+use super::lane_set::LaneSet;
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
     DEPTH, PANEL, PanelBlock, Powers, Residues, Slice, Square, Tile, TileNorms, WIDTH, fetch_lines,

@@ -89,30 +89,6 @@ pub(crate) trait OnLanes {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// A kind of vectors that this CPU has.
-#[derive(Clone, Copy)]
-pub(crate) enum LaneSet {
-    #[cfg(target_arch = "x86_64")]
-    Avx512(super::avx512::Avx512Lanes),
-    #[cfg(target_arch = "x86_64")]
-    Avx2(super::avx2::Avx2Lanes),
-    Portable,
-}
-
-impl LaneSet {
-    /// Runs `work`, compiled for these vectors.
-    #[inline]
-    pub fn run<W: OnLanes>(self, work: W) -> W::Output {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512(lanes) => lanes.run(work),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2(lanes) => lanes.run(work),
-            Self::Portable => work.run(PortableLanes),
-        }
-    }
-}
-
 /// Vectors in plain Rust.
 #[derive(Clone, Copy)]
 pub(crate) struct PortableLanes;

@@ -14,7 +14,12 @@ mod avx512;
 mod direct;
 mod integer;
 mod kernel;
+mod lane_set;
 mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod lanes_avx2;
+#[cfg(target_arch = "x86_64")]
+mod lanes_avx512;
 mod moduli;
 mod portable;
 mod recombine;

@@ -1,7 +1,7 @@
 //! The kernel in plain Rust, for any CPU. Tests compare the other kernels with this one.
 
 use super::kernel::{Conversion, Kernel, Operands, Recombination, product_by_pairs};
-use super::lanes::LaneSet;
+use super::lane_set::LaneSet;
 use super::moduli::{Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{

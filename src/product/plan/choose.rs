@@ -230,7 +230,12 @@ fn exact<T: BlasReal>(
     let small = exact::small::seconds::<T>(isa, sides, moduli, symmetric)
         .filter(|_| options.memory.is_none_or(|most| bytes <= most));
     let strategy = Strategy::Exact(Box::new(Exact { isa, layout, small: small.is_some() }));
-    Choice { strategy, seconds: small.unwrap_or(seconds), classical_seconds }
+    let seconds = match options.scheme {
+        // The estimate of small products is too rough for a choice between kinds of schemes.
+        SchemeChoice::Auto => seconds,
+        _ => small.unwrap_or(seconds),
+    };
+    Choice { strategy, seconds, classical_seconds }
 }
 
 /// Returns the cheapest recursion if it takes less than `gain` of the classical time, else none.
