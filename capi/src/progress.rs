@@ -73,6 +73,7 @@ impl Caller {
     }
 
     /// Calls `work`, which asks the callback whether to stop, after it was told that all is done.
+    #[cfg(feature = "chapters")]
     pub(super) fn watch_the_end<R>(self, work: impl FnOnce() -> R) -> R {
         self.with(|progress| progress.part(1.0..1.0).watch(work))
     }

@@ -1,8 +1,10 @@
 //! `catamaran unions train`.
 
+use std::fmt::{self, Display};
 use std::io::Write as _;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow, bail};
@@ -73,10 +75,9 @@ pub struct Args {
     #[arg(
         long,
         value_name = "A,B",
-        value_parser = two_numbers,
-        default_value = layers(TrainOptions::default().sizes)
+        default_value_t = Layers::of(TrainOptions::default().sizes)
     )]
-    layers: [usize; 2],
+    layers: Layers,
     /// Length of the code of a spectrum.
     #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().sizes.width)]
     width: usize,
@@ -101,17 +102,31 @@ pub struct Args {
     force: Force,
 }
 
-/// Returns the numbers of layers of a network.
-fn layers(sizes: Architecture) -> String {
-    format!("{},{}", sizes.first_layers, sizes.second_layers)
+/// Numbers of layers before and after the sum.
+#[derive(Debug, Clone, Copy)]
+struct Layers([usize; 2]);
+
+impl Layers {
+    fn of(sizes: Architecture) -> Self {
+        Self([sizes.first_layers, sizes.second_layers])
+    }
 }
 
-/// Parses two numbers with a comma between them.
-fn two_numbers(text: &str) -> Result<[usize; 2], String> {
-    let numbers = text.split_once(',').map(|(first, second)| (first.parse(), second.parse()));
-    match numbers {
-        Some((Ok(first), Ok(second))) => Ok([first, second]),
-        _ => Err("expected two whole numbers, such as 2,2".into()),
+impl Display for Layers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{}", self.0[0], self.0[1])
+    }
+}
+
+impl FromStr for Layers {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> std::result::Result<Self, Self::Err> {
+        let numbers = text.split_once(',').map(|(first, second)| (first.parse(), second.parse()));
+        match numbers {
+            Some((Ok(first), Ok(second))) => Ok(Self([first, second])),
+            _ => Err("expected two whole numbers, such as 2,2"),
+        }
     }
 }
 
@@ -270,7 +285,7 @@ fn of_option(error: catamaran::Error) -> anyhow::Error {
 fn options(args: &Args, modes: usize) -> TrainOptions {
     let Args { width, hidden, batch, rate, decay, seed, .. } = *args;
     let epochs = args.epochs.unwrap_or(TrainOptions::default().epochs);
-    let [first_layers, second_layers] = args.layers;
+    let Layers([first_layers, second_layers]) = args.layers;
     let sizes = Architecture { width, hidden, first_layers, second_layers, modes };
     TrainOptions { sizes, batch, rate, decay, epochs, seed }
 }
