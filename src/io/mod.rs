@@ -157,9 +157,9 @@ impl FileContent {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io) with file and line, and with the option that decides where a
+/// [`Error::Io`] with file and line, and with the option that decides where a
 /// text table has several readings; [`Error::OutOfMemory`](crate::Error),
-/// [`Error::Cancelled`](crate::Error); [`Error::Argument`](crate::Error::Argument) when
+/// [`Error::Cancelled`](crate::Error); [`Error::Argument`] when
 /// `options.columns` is not inside the matrix, or an option of a table is out of its range.
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
     Ok(read_file(path, options)?.matrix)
@@ -221,7 +221,7 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io); no file is left behind then.
+/// [`Error::Io`]; no file is left behind then.
 pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write(sink, matrix),
@@ -247,7 +247,7 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io), also where the name ends in that of a text table, whose fields
+/// [`Error::Io`], also where the name ends in that of a text table, whose fields
 /// are real numbers; no file is left behind then.
 pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
     check_complex_name(output.path())?;
@@ -268,7 +268,7 @@ pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io) when it does not.
+/// [`Error::Io`] when it does not.
 pub fn check_complex_name(path: &Path) -> Result<()> {
     match MatrixFormat::of(path)? {
         (MatrixFormat::Table(_), _) => {
@@ -293,7 +293,7 @@ pub fn check_complex_name(path: &Path) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io); no file is left behind then.
+/// [`Error::Io`]; no file is left behind then.
 pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_integers(sink, matrix),
@@ -329,7 +329,7 @@ fn write_with(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io) when they do not.
+/// [`Error::Io`] when they do not.
 pub fn check_name(path: &Path) -> Result<()> {
     MatrixFormat::of(path).map(|_| ())
 }
