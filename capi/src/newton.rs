@@ -15,7 +15,7 @@
 use std::ffi::{c_char, c_void};
 
 use super::boundary::boundary;
-use super::device::{Device, chosen};
+use super::device::chosen;
 use super::outputs::hand_over;
 use super::params::{Params, init, or_default, params, read_or_zeros};
 use super::pointer::{check_size, free, known, output, slice, slice_mut};
@@ -74,7 +74,8 @@ pub struct cata_newton {
     options: NewtonOptions,
     par: Par,
     caller: Caller,
-    device: Option<Device>,
+    #[cfg(feature = "opencl")]
+    device: Option<super::device::Device>,
 }
 
 /// Fills a struct with the defaults.
@@ -115,8 +116,17 @@ pub unsafe extern "C" fn cata_newton_new(
         let newton = Newton::new(&options)?;
         // SAFETY: the caller's promise.
         let device = unsafe { chosen(device) }?;
-        let (par, caller) = (par(params.threads), params.caller());
-        hand_over(out, cata_newton { newton, options, par, caller, device });
+        #[cfg(not(feature = "opencl"))]
+        let None = device;
+        let made = cata_newton {
+            newton,
+            options,
+            par: par(params.threads),
+            caller: params.caller(),
+            #[cfg(feature = "opencl")]
+            device,
+        };
+        hand_over(out, made);
         Ok(())
     })
 }
