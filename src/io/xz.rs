@@ -180,7 +180,7 @@ mod tests {
             let packed = [&ONE[..], &[0; 8][..zeros]].concat();
             assert_eq!(unpacked(&packed).is_ok(), zeros.is_multiple_of(4), "{zeros}");
         }
-        assert!(unpacked(&[&ONE[..], b"more"].concat()).is_err());
+        assert!(unpacked(&[&ONE[..], b"more than a header has"].concat()).is_err());
     }
 
     #[test]
@@ -210,7 +210,10 @@ mod tests {
             }
         }
         let damaged = "damaged .xz file: it can't be unpacked";
-        assert_eq!(unpacked(&[&ONE[..], b"more"].concat()).unwrap_err().to_string(), damaged);
+        assert_eq!(
+            unpacked(&[&ONE[..], b"more than a header has"].concat()).unwrap_err().to_string(),
+            damaged
+        );
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub(crate) fn seconds<T: IntegerOperand>(
     /// Seconds of a product by residues that do not grow with the sides.
     const START: f64 = 1e-5;
     /// Most seconds of a product by integers, which takes one thread and has no progress.
-    const MOST: f64 = 1e-2;
+    const MOST: f64 = 2e-3;
     let half = if symmetric { 0.5 } else { 1.0 };
     let real = |side: usize| side as f64;
     let padded = |side: usize, to: usize| side.next_multiple_of(to) as f64;
