@@ -395,7 +395,11 @@ pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
         writeln!(sink, "vn {x:?} {y:?} {z:?}")?;
     }
     let labels = [("o", &file.objects), ("g", &file.groups), ("usemtl", &file.materials)];
-    for (f, face) in file.mesh.faces().iter().enumerate() {
+    let faces = file.mesh.faces();
+    let uv = file.uv.as_ref().map_or(&[][..], |uv| uv.corners.as_deref().unwrap_or(faces));
+    let normals = file.normals.as_ref().map_or(&[][..], |n| n.corners.as_deref().unwrap_or(faces));
+    let of_face = |corners: &[[u32; 3]], f: usize| corners.get(f).copied().unwrap_or([ABSENT; 3]);
+    for (f, face) in faces.iter().enumerate() {
         for (keyword, labels) in labels {
             let Some(labels) = labels else { continue };
             let before = f.checked_sub(1).and_then(|f| labels.of_face(f));
@@ -405,10 +409,7 @@ pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
                 None => writeln!(sink, "{keyword}")?,
             }
         }
-        let of = |corners: Option<&[[u32; 3]]>| corners.map_or([ABSENT; 3], |corners| corners[f]);
-        let uv = of(file.uv.as_ref().map(|uv| uv.corners.as_deref().unwrap_or(file.mesh.faces())));
-        let normals = file.normals.as_ref();
-        let normals = of(normals.map(|n| n.corners.as_deref().unwrap_or(file.mesh.faces())));
+        let (uv, normals) = (of_face(uv, f), of_face(normals, f));
         write!(sink, "f")?;
         for i in 0..3 {
             // As u64, because the largest index plus one would not fit u32.
