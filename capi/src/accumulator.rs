@@ -1,10 +1,9 @@
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 
 use super::boundary::{boundary, path};
 use super::lstsq::{LeastSquaresOutputs, cata_lstsq_params, cata_lstsq_result};
 use super::outputs::fill_slice;
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::params::{flag, init, read_or_zeros, versioned};
 use super::pca::{ComponentOutputs, cata_pca_params};
 use super::pointer::{
     self, Layout, free, matrix, matrix_mut, optional_output, optional_slice, optional_slice_mut,
@@ -52,10 +51,7 @@ pub struct cata_accumulator_params {
     pub centered: i32,
 }
 
-impl Versioned for cata_accumulator_params {
-    const NAME: &'static str = "cata_accumulator_params";
-    const FIRST_SIZE: usize = offset_of!(Self, centered) + size_of::<i32>();
-}
+versioned!(cata_accumulator_params, centered: i32);
 
 /// The sums X^T W X of rows X that come in blocks, with weights W, and results from them at any
 /// time. Made by cata_accumulator_new or cata_accumulator_read.

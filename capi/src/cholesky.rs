@@ -16,11 +16,11 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::layout::{CATA_BOTH, CATA_LOWER, CATA_UPPER};
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::outputs::hand_over;
+use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{
     Layout, free, known, known_mut, matrix, matrix_mut, optional_output, optional_slice, output,
     pattern, slice, slice_mut, sparse,
@@ -59,10 +59,7 @@ pub struct cata_cholesky_params {
     pub semidefinite: i32,
 }
 
-impl Versioned for cata_cholesky_params {
-    const NAME: &'static str = "cata_cholesky_params";
-    const FIRST_SIZE: usize = offset_of!(Self, semidefinite) + size_of::<i32>();
-}
+params!(cata_cholesky_params, semidefinite: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -104,11 +101,11 @@ pub unsafe extern "C" fn cata_cholesky_analyse(
             let order = optional_slice("params.order", params.order, n)?;
             (places, params, order, output("cholesky", cholesky)?)
         };
-        let caller = Caller::new(params.progress, params.progress_user);
+        let caller = params.caller();
         let options = options(&params)?.order(order);
         let cholesky = caller
             .with(|progress| Cholesky::analyse(places.view(), &options.progress(progress)))?;
-        *handle = Box::into_raw(Box::new(cata_cholesky { cholesky, caller }));
+        hand_over(handle, cata_cholesky { cholesky, caller });
         Ok(())
     })
 }

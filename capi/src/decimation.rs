@@ -18,7 +18,7 @@
 use std::ffi::c_void;
 
 use super::boundary::boundary;
-use super::outputs::{fill_slice, hand_over};
+use super::outputs::{fill_mesh, fill_slice, hand_over};
 use super::params::{flag, init, params, with_params};
 use super::pointer::{
     check_size, free, known, mesh, optional_output, optional_slice_mut, output, put, slice,
@@ -179,15 +179,7 @@ pub unsafe extern "C" fn cata_decimation_get(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        unsafe {
-            let mesh = &known("decimation", decimation)?.found.mesh;
-            let (points, corners) = (mesh.vertices().as_flattened(), mesh.faces().as_flattened());
-            let vertices = optional_slice_mut("vertices", vertices, points.len())?;
-            let faces = optional_slice_mut("faces", faces, corners.len())?;
-            fill_slice(vertices, points);
-            fill_slice(faces, corners);
-        }
-        Ok(())
+        unsafe { fill_mesh(&known("decimation", decimation)?.found.mesh, vertices, faces) }
     })
 }
 

@@ -75,13 +75,7 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
     let found = done(cholesky::options(&zeros()));
     assert_eq!(printed(&found), printed(&CholeskyOptions::default()));
 
-    // SAFETY: as above.
-    let found = unsafe {
-        shape::with_shape_options(&zeros::<shape::cata_shape_params>(), |options| {
-            Ok(printed(options))
-        })
-    };
-    assert_eq!(done(found), printed(&ShapeOptions::default()));
+    assert_eq!(printed(&shape::options(&zeros())), printed(&ShapeOptions::default()));
 
     let options = done(distance::heat_options(&zeros()));
     assert_eq!(options, HeatOptions::default());

@@ -10,15 +10,14 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use faer::MatRef;
 
 use super::boundary::boundary;
 use super::outputs::fill;
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{Layout, matrix, matrix_mut, mesh, output, slice, slice_mut};
-use super::progress::{Caller, cata_progress, par};
+use super::progress::{cata_progress, par};
 use super::status::{Failure, cata_status};
 use catamaran_geometry::spectral::descriptors::{
     RingOptions, SHOT_BINS, ShotOptions, WaveScales, geodesic_rings, global_point_signature,
@@ -45,10 +44,7 @@ pub struct cata_descriptor_params {
     pub progress_user: *mut c_void,
 }
 
-impl Versioned for cata_descriptor_params {
-    const NAME: &'static str = "cata_descriptor_params";
-    const FIRST_SIZE: usize = offset_of!(Self, progress_user) + size_of::<*mut c_void>();
-}
+params!(cata_descriptor_params, progress_user: *mut c_void);
 
 /// Fills a struct with the defaults.
 ///
@@ -101,7 +97,7 @@ pub unsafe extern "C" fn cata_descriptor_heat(
             )
         };
         let scaled = flag("scaled", scaled)?;
-        let mut found = Caller::new(params.progress, params.progress_user).reported(|_| {
+        let mut found = params.caller().reported(|_| {
             let threads = par(params.threads);
             Ok(heat_kernel_signature(pairs.values, pairs.vectors, times, threads)?)
         })?;
@@ -206,7 +202,7 @@ pub unsafe extern "C" fn cata_descriptor_wave(
             )
         };
         let scales = WaveScales { energies: energies.to_vec(), sigma };
-        let found = Caller::new(params.progress, params.progress_user).reported(|_| {
+        let found = params.caller().reported(|_| {
             let threads = par(params.threads);
             Ok(wave_kernel_signature(pairs.values, pairs.vectors, &scales, threads)?)
         })?;
@@ -312,7 +308,7 @@ pub unsafe extern "C" fn cata_descriptor_shot(
                 read_or_zeros("params", params)?,
             )
         };
-        let found = Caller::new(params.progress, params.progress_user).reported(|progress| {
+        let found = params.caller().reported(|progress| {
             let options = ShotOptions::new(radius).par(par(params.threads)).progress(progress);
             Ok(shot(&mesh, &options)?)
         })?;
@@ -360,7 +356,7 @@ pub unsafe extern "C" fn cata_descriptor_rings(
                 read_or_zeros("params", params)?,
             )
         };
-        let found = Caller::new(params.progress, params.progress_user).reported(|progress| {
+        let found = params.caller().reported(|progress| {
             let options = RingOptions::new(radius, rings);
             let options = options.par(par(params.threads)).progress(progress);
             Ok(geodesic_rings(&mesh, f, &options)?)

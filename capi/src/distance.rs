@@ -15,15 +15,14 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::outputs::{fill_slice, tell};
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::outputs::{fill_slice, hand_over, tell};
+use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{
     free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
 };
-use super::progress::{Caller, cata_progress, par};
+use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NOT_CONVERGED, Failure, cata_status};
 use catamaran_geometry::curve::{Curve, Waypoint, smooth};
 use catamaran_geometry::mesh::{
@@ -64,10 +63,7 @@ pub struct cata_distance_params {
     pub flow: i32,
 }
 
-impl Versioned for cata_distance_params {
-    const NAME: &'static str = "cata_distance_params";
-    const FIRST_SIZE: usize = offset_of!(Self, flow) + size_of::<i32>();
-}
+params!(cata_distance_params, flow: i32);
 
 /// A mesh, prepared for the heat method. Made by cata_heat_new; constant.
 pub struct cata_heat {
@@ -120,9 +116,8 @@ pub unsafe extern "C" fn cata_heat_new(
             )
         };
         let options = heat_options(&params)?;
-        let heat = Caller::new(params.progress, params.progress_user)
-            .reported(|_| Ok(HeatMethod::new(&mesh, &options)?))?;
-        *place = Box::into_raw(Box::new(cata_heat { heat, n_vertices }));
+        let heat = params.caller().reported(|_| Ok(HeatMethod::new(&mesh, &options)?))?;
+        hand_over(place, cata_heat { heat, n_vertices });
         Ok(())
     })
 }
@@ -211,7 +206,7 @@ pub unsafe extern "C" fn cata_distance_edges(
         let cutoff = if params.cutoff == 0.0 { f64::INFINITY } else { params.cutoff };
         let graph = Graph::of_mesh(&mesh);
         let mut search = Dijkstra::new(&graph);
-        Caller::new(params.progress, params.progress_user).reported(|_| {
+        params.caller().reported(|_| {
             let starts: Vec<(u32, f64)> = sources.iter().map(|&v| (v, 0.0)).collect();
             Ok(search.search(&starts, &SearchLimits { cutoff, ..SearchLimits::default() })?)
         })?;
@@ -268,11 +263,11 @@ pub unsafe extern "C" fn cata_distance_path(
                 return Err(Failure::new(CATA_ERR_ARGUMENT, why));
             }
         }
-        let found = Caller::new(params.progress, params.progress_user).reported(|_| {
+        let found = params.caller().reported(|_| {
             let found = along_edges(&mesh, from, to)?;
             if straight { straightened(&mesh, found) } else { Ok(found) }
         })?;
-        *place = Box::into_raw(Box::new(found));
+        hand_over(place, found);
         Ok(())
     })
 }

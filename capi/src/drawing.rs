@@ -1,14 +1,12 @@
 use super::boundary::boundary;
 use super::curve::{cata_curve_params, options, outcome_value};
-use super::outputs::{fill_slice, tell};
-use super::params::{flag, read_or_zeros};
+use super::outputs::{fill_slice, hand_over, tell};
+use super::params::{Params, flag, read_or_zeros};
 use super::pointer::{
     check_size, free, known, known_mut, mesh, optional_output, optional_slice_mut, output, slice,
     slice_mut,
 };
-use super::progress::watcher;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
-use catamaran::base::Progress;
 use catamaran_geometry::curve::{Drawing, Drawn};
 
 /// Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made
@@ -43,7 +41,7 @@ pub unsafe extern "C" fn cata_drawing_new(
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("drawing", drawing)?) };
         let drawing = Drawing::new(mesh)?;
-        *place = Box::into_raw(Box::new(cata_drawing { drawing, n_faces }));
+        hand_over(place, cata_drawing { drawing, n_faces });
         Ok(())
     })
 }
@@ -84,16 +82,15 @@ pub unsafe extern "C" fn cata_drawing_add(
                 read_or_zeros("params", params)?,
             )
         };
-        let mut options = options(&params)?;
+        let options = options(&params)?;
         if flag("params.smooth", params.smooth)? {
             let why = "params.smooth: must be 0: cata_drawing_inscribe shortens all curves";
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         }
-        let watch = watcher(params.progress, params.progress_user);
-        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
         let drawing = &mut own.drawing;
-        let found =
-            options.progress.watch(|| drawing.add(samples, &options).map(|layer| layer.outcome))?;
+        let found = params.caller().watch(|progress| {
+            drawing.add(samples, &options.progress(progress)).map(|layer| layer.outcome)
+        })?;
         tell([outcome], [outcome_value(found)]);
         Ok(())
     })
@@ -120,7 +117,7 @@ pub unsafe extern "C" fn cata_drawing_inscribe(
             own.drawing.smooth()?;
         }
         let drawn = own.drawing.inscribe()?;
-        *place = Box::into_raw(Box::new(cata_drawn { drawn, n_faces: own.n_faces }));
+        hand_over(place, cata_drawn { drawn, n_faces: own.n_faces });
         Ok(())
     })
 }

@@ -17,7 +17,7 @@
 
 use super::boundary::boundary;
 use super::eigs::{cata_eigs_params, with_eigen_options};
-use super::outputs::{fill_slice, tell};
+use super::outputs::{fill_slice, hand_over, tell};
 use super::pointer::{
     check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
 };
@@ -78,7 +78,8 @@ pub unsafe extern "C" fn cata_laplacian_new(
             Ok(found)
         };
         // SAFETY: the caller's promise.
-        *place = made(unsafe { with_eigen_options(0, params, work) }?);
+        let found = unsafe { with_eigen_options(0, params, work) }?;
+        hand_over(place, cata_laplacian { found });
         Ok(())
     })
 }
@@ -116,7 +117,8 @@ pub unsafe extern "C" fn cata_laplacian_of_points(
             Ok(found)
         };
         // SAFETY: the caller's promise.
-        *place = made(unsafe { with_eigen_options(0, params, work) }?);
+        let found = unsafe { with_eigen_options(0, params, work) }?;
+        hand_over(place, cata_laplacian { found });
         Ok(())
     })
 }
@@ -333,8 +335,4 @@ fn masses_of(laplacian: &Laplacian) -> &[f64] {
         Mass::Lumped(masses) => masses,
         Mass::Full(matrix) => matrix.data(),
     }
-}
-
-fn made(found: Laplacian) -> *mut cata_laplacian {
-    Box::into_raw(Box::new(cata_laplacian { found }))
 }

@@ -10,14 +10,13 @@
 //! ```
 
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use faer::{MatMut, MatRef};
 
 use super::boundary::boundary;
 use super::gram::{cata_gram_params, extended};
 use super::outputs::{fill, fill_slice};
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::params::{flag, init, read_or_zeros, versioned};
 use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice, optional_slice_mut};
 use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -52,10 +51,7 @@ pub struct cata_lstsq_params {
     pub confidence: f64,
 }
 
-impl Versioned for cata_lstsq_params {
-    const NAME: &'static str = "cata_lstsq_params";
-    const FIRST_SIZE: usize = offset_of!(Self, refuse_dependent) + size_of::<i32>();
-}
+versioned!(cata_lstsq_params, refuse_dependent: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -143,10 +139,7 @@ pub struct cata_lstsq_result {
     pub observations: *mut usize,
 }
 
-impl Versioned for cata_lstsq_result {
-    const NAME: &'static str = "cata_lstsq_result";
-    const FIRST_SIZE: usize = offset_of!(Self, digits) + size_of::<f64>();
-}
+versioned!(cata_lstsq_result, digits: f64);
 
 /// Computes the X (n x k) that minimizes |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k
 /// and W = diag(weights), from the Gram matrix of [A B] in extended precision.

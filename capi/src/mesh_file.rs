@@ -14,15 +14,12 @@
 //! ```
 
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 
 use super::boundary::{boundary, path};
-use super::outputs::{fill_slice, tell, write_text};
-use super::params::{Versioned, flag, init, read_or_zeros};
-use super::pointer::{
-    free, known, known_mut, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
-};
-use super::progress::{Caller, cata_progress};
+use super::outputs::{fill_mesh, hand_over, tell, write_text};
+use super::params::{Params, flag, init, params, read_or_zeros};
+use super::pointer::{free, known, known_mut, mesh, optional_output, output, slice, slice_mut};
+use super::progress::cata_progress;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::io::{Output, Overwrite, SourceOptions};
 use catamaran_geometry::mesh::io::{
@@ -70,10 +67,7 @@ pub struct cata_mesh_file_params {
     pub keep: i32,
 }
 
-impl Versioned for cata_mesh_file_params {
-    const NAME: &'static str = "cata_mesh_file_params";
-    const FIRST_SIZE: usize = offset_of!(Self, keep) + size_of::<i32>();
-}
+params!(cata_mesh_file_params, keep: i32);
 
 /// A mesh with its attributes, as in a file.
 pub struct cata_mesh_file {
@@ -114,7 +108,7 @@ pub unsafe extern "C" fn cata_mesh_file_new(
         // SAFETY: the caller's promise.
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("file", file)?) };
-        *place = made(mesh.into());
+        hand_over(place, cata_mesh_file { file: mesh.into() });
         Ok(())
     })
 }
@@ -139,12 +133,12 @@ pub unsafe extern "C" fn cata_mesh_file_read(
             (self::path("path", path)?, read_or_zeros("params", params)?, output("file", file)?)
         };
         params.chosen()?;
-        let found = Caller::new(params.progress, params.progress_user).reported(|progress| {
+        let found = params.caller().reported(|progress| {
             let memory = (params.max_memory > 0).then_some(params.max_memory);
             let options = SourceOptions::new().max_memory(memory).progress(progress);
             Ok(read_with(&path, &options)?)
         })?;
-        *place = made(found);
+        hand_over(place, cata_mesh_file { file: found });
         Ok(())
     })
 }
@@ -167,7 +161,10 @@ pub unsafe extern "C" fn cata_mesh_file_read_bytes(
         // SAFETY: the caller's promise.
         let (bytes, place) =
             unsafe { (slice("bytes", bytes.cast::<u8>(), size)?, output("file", file)?) };
-        *place = made(read_bytes(bytes, self::format("format", format)?)?);
+        hand_over(
+            place,
+            cata_mesh_file { file: read_bytes(bytes, self::format("format", format)?)? },
+        );
         Ok(())
     })
 }
@@ -192,7 +189,7 @@ pub unsafe extern "C" fn cata_mesh_file_write(
             (file, self::path("path", path)?, read_or_zeros("params", params)?)
         };
         let (format, overwrite) = params.chosen()?;
-        file.notes = Caller::new(params.progress, params.progress_user).reported(|_| {
+        file.notes = params.caller().reported(|_| {
             let format = format.map_or_else(|| MeshFormat::of(&path), Ok)?;
             Ok(write_as(Output::create(&path, overwrite)?, file, format)?)
         })?;
@@ -218,7 +215,7 @@ pub unsafe extern "C" fn cata_mesh_file_write_bytes(
             unsafe { (&mut known_mut("file", file)?.file, output("bytes", bytes)?) };
         let (bytes, notes) = write_bytes(file, self::format("format", format)?)?;
         file.notes = notes;
-        *place = Box::into_raw(Box::new(cata_mesh_bytes { bytes }));
+        hand_over(place, cata_mesh_bytes { bytes });
         Ok(())
     })
 }
@@ -267,15 +264,7 @@ pub unsafe extern "C" fn cata_mesh_file_get(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        unsafe {
-            let mesh = &known("file", file)?.file.mesh;
-            let (points, corners) = (mesh.vertices().as_flattened(), mesh.faces().as_flattened());
-            let vertices = optional_slice_mut("vertices", vertices, points.len())?;
-            let faces = optional_slice_mut("faces", faces, corners.len())?;
-            fill_slice(vertices, points);
-            fill_slice(faces, corners);
-        }
-        Ok(())
+        unsafe { fill_mesh(&known("file", file)?.file.mesh, vertices, faces) }
     })
 }
 
@@ -413,8 +402,4 @@ pub(super) fn numbered<'a>(
         let why = format!("index: must be less than {} ({what}), is {index}", texts.len());
         Failure::new(CATA_ERR_ARGUMENT, why)
     })
-}
-
-pub(super) fn made(file: MeshFile) -> *mut cata_mesh_file {
-    Box::into_raw(Box::new(cata_mesh_file { file }))
 }

@@ -5,6 +5,13 @@ use std::ffi::c_char;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
+#[cfg(feature = "chapters")]
+use super::pointer::optional_slice_mut;
+#[cfg(feature = "chapters")]
+use super::status::Failure;
+#[cfg(feature = "chapters")]
+use catamaran_geometry::mesh::TriMesh;
+
 /// Writes a matrix into the upper left of another one, and zeros into the rest.
 pub(super) fn fill(mut place: MatMut<'_, f64>, found: MatRef<'_, f64>) {
     place.fill(0.0);
@@ -22,6 +29,29 @@ pub(super) fn fill_slice<T: Copy + Default>(place: Option<&mut [T]>, found: &[T]
         place[found.len()..].fill(T::default());
         place[..found.len()].copy_from_slice(found);
     }
+}
+
+/// Writes the vertices and the faces of a mesh where they are wanted.
+///
+/// # Safety
+/// `vertices` and `faces` are NULL, or have room for 3 numbers of each.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn fill_mesh(
+    mesh: &TriMesh,
+    vertices: *mut f64,
+    faces: *mut u32,
+) -> Result<(), Failure> {
+    let (points, corners) = (mesh.vertices().as_flattened(), mesh.faces().as_flattened());
+    // SAFETY: passed on to the caller.
+    let (vertices, faces) = unsafe {
+        (
+            optional_slice_mut("vertices", vertices, points.len())?,
+            optional_slice_mut("faces", faces, corners.len())?,
+        )
+    };
+    fill_slice(vertices, points);
+    fill_slice(faces, corners);
+    Ok(())
 }
 
 /// Writes each value into its place, where there is one.

@@ -21,14 +21,13 @@
 //! ```
 
 use std::ffi::{c_char, c_void};
-use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::mesh_file::{cata_mesh_file, made};
-use super::outputs::{tell, write_text};
-use super::params::{Versioned, flag, init, read_or_zeros};
+use super::mesh_file::cata_mesh_file;
+use super::outputs::{hand_over, tell, write_text};
+use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{free, known, mesh, optional_output, output, slice_mut};
-use super::progress::{Caller, cata_progress};
+use super::progress::cata_progress;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran_geometry::mesh::{RepairOptions, RepairStep, Repaired, Weld, needs_repair, repair};
 
@@ -101,10 +100,7 @@ pub struct cata_repair_params {
     pub orient: i32,
 }
 
-impl Versioned for cata_repair_params {
-    const NAME: &'static str = "cata_repair_params";
-    const FIRST_SIZE: usize = offset_of!(Self, orient) + size_of::<i32>();
-}
+params!(cata_repair_params, orient: i32);
 
 /// A repaired mesh, and what was done. Made by cata_repair_new; constant.
 pub struct cata_repair {
@@ -146,9 +142,8 @@ pub unsafe extern "C" fn cata_repair_new(
         };
         let options = options(&params)?;
         let n_vertices = file.mesh.vertices().len();
-        let repaired = Caller::new(params.progress, params.progress_user)
-            .reported(|_| Ok(self::repair(file.clone(), &options)?))?;
-        *place = Box::into_raw(Box::new(cata_repair { repaired, n_vertices }));
+        let repaired = params.caller().reported(|_| Ok(self::repair(file.clone(), &options)?))?;
+        hand_over(place, cata_repair { repaired, n_vertices });
         Ok(())
     })
 }
@@ -175,7 +170,7 @@ pub unsafe extern "C" fn cata_repair_file(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (own, place) = unsafe { (known("repair", repair)?, output("file", file)?) };
-        *place = made(own.repaired.file.clone());
+        hand_over(place, cata_mesh_file { file: own.repaired.file.clone() });
         Ok(())
     })
 }

@@ -1,13 +1,11 @@
 use std::ffi::c_void;
-use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::outputs::tell;
-use super::params::{Versioned, init, read};
+use super::params::{init, or_default, params, with_params};
 use super::pointer::{mesh, optional_output, optional_slice_mut, slice, slice_mut};
-use super::progress::{cata_progress, par, watcher};
-use super::status::{Failure, cata_status};
-use catamaran::base::Progress;
+use super::progress::{cata_progress, par};
+use super::status::cata_status;
 use catamaran_geometry::spectral::{ShapeOptions, shape_from_spectrum};
 
 /// How a template is deformed.
@@ -28,10 +26,7 @@ pub struct cata_shape_params {
     pub tolerance: f64,
 }
 
-impl Versioned for cata_shape_params {
-    const NAME: &'static str = "cata_shape_params";
-    const FIRST_SIZE: usize = offset_of!(Self, tolerance) + size_of::<f64>();
-}
+params!(cata_shape_params, tolerance: f64);
 
 /// Fills a struct with the defaults.
 ///
@@ -85,10 +80,13 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
                 optional_output("steps", steps)?,
             )
         };
-        let work =
-            |options: &ShapeOptions<'_>| Ok(shape_from_spectrum(&template, wanted, options)?);
         // SAFETY: the caller's promise.
-        let shape = unsafe { with_shape_options(params, work) }?;
+        let shape = unsafe {
+            with_params(params, |params, progress| {
+                let options = options(params).progress(progress);
+                Ok(shape_from_spectrum(&template, wanted, &options)?)
+            })
+        }?;
         positions.copy_from_slice(shape.mesh.vertices().as_flattened());
         if let Some(values) = values {
             values.copy_from_slice(&shape.eigenvalues);
@@ -99,27 +97,11 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
     })
 }
 
-/// Returns what `work` returns for the options of the caller.
-///
-/// # Safety
-/// `params` is NULL or points to a struct as the header describes it.
-pub(super) unsafe fn with_shape_options<X>(
-    params: *const cata_shape_params,
-    work: impl FnOnce(&ShapeOptions<'_>) -> Result<X, Failure>,
-) -> Result<X, Failure> {
-    let (mut options, mut watch) = (ShapeOptions::default(), None);
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        let params = unsafe { read("params", params) }?;
-        options.par = par(params.threads);
-        if params.steps > 0 {
-            options.steps = params.steps;
-        }
-        if params.tolerance != 0.0 {
-            options.tolerance = params.tolerance;
-        }
-        watch = watcher(params.progress, params.progress_user);
-    }
-    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    options.progress.watch(|| work(&options))
+/// Returns the options of the caller.
+pub(super) fn options(params: &cata_shape_params) -> ShapeOptions<'static> {
+    let default = ShapeOptions::default();
+    ShapeOptions::new()
+        .par(par(params.threads))
+        .steps(or_default(params.steps, default.steps))
+        .tolerance(or_default(params.tolerance, default.tolerance))
 }

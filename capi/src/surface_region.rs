@@ -13,7 +13,7 @@
 //! ```
 
 use super::boundary::boundary;
-use super::outputs::{fill_slice, tell};
+use super::outputs::{fill_mesh, fill_slice, hand_over, tell};
 use super::pointer::{
     check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
 };
@@ -220,7 +220,7 @@ pub unsafe extern "C" fn cata_region_part(
                 output("part", part)?,
             )
         };
-        *place = made(region.part(&mesh)?);
+        hand_over(place, cata_part { part: region.part(&mesh)? });
         Ok(())
     })
 }
@@ -253,7 +253,7 @@ pub unsafe extern "C" fn cata_region_cut(
                 output("part", part)?,
             )
         };
-        *place = made(cut(&mesh, along.as_chunks().0)?);
+        hand_over(place, cata_part { part: cut(&mesh, along.as_chunks().0)? });
         Ok(())
     })
 }
@@ -299,14 +299,9 @@ pub unsafe extern "C" fn cata_part_get(
         // SAFETY: the caller's promise.
         unsafe {
             let own = &known("part", part)?.part;
-            let points = own.mesh.vertices().as_flattened();
-            let corners = own.mesh.faces().as_flattened();
-            let vertices = optional_slice_mut("vertices", vertices, points.len())?;
-            let faces = optional_slice_mut("faces", faces, corners.len())?;
             let of_vertices = optional_slice_mut("of_vertices", of_vertices, own.vertices.len())?;
             let of_faces = optional_slice_mut("of_faces", of_faces, own.faces.len())?;
-            fill_slice(vertices, points);
-            fill_slice(faces, corners);
+            fill_mesh(&own.mesh, vertices, faces)?;
             fill_slice(of_vertices, &own.vertices);
             fill_slice(of_faces, &own.faces);
         }
@@ -340,8 +335,4 @@ unsafe fn region(what: &'static str, inside: *const u8, faces: usize) -> Result<
 
 fn write(place: &mut [u8], region: &Region) {
     place.iter_mut().zip(region.mask()).for_each(|(place, &inside)| *place = u8::from(inside));
-}
-
-fn made(part: Part) -> *mut cata_part {
-    Box::into_raw(Box::new(cata_part { part }))
 }

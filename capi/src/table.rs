@@ -17,14 +17,14 @@
 //! ```
 
 use std::ffi::{CString, c_char, c_void};
-use std::mem::offset_of;
 
 use faer::Mat;
 
 use super::boundary::{boundary, path, text};
-use super::params::{Versioned, init, read_or_zeros};
+use super::outputs::hand_over;
+use super::params::{Params, init, params, read_or_zeros};
 use super::pointer::{Layout, free, known, matrix_mut, optional_output, output};
-use super::progress::{Caller, cata_progress, par};
+use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use catamaran::io::{
     ColumnKind, Columns, FileContent, FileFormat, Matrix, Missing, ReadOptions, Separator,
@@ -90,10 +90,7 @@ pub struct cata_table_params {
     pub comment: c_char,
 }
 
-impl Versioned for cata_table_params {
-    const NAME: &'static str = "cata_table_params";
-    const FIRST_SIZE: usize = offset_of!(Self, comment) + size_of::<c_char>();
-}
+params!(cata_table_params, comment: c_char);
 
 /// A matrix that was read, and what is known about its columns. Made by cata_table_read.
 pub struct cata_table {
@@ -142,9 +139,9 @@ pub unsafe extern "C" fn cata_table_read(
         };
         // SAFETY: the caller's promise.
         let options = unsafe { params.options() }?;
-        let caller = Caller::new(params.progress, params.progress_user);
+        let caller = params.caller();
         let found = caller.with(|progress| read_file(&path, &options.progress(progress)))?;
-        *place = Box::into_raw(Box::new(cata_table::of(found)?));
+        hand_over(place, cata_table::of(found)?);
         Ok(())
     })
 }
