@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "check.h"
+#include "check.hpp"
 
 int second_unit();  // test_cpp_second.cpp: the header in two translation units
 
@@ -22,17 +22,6 @@ using catamaran::uplo;
 
 static_assert(!std::is_copy_constructible<catamaran::backend>::value, "one owner");
 static_assert(std::is_nothrow_move_constructible<catamaran::backend>::value, "movable");
-
-template <class F>
-cata_status status_of(F call) {
-    try {
-        call();
-        return CATA_OK;
-    } catch (const catamaran::error& error) {
-        CHECK(std::string(error.what()) != "");
-        return error.status();
-    }
-}
 
 void products() {
     const std::vector<double> data{1, 2, 3, 4, 5, 6};

@@ -7,22 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "check.h"
+#include "check.hpp"
 
 namespace {
 
 using vertex_list = std::vector<std::array<double, 3>>;
 using face_list = std::vector<std::array<std::uint32_t, 3>>;
-
-template <class Call>
-cata_status status_of(const Call& call) {
-    try {
-        call();
-        return CATA_OK;
-    } catch (const catamaran::error& error) {
-        return error.status();
-    }
-}
 
 // The unit square, side x side vertices.
 struct square {

@@ -9,19 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "check.h"
+#include "check.hpp"
 
 namespace {
-
-template <class Call>
-cata_status status_of(const Call& call) {
-    try {
-        call();
-        return CATA_OK;
-    } catch (const catamaran::error& error) {
-        return error.status();
-    }
-}
 
 const std::vector<std::array<double, 3>> octahedron{{{1, 0, 0}},  {{-1, 0, 0}}, {{0, 1, 0}},
                                                     {{0, -1, 0}}, {{0, 0, 1}},  {{0, 0, -1}}};

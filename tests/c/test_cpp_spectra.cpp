@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "check.h"
+#include "check.hpp"
 
 namespace {
 
@@ -15,41 +15,12 @@ using catamaran::basis;
 using catamaran::col_major;
 using catamaran::layout;
 
-template <class Call>
-cata_status status_of(Call call) {
-    try {
-        call();
-    } catch (const catamaran::error& error) {
-        return error.status();
-    }
-    return CATA_OK;
-}
-
 const double pi = std::acos(-1.0);
-
-// The path of n nodes, whose eigenvalues are 2 - 2 cos(pi i / n).
-struct path {
-    explicit path(std::size_t n) : starts{0} {
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t j = i ? i - 1 : 0; j <= i + 1 && j < n; ++j) {
-                columns.push_back(j);
-                entries.push_back(i != j ? -1 : i == 0 || i == n - 1 ? 1 : 2);
-            }
-            starts.push_back(columns.size());
-        }
-    }
-
-    catamaran::sparse_view view() const {
-        return {starts.size() - 1, starts.data(), columns.data(), entries.data()};
-    }
-
-    std::vector<std::size_t> starts, columns;
-    std::vector<double> entries;
-};
 
 void slices_and_counts() {
     const std::size_t n = 100, k = 6;
-    const path line(n);
+    // The path of n nodes, whose eigenvalues are 2 - 2 cos(pi i / n).
+    const tridiagonal line(n, 2, 1);
     const auto value = [&](double i) { return 2 - 2 * std::cos(pi * i / n); };
     CHECK(catamaran::count_below(line.view(), value(k - 0.5)) == k);
     CHECK(catamaran::count_below(line.view(), value(k - 0.5) / 2, std::vector<double>(n, 2)) == k);

@@ -11,24 +11,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "check.h"
+#include "check.hpp"
 
 namespace {
 
 static_assert(!std::is_copy_constructible<catamaran::plant>::value, "one owner");
 static_assert(std::is_nothrow_move_constructible<catamaran::rods>::value, "movable");
 static_assert(std::is_nothrow_move_assignable<catamaran::slime>::value, "movable");
-
-template <class F>
-cata_status status_of(F call) {
-    try {
-        call();
-        return CATA_OK;
-    } catch (const catamaran::error& error) {
-        CHECK(std::string(error.what()) != "");
-        return error.status();
-    }
-}
 
 void plants() {
     const catamaran::plant_segments stem{{{{0, 0, 0.1}}, {{0, 0, 0.2}}},

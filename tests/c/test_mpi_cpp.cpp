@@ -6,19 +6,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "check.h"
+#include "check.hpp"
 
 namespace {
-
-template <class Call>
-cata_status status_of(Call call) {
-    try {
-        call();
-    } catch (const catamaran::error& error) {
-        return error.status();
-    }
-    return CATA_OK;
-}
 
 // Row (rank + 1, 2) on each rank.
 void products(const catamaran::world& world) {
