@@ -149,12 +149,15 @@ pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix
         MatrixFormat::Npy => Ok((npy::read(&mut source, options.columns.as_ref())?, Vec::new())),
         MatrixFormat::Mtx => Ok((mtx::read(&mut source, options.columns.as_ref())?, Vec::new())),
         MatrixFormat::Table(_) => csv::read(&mut source, options.columns.as_ref()),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(source.fail("HDF5 is read by rows (RowFile)")),
     }
 }
 
 /// Writes `matrix` (any shape and strides) into `output`, in the format of its name, and lets it
 /// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables
-/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
+/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back;
+/// HDF5 (`.h5`, `.hdf5`, `.he5`, feature `hdf5`) with the dataset `/matrix`.
 ///
 /// ```
 /// use catamaran::{faer::mat, io::{Output, Overwrite, write}};
@@ -169,10 +172,16 @@ pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+    #[cfg(feature = "hdf5")]
+    if MatrixFormat::of(output.path())?.0 == MatrixFormat::Hdf5 {
+        return self::hdf5::write_matrix(output, matrix);
+    }
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "real"),
         MatrixFormat::Table(separator) => csv::write(sink, matrix, separator),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(std::io::Error::other("HDF5 is not written as a stream")),
     })
 }
 
@@ -193,10 +202,16 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
+    #[cfg(feature = "hdf5")]
+    if MatrixFormat::of(output.path())?.0 == MatrixFormat::Hdf5 {
+        return self::hdf5::write_integers(output, matrix);
+    }
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_integers(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "integer"),
         MatrixFormat::Table(separator) => csv::write(sink, matrix, separator),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(std::io::Error::other("HDF5 is not written as a stream")),
     })
 }
 

@@ -51,6 +51,11 @@ impl Table {
         Self { a, with: With::Order(order) }
     }
 
+    /// Returns how many rows of A are packed together.
+    pub fn chunk_rows(&self) -> usize {
+        self.a.chunk_rows()
+    }
+
     /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         self.a.shape().0

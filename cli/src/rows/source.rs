@@ -19,7 +19,7 @@ use crate::claims::file_of;
 use crate::input;
 use crate::progress::Bar;
 use crate::ranks::Ranks;
-use crate::report::{seconds, status};
+use crate::report::{note, seconds, status};
 
 /// The matrix A.
 pub struct Source {
@@ -38,6 +38,9 @@ enum Content {
 pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> Result<Source> {
     let start = Instant::now();
     let source = Source::open(path, columns)?;
+    if let Content::File(file) = &source.content {
+        notes_of(file);
+    }
     let (m, n) = source.shape();
     let time = (!source.is_file()).then(|| start.elapsed());
     let how = time.map_or("read by blocks".into(), |time| format!("read in {}", seconds(time)));
@@ -54,6 +57,13 @@ pub fn open(label: &'static str, path: &Path, columns: Option<Range<usize>>) -> 
         "{path}: {m} x {n}, {kind}, {how}"
     )?;
     Ok(source)
+}
+
+/// Prints what a user may not expect of the rows of a file.
+fn notes_of(file: &RowFile) {
+    for line in file.notes() {
+        note(format_args!("{}: {line}", file.path().display()));
+    }
 }
 
 /// Rows that a thread may read.
@@ -105,6 +115,14 @@ impl Source {
         match &self.content {
             Content::File(file) => (file.nrows(), file.ncols()),
             Content::Whole(matrix) => (matrix.nrows(), matrix.ncols()),
+        }
+    }
+
+    /// Returns how many rows are packed together; 1 where rows are not packed.
+    pub fn chunk_rows(&self) -> usize {
+        match &self.content {
+            Content::File(file) => file.chunk_rows(),
+            Content::Whole(_) => 1,
         }
     }
 
@@ -304,8 +322,12 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
 
 /// Reads the `m` weights in a file with one row or one column.
 pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
-    let (matrix, _) = read(path, "weights", None)?;
-    let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
+    // Also of FILE.h5:/dataset.
+    let source = Source::open(path, None)?;
+    if let Content::File(file) = &source.content {
+        notes_of(file);
+    }
+    let (nrows, ncols) = source.shape();
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
         bail!(
             "{}: {nrows} x {ncols} where the {m} rows of {} need {m} weights",
@@ -314,7 +336,7 @@ pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
         );
     }
     let mut values = Mat::zeros(nrows, ncols);
-    rows_of::<f64>(&matrix).read(0, values.as_mut())?;
+    source.rows::<f64>(false)?.read(0, values.as_mut())?;
     let weights: Vec<f64> =
         (0..m).map(|i| if ncols == 1 { values[(i, 0)] } else { values[(0, i)] }).collect();
     match weights.iter().position(|w| !w.is_finite()) {
