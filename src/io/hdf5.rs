@@ -114,6 +114,16 @@ impl Hdf5Writer {
     }
 }
 
+/// Returns the version of the HDF5 library, such as `1.10.8`.
+///
+/// ```
+/// assert_eq!(catamaran::io::hdf5_version().split('.').count(), 3);
+/// ```
+pub fn hdf5_version() -> String {
+    let (major, minor, patch) = ::hdf5::library_version();
+    format!("{major}.{minor}.{patch}")
+}
+
 /// The dataset of a file with one matrix.
 const MATRIX: &str = "matrix";
 

@@ -35,6 +35,8 @@ mod xz;
 use std::ops::Range;
 use std::path::Path;
 
+#[cfg(feature = "hdf5")]
+pub use self::hdf5::hdf5_version;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 use faer::MatRef;
