@@ -35,6 +35,8 @@ mod xz;
 
 use std::path::Path;
 
+#[cfg(feature = "hdf5")]
+pub use self::hdf5::hdf5_version;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 pub use columns::Columns;
@@ -204,7 +206,8 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
 
 /// Writes `matrix` (any shape and strides) into `output`, in the format of its name, and lets it
 /// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables
-/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
+/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back;
+/// HDF5 (`.h5`, `.hdf5`, `.he5`, feature `hdf5`) with the dataset `/matrix`.
 ///
 /// ```
 /// use catamaran::{faer::mat, io::{Output, Overwrite, write}};
@@ -219,10 +222,16 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+    #[cfg(feature = "hdf5")]
+    if MatrixFormat::of(output.path())?.0 == MatrixFormat::Hdf5 {
+        return hdf5::write_matrix(output, matrix);
+    }
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "real"),
         MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(std::io::Error::other("HDF5 is not written as a stream")),
     })
 }
 
@@ -243,14 +252,14 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io), also where the name ends in that of a text table, whose fields
-/// are real numbers; no file is left behind then.
+/// [`Error::Io`](crate::Error::Io), also where the name ends in that of a text table or of HDF5,
+/// which hold real numbers; no file is left behind then.
 pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
     check_complex_name(output.path())?;
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_complex(sink, matrix),
         MatrixFormat::Mtx => mtx::write_complex(sink, matrix),
-        MatrixFormat::Table(_) => Ok(()),
+        _ => Err(std::io::Error::other(NO_COMPLEX)),
     })
 }
 
@@ -266,13 +275,14 @@ pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
 /// # Errors
 /// [`Error::Io`](crate::Error::Io) when it does not.
 pub fn check_complex_name(path: &Path) -> Result<()> {
-    match MatrixFormat::of(path)? {
-        (MatrixFormat::Table(_), _) => {
-            Err(Error::file(path, "complex numbers: the name must end in .npy or .mtx"))
-        }
-        _ => Ok(()),
+    match MatrixFormat::of(path)?.0 {
+        MatrixFormat::Npy | MatrixFormat::Mtx => Ok(()),
+        _ => Err(Error::file(path, NO_COMPLEX)),
     }
 }
+
+/// The error for complex numbers in a file of a format without them.
+const NO_COMPLEX: &str = "complex numbers: the name must end in .npy or .mtx";
 
 /// Writes integers, such as numbers of vertices, as [`write()`] writes real numbers: `.npy` with
 /// entries of type i8 (64 bits), `.mtx` as a general integer array, text tables without a decimal
@@ -291,10 +301,16 @@ pub fn check_complex_name(path: &Path) -> Result<()> {
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); no file is left behind then.
 pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
+    #[cfg(feature = "hdf5")]
+    if MatrixFormat::of(output.path())?.0 == MatrixFormat::Hdf5 {
+        return hdf5::write_integers(output, matrix);
+    }
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_integers(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "integer"),
         MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(std::io::Error::other("HDF5 is not written as a stream")),
     })
 }
 
