@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::base::{Error, Par};
 use crate::io::tests::{Folder, doubles};
-use crate::io::{Columns, FileContent, Matrix, ReadOptions, read_file};
+use crate::io::{Columns, FileContent, Matrix, ReadOptions, TableFile, read_file};
 use crate::rows::RowBlocks;
 
 fn options(table: TableOptions) -> ReadOptions<'static> {
