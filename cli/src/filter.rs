@@ -24,6 +24,7 @@ use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::{note, status};
 use crate::shape::{self, LaplacianArgs, Shape};
+use crate::tables::TableArgs;
 
 /// Frequencies up to this share of the highest count as zero: rounding leaves those of constants
 /// there.
@@ -92,6 +93,8 @@ pub struct Args {
     #[arg(long, value_name = "F")]
     functions: Option<PathBuf>,
     #[command(flatten)]
+    table: TableArgs,
+    #[command(flatten)]
     laplacian: LaplacianArgs,
     /// Output file: the mesh (.obj, .ply, .off, .stl, .glb or .gltf), or the functions (.npy, .csv,
     /// ...).
@@ -123,7 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
     let need = Need { option: "-k", len: args.k.saturating_add(1), positive: 0 };
     let shape = args.laplacian.shape(&args.mesh, &[need])?;
     let f = match &args.functions {
-        Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices())?,
+        Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices(), &args.table)?,
         None => coordinates(&shape.file.mesh),
     };
     let g = if args.order <= 1 {

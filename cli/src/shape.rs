@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::check_request;
 use catamaran::faer::Mat;
-use catamaran::io::{self as files, Matrix, ReadOptions};
+use catamaran::io::{self as files, Matrix};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran_geometry::mesh::io::MeshFile;
 use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
@@ -15,11 +15,11 @@ use clap::ValueEnum;
 
 use crate::common::Threads;
 use crate::defaults::variant;
-use crate::input::{self, MeshArgs};
+use crate::input::MeshArgs;
 use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
 use crate::report::status;
-use crate::tables;
+use crate::tables::{self, TableArgs};
 
 /// The options of the Laplacian.
 #[derive(clap::Args)]
@@ -147,8 +147,8 @@ impl LaplacianArgs {
 }
 
 /// Reads a matrix of finite numbers with a row for each of `rows` vertices.
-pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
-    let matrix = dense(path)?;
+pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>> {
+    let matrix = dense(path, table)?;
     if matrix.nrows() != rows {
         bail!("{}: {} rows for {rows} vertices", path.display(), matrix.nrows());
     }
@@ -160,8 +160,8 @@ pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
 }
 
 /// Reads a dense matrix of numbers.
-pub fn dense(path: &Path) -> Result<Mat<f64>> {
-    let content = files::read_file(path, &ReadOptions::new().max_memory(input::limit()))?;
+pub fn dense(path: &Path, table: &TableArgs) -> Result<Mat<f64>> {
+    let content = files::read_file(path, &table.read())?;
     if let Some(reading) = &content.reading {
         tables::say(path, reading)?;
     }
@@ -181,8 +181,8 @@ pub fn column(vertices: &[u32]) -> Mat<i64> {
 }
 
 /// Reads a whole number of at least 0 for each of `rows` vertices.
-pub fn labels(path: &Path, rows: usize) -> Result<Vec<u32>> {
-    let matrix = functions(path, rows)?;
+pub fn labels(path: &Path, rows: usize, table: &TableArgs) -> Result<Vec<u32>> {
+    let matrix = functions(path, rows, table)?;
     if matrix.ncols() != 1 {
         bail!("{}: {} columns instead of 1", path.display(), matrix.ncols());
     }
@@ -197,8 +197,8 @@ pub fn labels(path: &Path, rows: usize) -> Result<Vec<u32>> {
 
 /// Reads a matrix of vertex numbers: column j has numbers of vertices of a mesh with `counts[j]`
 /// vertices.
-pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
-    let matrix = dense(path)?;
+pub fn vertices(path: &Path, counts: &[usize], table: &TableArgs) -> Result<Vec<Vec<u32>>> {
+    let matrix = dense(path, table)?;
     if matrix.ncols() != counts.len() {
         bail!("{}: {} columns instead of {}", path.display(), matrix.ncols(), counts.len());
     }

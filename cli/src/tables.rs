@@ -29,14 +29,28 @@ const NAMES: [(&str, char); 9] = [
     ("apostrophe", '\''),
 ];
 
-/// How a file with a matrix is read. By default the file decides; where it has several readings,
-/// an error names the option that decides.
+/// Which columns of A are used, and how its file is read.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub struct TableArgs {
+pub struct MatrixArgs {
     /// Use these columns of A only: names in the header of a text table, numbers counted from 0,
     /// ranges FIRST..END without END, or a list of these between commas.
     #[arg(long, value_name = "COLUMNS", value_parser = columns)]
     columns: Option<Columns>,
+    #[command(flatten)]
+    pub table: TableArgs,
+}
+
+impl MatrixArgs {
+    /// Returns the options of the library, within the memory that an input may take.
+    pub fn read<'a>(&self) -> ReadOptions<'a> {
+        self.table.read().columns(self.columns.clone().unwrap_or(Columns::ALL))
+    }
+}
+
+/// How a file with a matrix is read. By default the file decides; where it has several readings,
+/// an error names the option that decides.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct TableArgs {
     /// What separates fields: a character, or tab, comma, semicolon, bar or blank.
     #[arg(long, value_name = "CHARACTER", value_parser = character, help_heading = HEADING)]
     separator: Option<char>,
@@ -82,14 +96,13 @@ pub struct TableArgs {
 }
 
 impl TableArgs {
-    /// Returns the same options for a table of which all columns are used.
-    pub fn with_all_columns(&self) -> Self {
-        Self { columns: None, ..self.clone() }
-    }
-
-    /// Returns the columns that are used.
-    pub fn columns(&self) -> Columns {
-        self.columns.clone().unwrap_or(Columns::ALL)
+    /// Returns the options of the library for the weights of the rows, which have the notation of
+    /// A, but rows and columns of their own.
+    pub fn of_weights<'a>(&self) -> ReadOptions<'a> {
+        let Self { separator, decimal, thousands, comment, .. } = *self;
+        let (missing_words, encoding) = (self.missing_words.clone(), self.encoding.clone());
+        let others = Self::default();
+        Self { separator, decimal, thousands, comment, missing_words, encoding, ..others }.read()
     }
 
     /// Returns the options of the library, within the memory that an input may take.
@@ -106,11 +119,7 @@ impl TableArgs {
             .encoding(self.encoding.clone());
         table.skip = self.skip.unwrap_or(table.skip);
         table.missing = self.missing.unwrap_or(table.missing);
-        ReadOptions::new()
-            .columns(self.columns())
-            .format(self.format)
-            .table(table)
-            .max_memory(input::limit())
+        ReadOptions::new().format(self.format).table(table).max_memory(input::limit())
     }
 }
 

@@ -28,6 +28,7 @@ use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::{report, status};
 use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
+use crate::tables::TableArgs;
 
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
@@ -97,6 +98,8 @@ pub struct Args {
     /// correspond.
     #[arg(long, value_names = ["SOURCE", "TARGET"], num_args = 2)]
     segments: Option<Vec<PathBuf>>,
+    #[command(flatten)]
+    table: TableArgs,
     /// Also make the functional map commute with multiplication by heat kernels around landmarks
     /// and by the indicators of segments. Slower, but needs fewer landmarks and segments.
     #[arg(long, conflicts_with_all = ["identity", "points"])]
@@ -203,7 +206,7 @@ pub fn run(args: &Args) -> Result<()> {
     let source = args.laplacian.shape(&args.source, &needs(args, "-k", lens.0))?;
     let target = args.laplacian.shape(&args.target, &needs(args, of_target, lens.1))?;
     let f = match &args.functions {
-        Some(path) => shape::functions(path, source.eigenbasis.basis().vertices())?,
+        Some(path) => shape::functions(path, source.eigenbasis.basis().vertices(), &args.table)?,
         None => coordinates(&source.file.mesh),
     };
 
@@ -349,7 +352,7 @@ fn correspondence(
 ) -> Result<Vec<u32>> {
     let (n, m) = (source.eigenbasis.basis().vertices(), target.eigenbasis.basis().vertices());
     if let Some(path) = &args.points {
-        let points = shape::vertices(path, &[n])?;
+        let points = shape::vertices(path, &[n], &args.table)?;
         if points.len() != m {
             bail!("{}: {} rows for {m} vertices of the target", path.display(), points.len());
         }
@@ -367,7 +370,7 @@ fn correspondence(
     let update = |fraction| bar.update(fraction);
     let mut fit = MapFit::new(&low.0, &low.1, par).progress(&update);
     if let Some(path) = &args.landmarks {
-        let pairs = shape::vertices(path, &[n, m])?;
+        let pairs = shape::vertices(path, &[n, m], &args.table)?;
         let pairs: Vec<(u32, u32)> = pairs.iter().map(|pair| (pair[0], pair[1])).collect();
         fit.landmarks(&pairs)?;
         if args.operators {
@@ -377,7 +380,8 @@ fn correspondence(
         }
     }
     if let Some([source_path, target_path]) = args.segments.as_deref() {
-        let labels = [shape::labels(source_path, n)?, shape::labels(target_path, m)?];
+        let labels = |path, rows| shape::labels(path, rows, &args.table);
+        let labels = [labels(source_path, n)?, labels(target_path, m)?];
         fit.segments(&labels[0], &labels[1])
             .with_context(|| format!("{}, {}", source_path.display(), target_path.display()))?;
         if args.operators {

@@ -27,7 +27,7 @@ use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{note, report, seconds, status};
 use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, open, read_weights};
-use crate::tables::{MatrixFile, TableArgs};
+use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
 
@@ -47,7 +47,7 @@ pub struct Args {
     #[arg(short, long, value_name = "C")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    table: TableArgs,
+    matrix: MatrixArgs,
     /// Triangle of C to compute; the other triangle is zero in the output.
     #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
     uplo: Uplo,
@@ -156,13 +156,12 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         accumulator: create(&args.accumulator)?,
     };
 
-    let a = open("A", &args.input, &args.table)?;
-    let m = a.shape().0;
+    let a = open("A", &args.input, &args.matrix.read())?;
     if ranks.size() > 1 {
         ranks.report()?;
     }
     let weights = match &args.weights {
-        Some(path) => Some(read_weights(path, &args.input, m)?),
+        Some(path) => Some(read_weights(path, &a, &args.matrix.table)?),
         None => None,
     };
     let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend };

@@ -22,7 +22,7 @@ use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::rows::{CheckpointArgs, Source, fingerprint, open, read_weights};
-use crate::tables::{MatrixFile, TableArgs};
+use crate::tables::{MatrixArgs, MatrixFile, TableArgs};
 
 /// Most lines of a table on the screen.
 pub const SHOWN: usize = 50;
@@ -35,7 +35,7 @@ pub struct GramArgs {
     #[arg(value_name = "A")]
     input: MatrixFile,
     #[command(flatten)]
-    table: TableArgs,
+    matrix: MatrixArgs,
     #[command(flatten)]
     threads: Threads,
     /// Number of rows in a block, two of which are in memory. Does not change the result [default:
@@ -55,8 +55,8 @@ impl GramArgs {
     }
 
     /// Returns how other tables than A are read.
-    pub fn other_tables(&self) -> TableArgs {
-        self.table.with_all_columns()
+    pub fn other_tables(&self) -> &TableArgs {
+        &self.matrix.table
     }
 
     /// Returns the threads of the library that do the work.
@@ -71,7 +71,7 @@ impl GramArgs {
 
     /// Opens A.
     pub fn open(&self) -> Result<Source> {
-        open("A", &self.input, &self.table)
+        open("A", &self.input, &self.matrix.read())
     }
 }
 
@@ -102,7 +102,7 @@ impl<'a> Pass<'a> {
         }
         let weights = match weights {
             Some(path) => {
-                let weights = read_weights(path, &args.input, table.nrows())?;
+                let weights = read_weights(path, table.a(), args.other_tables())?;
                 check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
                 if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
                     bail!("{}: all weights are zero", path.display());

@@ -35,6 +35,8 @@ impl Table {
 
     /// Returns the rows of `[A B]`.
     pub fn joined(a: Source, b: Source) -> Result<Self> {
+        a.refuse_dropped(b.path())?;
+        b.refuse_dropped(a.path())?;
         let ((m, _), (rows, columns)) = (a.shape(), b.shape());
         if rows != m {
             bail!(
@@ -49,6 +51,11 @@ impl Table {
     /// Returns the rows of A with its columns in this order, a permutation.
     pub fn ordered(a: Source, order: Vec<usize>) -> Self {
         Self { a, with: With::Order(order) }
+    }
+
+    /// Returns A.
+    pub fn a(&self) -> &Source {
+        &self.a
     }
 
     /// Returns the number of rows.

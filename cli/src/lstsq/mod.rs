@@ -134,7 +134,7 @@ fn rows(args: &Args) -> Result<Rows> {
     let a = args.gram.open()?;
     let mut columns = a.column_names();
     if let Some(path) = &args.b {
-        let b = open("B", path, &args.gram.other_tables())?;
+        let b = open("B", path, &args.gram.other_tables().read())?;
         let targets = b.column_names();
         return Ok(Rows { table: Table::joined(a, b)?, columns, targets });
     }

@@ -42,9 +42,9 @@ enum Content {
 const STREAMED: u64 = 32 << 20;
 
 /// Opens a matrix, and reports its size and kind.
-pub fn open(label: &'static str, path: &Path, table: &TableArgs) -> Result<Source> {
+pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Result<Source> {
     let start = Instant::now();
-    let source = Source::open(path, table)?;
+    let source = Source::open(path, options)?;
     if let Some(reading) = source.reading() {
         tables::say(path, reading)?;
     }
@@ -70,19 +70,18 @@ pub fn open(label: &'static str, path: &Path, table: &TableArgs) -> Result<Sourc
 pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 
 impl Source {
-    /// Opens `.npy` and HDF5 files and large text tables, and reads all others.
-    pub fn open(name: &Path, table: &TableArgs) -> Result<Self> {
+    /// Opens `.npy`, HDF5 and columnar files and large text tables, and reads all others.
+    pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
         let (mut names, mut chosen) = (Vec::new(), Vec::new());
-        let options = table.read();
         let content = if options.format.is_none() && RowFile::is_one(name) {
             let file = RowFile::open(name)?;
             chosen = named(name, options.columns.of(&[], file.ncols()))?;
             Content::File(file)
-        } else if let Some(file) = large_table(name, &options)? {
+        } else if let Some(file) = large_table(name, options)? {
             names = file.reading().names();
             Content::Table(file)
         } else {
-            let content = read(name, "reading", &options)?;
+            let content = read(name, "reading", options)?;
             names = content.names.clone();
             Content::Whole(content)
         };
@@ -94,12 +93,28 @@ impl Source {
         &self.name
     }
 
-    /// Returns how the text table was read; `None` for other formats.
+    /// Returns how the text table or columnar file was read; `None` for other formats.
     pub fn reading(&self) -> Option<&TableReading> {
         match &self.content {
             Content::File(_) => None,
             Content::Table(file) => Some(file.reading()),
             Content::Whole(content) => content.reading.as_ref(),
+        }
+    }
+
+    /// Refuses a table without some of its rows, where each row belongs to one of another file.
+    ///
+    /// # Errors
+    /// Rows with a missing cell were left out.
+    pub fn refuse_dropped(&self, other: &Path) -> Result<()> {
+        match self.reading().map_or(0, |reading| reading.dropped_rows) {
+            0 => Ok(()),
+            count => bail!(
+                "{}: --missing drop leaves out rows ({count}), so that the rows of {} are no longer \
+                 theirs: it needs all columns in one table",
+                self.name.display(),
+                other.display()
+            ),
         }
     }
 
@@ -356,9 +371,12 @@ fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
     }
 }
 
-/// Opens a text table that is read block by block, if the file is a large one.
+/// Opens a table that is read block by block: a large one of text, or any in a columnar format,
+/// which is opened without being read.
 fn large_table(path: &Path, options: &ReadOptions<'_>) -> Result<Option<TableFile>> {
-    if !fs::metadata(path).is_ok_and(|about| about.is_file() && about.len() >= STREAMED) {
+    let is_columnar = options.format.is_none() && TableFile::is_columnar(path);
+    let is_streamed = |len: u64| is_columnar || len >= STREAMED;
+    if !fs::metadata(path).is_ok_and(|about| about.is_file() && is_streamed(about.len())) {
         return Ok(None);
     }
     let bar = Bar::new("reading");
@@ -382,9 +400,11 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
     }
 }
 
-/// Reads the `m` weights in a file with one row or one column.
-pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
-    let FileContent { matrix, reading, .. } = read(path, "weights", &TableArgs::default().read())?;
+/// Reads the weights of the rows of A from a file with one row or one column.
+pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f64>> {
+    a.refuse_dropped(path)?;
+    let m = a.shape().0;
+    let FileContent { matrix, reading, .. } = read(path, "weights", &table.of_weights())?;
     if let Some(reading) = &reading {
         tables::say(path, reading)?;
     }
@@ -393,7 +413,7 @@ pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
         bail!(
             "{}: {nrows} x {ncols} where the {m} rows of {} need {m} weights",
             path.display(),
-            input.display()
+            a.path().display()
         );
     }
     let mut values = Mat::zeros(nrows, ncols);

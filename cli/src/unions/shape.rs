@@ -20,6 +20,7 @@ use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::report::{note, report, status};
 use crate::shape::dense;
+use crate::tables::TableArgs;
 
 /// Deform a mesh until it has a given spectrum: the shape of a predicted union.
 ///
@@ -35,6 +36,8 @@ pub struct Args {
     /// `unions predict -o`.
     #[arg(long, value_name = "FILE")]
     spectrum: PathBuf,
+    #[command(flatten)]
+    table: TableArgs,
     /// Number of eigenvalues to use, the first ones of the table [default: all].
     #[arg(short, value_name = "K", value_parser = parse::at_least_one)]
     k: Option<usize>,
@@ -66,7 +69,7 @@ pub fn run(args: &Args) -> Result<()> {
     let closed = Edges::new(&template).boundary().next().is_none();
     let boundary = if closed { Boundary::Neumann } else { Boundary::Dirichlet };
     Pieces::new(&template, &args.template, &args.repair, &boundary)?.note();
-    let table = dense(&args.spectrum)?;
+    let table = dense(&args.spectrum, &args.table)?;
     let named = || args.spectrum.display().to_string();
     let last = table.ncols().checked_sub(1).context("no columns").with_context(named)?;
     if closed && is_predicted(&args.spectrum) {

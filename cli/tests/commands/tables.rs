@@ -1,9 +1,12 @@
 //! Tables as people have them: the options of all commands that read matrices, and what they say.
 
+use std::collections::BTreeSet;
+use std::fs;
 use std::io::Write;
+use std::path::Path;
 use std::process::Stdio;
 
-use crate::common::Folder;
+use crate::common::{Folder, oracle};
 
 /// What `ata` computes of `[[1, 2], [3, 5], [4, 4]]`.
 const C: [f64; 4] = [26.0, 33.0, 33.0, 45.0];
@@ -82,4 +85,154 @@ fn stdin_and_files_without_an_ending_are_read_by_their_content() {
         assert!(child.wait().unwrap().success());
         assert_eq!(folder.read_npy::<f64>("d.npy", &[2; 2]), C);
     }
+}
+
+#[test]
+fn every_command_that_reads_tables_has_the_same_options() {
+    let folder = Folder::new();
+    let options = |command: &str| -> BTreeSet<String> {
+        let help = folder.succeed(&format!("{command} --help"));
+        let (_, tables) = help.split_once("Options of input tables:").expect(command);
+        let lines =
+            tables.lines().skip(1).take_while(|line| line.is_empty() || line.starts_with(' '));
+        let names = lines.filter_map(|line| line.trim_start().strip_prefix("--"));
+        names.map(|name| name.split_whitespace().next().unwrap().to_owned()).collect()
+    };
+    let known = options("ata");
+    for name in ["separator", "decimal", "thousands", "header", "no-header", "skip", "comment"] {
+        assert!(known.contains(name), "{name}");
+    }
+    for name in ["missing", "missing-words", "index", "no-index", "encoding", "format"] {
+        assert!(known.contains(name), "{name}");
+    }
+    for command in ["lstsq", "pca", "svd", "filter", "transfer", "unions shape"] {
+        assert_eq!(options(command), known, "{command}");
+    }
+}
+
+#[test]
+fn rows_that_belong_to_those_of_another_file_are_not_dropped() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x\n1\nNA\n3\n4\n");
+    folder.write("b.csv", "y\n1\n2\nNA\n5\n");
+    folder.write("c.csv", "y\n1\n2\n3\n5\n");
+    for (command, dropped, other) in [
+        ("lstsq a.csv b.csv --missing drop", "a.csv", "b.csv"),
+        ("lstsq a.csv c.csv --missing drop", "a.csv", "c.csv"),
+        ("lstsq c.csv a.csv --missing drop", "a.csv", "c.csv"),
+        ("ata a.csv --weights c.csv --missing drop", "a.csv", "c.csv"),
+        ("pca a.csv --weights c.csv --missing drop", "a.csv", "c.csv"),
+    ] {
+        let said = folder.run(command).stderr;
+        let why =
+            format!("{dropped}: --missing drop leaves out rows (1), so that the rows of {other}");
+        assert!(said.contains(&why), "{command}: {said}");
+    }
+    // Weights have the notation of A.
+    folder.write("d.csv", "x;y\n1;2\n3;5\n4;4\n");
+    folder.write("w.csv", "1,000\n2,000\n1,000\n");
+    folder.succeed("ata d.csv --weights w.csv --decimal , --header -o c.npy");
+    let weighted = [1.0 + 18.0 + 16.0, 2.0 + 30.0 + 16.0, 48.0, 4.0 + 50.0 + 16.0];
+    assert_eq!(folder.read_npy::<f64>("c.npy", &[2; 2]), weighted);
+}
+
+/// The rows of `inputs/tables/a.csv.xz` and of the arrays beside it.
+const RANDOM: [f64; 18] = [
+    0.001_230_153_357_482_574_2,
+    0.298_745_537_508_469_9,
+    -0.274_137_855_362_217_6,
+    -0.890_591_838_757_274_2,
+    -0.454_670_785_171_722_55,
+    -0.991_646_554_996_462_4,
+    0.060_143_602_597_438_485,
+    1.340_215_245_554_533_5,
+    -0.492_206_518_551_329_63,
+    -0.620_474_899_819_940_4,
+    0.489_842_050_185_198_2,
+    0.356_887_008_160_060_75,
+    0.105_414_248_997_898_56,
+    -0.930_468_044_708_204_7,
+    -0.029_251_822_463_273_49,
+    0.695_303_194_458_287_8,
+    -1.344_214_547_285_082,
+    -0.457_615_761_040_218_17,
+];
+
+/// Every file of `inputs/tables` in the folder that `CATAMARAN_DATA` names.
+#[test]
+fn every_table_that_people_sent_is_read_right_or_says_what_decides() {
+    let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
+    let inputs = Path::new(&data).join("inputs/tables");
+    if !inputs.is_dir() {
+        return;
+    }
+    let small = vec![1.0, 2.0, 3.0, 5.0, 4.0, 4.0];
+    let spectra = vec![0.10, 0.20, 0.30, 0.11, 0.25, 0.28, 0.09, 0.18, 0.35, 0.15, 0.22, 0.31];
+    let populations = vec![10e3, 5.5e3, 12.5e3, 6.1e3, 9.75e3, 4.8e3, 11e3, 7e3];
+    let complete = vec![1.0, 2.0, 4.0, 5.0, 6.0, 8.0];
+    let german = vec![0.5, 1.25, 20.0, 1.0, 1.75, 21.5, 1.5, 2.5, 19.25, 2.0, 2.0, 22.0];
+    let positive: Vec<f64> = RANDOM.map(|x| x.max(0.0)).into();
+    let is_positive: Vec<f64> = RANDOM.map(|x| f64::from(x > 0.0)).into();
+    let read = [
+        ("thousands_quoted_head.csv --thousands ,", 2, populations),
+        ("spectra.csv --columns 1..4", 3, spectra.clone()),
+        ("spectra.csv", 3, spectra.clone()),
+        ("spectra_num.csv --header", 3, spectra),
+        ("r_writetable.txt", 3, vec![1.5, 2.0, 0.5, 3.5, 5.0, 0.25, 4.0, 4.0, 1.0, 6.0, 1.0, 2.0]),
+        ("na_first.csv --missing drop", 2, small.clone()),
+        ("infnames.csv", 2, small.clone()),
+        ("decimal_comma.csv", 3, german),
+        ("thousands_de.csv --columns 1..3", 2, vec![1299.99, 3.0, 899.5, 5.0, 2100.0, 1.0]),
+        ("na_words.csv --missing drop", 2, complete.clone()),
+        ("na_empty.csv --missing drop", 2, complete),
+        ("utf16.csv", 2, small.clone()),
+        ("pipe.csv", 2, small.clone()),
+        ("trailing_comma.csv", 2, small.clone()),
+        ("trailing_comment.txt", 2, small.clone()),
+        ("cr_only.csv", 2, small.clone()),
+        ("savetxt_header.csv", 2, small),
+        ("tab_blank_mixed.txt", 3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 1.0]),
+        ("quoted_head_semi.csv", 2, vec![1.0, 2.0, 2.0, 4.5, 3.0, 5.0]),
+        ("quoted_head_comma.csv", 2, vec![170.0, 65.0, 180.0, 80.0, 165.0, 58.0, 175.0, 77.0]),
+        ("names_comma.csv", 2, vec![1.0, 3.0, 2.0, 4.0, 4.0, 9.0]),
+        ("fortran_d.txt", 2, vec![1.0, 0.25, 3.0, 10.0, 2.0, 0.0]),
+        ("dexp.mtx", 2, vec![1.0, 0.0, 0.25, -4.0]),
+        ("bool.npy", 3, is_positive),
+        ("g.npy", 3, RANDOM.into()),
+        ("one.npz", 3, RANDOM.into()),
+        ("one.npz:a", 3, RANDOM.into()),
+        ("sparse.npz", 3, positive),
+        ("a.csv.xz", 3, RANDOM.into()),
+        ("c.npy.xz", 3, RANDOM.into()),
+    ];
+    let refused = [
+        ("thousands_quoted_head.csv", ":2: column 1", "--decimal or --thousands decides"),
+        ("spectra_num.csv", ":1: ", "--header or --no-header decides"),
+        ("na_first.csv", ":1: column 1: \"NA\"", "--missing drop"),
+        ("na_words.csv", ":3: column 1 (x): \"NA\"", "--missing drop"),
+        ("na_empty.csv", ":3: column 1 (x): nothing", "--missing drop"),
+    ];
+    let folder = Folder::new();
+    let mut known: BTreeSet<String> = ["rnd.c".to_owned()].into();
+    for (call, n, a) in &read {
+        folder.succeed(&format!("ata {}/{call} -o c.npy --force", inputs.display()));
+        let found = folder.read_npy::<f64>("c.npy", &[*n; 2]);
+        for (x, y) in found.iter().zip(oracle(a, *n, None)) {
+            assert!((x - y).abs() <= 1e-12 * y.abs().max(1.0), "{call}: {found:?}");
+        }
+        known.insert(call.split([' ', ':']).next().unwrap().to_owned());
+    }
+    for (name, place, option) in refused {
+        for command in ["ata FILE", "lstsq FILE --by-column 1", "pca FILE", "svd FILE"] {
+            let file = inputs.join(name).display().to_string();
+            let said = folder.fail(&command.replace("FILE", &file));
+            assert!(said.contains(&(file + place)) && said.contains(option), "{command}: {said}");
+        }
+    }
+    let complex = folder.fail(&format!("ata {}", inputs.join("herm.mtx").display()));
+    assert!(complex.contains("herm.mtx:1: entries of type \"complex\""), "{complex}");
+    known.insert("herm.mtx".into());
+    let names = fs::read_dir(&inputs).unwrap().map(|entry| entry.unwrap().file_name());
+    let unknown: Vec<_> = names.filter(|name| !known.contains(name.to_str().unwrap())).collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
 }

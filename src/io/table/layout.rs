@@ -23,6 +23,10 @@ const LEAST_ROWS: usize = 4;
 /// row must be to be taken for a name.
 const FAR: f64 = 3.0;
 
+/// Numbers of a first row that are the least or the greatest of their columns by a smaller chance
+/// than this may be names.
+const CHANCE: f64 = 0.01;
+
 /// What is done with a field of each record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
@@ -408,11 +412,13 @@ impl Found<'_> {
     /// Returns whether the numbers of the first row increase, and each is far from the other
     /// numbers of its column: [`FAR`] times farther than these are from each other, or than a
     /// single one is from 0. Numbers of three digits or more with equal steps, as years and
-    /// wavelengths, need only be outside of the range. Without a word beside them they must be
-    /// integers.
+    /// wavelengths, need only be outside of the range, and so do numbers that would all be there by
+    /// a small chance ([`CHANCE`]) if they were data: the first of m numbers is the least or the
+    /// greatest in 2 of m cases, unless the column is sorted. Without a word beside them they must
+    /// be integers.
     fn may_be_names(&self, cells: &[Cell], width: usize, must_be_integers: bool) -> bool {
         let far = if self.is_regular(width) { 0.0 } else { FAR };
-        let mut last = f64::NEG_INFINITY;
+        let (mut last, mut is_far, mut chance) = (f64::NEG_INFINITY, true, 1.0);
         for (j, cell) in cells.iter().enumerate() {
             let field = &self.sample.rows[0].fields[j];
             match cell {
@@ -429,12 +435,17 @@ impl Found<'_> {
             let low = others.iter().copied().fold(f64::INFINITY, f64::min);
             let high = others.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let reach = if others.len() > 1 { far * (high - low) } else { high.abs() };
-            if value <= last || !(low - value > reach || value - high > reach) {
+            let is_outside = |reach: f64| low - value > reach || value - high > reach;
+            if value <= last || !is_outside(0.0) {
                 return false;
+            }
+            is_far &= is_outside(reach);
+            if !others.is_sorted() && !others.iter().rev().is_sorted() {
+                chance *= 2.0 / (others.len() + 1) as f64;
             }
             last = value;
         }
-        true
+        is_far || must_be_integers && chance < CHANCE
     }
 
     /// Returns whether the first row has three numbers or more with equal steps, of 100 or more.
@@ -483,8 +494,9 @@ impl Found<'_> {
         Err(self.fail(
             first.line,
             format!(
-                "one name less than the rows have fields: {index} says whether the first column \
-                 is data, {skip} leaves lines out"
+                "{} has one name less than the rows have fields: {index} says whether the first \
+                 column is data, {skip} leaves lines out",
+                excerpt(&first.fields.join(&b' '))
             ),
         ))
     }

@@ -1,5 +1,6 @@
 //! Tests of whole tables: those that people have, and generated dialects.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use faer::Mat;
@@ -7,8 +8,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::base::{Error, Par};
-use crate::io::tests::{Folder, doubles};
-use crate::io::{Columns, FileContent, Matrix, ReadOptions, TableFile, read_file};
+use crate::io::tests::{Folder, doubles, npy};
+use crate::io::{Columns, FileContent, FileFormat, Matrix, ReadOptions, TableFile, read_file};
 use crate::rows::RowBlocks;
 
 fn options(table: TableOptions) -> ReadOptions<'static> {
@@ -113,7 +114,13 @@ fn numbers_that_may_be_names_need_an_option() {
     check(text, &header(false), rows, &[]);
     refused("1990,1991\n5,7\n6,9\n", &auto(), 1, &["`header`"]);
     refused("1990,1991,1992\n1200,1900,1700\n1300,1800,1500\n", &auto(), 1, &["`header`"]);
-    // Numbers like those below them are numbers.
+    let years = |i: usize| format!("{},{}\n", 1200 + 37 * i % 100, 1900 - 41 * i % 100);
+    let years: String = (0..25).map(years).collect();
+    refused(&format!("1990,1991\n{years}"), &auto(), 1, &["`header`"]);
+    // Numbers like those below them are numbers, and so are those at the end of a sorted column.
+    let sorted = |i: usize| format!("{},{}\n", i + 1, 100 + i * i);
+    let sorted: String = (0..25).map(sorted).collect();
+    assert_eq!(content(format!("0,99\n{sorted}"), &auto()).unwrap().matrix.nrows(), 26);
     check("1,2\n3,4\n5,6\n", &auto(), &[&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]], &[]);
     check("1,2\n3,5\n4,4\n", &auto(), SMALL, &[]);
 }
@@ -212,6 +219,7 @@ fn other_notations_are_read_when_the_file_decides() {
     let rows: &[&[f64]] = &[&[1299.99, 3.0], &[899.5, 5.0]];
     check(text, &auto().columns(1..3), rows, &["preis", "menge"]);
     check("a b\n=\"1\" \"2\"\n", &auto(), &[&[1.0, 2.0]], &["a", "b"]);
+    check("a;b\n\"1e5\";\"2,5\"\n", &auto(), &[&[1e5, 2.5]], &["a", "b"]);
     check("sep=;\nx;y\n1;2\n", &auto(), &[&[1.0, 2.0]], &["x", "y"]);
     check("1e5,2E-1\n3d2,4\n", &auto(), &[&[1e5, 0.2], &[300.0, 4.0]], &[]);
     check("x\n0,5\n2,25\n", &auto(), &[&[0.5], &[2.25]], &["x"]);
@@ -301,6 +309,59 @@ fn lines_at_the_start_may_be_skipped() {
     check("x,y\nm,kg\n1,2\n3,5\n4,4\n", &skip(1), SMALL, &["m", "kg"]);
     let reading = check("x,y\nm,kg\n1,2\n3,5\n4,4\n", &skip(2), SMALL, &[]);
     assert!(reading.to_string().contains("2 lines skipped, no header"), "{reading}");
+}
+
+#[test]
+fn messages_about_lines_above_a_table_show_them() {
+    for (text, line, shown) in [
+        ("Made by hand\nx,y\n1,2\n3,5\n", 1, "\"Made by hand\""),
+        ("Made by hand\nx,y,z\n1,2,3\n3,5,4\n", 1, "\"Made by hand\""),
+        ("Sales, made by hand\nx,y,z\n1,2,3\n3,5,4\n", 1, "\"Sales made by hand\""),
+        ("x,y\nm,kg\n1,2\n3,5\n", 2, "\"m kg\""),
+        ("size,size,mass\nx,y,z\n1,2,3\n4,5,6\n", 2, "\"x y z\""),
+        ("Title\nx\n1\n2\n", 2, "\"x\""),
+    ] {
+        refused(text, &auto(), line, &[shown, "`skip`"]);
+    }
+}
+
+#[test]
+fn the_content_says_what_a_name_does_not() {
+    let gzip = |text: &[u8]| {
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        packed.write_all(text).unwrap();
+        packed.finish().unwrap()
+    };
+    let folder = Folder::new();
+    let text = b"a;b\n1;2\n3;5\n4;4\n";
+    let array = npy("<f4", "False", "(1, 2)", &[0; 8]);
+    let market = b"%%MatrixMarket matrix array real general\n1 2\n0\n0\n";
+    for (name, bytes, rows) in [
+        ("table", text.to_vec(), 3),
+        ("a.dat", text.to_vec(), 3),
+        ("a.asc", text.to_vec(), 3),
+        ("a.txt", text.to_vec(), 3),
+        ("packed", gzip(text), 3),
+        ("packed.csv", gzip(text), 3),
+        ("packed.dat.gz", gzip(text), 3),
+        ("array", array.clone(), 1),
+        ("array.dat", gzip(&array), 1),
+        ("market", market.to_vec(), 1),
+    ] {
+        let found = read_file(&folder.file(name, bytes), &auto()).unwrap();
+        assert_eq!((found.matrix.nrows(), found.matrix.ncols()), (rows, 2), "{name}");
+    }
+    let format = auto().format(FileFormat::Table);
+    let said = read_file(&folder.file("a.npy", text), &format).map(|found| found.names);
+    assert_eq!(said.unwrap(), ["a", "b"]);
+    for (name, bytes) in [
+        ("zstd", &b"\x28\xb5\x2f\xfd....."[..]),
+        ("bzip2", b"BZh9....."),
+        ("zip", b"PK\x03\x04...."),
+    ] {
+        let said = read_file(&folder.file("a.csv", bytes), &auto()).unwrap_err().to_string();
+        assert!(said.contains(&format!("a.csv: packed by {name}: unpack it first")), "{said}");
+    }
 }
 
 #[test]
@@ -456,11 +517,11 @@ fn a_file_that_changes_while_it_is_read_is_refused() {
     assert!(other.try_clone().is_err());
 }
 
-/// The files of `../shared/inputs/tables`, if `CATAMARAN_DATA` names `../shared/inputs`.
+/// The files of `inputs/tables` in the folder that `CATAMARAN_DATA` names.
 #[test]
 fn the_tables_that_people_sent_are_read_right() {
     let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
-    let folder = Path::new(&data).join("tables");
+    let folder = Path::new(&data).join("inputs/tables");
     if !folder.is_dir() {
         return;
     }
