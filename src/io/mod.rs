@@ -190,7 +190,7 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
         return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
     }
     let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
-    let table = |(dense, reading): (Dense<f64>, TableReading)| {
+    let content = |(dense, reading): (Dense<f64>, TableReading)| {
         let numbers = reading.columns.iter().map(|column| column.number).collect();
         let numbers = ColumnNumbers::List(numbers);
         let (matrix, names) = (Matrix::F64(dense), reading.names());
@@ -199,13 +199,13 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
     let matrix = match format {
         FileFormat::Npy => npy::read(&mut source, columns)?,
         FileFormat::Mtx => mtx::read(&mut source, columns)?,
-        FileFormat::Table => return table(table::read(&mut source, &options.table, columns)?),
+        FileFormat::Table => return content(table::read(&mut source, &options.table, columns)?),
         FileFormat::Parquet | FileFormat::Arrow => {
             if source.packing() != Packing::None {
                 let what = "packed, so that its end can't be read first: unpack it first";
                 return Err(source.fail(what));
             }
-            return table(TableFile::read_columnar(path, format, options)?);
+            return content(TableFile::read_columnar(path, format, options)?);
         }
     };
     let (matrix, numbers) = matrix.select(columns)?;

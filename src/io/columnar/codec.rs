@@ -62,7 +62,7 @@ fn grow(out: &mut Vec<u8>, size: usize, most: usize) -> Result<&mut [u8], Fault>
 
 /// Appends all that `reader` gives.
 fn all(reader: impl Read, out: &mut Vec<u8>, most: usize) -> Result<(), Fault> {
-    let found = reader.take(most as u64 + 1).read_to_end(out).map_err(broken)?;
+    let found = reader.take((most as u64).saturating_add(1)).read_to_end(out).map_err(broken)?;
     if found > most { Err(too_large(found as f64)) } else { Ok(()) }
 }
 

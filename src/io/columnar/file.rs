@@ -223,12 +223,16 @@ fn scan(
     options: &ReadOptions<'_>,
 ) -> Result<(Vec<usize>, Vec<Vec<bool>>)> {
     let store = context.store;
+    // A missing cell that is an error is found in the order of rows, when they are read.
+    let drops = context.missing == Missing::Drop;
+    let missing = if drops { Missing::Drop } else { Missing::Nan };
+    let context = Context { missing, ..context };
     let mut kept = store.groups().to_vec();
     let mut seen = vec![Vec::new(); used.len()];
     for (number, kept) in kept.iter_mut().enumerate() {
         let is_needed = |used: &Used| {
             let may_miss = || store.may_miss(number, used.column.number);
-            used.words.is_some() || context.missing == Missing::Drop && may_miss()
+            used.words.is_some() || drops && may_miss()
         };
         let needed: Vec<usize> = (0..used.len()).filter(|&j| is_needed(&used[j])).collect();
         if needed.is_empty() {

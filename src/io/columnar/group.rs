@@ -69,7 +69,7 @@ impl Group {
         number: usize,
         used: impl Iterator<Item = &'a Used>,
     ) -> Result<Self> {
-        let open = |Used { column, words }: &Used| {
+        let open = |Used { column, words }: &Used| -> Result<Column> {
             let reader = context.store.column(number, column.number, words.as_ref());
             let reader = reader.map_err(|what| context.fail(number, &column.name, &what))?;
             let name = column.name.clone();

@@ -87,13 +87,13 @@ impl Batch {
     /// Returns the record batch of a message.
     pub fn of(batch: Table<'_>, block: Block) -> Result<Self, Fault> {
         let rows = count(batch.i64(0)?)?;
-        let nodes = batch.vector::<16>(1)?.iter().map(|node| {
+        let nodes = batch.vector::<16>(1)?.iter().map(|node| -> Result<usize, Fault> {
             let [len, nulls] = halves(node);
             let (len, nulls) = (count(len)?, count(nulls)?);
             if nulls > len { Err("more missing cells than rows".into()) } else { Ok(nulls) }
         });
         let nulls = nodes.collect::<Result<_, Fault>>()?;
-        let buffers = batch.vector::<16>(2)?.iter().map(|buffer| {
+        let buffers = batch.vector::<16>(2)?.iter().map(|buffer| -> Result<(u64, u64), Fault> {
             let [offset, len] = halves(buffer).map(u64::try_from);
             let (Ok(offset), Ok(len)) = (offset, len) else { return Err(outside()) };
             match offset.checked_add(len) {
@@ -127,7 +127,7 @@ impl Batch {
             first.buffers += extent.buffers;
             first.views += extent.views;
         }
-        let some = |from: usize, to: usize| {
+        let some = |from: usize, to: usize| -> Result<usize, &'static str> {
             let some = self.more.get(from..to).ok_or("fewer columns than the schema has")?;
             let sum = some.iter().try_fold(0_usize, |sum, &more| sum.checked_add(more));
             sum.ok_or("too many buffers")

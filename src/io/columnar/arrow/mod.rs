@@ -18,7 +18,7 @@ use self::schema::{Column, Entry, Extent};
 use self::values::{Numbers, Values};
 use super::store::{ColumnReader, Fault, Field, Store};
 use super::words::Words;
-use crate::base::Result;
+use crate::base::Error;
 use crate::io::source::{error, error_at};
 
 /// How a file begins and ends.
@@ -51,7 +51,7 @@ pub struct ArrowStore {
 
 impl ArrowStore {
     /// Reads the footer and the metadata of a file of `len` bytes.
-    pub fn open(path: &Path, len: u64, limit: u64) -> Result<Self> {
+    pub fn open(path: &Path, len: u64, limit: u64) -> Result<Self, Error> {
         let mut file = File::open(path).map_err(|e| error_at(path, None, e))?;
         Self::read(path, &mut file, len, limit)
             .map_err(|what| error(path, None, format!("broken Arrow file: {what}")))

@@ -43,6 +43,9 @@ impl Values {
 
     /// Reads the next `rows` words; `None` for missing ones.
     pub fn words(&mut self, rows: usize) -> Result<Vec<Option<Vec<u8>>>, Fault> {
+        if u32::try_from(rows).is_err() {
+            return Err("more words than have numbers".into());
+        }
         let mut found = Vec::new();
         self.each_word(rows, |word| found.push(word.map(<[u8]>::to_vec)))?;
         Ok(found)
@@ -107,7 +110,7 @@ impl Values {
         let ends: Vec<usize> = ends.iter().map(|&end| number(end)).collect();
         let (first, last) = (ends[0], ends[rows]);
         let len = last.checked_sub(first).ok_or("words that end before they begin")?;
-        let bytes = if len == 0 { &[] } else { self.entries(1, first, len)? };
+        let bytes: &[u8] = if len == 0 { &[] } else { self.entries(1, first, len)? };
         for (i, pair) in ends.windows(2).enumerate() {
             if present.as_ref().is_some_and(|(bits, before)| !bit(bits, before + i)) {
                 work(None);

@@ -16,7 +16,7 @@ use self::numbers::Entry;
 use self::pages::Pages;
 use super::store::{ColumnReader, Fault, Field, Kind, Store};
 use super::words::Words;
-use crate::base::Result;
+use crate::base::Error;
 use crate::io::source::{error, error_at};
 
 /// An open Parquet file.
@@ -33,7 +33,7 @@ pub struct ParquetStore {
 
 impl ParquetStore {
     /// Reads the footer of a file of `len` bytes.
-    pub fn open(path: &Path, len: u64, limit: u64) -> Result<Self> {
+    pub fn open(path: &Path, len: u64, limit: u64) -> Result<Self, Error> {
         let file = File::open(path).map_err(|e| error_at(path, None, e))?;
         let fail = |what: String| error(path, None, format!("broken Parquet file: {what}"));
         let metadata = guarded(|| {

@@ -8,6 +8,7 @@ use parquet::data_type::{
     BoolType, ByteArrayType, DataType, DoubleType, FixedLenByteArrayType, FloatType, Int32Type,
     Int64Type,
 };
+use parquet::errors::ParquetError;
 use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor, Type};
 
 use super::guarded;
@@ -40,47 +41,41 @@ pub fn open(
     entry: Entry,
 ) -> Result<Box<dyn ColumnReader>, Fault> {
     Ok(match (entry, column.physical_type()) {
-        (Entry::Bool, _) => {
-            Numbers::<BoolType, _>::open(column, pages, |&v| f64::from(u8::from(v)))
-        }
-        (Entry::I32, _) => Numbers::<Int32Type, _>::open(column, pages, |&v| f64::from(v)),
-        (Entry::U32, _) => {
-            Numbers::<Int32Type, _>::open(column, pages, |&v| f64::from(v.cast_unsigned()))
-        }
-        (Entry::I64, _) => Numbers::<Int64Type, _>::open(column, pages, |&v| v as f64),
-        (Entry::U64, _) => {
-            Numbers::<Int64Type, _>::open(column, pages, |&v| v.cast_unsigned() as f64)
-        }
-        (Entry::F32, _) => Numbers::<FloatType, _>::open(column, pages, |&v| f64::from(v)),
-        (Entry::F64, _) => Numbers::<DoubleType, _>::open(column, pages, |&v| v),
+        (Entry::Bool, _) => open_as::<BoolType>(column, pages, |&v| f64::from(u8::from(v))),
+        (Entry::I32, _) => open_as::<Int32Type>(column, pages, |&v| f64::from(v)),
+        (Entry::U32, _) => open_as::<Int32Type>(column, pages, |&v| f64::from(v.cast_unsigned())),
+        (Entry::I64, _) => open_as::<Int64Type>(column, pages, |&v| v as f64),
+        (Entry::U64, _) => open_as::<Int64Type>(column, pages, |&v| v.cast_unsigned() as f64),
+        (Entry::F32, _) => open_as::<FloatType>(column, pages, |&v| f64::from(v)),
+        (Entry::F64, _) => open_as::<DoubleType>(column, pages, |&v| v),
         (Entry::F16, Physical::FIXED_LEN_BYTE_ARRAY) => {
-            Numbers::<FixedLenByteArrayType, _>::open(column, pages, |v| match *v.data() {
+            open_as::<FixedLenByteArrayType>(column, pages, |v| match *v.data() {
                 [low, high] => half(u16::from_le_bytes([low, high])),
                 _ => f64::NAN,
             })
         }
         (Entry::Decimal(scale), Physical::INT32) => {
-            Numbers::<Int32Type, _>::open(column, pages, move |&v| decimal(v.into(), scale))
+            open_as::<Int32Type>(column, pages, move |&v| decimal(v.into(), scale))
         }
         (Entry::Decimal(scale), Physical::INT64) => {
-            Numbers::<Int64Type, _>::open(column, pages, move |&v| decimal(v.into(), scale))
+            open_as::<Int64Type>(column, pages, move |&v| decimal(v.into(), scale))
         }
         (Entry::Decimal(scale), Physical::FIXED_LEN_BYTE_ARRAY) => {
             if column.type_length() > 16 {
                 return Err("decimals of more than 38 digits".into());
             }
-            Numbers::<FixedLenByteArrayType, _>::open(column, pages, move |v| {
+            open_as::<FixedLenByteArrayType>(column, pages, move |v| {
                 big_endian(v.data()).map_or(f64::NAN, |v| decimal(v, scale))
             })
         }
         (Entry::Decimal(scale), Physical::BYTE_ARRAY) => {
-            Numbers::<ByteArrayType, _>::open(column, pages, move |v| {
+            open_as::<ByteArrayType>(column, pages, move |v| {
                 big_endian(v.data()).map_or(f64::NAN, |v| decimal(v, scale))
             })
         }
         (Entry::Word, _) => {
             let column = numbers_of(&column)?;
-            Numbers::<Int32Type, _>::open(column, pages, |&v| words::entry(v))
+            open_as::<Int32Type>(column, pages, |&v| words::entry(v))
         }
         _ => return Err("entries of another size than their type has".into()),
     })
@@ -108,35 +103,39 @@ struct Numbers<T: DataType, F> {
     levels: Vec<i16>,
 }
 
-impl<T: DataType, F: Fn(&T::T) -> f64 + Send + 'static> Numbers<T, F> {
-    fn open(column: ColumnDescPtr, pages: Pages, number: F) -> Box<dyn ColumnReader> {
-        let present = column.max_def_level();
-        let reader = ColumnReaderImpl::<T>::new(column, Box::new(pages));
-        Box::new(Self { reader, number, present, entries: Vec::new(), levels: Vec::new() })
-    }
+/// Opens a column with entries of type T, of which `number` returns the numbers.
+fn open_as<T: DataType>(
+    column: ColumnDescPtr,
+    pages: Pages,
+    number: impl Fn(&T::T) -> f64 + Send + 'static,
+) -> Box<dyn ColumnReader> {
+    let present = column.max_def_level();
+    let reader = ColumnReaderImpl::<T>::new(column, Box::new(pages));
+    Box::new(Numbers { reader, number, present, entries: Vec::new(), levels: Vec::new() })
 }
 
 impl<T: DataType, F: Fn(&T::T) -> f64 + Send> ColumnReader for Numbers<T, F> {
     fn read(&mut self, rows: usize, cells: &mut Cells) -> Result<(), Fault> {
         let Self { reader, number, present, entries, levels } = self;
+        let (number, present) = (&*number, *present);
         entries.clear();
         levels.clear();
-        let (found, present_count, _) = guarded(|| {
-            let found = reader.read_records(rows, Some(levels), None, entries);
+        let (found, count, _) = guarded(|| {
+            let found = reader.read_records(rows, Some(&mut *levels), None, &mut *entries);
             found.map_err(|e| match e {
-                parquet::errors::ParquetError::General(what) => what,
+                ParquetError::General(what) => what,
                 other => other.to_string(),
             })
         })?;
         if found != rows {
-            return Err(format!("it ends {} rows too early", rows - found.min(rows)));
+            return Err(format!("it ends {} rows too early", rows.saturating_sub(found)));
         }
-        if present_count == rows {
+        if count == rows {
             cells.values.extend(entries.iter().map(number));
             return Ok(());
         }
         let mut entries = entries.iter();
-        for level in levels {
+        for &level in levels.iter() {
             match if level == present { entries.next() } else { None } {
                 Some(entry) => cells.values.push(number(entry)),
                 None => cells.miss(),
