@@ -165,3 +165,18 @@ impl<T: Real> RowBlocks<T> for TableFile {
         content!(content, file => file.read(first, out))
     }
 }
+
+#[cfg(all(test, not(feature = "columnar")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columnar_files_ask_for_their_feature() {
+        for name in ["a.parquet", "a.feather"] {
+            let error = TableFile::open(Path::new(name), &ReadOptions::new()).unwrap_err();
+            let error = error.to_string();
+            assert!(error.starts_with(name), "{error}");
+            assert!(error.ends_with("build it with --features columnar"), "{error}");
+        }
+    }
+}

@@ -17,6 +17,7 @@ from pyarrow import feather
 
 HERE = Path(__file__).parent
 ROWS = range(50)
+LONG = "a word of more than twelve bytes"
 
 KINDS = {
     "f64": pa.array([i / 2 - 3 for i in ROWS], pa.float64()),
@@ -38,7 +39,7 @@ KINDS = {
 
 OTHERS = {
     "word": pa.array([f"w{i % 3}" for i in ROWS]),
-    "large": pa.array([f"a word of more than twelve bytes {i % 4}" for i in ROWS], pa.large_string()),
+    "large": pa.array([f"{LONG} {i % 4}" for i in ROWS], pa.large_string()),
     "category": pa.DictionaryArray.from_arrays([i % 2 for i in ROWS], ["no", "yes", "never"]),
     "day": pa.array([datetime.date(2026, 1, 1 + i % 28) for i in ROWS]),
     "time": pa.array([datetime.datetime(2026, 1, 1, i % 24) for i in ROWS]),
@@ -76,7 +77,7 @@ def main():
         feather.write_feather(numbers, HERE / f"{codec}.feather", compression=codec, chunksize=20)
     feather.write_feather(numbers, HERE / "version1.feather", version=1)
     frame = pl.from_arrow(numbers).with_columns(
-        long=pl.Series([f"a word of more than twelve bytes {i % 4}" for i in ROWS]),
+        long=pl.Series([f"{LONG} {i % 4}" for i in ROWS]),
         category=pl.Series([f"c{i % 3}" for i in ROWS], dtype=pl.Categorical),
     )
     frame.write_parquet(HERE / "polars.parquet", row_group_size=20)
