@@ -25,6 +25,7 @@ mod npy_header;
 mod npz;
 mod output;
 mod read_arrays;
+mod read_options;
 mod rows;
 mod source;
 mod stored;
@@ -48,6 +49,7 @@ pub use names::FileFormat;
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished, try_discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays, read_arrays_with};
+pub use read_options::ReadOptions;
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
@@ -63,37 +65,7 @@ pub use source::{Packing, Source};
 
 use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;
-use crate::base::{Progress, Real, Result, options};
-
-options! {
-    /// How [`read`] reads. The default reads everything.
-    ///
-    /// ```
-    /// use catamaran::io::{ReadOptions, read};
-    ///
-    /// # let folder = tempfile::tempdir().unwrap();
-    /// # let path = &folder.path().join("a.csv");
-    /// std::fs::write(path, "1,2,text\n3,4,text\n").unwrap();
-    /// let a = read(path, &ReadOptions::new().columns(0..2).max_memory(1_000_000))?;
-    /// assert_eq!((a.nrows(), a.ncols()), (2, 2));
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    #[derive(Debug, Clone)]
-    pub struct ReadOptions<'a> {
-        /// Columns to keep. In a text table the others may hold anything.
-        columns: Columns = Columns::ALL, setter into;
-        /// The format; `None`: the one that the name of the file ends in, or else that of its
-        /// content.
-        format: Option<FileFormat> = None, setter into;
-        /// How the text of a table is read.
-        table: TableOptions = TableOptions::new();
-        /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the
-        /// file, whichever columns are kept.
-        max_memory: Option<u64> = None, setter into;
-        /// Receives the fraction of the file that has been read; may cancel.
-        progress: Progress<'a> = Progress::none(), setter into;
-    }
-}
+use crate::base::{Real, Result};
 
 /// A matrix that was read, and what is known about its columns.
 #[derive(Debug, Clone)]

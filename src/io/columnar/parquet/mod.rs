@@ -1,10 +1,10 @@
 //! Parquet files, whose pages crate parquet finds and decodes.
 
+mod guard;
 mod numbers;
 mod pages;
 
 use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,6 +12,7 @@ use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
 use parquet::schema::types::ColumnDescriptor;
 
+use self::guard::guarded;
 use self::numbers::Entry;
 use self::pages::Pages;
 use super::store::{ColumnReader, Fault, Field, Kind, Store};
@@ -117,12 +118,6 @@ impl Store for ParquetStore {
         let pages = Pages::new(file, column, self.groups[group], self.limit, words.cloned())?;
         numbers::open(column.column_descr_ptr(), pages, entry)
     }
-}
-
-/// Returns what `work` returns. The crate panics on some damaged files.
-fn guarded<R>(work: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {
-    let done = catch_unwind(AssertUnwindSafe(work));
-    done.unwrap_or_else(|_| Err("damaged".into()))
 }
 
 /// Checks that a column lies inside a file of `len` bytes.

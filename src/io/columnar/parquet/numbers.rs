@@ -11,7 +11,7 @@ use parquet::data_type::{
 use parquet::errors::ParquetError;
 use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor, Type};
 
-use super::guarded;
+use super::guard::guarded;
 use super::pages::Pages;
 use crate::io::columnar::decimal::{big_endian, decimal};
 use crate::io::columnar::store::{Cells, ColumnReader, Fault};
